@@ -52,7 +52,8 @@ class FreezeFrameStore:
     ) -> None:
         self._virtual_units = virtual_units
         self._folder, self._history, self._now = folder, history, now
-        self._lock = threading.Lock()
+        self._lock = threading.Lock()  # held briefly: the sampling thread takes it
+        self._disk = threading.Lock()  # held while a file is written or deleted; before `_lock`
         self._own: Path | None = None  # the folder of the unit
         self._kept = True  # in that folder
         self._frames: dict[str, FreezeFrame] = {}
@@ -69,7 +70,8 @@ class FreezeFrameStore:
                 return
             self._own, self._pending = own, []
             self._kept = self._virtual_units or VIRTUAL_PASSPORT not in pieces
-            self._frames = {frame.id: frame for frame in map(_load, _files(own)) if frame}
+            files = _files(own)[:_MOST]
+            self._frames = {frame.id: frame for frame in map(_load, files) if frame}
 
     @property
     def frames(self) -> list[FreezeFrame]:
@@ -105,12 +107,13 @@ class FreezeFrameStore:
 
     def delete(self, identity: str) -> bool:
         """Delete a frame; False: there is none of this id."""
-        with self._lock:
-            frame = self._frames.pop(identity, None)
-            self._pending = [it for it in self._pending if it[0] != identity]
-            if frame is not None and self._own is not None:
+        with self._disk:
+            with self._lock:
+                own, frame = self._own, self._frames.pop(identity, None)
+                self._pending = [it for it in self._pending if it[0] != identity]
+            if frame is not None and own is not None:
                 with suppress(OSError):
-                    _file(self._own, frame).unlink()
+                    _file(own, frame).unlink()
         return frame is not None
 
     def _complete(
@@ -139,9 +142,10 @@ class FreezeFrameStore:
             threading.Thread(target=self._write, args=(own, frame), daemon=True).start()
 
     def _write(self, own: Path, frame: FreezeFrame) -> None:
-        with self._lock, suppress(OSError):
-            if self._frames.get(frame.id) is not frame:
-                return  # deleted, or completed meanwhile
+        with self._disk, suppress(OSError):
+            with self._lock:
+                if own == self._own and self._frames.get(frame.id) is not frame:
+                    return  # deleted, or completed meanwhile
             own.mkdir(parents=True, exist_ok=True)
             save(_file(own, frame), json.dumps(frame.as_json()))
             for file in _files(own)[_MOST:]:

@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Final
 
 from mikas.catalog import Catalog
+from mikas.cleaning import clean_line
 from mikas.client.limits import unit_file
 from mikas.dashboard.errors import Busy, NotFound
 from mikas.dashboard.session.connection import Connection, SamplingPlanner
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
 
 _MOST_KEPT: Final = 50  # results of a unit
 _MOST_BYTES: Final = 4 << 20
+_LONGEST_ID: Final = 80
 _RUNNING: Final = Text("a test is running", "проверка уже идёт")
 _NOT_RUNNING: Final = Text("no test is running", "проверка не идёт")
 
@@ -74,6 +76,7 @@ class GuidedTests:
         self._settings, self._connection, self._monitor = settings, connection, monitor
         self._plan, self._recorder, self._catalog = plan, recorder, catalog
         self._lock = threading.RLock()
+        self._saving = threading.Lock()  # before `_lock`
         self._run: _Run | None = None
         self._kept: dict[Path, list[KeptResult]] = {}
 
@@ -192,20 +195,23 @@ class GuidedTests:
     def _keep(self, results: list[KeptResult]) -> None:
         file = self._file()
         self._kept[file] = results
-        content = json.dumps(
-            [{"id": it.identity, "in_report": it.in_report} | it.result.as_json() for it in results]
-        )
         # Not in the sampling thread: the disk may take a second.
-        threading.Thread(target=_save, args=(file, content), name="mikas test result").start()
+        threading.Thread(target=self._save, args=(file,), name="mikas test result").start()
 
-
-_SAVING = threading.Lock()
-
-
-def _save(file: Path, content: str) -> None:
-    with _SAVING, suppress(OSError):  # the results stay in memory, and in the recording
-        file.parent.mkdir(parents=True, exist_ok=True)
-        save(file, content)
+    def _save(self, file: Path) -> None:
+        """Save the present results; a thread that comes late does not bring older ones back."""
+        with self._saving:
+            with self._lock:
+                results = self._kept[file]
+            content = json.dumps(
+                [
+                    {"id": it.identity, "in_report": it.in_report} | it.result.as_json()
+                    for it in results
+                ]
+            )
+            with suppress(OSError):  # the results stay in memory, and in the recording
+                file.parent.mkdir(parents=True, exist_ok=True)
+                save(file, content)
 
 
 def _read(file: Path) -> list[KeptResult]:
@@ -219,5 +225,7 @@ def _read(file: Path) -> list[KeptResult]:
     for data in stored[:_MOST_KEPT] if isinstance(stored, list) else ():
         result = read(data)
         if result is not None and isinstance(identity := data.get("id"), str):
-            kept.append(KeptResult(identity[:80], result, data.get("in_report") is True))
+            kept.append(
+                KeptResult(clean_line(identity, _LONGEST_ID), result, data.get("in_report") is True)
+            )
     return kept
