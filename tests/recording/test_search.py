@@ -83,6 +83,7 @@ def test_hits_are_those_of_the_rule_row_by_row_however_the_table_is_cut(drawn, s
         ("max(JAIR, UGB) / FREQ <= 0.01", "max(JAIR, UGB) / FREQ", True),
         ("3 < 4 and TWAT != 85", "TWAT", False),
         ("not RXX", "", False),
+        (f"max({','.join(['FREQ'] * 190)})>0", "", False),  # with its spaces over the limit
     ],
 )
 def test_the_peak_is_of_what_is_compared_first(expression, peak_of, lowest):

@@ -21,7 +21,7 @@ import numpy as np
 
 from mikas.catalog import Catalog, Derived
 from mikas.catalog.conversion import NO_TEXT
-from mikas.catalog.formula_syntax import parse
+from mikas.catalog.formula_syntax import LONGEST, parse
 from mikas.errors import UsageError, usage_error
 from mikas.recording.exchanges.arrays import Floats, Index
 from mikas.recording.recording import Recording
@@ -191,7 +191,8 @@ def _first_comparison(expression: str) -> tuple[str, bool]:
             if names := _channel_names(side):
                 for name in names:
                     name.id = name.id.upper()
-                return ast.unparse(side), isinstance(operator, low)
+                formula = ast.unparse(side)  # with its own spaces: it may have grown too long
+                return formula if len(formula) <= LONGEST else "", isinstance(operator, low)
     return "", False
 
 
