@@ -255,6 +255,9 @@ def test_a_file_that_can_not_be_read_or_written_is_named(
     def full(*_: object) -> None:
         raise OSError(28, "No space left on device")
 
+    nowhere = OwnCatalog(tmp_path / ("n" * 300) / "catalog.toml").load()  # no such name can exist
+    assert nowhere.catalog.version == shipped().version
+    assert nowhere.problem is not None
     monkeypatch.setattr("mikas.catalog.own.file.save", full)
     with pytest.raises(CatalogError, match=r"catalog\.toml: No space left"):
         set_keys(own, known, "LOAD", {"limits": {**LIMITS, "danger_high": 120.0}})

@@ -52,7 +52,7 @@ class OwnCatalog:
 
     def load(self) -> Loaded:
         """Return the catalog of all files. Raises `CatalogError` for one of `more`."""
-        if not self.path.exists():
+        if not self._is_there():
             return Loaded(load(*self._more))
         try:
             return Loaded(load(self.path, *self._more))
@@ -93,6 +93,15 @@ class OwnCatalog:
         if after != before:
             self._write(after, windows=self._has_windows_lines())
         return catalog
+
+    def _is_there(self) -> bool:
+        try:
+            self.path.stat()
+        except FileNotFoundError:
+            return False
+        except OSError:
+            return True  # reading it gives the reason
+        return True
 
     def _read(self) -> str:
         try:
