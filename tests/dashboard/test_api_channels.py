@@ -179,3 +179,4 @@ def test_a_moment_of_a_recording(warm):
     assert got["value"] == 2 * values[1]
     assert trial(warm, "UACC * 2", recording=file["id"])["value"] > 0
     assert warm.get("/channels/FREQ/value", recording=file["id"], at=time - 1e6)["value"] is None
+    assert warm.get("/channels/FREQ/value", 400, at="nan")["code"] == "BadRequest"

@@ -290,7 +290,9 @@ class ConnectionMonitor:
         values = {name: value for name, value in values.items() if name not in outdated}
         self.meters.sample(event.time)
         self.latest.update(values)
-        self.readings.update(event.fresh)
+        self.readings.update(
+            (name, reading) for name, reading in event.fresh.items() if name not in outdated
+        )
         row = [values.get(name, nan) for name in self._names]
         self.history.add(event.time, self._names, row)
         self._searched = False

@@ -43,7 +43,10 @@ _REACH = 15.0
 _ROUNDED = 1e-6
 """Seconds by which the time of a row may have become earlier in JSON."""
 
-At = Annotated[float | None, Query(description="UNIX seconds; null: now, a recording's end")]
+At = Annotated[
+    float | None,
+    Query(allow_inf_nan=False, description="UNIX seconds; null: now, a recording's end"),
+]
 Moments = Mapping[str, tuple[float, float]]
 """By channel: the time and value of its last one."""
 
