@@ -138,6 +138,12 @@ def test_a_clock_that_runs_back_ends_no_step() -> None:
     progress = engine.progress()
     assert (progress.step, progress.phase) == (0, ProgressPhase.HOLD)
     assert progress.held <= 1.5
+    feed(engine, 51.6, 54, UACC=12.8, FREQ=0)
+    feed(engine, 54.1, 56, UACC=12.9, FREQ=800)
+    assert engine.result is not None
+    assert (engine.result.began, engine.result.ended) == (50, pytest.approx(54.1))
+    (curve,) = engine.result.curves
+    assert curve.times == tuple(sorted(curve.times))
 
 
 def test_a_skipped_step_can_not_be_good() -> None:

@@ -184,11 +184,13 @@ class TestEngine:
                 curve.add(time, latest[name])
 
     def _restart_clock(self, time: float) -> None:
-        """Restart the present step: the time between the clock's two settings is unknown."""
+        """Restart the present step, and the times of the test, on a clock that was set back."""
         self._time = time
         self._values.clear()
         self._ready_since = None
         if self._step is not None:
+            self._begun = time
+            self._curves = {name: _CurveBuilder() for name in self._curves}
             self._enter(time)
 
 
