@@ -59,7 +59,7 @@ def test_sampling_goes_on_while_a_frame_is_written(store, tmp_path, monkeypatch)
     assert list(tmp_path.rglob("*.json")) == []
 
 
-def test_of_many_files_the_latest_frames_are_read(store, tmp_path):
+def test_of_many_files_the_latest_thirty_are_read(store, tmp_path):
     store.begin_unit(UNIT)
     seen(store, 13, 8.0)
     (frame,) = store.frames
@@ -68,9 +68,11 @@ def test_of_many_files_the_latest_frames_are_read(store, tmp_path):
     for number in range(50):
         about = frame.as_json() | {"seen": 100.0 + number}
         (folder / f"{100.0 + number:.3f}-13.json").write_text(json.dumps(about), "utf-8")
+    far = frame.as_json() | {"without": 1e300, "seen": 1e300}
+    (folder / "999.000-13.json").write_text(json.dumps(far), "utf-8")  # no such time
     again = FreezeFrameStore(tmp_path, History(), lambda: 19.0)
     again.begin_unit(UNIT)
-    assert [each.seen for each in again.frames] == [149.0 - number for number in range(30)]
+    assert [each.seen for each in again.frames] == [149.0 - number for number in range(29)]
 
 
 def test_of_two_results_kept_at_once_the_later_stays(tmp_path, monkeypatch):

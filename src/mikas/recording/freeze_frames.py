@@ -17,7 +17,7 @@ from math import isfinite, isnan, nan
 from typing import Any, Final
 
 from mikas.catalog import Fault
-from mikas.cleaning import clean_line
+from mikas.cleaning import clean_line, is_in_calendar
 from mikas.recording.table.channels import Rows
 from mikas.recording.table.decimation import decimated
 from mikas.sampling.events import FaultReading
@@ -147,10 +147,12 @@ def frame_from(stored: Any) -> FreezeFrame | None:  # noqa: ANN401  (any JSON)
     without, seen = _number(stored.get("without")), _number(stored.get("seen"))
     if not (isinstance(code, int) and 0 <= code <= 255 and isinstance(times, list)):
         return None
-    if not isinstance(values, dict) or len(times) > 2 * _MOST_ROWS or isnan(without):
+    if not isinstance(values, dict) or len(times) > 2 * _MOST_ROWS:
         return None
     instants = tuple(map(_number, times))
-    if isnan(seen) or any(map(isnan, instants)) or len(values) > _MOST_COLUMNS:
+    if not all(is_in_calendar(abs(time)) for time in (without, seen, *instants)):
+        return None
+    if len(values) > _MOST_COLUMNS:
         return None
     columns = {
         clean_line(name, _NAME): tuple(map(_number, column))
