@@ -183,15 +183,15 @@ class TestResult:
         ]
         for each in self.findings:
             if each.check.en:
-                lines.append(f"{words(_CHECK)} {words(each.check)}")
-        lines += [f"{words(_MISSING)} {words(each)}" for each in self.missing]
+                lines.append(f"{words(CHECK)} {words(each.check)}")
+        lines += [f"{words(MISSING)} {words(each)}" for each in self.missing]
         lines += [
             f"{words(each.text)}: {words(each.shown)}"
             + (f" ({words(each.why)})" if each.value is None else "")
             for each in self.numbers
         ]
         for each in self.findings:
-            sure = f"{words(_RULE)} {each.formula}; {words(SURE[each.confidence])}"
+            sure = f"{words(RULE)} {each.formula}; {words(SURE[each.confidence])}"
             lines.append(f"{sure}. {words(each.doubt)}".rstrip())
         return lines
 
@@ -207,9 +207,9 @@ SURE: Final[Mapping[Certainty, Text]] = {
     Certainty.MEDIUM: Text("confidence: medium", "уверенность: средняя"),
     Certainty.LOW: Text("confidence: low", "уверенность: низкая"),
 }
-_CHECK: Final = Text("Check next:", "Проверьте дальше:")
-_MISSING: Final = Text("Not decided:", "Не решено:")
-_RULE: Final = Text("Rule:", "Правило:")
+CHECK: Final = Text("Check next:", "Проверьте дальше:")
+MISSING: Final = Text("Not decided:", "Не решено:")
+RULE: Final = Text("Rule:", "Правило:")
 
 
 def read(data: object, *, shift: float = 0.0) -> TestResult | None:

@@ -31,6 +31,7 @@ from mikas.report.findings import (
 )
 from mikas.report.formatting import CONFIDENCE, band, date_of, moment, number, percent, with_unit
 from mikas.report.labels import Labels
+from mikas.report.measurements.alarms import Channel
 from mikas.report.sections.alarm_texts import alarm_section
 from mikas.report.sections.conditions import rows as how_rows
 from mikas.report.sections.guided_tests import section as guided_section
@@ -256,7 +257,7 @@ def _has_row(value: ChannelFinding) -> bool:
     return value.unrated in (None, Unrated.SENSOR, Unrated.TOO_FEW)
 
 
-def _chart_channels(found: Findings) -> list[Any]:
+def _chart_channels(found: Findings) -> list[Channel]:
     """Return the channels to draw: abnormal ones first, those with an alarm, `_FIRST`, then others;
     one speed.
     """

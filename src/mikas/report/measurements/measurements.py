@@ -8,18 +8,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TypeAlias
 
 import numpy as np
 
-from mikas.catalog import Catalog, Derived, Parameter
-from mikas.report.measurements.alarms import Alarm, AlarmCollector, limits_of
+from mikas.catalog import Catalog
+from mikas.report.measurements.alarms import Alarm, AlarmCollector, Channel, limits_of
 from mikas.report.measurements.statistics import ChannelStatistics, Envelope, ValueCounts
 from mikas.report.measurements.warm_idle import WarmIdle, WarmIdleFinder
 from mikas.sampling.derived import SampleRows
 from mikas.sampling.events import Event
-
-Channel: TypeAlias = Parameter | Derived
 
 _FINER = 2  # decimals beyond those shown, for computed channels
 

@@ -7,16 +7,22 @@ from typing import Final
 from markupsafe import Markup
 
 from mikas.guided.definition import VerdictKind
-from mikas.guided.result import OUTCOMES, SURE, Curve, Finding, TestResult
+from mikas.guided.result import (
+    CHECK,
+    MISSING,
+    OUTCOMES,
+    RULE,
+    SURE,
+    Curve,
+    Finding,
+    TestResult,
+)
 from mikas.i18n import Language, Text
 from mikas.report.findings import Findings
 from mikas.report.formatting import moment, number
 from mikas.report.sections.section import PageSection, items, paragraph, table
 
 _TITLE: Final = Text("Guided tests", "Проверки по шагам")
-_CHECK: Final = Text("Check next:", "Проверьте дальше:")
-_RULE: Final = Text("Rule:", "Правило:")
-_MISSING: Final = Text("Not decided:", "Не решено:")
 _HEAD: Final = (
     Text("Measured", "Измерено"),
     Text("Value", "Значение"),
@@ -45,7 +51,7 @@ def _test(result: TestResult, found: Findings, language: Language) -> Markup:
         parts.append(paragraph(result.verdict.to(language)))
     parts += [_finding(finding, language) for finding in result.findings]
     if result.missing:
-        parts.append(paragraph(_MISSING.to(language)))
+        parts.append(paragraph(MISSING.to(language)))
         parts.append(items(text.to(language) for text in result.missing))
     rows = (
         (
@@ -69,8 +75,8 @@ def _moving(curves: tuple[Curve, ...]) -> list[Curve]:
 def _finding(finding: Finding, language: Language) -> Markup:
     parts = [Markup("<p><strong>{}</strong></p>").format(finding.text.to(language))]
     if finding.check.en:
-        parts.append(paragraph(f"{_CHECK.to(language)} {finding.check.to(language)}"))
-    rule = f"{_RULE.to(language)} {finding.formula}; {SURE[finding.confidence].to(language)}."
+        parts.append(paragraph(f"{CHECK.to(language)} {finding.check.to(language)}"))
+    rule = f"{RULE.to(language)} {finding.formula}; {SURE[finding.confidence].to(language)}."
     doubt = f"{rule} {finding.doubt.to(language)}".rstrip()
     parts.append(Markup("<p class='small quiet'>{}</p>").format(doubt))
     return Markup("").join(parts)

@@ -157,7 +157,6 @@ class IdentityCheck:
     A response does not identify its unit (D13). Moving the plug to another car takes a second or
     more, in which every request meets silence. After such a silence no value is accepted before
     the passports are compared. A single lost or damaged response is no such silence.
-
     """
 
     def __init__(self) -> None:
