@@ -12,8 +12,8 @@ import pytest
 
 from mikas import saving
 from mikas.client.gate import Journal
-from mikas.errors import JournalError, reason_of
-from mikas.saving import append_line, save
+from mikas.errors import JournalError, UsageError, reason_of
+from mikas.saving import append_line, save, save_json
 
 
 class SmallDisk:
@@ -111,3 +111,13 @@ def test_nothing_is_written_through_a_link_or_to_a_pipe(tmp_path):
         with pytest.raises(JournalError, match=r"a link|second name|a pipe"):
             Journal(journal).write({})
         assert secret.read_text() == "not yours"
+
+
+def test_json_is_saved_with_its_folder_and_an_error_names_the_file(tmp_path: Path) -> None:
+    file = tmp_path / "folder" / "list.json"
+    for number in (1, 2):
+        save_json(file, ["ё", number])
+    assert json.loads(file.read_text("utf-8")) == ["ё", 2]
+    assert [it.name for it in file.parent.iterdir()] == ["list.json"]
+    with pytest.raises(UsageError, match=r"list\.json: "):
+        save_json(file / "list.json", [])

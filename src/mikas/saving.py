@@ -1,8 +1,8 @@
 """Files of the program's own, written whole: whatever stops it, the old content or the new one.
 
-`save` replaces a file, `append_line` adds to one. Both have the content on the disk on return, also
-if the power fails then. A program that is killed may leave `NAME.new`, which no reader takes for
-NAME and the next `save` removes.
+`save` and `save_json` replace a file, `append_line` adds to one. On return the content is on the
+disk, also if the power fails then. A program that is killed may leave `NAME.new`, which no reader
+takes for NAME and the next `save` removes.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import BinaryIO
 
+from mikas.errors import UsageError, reason_at
 from mikas.files import open_regular
 
 
@@ -19,8 +20,8 @@ def save(path: Path, text: str, *, follow: bool = False, private: bool = False) 
     """Replace the content of `path` by `text`, in UTF-8, all or nothing. Raises `OSError`.
 
     A link or a pipe is replaced by a file; nothing is written through it. `follow`: the user named
-    the path, so a pipe or a device is written to. `private`: only its owner can read
-    the file, from its first byte on (POSIX).
+    the path, so a pipe or a device is written to. `private`: only its owner can read the file, from
+    its first byte on (POSIX).
     """
     if follow and path.exists() and not path.is_file():
         path.write_text(text, "utf-8")
@@ -40,6 +41,20 @@ def save(path: Path, text: str, *, follow: bool = False, private: bool = False) 
             new.unlink(missing_ok=True)
         raise
     _settle(path.parent)
+
+
+def save_json(path: Path, value: object) -> None:
+    """Replace a file of the user's data by `value` as JSON, and make its folder.
+
+    One thread at a time may save the same file. Raises `UsageError` with the file and the reason.
+    """
+    import json
+
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        save(path, json.dumps(value, ensure_ascii=False, indent=1))
+    except OSError as error:
+        raise UsageError(problem=reason_at(path, error)) from error
 
 
 def append_line(path: Path, line: str) -> None:

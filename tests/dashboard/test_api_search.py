@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 
@@ -58,7 +60,9 @@ def test_in_the_live_values(desk) -> None:
 
 def test_conditions_are_kept(desk) -> None:
     kept = [{"name": "перегрев", "expression": "TWAT > 100"}]
-    assert desk.put("/searches", {"searches": kept}) == {"searches": kept}
+    with ThreadPoolExecutor(4) as pool:  # several pages at once
+        put = [pool.submit(desk.put, "/searches", {"searches": kept}) for _ in range(16)]
+    assert all(each.result() == {"searches": kept} for each in put)
     assert desk.get("/searches") == {"searches": kept}
     wrong = {"searches": [{"expression": "TWAT >"}]}
     assert desk.put("/searches", wrong, 400)["code"] == "UsageError"

@@ -7,7 +7,6 @@ it, and nowhere else (docs/security.md).
 
 from __future__ import annotations
 
-import json
 import threading
 from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
@@ -16,9 +15,8 @@ from typing import Any, Final
 
 from mikas.cleaning import clean_line
 from mikas.client.limits import unit_file
-from mikas.errors import UsageError, reason_at
 from mikas.files import read_json
-from mikas.saving import save
+from mikas.saving import save_json
 from mikas.virtual import VIRTUAL_PASSPORT
 
 LONGEST: Final = 100  # characters of a field
@@ -118,11 +116,7 @@ class CarBook:
                 del kept["workshop"]
                 cars[key] = kept  # as the latest
                 stored["cars"] = dict(list(cars.items())[-_MOST_CARS:])
-            try:
-                self._file.parent.mkdir(parents=True, exist_ok=True)
-                save(self._file, json.dumps(stored, ensure_ascii=False, indent=1))
-            except OSError as error:
-                raise UsageError(problem=reason_at(self._file, error)) from error
+            save_json(self._file, stored)
 
     def _key(self, version_code: int | None, passports: tuple[str, ...]) -> str | None:
         if version_code is None or not any(passports):

@@ -10,6 +10,7 @@ The routes decide which client may change anything (`security`).
 from __future__ import annotations
 
 import asyncio
+import threading
 import time
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
@@ -67,6 +68,8 @@ class Dashboard:
     ) -> None:
         options = settings.connection
         self.settings, self.lan, self.clock = settings, lan, clock
+        self.saving = threading.Lock()
+        """Held while a list of the user is saved: requests come in threads."""
         self.catalogs = CatalogInUse(settings.own_catalog, options.catalog, self._use_catalog)
         self.write_lock = WriteLock(clock)
         self.control = ControlLease(clock, changed=self.write_lock.close)

@@ -6,7 +6,6 @@ Presets are pages of tiles: those that come with the program, and the user's own
 from __future__ import annotations
 
 import io
-import json
 import tomllib
 from functools import cache
 from importlib.metadata import version
@@ -27,10 +26,9 @@ from mikas.dashboard.errors import NotFound
 from mikas.dashboard.security.access import Access
 from mikas.dashboard.session.event_log import page_json
 from mikas.dashboard.session.history import json_columns
-from mikas.errors import UsageError, reason_at
 from mikas.files import read_regular
 from mikas.recording.table.decimation import decimated
-from mikas.saving import save
+from mikas.saving import save_json
 
 router = APIRouter(tags=["about"])
 
@@ -189,13 +187,9 @@ def presets(dashboard: TheDashboard) -> PresetList:
 @router.put("/presets", responses=errors())
 def write_presets(dashboard: TheDashboard, _: KnownClient, body: PresetList) -> PresetList:
     """Replace the user's presets, all or none."""
-    file = dashboard.settings.presets
     content = [{**preset.model_dump(), "shipped": False} for preset in body.presets]
-    try:
-        file.parent.mkdir(parents=True, exist_ok=True)
-        save(file, json.dumps(content, ensure_ascii=False, indent=1))
-    except OSError as error:
-        raise UsageError(problem=reason_at(file, error)) from error
+    with dashboard.saving:
+        save_json(dashboard.settings.presets, content)
     return presets(dashboard)
 
 

@@ -5,7 +5,6 @@ Live it searches the last hours that the program holds, of a recording all of it
 
 from __future__ import annotations
 
-import json
 from typing import Annotated, Final
 
 from fastapi import APIRouter, Query
@@ -24,10 +23,10 @@ from mikas.dashboard.api.errors import errors
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.library.folder import RecordingFile
 from mikas.dashboard.session.history import row_time
-from mikas.errors import UsageError, reason_at, usage_error
+from mikas.errors import usage_error
 from mikas.files import read_regular
 from mikas.recording.search import Hit, SearchCondition, SearchResult, search, search_rows
-from mikas.saving import save
+from mikas.saving import save_json
 
 router = APIRouter(tags=["search"])
 
@@ -119,13 +118,8 @@ def write_searches(dashboard: TheDashboard, _: KnownClient, body: SearchList) ->
     """Replace the user's conditions, all or none; each must be a formula of the catalog."""
     for kept in body.searches:
         SearchCondition(dashboard.catalog, kept.expression)
-    file = dashboard.settings.searches
-    try:
-        file.parent.mkdir(parents=True, exist_ok=True)
-        content = [kept.model_dump() for kept in body.searches]
-        save(file, json.dumps(content, ensure_ascii=False, indent=1))
-    except OSError as error:
-        raise UsageError(problem=reason_at(file, error)) from error
+    with dashboard.saving:
+        save_json(dashboard.settings.searches, [kept.model_dump() for kept in body.searches])
     return searches(dashboard)
 
 

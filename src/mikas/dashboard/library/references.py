@@ -7,7 +7,6 @@ the same version of mikas makes the same bytes. Its id contains colons, which no
 
 from __future__ import annotations
 
-import json
 import threading
 from dataclasses import dataclass
 from importlib.metadata import version
@@ -24,7 +23,7 @@ from mikas.i18n import Text
 from mikas.recording import CaptureWriter
 from mikas.recording.annotations.annotator import SessionAnnotator
 from mikas.sampling.events import UnitFound
-from mikas.saving import save
+from mikas.saving import save_json
 
 MOST_MARKED: Final = 100
 _MOST_BYTES: Final = 1 << 17
@@ -86,11 +85,7 @@ class References:
         with self._changing:
             names = [other for other in self.marked() if other != name]
             names = [name, *names][:MOST_MARKED] if on else names
-            try:
-                self._marks.parent.mkdir(parents=True, exist_ok=True)
-                save(self._marks, json.dumps(names, ensure_ascii=False, indent=1))
-            except OSError as error:
-                raise UsageError(problem=reason_at(self._marks, error)) from error
+            save_json(self._marks, names)
 
     def virtual(self, identity: str) -> RecordingFile | None:
         """Return a recording of the virtual car, made now if need be; None: another kind of id.
