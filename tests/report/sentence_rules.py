@@ -72,6 +72,16 @@ def unread(f: Findings) -> bool:
     return any(each.missing >= 10 for each in f.measured.idle.rules)
 
 
+def no_idle(f: Findings) -> bool:
+    return not unknown_idle(f) and not f.measured.idle.stretches and not unread(f)
+
+
+def too_fast(f: Findings) -> bool:
+    """Of what shows warm idle the speed alone is outside, and always above."""
+    coolant, speed, throttle = f.measured.idle.rules
+    return coolant.held and throttle.held and 1300 < speed.least < 1e9
+
+
 def sides(f: Findings) -> int:
     return len({(a.limit.name, a.limit.side) for a in f.measured.alarms})
 
@@ -205,9 +215,11 @@ RULES: dict[str, Callable[[Findings], bool]] = {
     "no warm idle was found, so no value is rated": lambda f: (
         not unknown_idle(f) and not f.measured.idle.stretches and unread(f)
     ),
-    "there was no warm idle, so no value is rated": lambda f: (
-        not unknown_idle(f) and not f.measured.idle.stretches and not unread(f)
+    "the speed was never below {} rpm, so no value is rated at warm idle; if it stays there with a "
+    "warm engine and the pedal released, the idle is too fast": lambda f: (
+        no_idle(f) and too_fast(f)
     ),
+    "there was no warm idle, so no value is rated": lambda f: no_idle(f) and not too_fast(f),
     "the guided test “{}” found: {}": failed_tests,
     "Not read in this session.": lambda f: f.subject.faults is None,
     "No faults are stored.": lambda f: f.subject.faults == (),

@@ -131,6 +131,18 @@ def test_nothing_is_judged_that_was_not_at_warm_idle() -> None:
     all_texts(findings)
 
 
+def test_an_idle_too_fast_to_be_one_is_named() -> None:
+    findings = found(rows(FREQ=1520))
+    assert not findings.at_idle
+    assert findings.outcome is Outcome.OPEN
+    summary = summary_sentence(findings)
+    assert "the speed was never below 1520 rpm, so no value is rated" in summary.en
+    assert "обороты не опускались ниже 1520 об/мин" in summary.ru
+    all_texts(findings)
+    for other in (rows(FREQ=1520, TWAT=45), rows(FREQ=1520, THR=30, RXX=0), rows(FREQ=0)):
+        assert "never below" not in summary_sentence(found(other)).en
+
+
 def test_only_values_at_warm_idle_count() -> None:
     def driving(times):
         return np.where(times < 40, 2400, 840)

@@ -95,6 +95,13 @@ class WarmIdle:
         """The rules whose channels were not recorded."""
         return tuple(result.rule for result in self.rules if result.name is None)
 
+    @property
+    def never_below(self) -> float | None:
+        """The lowest speed, rpm, where only speed ruled out warm idle, as too high; else None."""
+        (speed,) = (each for each in self.rules if each.rule is SPEED)
+        others = all(each.held for each in self.rules if each is not speed)
+        return speed.least if others and not speed.held and SPEED.high < speed.least < inf else None
+
 
 class WarmIdleFinder:
     """Finds warm idle in consecutive blocks of rows; `recorded`: their channels."""

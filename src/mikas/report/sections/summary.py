@@ -128,6 +128,14 @@ def no_idle_sentence(idle: WarmIdle) -> Text:
             "no warm idle was found, so no value is rated",
             "прогретый холостой ход не найден, поэтому значения без оценки",
         )
+    if (least := idle.never_below) is not None:
+        return Text(
+            f"the speed was never below {least:.0f} rpm, so no value is rated at warm idle; if it "
+            "stays there with a warm engine and the pedal released, the idle is too fast",
+            f"обороты не опускались ниже {least:.0f} об/мин, поэтому значения без оценки на "
+            "холостом ходу; если они такие на прогретом двигателе с отпущенной педалью, холостой "
+            "ход завышен",
+        )
     return Text(
         "there was no warm idle, so no value is rated",
         "прогретого холостого хода в данных нет, поэтому значения без оценки",
