@@ -18,6 +18,7 @@ from mikas.guided.definition import VerdictKind
 from mikas.guided.result import TestResult
 from mikas.i18n import Text
 from mikas.sampling.events import FaultReading, UnitFound
+from mikas.virtual import VIRTUAL_PASSPORT
 
 UNIT = UnitFound(0.0, 0x71, Passport(("A", "B"), ("C", "D")))
 
@@ -75,12 +76,21 @@ def test_of_many_files_the_latest_thirty_are_read(store, tmp_path):
     assert [each.seen for each in again.frames] == [149.0 - number for number in range(29)]
 
 
-def test_of_two_results_kept_at_once_the_later_stays(tmp_path, monkeypatch):
-    texts = Text("idle", "хх")
-    result = TestResult("idle", texts, 1.0, 2.0, VerdictKind.GOOD, (), (), (), (), ())
-    file = unit_file(tmp_path, 0, ())
-    kept = [{"id": "idle-2000\u202e", "in_report": False} | result.as_json()]
+RESULT = TestResult("idle", Text("a", "а"), 1.0, 2.0, VerdictKind.GOOD, (), (), (), (), ())
+
+
+def kept_results(folder, unit, *, virtual_units=True):
+    """The results of `unit`, with one in its file."""
+    file = unit_file(folder, unit.version_code, unit.passport.pieces)
+    kept = [{"id": "idle-2000\u202e", "in_report": False} | RESULT.as_json()]
     file.write_text(json.dumps(kept), "utf-8")
+    settings = SimpleNamespace(test_results=folder, virtual_units=virtual_units)
+    monitor = SimpleNamespace(unit=unit)
+    tests = GuidedTests(settings, None, monitor, None, recorder=None, catalog=None)
+    return tests, file
+
+
+def test_of_two_results_kept_at_once_the_later_stays(tmp_path, monkeypatch):
     started = []
 
     class Thread:
@@ -90,14 +100,7 @@ def test_of_two_results_kept_at_once_the_later_stays(tmp_path, monkeypatch):
         def start(self):
             started.append(self._run)
 
-    tests = GuidedTests(
-        SimpleNamespace(test_results=tmp_path),
-        None,
-        SimpleNamespace(unit=None),
-        None,
-        recorder=None,
-        catalog=None,
-    )
+    tests, file = kept_results(tmp_path, UNIT)
     (read,) = tests.results
     assert read.identity.isprintable()
     with monkeypatch.context() as patched:
@@ -107,3 +110,10 @@ def test_of_two_results_kept_at_once_the_later_stays(tmp_path, monkeypatch):
     for run in reversed(started):  # the system runs threads in any order
         run()
     assert json.loads(file.read_text("utf-8"))[0]["in_report"] is True
+
+
+@pytest.mark.parametrize("pieces", [("", ""), (VIRTUAL_PASSPORT, "")])
+def test_a_unit_that_is_not_one_car_has_no_results_of_another_day(tmp_path, pieces):
+    unit = UnitFound(0.0, 0x71, Passport(pieces, ()))
+    tests, _ = kept_results(tmp_path, unit, virtual_units=False)
+    assert tests.results == []

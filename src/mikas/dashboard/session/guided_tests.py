@@ -2,7 +2,8 @@
 
 The sampling thread gives every sample to the running test. Its channels are sampled as fast as the
 others while it runs; what the plan lacked is added, and taken away again at its end. A result is
-kept in the state folder, and is a note in the recording that runs.
+kept in the state folder, and is a note in the recording that runs. Units with empty passports can't
+be distinguished: results of such a unit are in memory only, until another unit answers.
 """
 
 from __future__ import annotations
@@ -28,6 +29,7 @@ from mikas.recording.recorder import Recorder
 from mikas.sampling.derived import number_of
 from mikas.sampling.events import Sampled, UnitFound
 from mikas.saving import save
+from mikas.virtual import VIRTUAL_PASSPORT
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -133,11 +135,14 @@ class GuidedTests:
 
     def take(self, event: Sampled | UnitFound) -> None:
         """Take a sample, or end the test because another unit answers; in the sampling thread."""
-        if self._run is None:
-            return
         if isinstance(event, UnitFound):
             if event.another:
                 self.cancel()
+                with self._lock:
+                    if not any(self._unit[1]):
+                        self._kept.pop(self._file(), None)
+            return
+        if self._run is None:
             return
         values = {name: number_of(reading) for name, reading in event.fresh.items()}
         with self._lock:
@@ -152,7 +157,7 @@ class GuidedTests:
         file = self._file()
         with self._lock:
             if file not in self._kept:
-                self._kept[file] = _read(file)
+                self._kept[file] = _read(file) if self._is_saved else []
             return list(self._kept[file])
 
     def put_in_report(self, identity: str, *, wanted: bool) -> KeptResult:
@@ -185,18 +190,26 @@ class GuidedTests:
             self._plan.sample(run.before)
         run.before = run.during = None
 
-    def _file(self) -> Path:
+    @property
+    def _unit(self) -> tuple[int, tuple[str, ...]]:
         unit = self._monitor.unit
         version = unit.version_code if unit and unit.version_code is not None else 0
-        passport = unit.passport if unit else None
-        pieces = (*passport.program, *passport.data) if passport else ()
-        return unit_file(self._settings.test_results, version, tuple(it or "" for it in pieces))
+        return version, unit.passport.pieces if unit and unit.passport else ()
+
+    @property
+    def _is_saved(self) -> bool:
+        """Whether results of this unit are kept in a file."""
+        pieces = self._unit[1]
+        return any(pieces) and (self._settings.virtual_units or VIRTUAL_PASSPORT not in pieces)
+
+    def _file(self) -> Path:
+        return unit_file(self._settings.test_results, *self._unit)
 
     def _keep(self, results: list[KeptResult]) -> None:
         file = self._file()
         self._kept[file] = results
-        # Not in the sampling thread: the disk may take a second.
-        threading.Thread(target=self._save, args=(file,), name="mikas test result").start()
+        if self._is_saved:  # not in the sampling thread: the disk may take a second
+            threading.Thread(target=self._save, args=(file,), name="mikas test result").start()
 
     def _save(self, file: Path) -> None:
         """Save the present results; a thread that comes late does not bring older ones back."""
