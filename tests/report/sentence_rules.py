@@ -167,6 +167,29 @@ def alarms(f: Findings):
     return f.measured.alarms
 
 
+def frames(f: Findings):
+    """The frames of real faults; in these cases each has appeared once."""
+    of = f.subject.catalog.fault
+    came = [each for each in f.subject.appeared if not of(each.code).informational]
+    return [each.frame for each in came if each.frame is not None]
+
+
+def unframed(f: Findings, *, came: bool) -> bool:
+    there = {each.code for each in f.subject.appeared}
+    with_frame = {each.code for each in frames(f)}
+    return any((code in there) is came and code not in with_frame for code in real(f))
+
+
+def ranged(f: Findings) -> bool:
+    """Of the cases' values the throttle alone moves, and is among those that are shown."""
+    return any(each.seen - each.without >= 0.5 for each in frames(f))
+
+
+def framed_substitutes(f: Findings) -> bool:
+    of = f.subject.catalog.fault
+    return any(e.code in real(f) and set(of(e.code).sensor) & set(e.then) for e in frames(f))
+
+
 def no_gap(f: Findings) -> bool:
     return f.subject.conditions.interruptions == ()
 
@@ -261,7 +284,17 @@ RULES: dict[str, Callable[[Findings], bool]] = {
     "Not rated: too few readings at warm idle ({}).": too_few,
     "See also stored fault {}.": related,
     "perhaps a substitute value": lambda f: (
-        substitutes(f) or bool({each.limit.name for each in alarms(f)} & sensor_faults(f))
+        substitutes(f)
+        or bool({each.limit.name for each in alarms(f)} & sensor_faults(f))
+        or framed_substitutes(f)
+    ),
+    "The unit stored the fault {}.": lambda f: bool(frames(f)),
+    "The values are those of the later time, with the lowest and the highest in between.": ranged,
+    "No freeze frame ({}): the moment is not known to a minute, or its values are not known.": (
+        lambda f: unframed(f, came=True)
+    ),
+    "No freeze frame ({}): stored before the first reading of the faults.": lambda f: (
+        unframed(f, came=False)
     ),
     "{} of the readings": lambda f: (
         bool(rated(f)) or any(f.subject.catalog.channel(n).is_flag for n in unreferenced(f))

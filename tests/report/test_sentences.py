@@ -25,6 +25,7 @@ from mikas.guided.definition import Certainty as GuidedConfidence
 from mikas.guided.definition import VerdictKind
 from mikas.guided.result import Finding, TestResult
 from mikas.i18n import Text
+from mikas.recording.freeze_frames import AppearedFault, frame_of
 from mikas.report.findings import BandPosition, Findings, Outcome, find
 from mikas.report.page import render
 from mikas.report.sections.summary import summary_sentence
@@ -34,7 +35,7 @@ from mikas.sampling.events import Gap
 DOCUMENT = Path(__file__).parents[2] / "docs" / "report.md"
 RULED = (
     "sections/summary", "sections/limitations", "sections/alarm_texts", "sections/conditions",
-    "labels", "formatting",
+    "sections/freeze_frames", "labels", "formatting",
 )  # fmt: skip
 
 WORDS = {
@@ -51,7 +52,8 @@ WORDS = {
     "Catalog", "Warm idle", "What remains unknown", "Made by {}", "%d.%m.%Y %H:%M",
     "{}, {} readings/s", "one request per parameter (61)", "several parameters per request (61)",
     "a list in the unit (64, 63)", "a stream from the unit (71)",
-    "a response every engine cycle (7F–83)",
+    "a response every engine cycle (7F–83)", "Freeze frames", "Then", "In between",
+    "between {} and {}", "on {} between {} and {}", "between {} and {} of the measurement",
 }  # fmt: skip
 """Titles, names and parts of sentences."""
 
@@ -133,6 +135,16 @@ def after_a_test(outcome: str) -> Findings:
     return find(replace(it.subject, tests=(result,)), it.measured)
 
 
+def appeared(code: int, *, seconds: float = 2.0, far: bool = False, erased: bool = False):
+    """A fault that came twenty seconds after the start; `far`: at an unknown moment."""
+    it = found(faults=() if erased else (code,))
+    read = START + 20 + seconds
+    values = rows(THR=lambda times: times)
+    frame = None if far else frame_of(code, START + 20, read, values)
+    came = (AppearedFault(code, START + 20, read, frame),)
+    return find(replace(it.subject, appeared=came), it.measured)
+
+
 def part(times):
     return np.where(times < 20, 0.0, np.nan)
 
@@ -184,6 +196,8 @@ def cases(tmp_path: Path) -> list[Findings]:
         of_unit(UnitIdentity(model, (None,) * 3, (None,) * 5)),
         of_unit(UnitIdentity(model, ("A",), (None,))),
         _without_references(tmp_path), after_a_test("attention"), after_a_test("good"),
+        appeared(13), appeared(71, seconds=0.1), appeared(17, far=True), appeared(195),
+        appeared(21, erased=True), appeared(12), appeared(99),
     ]  # fmt: skip
 
 

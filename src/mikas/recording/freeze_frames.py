@@ -93,11 +93,12 @@ def frame_of(code: int, before: float, read: float, rows: Rows) -> FreezeFrame |
     if not 0 <= seen - without <= LONGEST:
         return None
     chosen = [at for at, time in enumerate(times) if without - AROUND <= time <= seen + AROUND]
-    if not any(times[at] <= seen for at in chosen):
-        return None
     around = [times[at] for at in chosen]
     columns = {name: [float(column[at]) for at in chosen] for name, column in rows.values.items()}
     kept = {name: column for name, column in columns.items() if not all(map(isnan, column))}
+    then = _values_then(without, seen, around, kept)
+    if not then:
+        return None
     fewer = decimated(Rows(array("d", around), kept), _MOST_ROWS)  # type: ignore[arg-type]
     return FreezeFrame(
         code,
@@ -105,19 +106,19 @@ def frame_of(code: int, before: float, read: float, rows: Rows) -> FreezeFrame |
         seen,
         tuple(map(float, fewer.times)),
         {name: tuple(map(float, column)) for name, column in fewer.values.items()},
-        _values_then(without, seen, around, kept),
+        then,
     )
 
 
 def _values_then(
     without: float, seen: float, times: Sequence[float], values: Mapping[str, Sequence[float]]
 ) -> dict[str, ValueThen]:
-    """Return the values of the moment; a channel without any before it is left out."""
+    """Return the values of the moment; a channel not read in the seconds before is left out."""
     found: dict[str, ValueThen] = {}
     for name, column in values.items():
         pairs = zip(times, column, strict=True)
         known = [(time, value) for time, value in pairs if time <= seen and not isnan(value)]
-        if known:
+        if known and known[-1][0] >= seen - AROUND:
             last = known[-1][1]
             within = [value for time, value in known if time >= without] or [last]
             found[name] = ValueThen(last, min(within), max(within))
@@ -125,8 +126,8 @@ def _values_then(
 
 
 def shown_first(fault: Fault, names: Collection[str]) -> list[str]:
-    """Return the channels of a frame to show first: those of the fault, then the usual ones."""
-    wanted = dict.fromkeys((*fault.parameters, *_USUAL))
+    """Return the channels of a frame to show first: those of the fault, the usual ones, others."""
+    wanted = dict.fromkeys((*fault.parameters, *_USUAL, *names))
     count = max(len(fault.parameters), len(_USUAL))
     return [name for name in wanted if name in names][:count]
 

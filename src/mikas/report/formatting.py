@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from datetime import datetime
-from math import isfinite
+from math import ceil, floor, isfinite
 
 from mikas.catalog import Confidence, Derived, Parameter
 from mikas.cleaning import is_in_calendar
@@ -84,6 +84,37 @@ def moment(time: float, began: float | None) -> Text:
         return Text(f"at {date:%H:%M}", f"в {date:%H:%M}")
     since = clock(time - (began or 0.0))
     return Text(f"at {since} of the measurement", f"на {since} измерения")
+
+
+def between(first: float, last: float, began: float | None) -> Text:
+    """Return `between 12:03:10 and 12:03:12`, tenths if they are less than a second apart; of a
+    simulated clock `between 0:45 and 0:47 of the measurement`. Never narrower than the two times.
+    """
+    parts = 10 if last - first < 1 else 1
+    date, day = date_of(first), date_of(began)
+    since = 0.0 if date is not None else began or 0.0
+    ends = floor((first - since) * parts), ceil((last - since) * parts)
+    en, ru = (
+        [_of_day(end, parts, point, is_date=date is not None) for end in ends] for point in ".,"
+    )
+    if date is None:
+        return Text(
+            f"between {en[0]} and {en[1]} of the measurement",
+            f"между {ru[0]} и {ru[1]} измерения",
+        )
+    if day is not None and day.date() != date.date():
+        on = f"{date:%d.%m}"
+        return Text(f"on {on} between {en[0]} and {en[1]}", f"{on} между {ru[0]} и {ru[1]}")
+    return Text(f"between {en[0]} and {en[1]}", f"между {ru[0]} и {ru[1]}")
+
+
+def _of_day(count: int, parts: int, point: str, *, is_date: bool) -> str:
+    """Return `12:03:10.4`. `count`: of the parts of a second, 1 or 10."""
+    seconds, rest = divmod(abs(count) if not is_date else count, parts)
+    date = date_of(seconds) if is_date else None
+    sign = "−" if count < 0 else ""
+    digits = f"{date:%H:%M:%S}" if date is not None else sign + clock(seconds)
+    return f"{digits}{point}{rest}" if parts > 1 else digits
 
 
 def duration(seconds: float) -> Text:

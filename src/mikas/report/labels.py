@@ -41,6 +41,13 @@ _LABELS: Final = {
     "no_text": Text("unknown fault number", "неизвестный номер ошибки"),
     "message": Text("a message, not a fault", "сообщение, не ошибка"),
     "measured": Text("measured", "измерено"),
+    "frames": Text("Freeze frames", "Стоп-кадры"),
+    "then": Text("Then", "Тогда"),
+    "in_between": Text("In between", "За этот промежуток"),
+    "then_range": Text(
+        "The values are those of the later time, with the lowest and the highest in between.",
+        "Значения — на более позднее время, с пределами за этот промежуток.",
+    ),
     "values": Text("Values at warm idle", "Значения на прогретом холостом ходу"),
     "value": Text("Value", "Параметр"),
     "median": Text("Median", "Медиана"),
@@ -104,8 +111,8 @@ class Labels:
     """The texts in one language: `labels("gaps")`, `labels("sample_rate", count=3)`."""
 
     def __init__(self, language: Language) -> None:
-        self._language = language
+        self.language: Language = language
 
     def __call__(self, name: str, **fields: object) -> str:
-        text = _LABELS[name].to(self._language)
+        text = _LABELS[name].to(self.language)
         return text.format(**fields) if fields else text

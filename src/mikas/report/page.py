@@ -34,6 +34,7 @@ from mikas.report.labels import Labels
 from mikas.report.measurements.alarms import Channel
 from mikas.report.sections.alarm_texts import alarm_section
 from mikas.report.sections.conditions import rows as how_rows
+from mikas.report.sections.freeze_frames import frame_section
 from mikas.report.sections.guided_tests import section as guided_section
 from mikas.report.sections.limitations import unknowns
 from mikas.report.sections.section import PageSection
@@ -48,6 +49,7 @@ SUFFIXES: Final = (".html", ".htm")
 _FIRST: Final = ("FREQ", "JAIR", "TWAT", "INJ", "UACC", "UOZ", "FREQX", "THR")
 """The charts if all values are normal."""
 SECTIONS: Final[tuple[Callable[[Findings, Language], PageSection | None], ...]] = (
+    frame_section,
     alarm_section,
     guided_section,
 )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from math import isfinite
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -24,6 +25,7 @@ from mikas.i18n import Text
 from mikas.sampling.events import UnitFound
 
 if TYPE_CHECKING:
+    from mikas.recording.freeze_frames import FreezeFrame
     from mikas.report.findings import ChannelFinding, Findings
     from mikas.report.measurements.alarms import Alarm
 
@@ -137,6 +139,7 @@ def _progress(current: SamplingRun) -> str:
 
 
 def _print_summary(context: CommandContext, out: Path, found: Findings) -> None:
+    from mikas.report.sections.freeze_frames import latest_frames
     from mikas.report.sections.summary import summary_sentence
 
     verdict = summary_sentence(found)
@@ -150,11 +153,21 @@ def _print_summary(context: CommandContext, out: Path, found: Findings) -> None:
             "outcome": found.outcome.value,
             "verdict": verdict._asdict(),
             "faults": faults,
+            "freeze_frames": [_frame_as_json(frame) for frame in latest_frames(found)],
             "alarms": [_alarm_as_json(alarm) for alarm in found.alarms],
             "warm_idle_seconds": round(found.measured.idle.seconds, 3),
             "values": {value.channel.name: _as_json(value) for value in found.rated},
         }
     )
+
+
+def _frame_as_json(frame: FreezeFrame) -> dict[str, object]:
+    return {
+        "code": frame.code,
+        "without": frame.without,
+        "seen": frame.seen,
+        "values": {name: asdict(value) for name, value in frame.then.items()},
+    }
 
 
 def _alarm_as_json(alarm: Alarm) -> dict[str, object]:

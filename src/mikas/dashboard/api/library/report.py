@@ -21,6 +21,7 @@ from mikas.dashboard.api.library.cars import car_of_connection
 from mikas.dashboard.api.library.downloads import attachment
 from mikas.dashboard.errors import NotConnected
 from mikas.i18n import Language
+from mikas.recording.freeze_frames import AppearedFault, new_faults
 from mikas.recording.table.channels import Rows
 from mikas.sampling.events import Event, Gap, UnitFound
 
@@ -155,18 +156,37 @@ def _of_connection(dashboard: Dashboard) -> Findings:
             errors=errors_,
         ),
         tests=tuple(it.result for it in dashboard.guided.results if it.in_report)[::-1],
+        appeared=tuple(_appeared(dashboard))[::-1],
     )
     return find(subject, measured)
 
 
+def _appeared(dashboard: Dashboard) -> Iterator[AppearedFault]:
+    """Yield the faults that appeared on this connection, with the frames taken then."""
+    catalog, frames = dashboard.catalog, dashboard.freeze_frames.frames
+    other = _otherwise_read(catalog, dashboard.settings.connection.interpretation)
+    for code, before, read in new_faults(dashboard.fault_history.readings):
+        found = (it for it in frames if it.code == code and before < it.seen <= read)
+        frame = next(found, None)
+        if frame is not None:
+            then = {name: value for name, value in frame.then.items() if name not in other}
+            frame = replace(frame, then=then)
+        yield AppearedFault(code, before, read, frame)
+
+
 def _judged(rows: Rows, catalog: Catalog, interpretation: str) -> Rows:
     """Return the rows without channels whose interpretation differs from their reference's."""
-    other = {
+    other = _otherwise_read(catalog, interpretation)
+    return Rows(rows.times, {n: column for n, column in rows.values.items() if n not in other})
+
+
+def _otherwise_read(catalog: Catalog, interpretation: str) -> set[str]:
+    """Return the parameters whose interpretation differs from their reference's."""
+    return {
         each.name
         for each in catalog.parameters
         if each.interpretation(interpretation) != each.conversion
     }
-    return Rows(rows.times, {n: column for n, column in rows.values.items() if n not in other})
 
 
 def _unit(found: UnitFound | None, catalog: Catalog) -> UnitIdentity | None:
