@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from playwright.sync_api import expect
 
+from dashboard.recordings_rig import record_fault
+
 
 def test_faults_are_read_and_erased_and_kept_in_the_journal(own, visitor):
     tab = visitor(own.url).show("faults")
@@ -53,3 +55,19 @@ def test_a_new_fault_is_announced_and_has_its_freeze_frame(own, visitor):
     expect(frame.get_by_role("row", name="Air flow")).to_contain_text("15.0 kg/h")
     expect(frame.locator("svg path").first).to_be_attached()
     expect(tab.page.get_by_role("article", name="17: ")).to_contain_text("No freeze frame")
+
+
+def test_a_recording_has_its_faults_with_the_frame_of_the_new_one(own, visitor):
+    record_fault(own.dashboard.library.folder.folder / "drive.pcapng")
+    tab = visitor(own.url).show("recordings")
+    tab.press("Open", exact=True)
+    expect(tab.page).not_to_have_url(f"{own.url}/#/recordings")
+    tab.show("faults")
+    expect(tab.page.get_by_role("article", name="71: ")).to_contain_text("before the recording's")
+    frame = tab.page.get_by_role("article", name="13: ").locator("details")
+    frame.locator("summary").click()
+    expect(frame).to_contain_text("The unit stored the fault between")
+    expect(frame.get_by_role("row", name="Air flow")).to_contain_text("kg/h")
+    expect(frame.locator("svg path").first).to_be_attached()
+    frame.get_by_role("button", name="Show in chart").click()
+    expect(tab.page.get_by_role("group", name="Moments")).to_contain_text("Fault 13 stored")

@@ -31,7 +31,15 @@ from mikas.dashboard.api import (
     unit,
 )
 from mikas.dashboard.api.channels import editing, values
-from mikas.dashboard.api.library import cars, dumps, exports, recordings, references, report
+from mikas.dashboard.api.library import (
+    cars,
+    dumps,
+    exports,
+    recorded_faults,
+    recordings,
+    references,
+    report,
+)
 from mikas.dashboard.api.messages import FieldsMessage, LiveMessage, PingMessage, component_schemas
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.error_responses import ErrorResponse
@@ -51,7 +59,7 @@ Live data: WebSocket `/api/live?client=…`, described in docs/api.md.
 
 _PARTS = (catalog, editing, values, connection, diagnosis, live, network, unit,
           freeze_frames, guided_tests, memory, dumps, changes, recordings,
-          references, cars, exports, report, search)  # fmt: skip
+          references, cars, exports, recorded_faults, report, search)  # fmt: skip
 
 # Of all applications of the process: FastAPI analyses the routes of a router when it is first asked
 # for one, which takes longer than any request.

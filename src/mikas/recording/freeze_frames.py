@@ -140,6 +140,16 @@ def new_faults(readings: Sequence[FaultReading]) -> Iterator[tuple[int, float, f
                 yield code, before.time, reading.time
 
 
+def first_seen(code: int, readings: Sequence[FaultReading]) -> float:
+    """Return the time of the reading since which all readings have `code`; the last has it."""
+    since = readings[-1].time
+    for reading in reversed(readings):
+        if code not in reading.codes:
+            break
+        since = reading.time
+    return since
+
+
 def frame_from(stored: Any) -> FreezeFrame | None:  # noqa: ANN401  (any JSON)
     """Return the frame of a file's JSON; None if it is none."""
     if not isinstance(stored, dict):

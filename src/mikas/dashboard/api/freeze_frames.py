@@ -5,12 +5,14 @@ from __future__ import annotations
 from fastapi import APIRouter
 from pydantic import BaseModel, Field
 
+from mikas.catalog import Catalog
 from mikas.dashboard.api.dependencies import Controller, TheDashboard, Viewer
 from mikas.dashboard.api.errors import errors
 from mikas.dashboard.api.messages import LiveRows
+from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.errors import NotFound
 from mikas.dashboard.session.history import plain
-from mikas.recording.freeze_frames import FreezeFrame
+from mikas.recording.freeze_frames import FreezeFrame, shown_first
 
 router = APIRouter(tags=["unit"])
 
@@ -32,6 +34,7 @@ class FreezeFrameInfo(BaseModel):
     without: float
     seen: float
     values: list[FrameValue]
+    shown: list[str] = Field(description="the channels to show first, those of the fault in front")
 
 
 class FreezeFramesResponse(BaseModel):
@@ -49,7 +52,9 @@ class FreezeFrameRows(LiveRows):
 @router.get("/freeze-frames", responses=errors())
 def freeze_frames(dashboard: TheDashboard, _: Viewer) -> FreezeFramesResponse:
     """Return the freeze frames of the connected unit, or of the last one."""
-    return FreezeFramesResponse(frames=[_info(frame) for frame in dashboard.freeze_frames.frames])
+    return FreezeFramesResponse(
+        frames=[frame_info(it, dashboard.catalog) for it in dashboard.freeze_frames.frames]
+    )
 
 
 @router.get("/freeze-frames/{identity}", responses=errors(404))
@@ -70,14 +75,27 @@ def delete_freeze_frame(
     """Delete one freeze frame from this computer; the unit's fault stays."""
     if not dashboard.freeze_frames.delete(identity):
         raise NotFound(name=identity)
-    return FreezeFramesResponse(frames=[_info(it) for it in dashboard.freeze_frames.frames])
+    return FreezeFramesResponse(
+        frames=[frame_info(it, dashboard.catalog) for it in dashboard.freeze_frames.frames]
+    )
 
 
-def _info(frame: FreezeFrame) -> FreezeFrameInfo:
+def _response(dashboard: Dashboard) -> FreezeFramesResponse:
+    frames = dashboard.freeze_frames.frames
+    return FreezeFramesResponse(frames=[frame_info(it, dashboard.catalog) for it in frames])
+
+
+def frame_info(frame: FreezeFrame, catalog: Catalog) -> FreezeFrameInfo:
+    """Return the frame without its rows."""
     values = [
         FrameValue(name=name, value=it.value, low=it.low, high=it.high)
         for name, it in frame.then.items()
     ]
     return FreezeFrameInfo(
-        id=frame.id, code=frame.code, without=frame.without, seen=frame.seen, values=values
+        id=frame.id,
+        code=frame.code,
+        without=frame.without,
+        seen=frame.seen,
+        values=values,
+        shown=shown_first(catalog.fault(frame.code), frame.then),
     )

@@ -11,7 +11,7 @@ from typing import TypeVar
 from fastapi import APIRouter
 from pydantic import BaseModel, ConfigDict, Field
 
-from mikas.catalog import Confidence
+from mikas.catalog import Confidence, Fault
 from mikas.client import Ecu, Info, Support
 from mikas.commands.unit import version_text
 from mikas.dashboard.api.dependencies import NO_CLIENT_ID, Controller, TheDashboard, Viewer
@@ -148,19 +148,21 @@ async def _latest(
 
 
 def _faults_response(stored: StoredFaults) -> FaultsResponse:
-    shown = [
-        made_of(
-            StoredFault,
-            fault,
-            certain=fault.confidence is Confidence.CONFIRMED,
-            check=two_or_none(fault.check),
-            related=fault.parameters,
-            sensor=fault.sensor,
-            first_seen=stored.first_seen[fault.code],
-        )
-        for fault in stored.faults
-    ]
+    shown = [fault_info(fault, stored.first_seen[fault.code]) for fault in stored.faults]
     return FaultsResponse(time=stored.time, faults=shown, count=len(shown))
+
+
+def fault_info(fault: Fault, first_seen: float) -> StoredFault:
+    """Return a stored fault as the catalog describes it."""
+    return made_of(
+        StoredFault,
+        fault,
+        certain=fault.confidence is Confidence.CONFIRMED,
+        check=two_or_none(fault.check),
+        related=fault.parameters,
+        sensor=fault.sensor,
+        first_seen=first_seen,
+    )
 
 
 def _passport_response(

@@ -98,6 +98,7 @@ export const api = {
     query: { from: number | null; to: number | null; points: number; names?: string[] },
     signal?: AbortSignal,
   ) => get<Api.RecordingRows>(`/recordings/${part(id)}/rows`, query, signal),
+  recordedFaults: (id: string) => get<Api.RecordedFaults>(`/recordings/${part(id)}/faults`),
   nameRecordedMarker: (id: string, time: number, label: string) => put<Api.Marker>(`/recordings/${part(id)}/marker`, { time, label }),
   noteRecording: (id: string, text: string) => put<unknown>(`/recordings/${part(id)}/note`, { text }),
   car: () => get<Api.UnitCar>("/car"),

@@ -473,6 +473,8 @@ export interface components {
             without: number;
             seen: number;
             values: components["schemas"]["FrameValue"][];
+            /** @description the channels to show first, those of the fault in front */
+            shown: string[];
         };
         /** @description The rows from five seconds before `without` to five seconds after `seen`. */
         FreezeFrameRows: {
@@ -802,6 +804,36 @@ export interface components {
          * @enum {string}
          */
         ProgressPhase: "start" | "prepare" | "until" | "hold" | "done";
+        /** @description A fault that was stored at the last reading; `first_seen` is the time of a reading. */
+        RecordedFault: {
+            code: number;
+            text: components["schemas"]["TwoTexts"];
+            confidence: components["schemas"]["Confidence"];
+            /** @description the text was confirmed on real units */
+            certain: boolean;
+            /** @description a message, not a fault */
+            informational: boolean;
+            check: components["schemas"]["TwoTexts"] | null;
+            /** @description related channels */
+            related: string[];
+            /** @description those from the sensor whose circuit is faulty: perhaps substitute values */
+            sensor: string[];
+            first_seen: number;
+            /** @description the first reading had it */
+            stored_before: boolean;
+            /** @description the id of its freeze frame; null: there is none */
+            frame: string | null;
+        };
+        /**
+         * @description The faults of a recording's last session at the last reading; null: they were not read.
+         *
+         *     `frames`: of all faults that appeared, the latest first, at most thirty.
+         */
+        RecordedFaultsResponse: {
+            time: number | null;
+            faults: components["schemas"]["RecordedFault"][] | null;
+            frames: components["schemas"]["FreezeFrameInfo"][];
+        };
         /** @description One recording with its channels and events. `first`, `last`: the times of its rows. */
         RecordingDetail: {
             /** @description the file's name */

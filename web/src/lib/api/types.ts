@@ -49,6 +49,7 @@ export type Fault = Schemas["StoredFault"];
 export type FreezeFrame = Schemas["FreezeFrameInfo"];
 export type FreezeFrames = Schemas["FreezeFramesResponse"];
 export type Faults = Schemas["FaultsResponse"];
+export type RecordedFaults = Schemas["RecordedFaultsResponse"];
 export type Passport = Schemas["PassportResponse"];
 export type UnitCommand = Schemas["UnitCommand"];
 export type MemoryRead = Schemas["MemoryResponse"];

@@ -63,6 +63,16 @@ export const t = dictionary({
     en: "No freeze frame: the fault was stored before the first reading here, or while nothing was sampled.",
     ru: "Стоп-кадра нет: ошибка записана до первого чтения здесь или когда опрос не шёл.",
   },
+  frame_before: {
+    en: "No freeze frame: the fault was stored before the recording's first reading of the faults.",
+    ru: "Стоп-кадра нет: ошибка была в памяти ещё до первого чтения ошибок в записи.",
+  },
+  frame_unknown: {
+    en: "No freeze frame: the moment is not known to a minute, or its values are not known.",
+    ru: "Стоп-кадра нет: момент не известен с точностью до минуты, или неизвестны значения.",
+  },
+  frame_chart: { en: "Show in chart", ru: "Показать на графике" },
+  frame_moment: { en: "Fault {code} stored", ru: "Записана ошибка {code}" },
   frames_earlier: { en: "Earlier freeze frames", ru: "Прежние стоп-кадры" },
   needs_line: { en: "The faults are read from the ECU itself.", ru: "Ошибки читаются из самого блока." },
   watch: { en: "Add to live values", ru: "Добавить в опрос" },
@@ -106,7 +116,7 @@ export const t = dictionary({
     en: { one: "{n} fault stored, as last read in the recording", other: "{n} faults stored, as last read in the recording" },
     ru: { one: "{n} ошибка в памяти при последнем чтении в записи", few: "{n} ошибки в памяти при последнем чтении в записи", many: "{n} ошибок в памяти при последнем чтении в записи" },
   },
-  recorded_more: { en: "See the report for their meaning and what to check.", ru: "Расшифровка и что проверить — в отчёте." },
+  recorded_since: { en: "First read in the recording at {time}", ru: "В записи впервые прочитана: {time}" },
   not_now: { en: "As last read at {time}, not current", ru: "Прочитано {time}, не текущие данные" },
   not_now_more: {
     en: "There is no connection to the ECU. The faults are read again when it answers.",

@@ -1,0 +1,74 @@
+"""The route of the faults in a recording, with their freeze frames.
+
+The rows around a frame's moment are those of `GET /recordings/ID/rows`.
+"""
+
+from __future__ import annotations
+
+from fastapi import APIRouter
+from pydantic import BaseModel, Field
+
+from mikas.catalog import Catalog
+from mikas.dashboard.api.dependencies import TheLibrary, TheRequester
+from mikas.dashboard.api.errors import errors
+from mikas.dashboard.api.freeze_frames import FreezeFrameInfo, frame_info
+from mikas.dashboard.api.unit import StoredFault, fault_info
+from mikas.dashboard.library.folder import RecordingFile
+from mikas.recording.freeze_frames import first_seen
+from mikas.recording.recorded_faults import RecordedFaults, faults_in
+
+router = APIRouter(tags=["recordings"])
+
+
+class RecordedFault(StoredFault):
+    """A fault that was stored at the last reading; `first_seen` is the time of a reading."""
+
+    stored_before: bool = Field(description="the first reading had it")
+    frame: str | None = Field(description="the id of its freeze frame; null: there is none")
+
+
+class RecordedFaultsResponse(BaseModel):
+    """The faults of a recording's last session at the last reading; null: they were not read.
+
+    `frames`: of all faults that appeared, the latest first, at most thirty.
+    """
+
+    time: float | None
+    faults: list[RecordedFault] | None
+    frames: list[FreezeFrameInfo]
+
+
+@router.get("/recordings/{identity}/faults", responses=errors(404, 409, 504))
+async def recorded_faults(
+    library: TheLibrary, requester: TheRequester, identity: str
+) -> RecordedFaultsResponse:
+    """Return the faults in a recording, and the values of the moments at which they appeared."""
+
+    def look(file: RecordingFile) -> RecordedFaultsResponse:
+        recording = library.opened(file)
+        return _response(faults_in(recording), recording.catalog)
+
+    return await requester.awaits(library.view_any(identity, look, requester.address))
+
+
+def _response(found: RecordedFaults, catalog: Catalog) -> RecordedFaultsResponse:
+    frames = [each.frame for each in found.appeared if each.frame is not None]
+    last = found.readings[-1] if found.readings else None
+    return RecordedFaultsResponse(
+        time=last.time if last else None,
+        faults=[_fault(code, found, catalog) for code in dict.fromkeys(last.codes)]
+        if last
+        else None,
+        frames=[frame_info(frame, catalog) for frame in frames],
+    )
+
+
+def _fault(code: int, found: RecordedFaults, catalog: Catalog) -> RecordedFault:
+    first = first_seen(code, found.readings)
+    appeared = next((each for each in found.appeared if each.code == code), None)
+    frame = appeared.frame if appeared and appeared.read == first else None
+    return RecordedFault(
+        **fault_info(catalog.fault(code), first).model_dump(),
+        stored_before=first == found.readings[0].time,
+        frame=frame.id if frame else None,
+    )
