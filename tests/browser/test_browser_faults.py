@@ -51,14 +51,16 @@ def test_a_new_fault_is_announced_and_has_its_freeze_frame(own, visitor):
     tab.press("Show")
     frame = tab.page.get_by_role("article", name="13: ").locator("details")
     frame.locator("summary").click()
-    expect(frame).to_contain_text("The unit stored the fault between")
+    expect(frame).to_contain_text("The unit stored the fault at")
     expect(frame.get_by_role("row", name="Air flow")).to_contain_text("15.0 kg/h")
     expect(frame.locator("svg path").first).to_be_attached()
     expect(tab.page.get_by_role("article", name="17: ")).to_contain_text("No freeze frame")
 
 
 def test_a_recording_has_its_faults_with_the_frame_of_the_new_one(own, visitor):
-    record_fault(own.dashboard.library.folder.folder / "drive.pcapng")
+    folder = own.dashboard.library.folder.folder
+    folder.mkdir(exist_ok=True)
+    record_fault(folder / "drive.pcapng")
     tab = visitor(own.url).show("recordings")
     tab.press("Open", exact=True)
     expect(tab.page).not_to_have_url(f"{own.url}/#/recordings")
@@ -66,7 +68,7 @@ def test_a_recording_has_its_faults_with_the_frame_of_the_new_one(own, visitor):
     expect(tab.page.get_by_role("article", name="71: ")).to_contain_text("before the recording's")
     frame = tab.page.get_by_role("article", name="13: ").locator("details")
     frame.locator("summary").click()
-    expect(frame).to_contain_text("The unit stored the fault between")
+    expect(frame).to_contain_text("The unit stored the fault at")
     expect(frame.get_by_role("row", name="Air flow")).to_contain_text("kg/h")
     expect(frame.locator("svg path").first).to_be_attached()
     frame.get_by_role("button", name="Show in chart").click()

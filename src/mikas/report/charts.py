@@ -16,7 +16,7 @@ from markupsafe import Markup
 
 from mikas.i18n import Language, Text
 from mikas.report.formatting import clock, number
-from mikas.report.measurements.measurements import Channel
+from mikas.report.measurements.alarms import Channel
 from mikas.report.measurements.statistics import Envelope
 
 if TYPE_CHECKING:

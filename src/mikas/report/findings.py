@@ -18,8 +18,8 @@ from mikas.catalog.model import in_order
 from mikas.guided.definition import VerdictKind
 from mikas.guided.result import TestResult
 from mikas.i18n import Text
-from mikas.report.measurements.alarms import Alarm
-from mikas.report.measurements.measurements import Channel, Measurements
+from mikas.report.measurements.alarms import Alarm, Channel
+from mikas.report.measurements.measurements import Measurements
 from mikas.report.measurements.statistics import ChannelStatistics, is_inside
 from mikas.report.subject import ClearedFaults, ReportSubject
 

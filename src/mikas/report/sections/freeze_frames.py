@@ -18,7 +18,7 @@ from mikas.recording.freeze_frames import AppearedFault, FreezeFrame, ValueThen,
 from mikas.report.findings import Findings
 from mikas.report.formatting import between, number, with_unit
 from mikas.report.labels import Labels
-from mikas.report.measurements.measurements import Channel
+from mikas.report.measurements.alarms import Channel
 from mikas.report.sections.section import PageSection, paragraph, table
 
 _SHARP: Final = 0.5  # s; a shorter time has no range of values

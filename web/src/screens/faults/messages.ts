@@ -45,8 +45,8 @@ export const t = dictionary({
   },
   frame: { en: "Freeze frame: {time}", ru: "Стоп-кадр: {time}" },
   frame_sharp: {
-    en: "The unit stored the fault between {from} and {to} ({s} s).",
-    ru: "Блок запомнил ошибку между {from} и {to} ({s} с).",
+    en: "The unit stored the fault at {to}; the moment is known to {s} s.",
+    ru: "Блок запомнил ошибку в {to}; момент известен с точностью до {s} с.",
   },
   frame_between: {
     en: "The unit does not say when. At {from} the fault was not stored, at {to} it was: the moment is uncertain by {s} s. The values are those of the later time; below them, the range in between.",
