@@ -363,7 +363,7 @@ def test_the_nearest_name_is_given_in_both_languages(write: Write) -> None:
     assert (
         problem.en == "`fault.1.parameters` names TWAX, which does not exist; the nearest is TWAT"
     )
-    assert problem.ru == "`fault.1.parameters`: называет TWAX, чего нет; ближайшее имя — TWAT"
+    assert problem.ru == "`fault.1.parameters`: имени TWAX нет; ближайшее — TWAT"
 
 
 def test_a_file_that_is_not_there(tmp_path: Path) -> None:

@@ -178,7 +178,7 @@ class _PlainForm:
             known = f"`{close[0]}`" if close else ", ".join(FUNCTIONS)
             raise _wrong(
                 f"calls `{name}`, which there is not; there is {known}",
-                f"вызывает `{name}`, чего нет; есть {known}",
+                f"функции `{name}` нет; есть {known}",
                 self._span(node.func),
             )
         fewest, most = FUNCTIONS[name]
@@ -186,7 +186,7 @@ class _PlainForm:
             count = f"{fewest}" if fewest == most else f"{fewest}+"
             raise _wrong(
                 f"gives `{name}` {len(arguments)} argument(s); it takes {count}",
-                f"даёт `{name}` аргументов: {len(arguments)}, а нужно {count}",
+                f"аргументов у `{name}`: {len(arguments)}, а нужно {count}",
                 self._span(node),
             )
         return ast.Call(ast.Name(name, ast.Load()), self._all(arguments, depth), [])

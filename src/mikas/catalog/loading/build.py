@@ -344,7 +344,7 @@ def does_not_exist(name: str, known: Iterable[str]) -> Text:
     close = nearest(name, known)
     return Text(
         f"names {name}, which does not exist" + (f"; the nearest is {close[0]}" if close else ""),
-        f"называет {name}, чего нет" + (f"; ближайшее имя — {close[0]}" if close else ""),
+        f"имени {name} нет" + (f"; ближайшее — {close[0]}" if close else ""),
     )
 
 
