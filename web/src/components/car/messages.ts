@@ -2,6 +2,11 @@ import { dictionary } from "../../lib/i18n";
 
 export const t = dictionary({
   title: { en: "Car details", ru: "Машина" },
+  whose: { en: "Whose car is this?", ru: "Чья это машина?" },
+  asked: {
+    en: "Asked once for this control unit. The details stand in its recordings, in their list and on reports; change them there later.",
+    ru: "Спрашиваем один раз для этого блока. Данные будут в записях, в их списке и в отчётах; там же их можно изменить позже.",
+  },
   of_unit: { en: "Kept for this control unit and offered for its next recordings.", ru: "Запоминаются для этого блока и подставляются в следующие записи." },
   of_recording: { en: "Of the recording {name}.", ru: "Запись {name}." },
   car: { en: "Car", ru: "Машина" },

@@ -1,14 +1,8 @@
-// Car, plate, mileage and workshop: of the connected unit, or of a recording. Asked once for a unit, at its first recording.
+// Car, plate, mileage and workshop: of the connected unit, or of a recording. Asked once for a unit, at its first recording or report.
 import { api } from "../api/api";
 import type { Car, Recording } from "../api/types";
-import { dictionary } from "../i18n";
 import { live } from "../live/live.svelte";
-import { attempt, toasts } from "../frame/toasts.svelte";
-
-const t = dictionary({
-  ask: { en: "Whose car is this? Car, plate and mileage stand in the list and on the report.", ru: "Чья это машина? Марка, номер и пробег будут в списке и в отчёте." },
-  add: { en: "Add car details…", ru: "Указать машину…" },
-});
+import { attempt } from "../frame/toasts.svelte";
 
 export const NO_CAR: Car = { car: "", plate: "", mileage: null, workshop: "" };
 
@@ -17,6 +11,8 @@ export interface CarEdit {
   recording: string | null;
   details: Car;
   offered: number | null;
+  /** The user did not ask for it. */
+  asked?: boolean;
   onsaved?: (details: Car) => void;
 }
 
@@ -52,14 +48,14 @@ class CarDetails {
     this.editing = null;
   }
 
-  /** Ask once about the connected unit, when a recording of it has begun. A virtual car has no plate. */
-  async askOnce(): Promise<void> {
+  /** Ask once about the connected unit, at its first recording or report; "Later" puts it off for good. A virtual car has no plate. */
+  async askOnce(onsaved?: (details: Car) => void): Promise<void> {
     if (live.state?.port?.startsWith("sim:")) return;
     const kept = await api.car().catch(() => null);
     if (!kept?.unit || kept.asked) return;
     const { car, plate, workshop } = kept;
     await api.writeCar({ car, plate, workshop, mileage: null }).catch(() => null);
-    toasts.success(() => t("ask"), { duration: 20_000, code: "CarDetails", action: { text: () => t("add"), run: () => void this.editConnected() } });
+    this.editing = { recording: null, details: { car, plate, workshop, mileage: null }, offered: kept.mileage, asked: true, onsaved };
   }
 }
 
