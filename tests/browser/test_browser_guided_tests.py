@@ -77,3 +77,38 @@ def test_a_test_of_the_users_own_from_start_to_report(own, visitor):
     expect(tab.find(".todo")).to_have_text("Let it run.")
     tab.press("End the test")
     expect(tab.find("[data-test]")).to_have_count(8)
+
+
+def test_a_test_over_the_recording_that_is_shown(own, visitor):
+    folder = own.dashboard.settings.tests
+    folder.mkdir()
+    quick = QUICK[: QUICK.index("[step.stop]")] + QUICK[QUICK.index("[measure.VOLTAGE]") :]
+    (folder / "quick.toml").write_text(quick, "utf-8")
+    tab = visitor(own.samples().url).show("report")
+    sheet = tab.page.get_by_role("dialog")  # the first report asks once whose car it is
+    expect(sheet).to_contain_text("Whose car is this?")
+    sheet.get_by_role("button", name="Later").click()
+    tab.page.keyboard.press("r")
+    expect(tab.button("Stop recording")).to_be_visible()
+    before = own.state()["samples"]
+    own.until(lambda: own.state()["samples"] > before + 120)
+    tab.press("Stop recording")
+    tab.show("recordings").press("Open", exact=True)
+    expect(tab.find('nav a[data-screen="live"]')).to_have_attribute("aria-current", "page")
+    tab.show("tests")
+    tab.says("The tests look for their steps in the recording")
+    tab.find("[data-test=quick]").get_by_role("button", name="Test the recording").click()
+    expect(tab.find("section.verdict")).to_contain_text("Only 13.8 V.")
+    expect(tab.find("section.verdict .when")).to_contain_text(".pcapng, from 00:00 to 00:0")
+    expect(tab.button("Add to report")).to_have_count(0)
+    assert own.get("/tests/results")["results"] == []
+    tab.press("All tests")
+    tab.find("[data-test=charging]").get_by_role("button").click()
+    tab.says("No verdict from this recording")
+    tab.says("the recording does not have what the test begins with")
+    tab.press("All tests")
+    tab.find(".notice").get_by_role("button", name="Close the recording").click()
+    expect(tab.find("[data-test=quick]").get_by_role("button", name="Start")).to_be_enabled()
+    tab.show("report")  # not asked again
+    expect(tab.find("iframe")).to_be_visible()
+    expect(sheet).to_have_count(0)

@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable
+from dataclasses import dataclass
 from math import isfinite
 from typing import TYPE_CHECKING, Final
 
+from mikas.cancellation import check_cancelled
 from mikas.catalog import Catalog
-from mikas.guided.definition import GuidedTest
+from mikas.guided.definition import GuidedStep, GuidedTest, VerdictKind
 from mikas.guided.engine import TestEngine
 from mikas.guided.result import TestResult, read
+from mikas.i18n import Text
 from mikas.recording.capture.notes import Kind, Note
 
 if TYPE_CHECKING:
     from mikas.recording.table.channels import Rows
 
 _MOST: Final = 50  # results of a recording
+_CHECKED: Final = 1000  # rows between two checks for a cancellation
 
 
 def results_of(notes: Iterable[Note]) -> tuple[TestResult, ...]:
@@ -24,25 +28,80 @@ def results_of(notes: Iterable[Note]) -> tuple[TestResult, ...]:
     return tuple(result for result in found if result is not None)[-_MOST:]
 
 
+@dataclass(frozen=True, slots=True)
+class NotJudged:
+    """Why a recording gives no result: the first of these that holds.
+
+    `by_hand`: steps that no values show, and that were not left out. `lacking`: parameters of the
+    test without a value. `step`: the step that does not occur; None: the start does not.
+    """
+
+    test: GuidedTest
+    by_hand: tuple[GuidedStep, ...]
+    lacking: tuple[str, ...]
+    step: GuidedStep | None
+
+    @property
+    def text(self) -> Text:
+        """The reason in words."""
+        if self.by_hand:
+            return _BY_HAND.filled(steps=", ".join(step.name for step in self.by_hand))
+        if self.lacking:
+            return _LACKING.filled(names=", ".join(self.lacking))
+        if self.step is None:
+            return _NO_START.filled(needs=self.test.needs)
+        return _NO_STEP.filled(step=self.step.text)
+
+
 def run_over(
     test: GuidedTest, catalog: Catalog, stretches: Iterable[Rows], skip: Collection[str] = ()
-) -> TestResult | None:
-    """Return the first result of `test` over recorded rows; None: its steps are not found there.
+) -> TestResult | NotJudged:
+    """Return the first decided result of `test` over recorded rows, or else the first result.
+
+    Why there is none, if its steps do not occur.
 
     A test with a step that only a person knows to be done (`by_hand`) is never found, unless that
     is among the steps to `skip`.
     """
-    if any(step.by_hand and step.name not in skip for step in test.steps):
-        return None
-    engine = TestEngine(test, catalog)
+    by_hand = tuple(step for step in test.steps if step.by_hand and step.name not in skip)
+    if by_hand:
+        return NotJudged(test, by_hand, (), None)
+    engine, seen = TestEngine(test, catalog), set[str]()
+    undecided: TestResult | None = None
     for rows in stretches:
         columns = [
             (name, rows.values[name].tolist()) for name in test.channels if name in rows.values
         ]
         for number, time in enumerate(rows.times.tolist()):
+            if number % _CHECKED == 0:
+                check_cancelled()
             values = {name: column[number] for name, column in columns}
-            engine.take(time, {name: value for name, value in values.items() if isfinite(value)})
+            fresh = {name: value for name, value in values.items() if isfinite(value)}
+            seen |= fresh.keys()
+            engine.take(time, fresh)
             engine.skip_all(skip)
-            if engine.result is not None:
+            if engine.result is None:
+                continue
+            if engine.result.outcome is not VerdictKind.UNKNOWN:
                 return engine.result
-    return None
+            undecided = undecided or engine.result
+            engine = TestEngine(test, catalog)
+    if undecided is not None:
+        return undecided
+    step = engine.progress().step
+    lacking = tuple(name for name in test.channels if name not in seen)
+    return NotJudged(test, (), lacking, None if step is None else test.steps[step])
+
+
+_BY_HAND: Final = Text(
+    "no data show these steps; skip them: {steps}",
+    "этих шагов по данным не видно, пропустите: {steps}",
+)
+_LACKING: Final = Text("the recording has no values of {names}", "в записи нет данных {names}")
+_NO_START: Final = Text(
+    "the recording does not have what the test begins with: {needs}",
+    "в записи нет того, с чего проверка начинается: {needs}",
+)
+_NO_STEP: Final = Text(
+    "the recording does not have this step: {step}", "в записи нет этого шага: {step}"
+)

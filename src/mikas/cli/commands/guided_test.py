@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from mikas.catalog.conversion import NO_TEXT
 from mikas.cli.click_extensions import command, option
 from mikas.cli.context import CommandContext
 from mikas.cli.language import localized, tr
@@ -82,15 +83,18 @@ def test(
         return
     chosen = _chosen(loaded, name, skip)
     if recording is not None:
-        from mikas.guided.recorded import run_over
+        from mikas.guided.recorded import NotJudged, run_over
         from mikas.recording.table.reader import TableReader
 
         catalog = context.options.catalog
-        result = run_over(chosen, catalog, TableReader(recording, catalog).rows(), skip)
-        _show(context, chosen, result, skip)
+        found = run_over(chosen, catalog, TableReader(recording, catalog).rows(), skip)
+        if isinstance(found, NotJudged):
+            _show(context, chosen, None, found.text)
+        else:
+            _show(context, chosen, found)
         return
     with context.open_ahead() as ahead:
-        _show(context, chosen, _guide(context, chosen, ahead, skip, duration), skip)
+        _show(context, chosen, _guide(context, chosen, ahead, skip, duration))
 
 
 def _chosen(loaded: LoadedTests, name: str, skip: tuple[str, ...]) -> GuidedTest:
@@ -189,7 +193,7 @@ class _Guide:
 
 
 def _show(
-    context: CommandContext, chosen: GuidedTest, result: TestResult | None, skip: tuple[str, ...]
+    context: CommandContext, chosen: GuidedTest, result: TestResult | None, why: Text = NO_TEXT
 ) -> None:
     if context.output.json:
         found: dict[str, Any] | None = None
@@ -200,11 +204,9 @@ def _show(
         for line in localized(result.as_text()).split("\n"):
             context.output.line(line)
     if result is None:
-        named = [step.name for step in chosen.steps if step.by_hand and step.name not in skip]
-        by_hand = ", ".join(named)
         context.say(
-            f"{chosen.name}: the test did not come to its end, so there is no verdict."
-            + (f" No data show these steps; skip them: {by_hand}." if by_hand else ""),
-            f"{chosen.name}: проверка не дошла до конца, заключения нет."
-            + (f" Этих шагов по данным не видно, пропустите: {by_hand}." if by_hand else ""),
+            f"{chosen.name}: the test did not come to its end, so there is no verdict"
+            + (f": {why.en}" if why.en else "."),
+            f"{chosen.name}: проверка не дошла до конца, заключения нет"
+            + (f": {why.ru}" if why.ru else "."),
         )

@@ -267,7 +267,7 @@ def cancel(dashboard: TheDashboard, _: Controller) -> TestRunState:
 @router.get("/results", responses=errors())
 def results(dashboard: TheDashboard) -> TestResults:
     """Return the kept results of this unit."""
-    return TestResults(results=[_verdict(kept) for kept in dashboard.guided.results])
+    return TestResults(results=[verdict_of(kept) for kept in dashboard.guided.results])
 
 
 @router.put("/results/{name}", responses=errors(404))
@@ -275,7 +275,7 @@ def put_in_report(
     dashboard: TheDashboard, _: KnownClient, name: Name, body: InReportRequest
 ) -> TestVerdict:
     """Put a result into the report on the connected car, or take it out."""
-    return _verdict(dashboard.guided.put_in_report(name, wanted=body.in_report))
+    return verdict_of(dashboard.guided.put_in_report(name, wanted=body.in_report))
 
 
 def _state(dashboard: Dashboard) -> TestRunState:
@@ -296,12 +296,13 @@ def _state(dashboard: Dashboard) -> TestRunState:
             prepare=step.prepare if step else 0.0,
             advice=two_or_none(step.advice) if step else None,
             values=dict(progress.values),
-            result=_verdict(kept) if kept else None,
+            result=verdict_of(kept) if kept else None,
         )
     )
 
 
-def _verdict(kept: KeptResult) -> TestVerdict:
+def verdict_of(kept: KeptResult) -> TestVerdict:
+    """Return a result for the page."""
     result = kept.result
     return TestVerdict(
         id=kept.identity,

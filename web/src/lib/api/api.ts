@@ -56,6 +56,8 @@ export const api = {
   startTest: (name: string) => post<Api.TestRunState>(`/tests/${part(name)}/start`),
   skipTestStep: () => post<Api.TestRunState>("/tests/run/skip"),
   cancelTest: () => post<Api.TestRunState>("/tests/run/cancel"),
+  recordedTest: (recording: string, test: string, signal: AbortSignal) =>
+    get<Api.RecordedTest>(`/recordings/${part(recording)}/tests/${part(test)}`, undefined, signal),
   testInReport: (id: string, wanted: boolean) =>
     put<Api.TestVerdict>(`/tests/results/${part(id)}`, { in_report: wanted }),
 

@@ -834,6 +834,16 @@ export interface components {
             faults: components["schemas"]["RecordedFault"][] | null;
             frames: components["schemas"]["FreezeFrameInfo"][];
         };
+        /**
+         * @description A test over a recording. `result` null: there is none, for the reason `why`.
+         *
+         *     `left_out`: the steps that no values show, so the test was done without them.
+         */
+        RecordedTest: {
+            result: components["schemas"]["TestVerdict"] | null;
+            why: components["schemas"]["TwoTexts"] | null;
+            left_out: components["schemas"]["TwoTexts"][];
+        };
         /** @description One recording with its channels and events. `first`, `last`: the times of its rows. */
         RecordingDetail: {
             /** @description the file's name */

@@ -43,6 +43,7 @@ export type TestRunState = Schemas["TestRunState"];
 export type TestRun = Schemas["TestRun"];
 export type TestResults = Schemas["TestResults"];
 export type TestVerdict = Schemas["TestVerdict"];
+export type RecordedTest = Schemas["RecordedTest"];
 export type TestCurve = Schemas["TestCurve"];
 
 export type Fault = Schemas["StoredFault"];

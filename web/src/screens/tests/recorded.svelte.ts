@@ -1,0 +1,34 @@
+// A test over the recording that is shown: the request, which can be cancelled, and its answer.
+import { api } from "../../lib/api/api";
+import { ApiRequest } from "../../lib/api/request.svelte";
+import type { RecordedTest, TestInfo } from "../../lib/api/types";
+
+class RecordedTests {
+  readonly request = new ApiRequest<RecordedTest>();
+  /** The test that is done or was done; null: none. */
+  test = $state.raw<TestInfo | null>(null);
+  recording = $state<string | null>(null);
+  private stop = new AbortController();
+
+  async run(recording: string, test: TestInfo): Promise<void> {
+    this.clear();
+    this.test = test;
+    this.recording = recording;
+    const { signal } = this.stop;
+    try {
+      await this.request.run(() => api.recordedTest(recording, test.name, signal));
+    } catch (error) {
+      if (!(error instanceof DOMException)) throw error;
+    }
+  }
+
+  /** Cancel the work, or put the answer away. */
+  clear(): void {
+    this.stop.abort();
+    this.stop = new AbortController();
+    this.request.reset();
+    this.test = this.recording = null;
+  }
+}
+
+export const recorded = new RecordedTests();
