@@ -56,18 +56,6 @@ def test_a_run_finds_the_fault_and_is_kept(cold, tmp_path):
     page = cold.get("/report", lang="en").text
     assert finding["text"]["en"] in page
     assert finding["text"]["en"] in cold.get(f"/recordings/{file.name}/report", lang="en").text
-    over = cold.get(f"/recordings/{file.name}/tests/sensors")
-    assert ([it["rule"] for it in over["result"]["findings"]], over["why"]) == (["apart"], None)
-    none = cold.get(f"/recordings/{file.name}/tests/charging")
-    assert none["result"] is None
-    assert none["why"]["en"].startswith("the recording does not have this step: Start the engine")
-    assert [it["en"][:14] for it in none["left_out"]] == ["Switch on high"]
-    none = cold.get(f"/recordings/{file.name}/tests/warmup")
-    assert none["why"]["ru"].startswith("в записи нет того, с чего проверка начинается: Двигатель")
-    none = cold.get(f"/recordings/{file.name}/tests/knock")
-    assert none["why"]["en"] == "the recording has no values of UOZ, UOZOC"
-    cold.get(f"/recordings/{file.name}/tests/none", 404)
-    cold.get("/recordings/none.pcapng/tests/sensors", 404)
     kept = tmp_path / "state" / "tests"
 
     def stored():
@@ -95,3 +83,25 @@ def test_skipping_every_step_tells_nothing(cold):
     assert (result["outcome"], result["findings"]) == ("unknown", [])
     assert all("skipped" in it["en"] for it in result["missing"])
     assert cold.put("/tests/results/none", {"in_report": True}, status=404)
+
+
+def test_a_test_over_a_recording(cold):
+    names = ("FREQ", "TWAT", "TAIR", "THR", "JAIR", "UACC")
+    wanted = [{"name": name, "every": 1} for name in names]
+    cold.put("/plan", {"wanted": wanted, "method": "auto", "rate": None})
+    cold.post("/recording/start", {"name": "drive"})
+    before = cold.get("/state")["samples"]
+    cold.until(lambda _: cold.get("/state")["samples"] > before + 260)
+    cold.post("/recording/stop")
+    over = cold.get("/recordings/drive.pcapng/tests/sensors")
+    assert ([it["rule"] for it in over["result"]["findings"]], over["why"]) == (["apart"], None)
+    none = cold.get("/recordings/drive.pcapng/tests/charging")
+    assert none["result"] is None
+    assert none["why"]["en"].startswith("the recording does not have this step: Start the engine")
+    assert [it["en"][:14] for it in none["left_out"]] == ["Switch on high"]
+    none = cold.get("/recordings/drive.pcapng/tests/warmup")
+    assert none["why"]["ru"].startswith("в записи нет того, с чего проверка начинается: Двигатель")
+    none = cold.get("/recordings/drive.pcapng/tests/knock")
+    assert none["why"]["en"] == "the recording has no values of UOZ, UOZOC, DET"
+    cold.get("/recordings/drive.pcapng/tests/none", 404)
+    cold.get("/recordings/none.pcapng/tests/sensors", 404)
