@@ -30,6 +30,7 @@ from mikas.recording.capture.reader import CaptureReader, Problem
 from mikas.recording.capture.writer import append_note
 from mikas.recording.export import DIALECTS, export
 from mikas.recording.inspect import Describer, decode, to_json
+from mikas.recording.recorded_faults import faults_in
 from mikas.recording.search import SearchCondition, search
 from mikas.recording.summary import summarise
 from mikas.replay.port import playing
@@ -144,6 +145,10 @@ def _reported(path: Path) -> None:
         page.encode()
 
 
+def _with_faults(path: Path) -> None:
+    faults_in(mikas.open(path))
+
+
 def _replayed(path: Path) -> None:
     with mikas.connect(f"replay:{path}?clock=simulated", timeout=0.1, retries=0) as ecu:
         for ask in (ecu.passport, ecu.faults):
@@ -194,6 +199,7 @@ READERS: Final = (
     Reader("decode", _decoded, _USUAL),
     Reader("table", _as_table, _USUAL),
     Reader("report", _reported, _USUAL, each=2),
+    Reader("faults", _with_faults, _USUAL, each=3),
     Reader("replay", _replayed, _USUAL, each=2),
     Reader("window", _in_windows, _USUAL, each=2),
     Reader("csv", _exported(".csv"), _USUAL, each=2),
