@@ -40,3 +40,12 @@ def test_one_that_ended_meanwhile_is_over(idle):
     voltage(idle, FINE)
     plan(idle, "TWAT", "UACC")
     idle.until(lambda it: it["state"]["samples"] and alarms(it) == [])
+
+
+def test_an_unplugged_adapter_leaves_no_alarm_of_the_last_value(idle):
+    voltage(idle, LOW)
+    idle.until(lambda it: alarms(it) == [("UACC", "warning")])
+    idle.cars.pull()
+    idle.until(lambda it: it["state"]["line"] == "no-port" and alarms(it) == [])
+    idle.cars.put_back()
+    idle.until(lambda it: alarms(it) == [("UACC", "warning")])

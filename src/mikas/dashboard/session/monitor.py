@@ -179,9 +179,11 @@ class ConnectionMonitor:
 
     @property
     def shown_alarms(self) -> list[AlarmChanged]:
-        """The alarms of the wanted channels. The others stay in `alarms`: no event repeats an
-        unchanged alarm when its channel is wanted again.
+        """The alarms of the wanted channels, while the unit answers. The others stay in `alarms`:
+        no event repeats an unchanged alarm when its channel is read again.
         """
+        if self.line not in (LineState.SAMPLING, LineState.ECU_ALIVE):
+            return []  # an unplugged adapter: the values are unknown, and so are their alarms
         return [alarm for name, alarm in self.alarms.items() if name in self._names]
 
     def silent(self, now: float) -> Text | None:
