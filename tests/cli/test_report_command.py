@@ -81,7 +81,7 @@ def test_in_russian(mikas, drive, tmp_path) -> None:
     [
         (("drive.pcapng", "-o", "car.pdf"), "browser prints it"),
         (("drive.pcapng", "-o", "drive.pcapng"), "browser prints it"),
-        (("drive.pcapng", "-o", "there.html"), "is there already"),
+        (("drive.pcapng", "-o", "there.html"), "--overwrite"),
         (("drive.pcapng", "-o", "nowhere/car.html"), "no such folder"),
         (("drive.pcapng", "-o", "car.html", "--duration", "5"), "nothing is measured"),
         (("drive.pcapng", "-o", "car.html", "--capture", "x.pcapng"), "nothing is measured"),

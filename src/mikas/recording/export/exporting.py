@@ -144,8 +144,8 @@ def check_free(out: Path, *, overwrite: bool) -> None:
     """Raise `ExportError` if the file exists and may not be overwritten."""
     if not overwrite and os.path.lexists(out):
         problem = Text(
-            "the file is there already; give another name or allow overwriting",
-            "файл уже есть; дайте другое имя или разрешите перезаписать",
+            "the file is there already; give another name or allow overwriting (--overwrite)",
+            "файл уже есть; дайте другое имя или разрешите перезаписать (--overwrite)",
         )
         raise ExportError(str(out), problem)
 
