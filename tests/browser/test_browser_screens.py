@@ -1,10 +1,12 @@
-"""All screens: no findings of axe, nothing on the console, nothing wider than a phone; and
-pictures of each in both languages and themes, in build/screenshots or `MIKAS_SCREENSHOTS`.
+"""All screens, their views and sheets: no findings of axe, nothing on the console, nothing wider
+than a phone; and pictures of each in both themes, of the screens in both languages, in
+build/screenshots or `MIKAS_SCREENSHOTS`.
 """
 
 from __future__ import annotations
 
 import os
+import re
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -59,6 +61,16 @@ def there(tab, screen):
         expect(tab.page.frame_locator("iframe").locator("h1")).to_be_visible()
 
 
+def serious(tab, name):
+    """What axe has against the page as it is."""
+    found = tab.page.evaluate("axe.run(document, {iframes: false, resultTypes: ['violations']})")
+    return {
+        f"{name}: {it['id']}": [node["html"] for node in it["nodes"]]
+        for it in found["violations"]
+        if it["impact"] in ("serious", "critical")
+    }
+
+
 @pytest.mark.parametrize("theme", ["light", "dark"])
 def test_axe_has_nothing_serious_against_any_screen(lived_in, visitor, theme):
     lived_in.nobody_controls()
@@ -68,14 +80,79 @@ def test_axe_has_nothing_serious_against_any_screen(lived_in, visitor, theme):
     tab.page.evaluate(AXE.read_text("utf-8"))
     for screen in SCREENS:
         there(tab, screen)
-        found = tab.page.evaluate(
-            "axe.run(document, {iframes: false, resultTypes: ['violations']})"
+        findings |= serious(tab, screen)
+    assert findings == {}
+
+
+def further(tab):
+    """Open the views, sheets and menus that no screen shows at first; yield the name of each."""
+    press, page = tab.press, tab.page
+    tab.show("live")
+    press("Edit", exact=True)
+    yield "live-editing"
+    press("Add…")
+    yield "live-add"
+    page.keyboard.press("Escape")
+    press("Cancel", exact=True)
+    press("Big numbers")
+    yield "live-big"
+    press("Values of the big numbers…")
+    yield "live-big-values"
+    page.keyboard.press("Escape")
+    press("All tiles")
+    tab.find('[data-opens="TWAT"]').first.click()
+    yield "live-card"
+    page.keyboard.press("Escape")
+    page.keyboard.press("?")
+    yield "keys"
+    page.keyboard.press("Escape")
+    tab.show("chart")
+    for name in ("Traces…", "Find…"):
+        press(name)
+        yield f"chart-{name.lower().rstrip('…')}"
+        page.keyboard.press("Escape")
+    for name in ("Statistics…", "Markers…", "Image…"):
+        press("More tools")
+        if name == "Statistics…":
+            yield "chart-menu"
+        tab.find("#screen .menu li").get_by_role("button", name=name).click()
+        yield f"chart-{name.lower().rstrip('…')}"
+        page.keyboard.press("Escape")
+    for view in ("scatter", "table"):
+        page.get_by_role("tab", name=view.capitalize()).click()
+        expect(tab.find("#screen .small").first).to_be_visible()
+        yield f"chart-{view}"
+    tab.show("faults")
+    press("Erase…")
+    expect(page.get_by_role("dialog")).to_contain_text("17")
+    yield "faults-erase"
+    page.keyboard.press("Escape")
+    tab.show("tests")
+    tab.find("[data-test=idle]").get_by_role("button", name="Start").click()
+    expect(tab.find(".todo")).to_be_visible()
+    yield "tests-running"
+    press("End the test")
+    tab.show("recordings")
+    for name in ("Export ", "Compare ", "Car details of ", "Delete "):
+        page.get_by_label(re.compile(f"^{name}")).first.click()
+        expect(page.get_by_role("dialog")).to_be_visible()
+        yield f"recordings-{name.split()[0].lower()}"
+        page.keyboard.press("Escape")
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_axe_has_nothing_serious_against_sheets_and_views(lived_in, visitor, theme):
+    lived_in.nobody_controls()
+    tab = visitor(lived_in.url, color_scheme=theme)
+    tab.show("live")
+    expect(tab.value("TWAT")).to_be_visible()
+    tab.page.evaluate(AXE.read_text("utf-8"))
+    findings = {}
+    for name in further(tab):
+        findings |= serious(tab, name)
+        tab.page.screenshot(
+            path=PICTURES / f"{name}-en-{'day' if theme == 'light' else 'night'}.png"
         )
-        findings |= {
-            f"{screen}: {it['id']}": [node["html"] for node in it["nodes"]]
-            for it in found["violations"]
-            if it["impact"] in ("serious", "critical")
-        }
     assert findings == {}
 
 
