@@ -223,10 +223,18 @@ def test_markers_of_a_recording_are_found_and_named(stored, visitor):
     sheet.get_by_role("textbox").fill("valve sticks")
     sheet.get_by_role("textbox").press("Enter")
     expect(tab.find(".flags button.marker")).to_contain_text("valve sticks")
-    sheet.get_by_role("button", name="Close").click()
-    tab.page.reload()
-    events = stored.get("/recordings/trip.pcapng")["events"]
-    assert [it["label"] for it in events if it["kind"] == "marker"] == ["valve sticks"]
+
+    def kept():
+        events = stored.get("/recordings/trip.pcapng")["events"]
+        return [it["label"] for it in events if it["kind"] == "marker"]
+
+    assert kept() == ["valve sticks"]
+    sheet.get_by_role("button", name="Delete the marker").click()
+    expect(tab.find(".flags button.marker")).to_have_count(0)
+    assert kept() == []
+    sheet.get_by_role("button", name="Undo").click()
+    expect(tab.find(".flags button.marker")).to_contain_text("valve sticks")
+    assert kept() == ["valve sticks"]
 
 
 def test_the_chart_is_saved_as_vectors_and_as_an_image_and_copied(stored, visitor):

@@ -113,6 +113,11 @@ class Rig:
     def put(self, path, body, status=200, headers=ME):
         return self._checked(self.client.put(f"/api{path}", json=body, headers=headers), status)
 
+    def delete(self, path, status=200, headers=ME, **params):
+        return self._checked(
+            self.client.delete(f"/api{path}", headers=headers, params=params), status
+        )
+
     def _checked(self, answer, status):
         assert answer.status_code == status, answer.text
         if status >= 400:

@@ -54,6 +54,41 @@ def test_a_marker_is_named_after_the_moment_also_when_the_recording_has_ended(id
     assert markers(live) == [(first, "knock"), (second, "стоп")]
 
 
+def test_a_marker_is_removed_and_brought_back_while_recording_and_afterwards(idle):
+    def kept():
+        detail = idle.get("/recordings/a.pcapng")
+        found = [(it["time"], it["label"]) for it in detail["events"] if it["kind"] == "marker"]
+        assert len(found) == detail["markers"]
+        return found
+
+    def shown():
+        events = idle.get("/history", seconds=3600)["events"]
+        markers = (it for it in events if it["kind"] == "marker")
+        return [it["time"] for it in markers if "removed" not in it]
+
+    idle.post("/recording/start", {"name": "a"})
+    idle.until(lambda it: it["state"]["recording"]["samples"] > 3)
+    first = idle.post("/recording/marker", {"label": "knock"})["time"]
+    idle.until(lambda it: it["state"]["recording"]["samples"] > 5)
+    second = idle.post("/recording/marker")["time"]
+    idle.delete("/recording/marker", time=first)
+    assert shown() == [second]
+    idle.put("/recording/marker", {"time": first, "label": "knock"})
+    assert shown() == [first, second]
+    idle.delete("/recording/marker", time=second)
+    third = idle.post("/recording/marker")["time"]
+    assert third >= second, "a note about an earlier marker must not set the recording's clock back"
+    idle.post("/recording/stop")
+    assert kept() == [(first, "knock"), (third, "")]
+    idle.delete("/recordings/a.pcapng/marker", time=first)
+    idle.delete("/recording/marker", time=third)
+    assert kept() == []
+    idle.put("/recordings/a.pcapng/marker", {"time": first, "label": "hot"})
+    assert kept() == [(first, "hot")]
+    assert idle.delete("/recording/marker", 404, time=1.5)["ru"]
+    assert idle.delete("/recordings/a.pcapng/marker", 404, time=1.5)["ru"]
+
+
 def test_a_name_that_is_taken_gets_a_number(idle):
     assert idle.post("/recording/start", {"name": "a"})["recording"]["file"] == "a.pcapng"
     assert idle.post("/recording/start", {"name": "a"})["recording"]["file"] == "a (2).pcapng"

@@ -134,17 +134,12 @@ class Recorder:
             if self._running is not None:
                 self._continue_in_next_file(self._running)
 
-    def marker(
-        self, time: float | None = None, label: str = "", *, renamed: bool = False
-    ) -> float | None:
-        """Mark a moment, by default now. Return its time, None before any byte or event.
-
-        `renamed`: give the marker of that time another name.
-        """
+    def marker(self, time: float | None = None, label: str = "") -> float | None:
+        """Mark a moment, by default now. Return its time, None before any byte or event."""
         with self._lock:
             time = self._time if time is None else time
             if time is not None:
-                self._write([note_of(Marker(time, label[:_LONGEST_TEXT], renamed=renamed))])
+                self._write([note_of(Marker(time, label[:_LONGEST_TEXT]))])
             return time
 
     def text(self, time: float | None = None, text: str = "") -> None:
@@ -200,7 +195,8 @@ class Recorder:
     def note(self, note: Note) -> None:
         """Write a note of the caller. Raises `ValueError` for data that JSON can't hold."""
         with self._lock:
-            self._advance(note.time)
+            if self._time is None or note.time >= self._time:  # else about a marker set before
+                self._advance(note.time)
             self._write([note])
 
     def take(self, event: Event) -> None:

@@ -18,7 +18,13 @@ from typing import TYPE_CHECKING, Any
 from mikas.catalog import Catalog, load
 from mikas.cleaning import clean_line
 from mikas.errors import usage_error
-from mikas.recording.annotations.events import RecordedUnit, catalogs_of, events_of, unit_of
+from mikas.recording.annotations.events import (
+    RecordedUnit,
+    catalogs_of,
+    events_of,
+    had_marker,
+    unit_of,
+)
 from mikas.recording.capture.notes import Kind, Note
 from mikas.recording.capture.reader import CaptureReader, Packet, Problem, Source
 from mikas.recording.table.channels import Rows, all_channels, calendar, is_recorded, named
@@ -118,6 +124,10 @@ class Recording:
     def events(self) -> tuple[Event, ...]:
         """The noted events: markers, gaps, states, alarms …, in the file's order."""
         return tuple(events_of(self.notes, self.catalog))
+
+    def had_marker(self, time: float) -> bool:
+        """Return whether a marker was set at exactly `time`; also one that was removed since."""
+        return had_marker(self._notes, time)
 
     def window(
         self, begin: float, end: float, points: int = 2000, names: Iterable[str] | None = None

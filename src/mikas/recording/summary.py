@@ -31,7 +31,7 @@ from mikas.recording.capture.reader import Blocks, CaptureReader, Packet, reason
 from mikas.recording.capture.scan import scan
 from mikas.recording.exchanges.scalar import ScalarMatcher
 from mikas.recording.table.channels import PLAINLY_UNIX
-from mikas.sampling.events import Gap, TextNote
+from mikas.sampling.events import Gap, Marker, TextNote
 
 _TAIL: Final = 1 << 14
 _WIDEN: Final = 8
@@ -162,9 +162,7 @@ def _summary(path: Path, sections: _Sections, catalog: Catalog) -> Summary:
         rate=samples / sampled if samples and sampled > 0 else None,
         gaps=len(gaps),
         faults=_faults(sections),
-        markers=sum(
-            note.kind == Kind.MARKER and note.data.get("renamed") is not True for note in notes
-        ),
+        markers=sum(isinstance(event, Marker) for event in events),
         note=comment_of(notes) or next(texts, "")[:LONGEST_COMMENT],
         car=car_of(notes),
         recordings=len(sections.index.sections),

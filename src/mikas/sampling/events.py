@@ -275,11 +275,16 @@ class FaultReading(Event):
 
 @dataclass(frozen=True, slots=True)
 class Marker(Event):
-    """A moment marked by the user. `renamed`: another name of the marker at that time."""
+    """A moment marked by the user.
+
+    `renamed`: another name of the marker at that time, which comes back if it was removed.
+    `removed`: the marker at that time is none any more.
+    """
 
     kind = "marker"
     label: str = ""
-    renamed: bool = field(default=False, metadata={"json": False})
+    renamed: bool = field(default=False, metadata=_NOT_IN_JSON)
+    removed: bool = field(default=False, metadata=_NOT_IN_JSON)
 
 
 @dataclass(frozen=True, slots=True)

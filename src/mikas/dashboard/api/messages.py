@@ -75,6 +75,11 @@ def _one_of(*models: type[BaseModel]) -> GetPydanticSchema:
     return GetPydanticSchema(lambda _, handler: handler.generate_schema(union))
 
 
+_REMOVED: Any = Field(
+    False,
+    description="true: the marker was removed; else absent",
+    json_schema_extra=lambda schema: schema.pop("default"),
+)
 _IN_BOTH: Final = (
     _model(
         StateChanged,
@@ -88,7 +93,7 @@ _IN_BOTH: Final = (
     _model(ParameterDropped),
     _model(ParameterReturned),
     _model(AlarmChanged, level=Level, before=Level | None, side=Side | None),
-    _model(Marker),
+    _model(Marker, removed=(bool, _REMOVED)),
     _model(FaultReading, codes=list[int], added=list[int] | None),
 )
 LiveEvent = Annotated[

@@ -57,7 +57,7 @@ class EventLog:
         self._others: deque[tuple[int, Event]] = deque(maxlen=_MAX_EVENTS)
 
     def add(self, event: Event) -> None:
-        """Keep `event`; a marker at the time of a kept one is that marker with another name."""
+        """Keep `event`; a marker at the time of a kept one is that marker, renamed or removed."""
         if isinstance(event, Marker):
             for place, (count, before) in enumerate(self._others):
                 if isinstance(before, Marker) and before.time == event.time:
@@ -82,4 +82,6 @@ def page_json(event: Event) -> dict[str, Any]:
             shown["reason"] = ADVICE.text(event.error)._asdict()
     elif isinstance(event, MethodChosen):
         shown["rates"] = {name: round(rate, 2) for name, rate in event.rates.items()}
+    elif isinstance(event, Marker) and event.removed:
+        shown["removed"] = True
     return shown

@@ -135,18 +135,25 @@ class SessionRecorder:
         return time
 
     def name_marker(self, time: float, label: str) -> None:
-        """Give another name to the marker of that time, in its recording, too.
+        """Give another name to the marker of that time, or bring it back, in its recording, too.
 
-        Raises `NotFound`: there is no such marker; `CaptureError`: its file can't be written.
+        Raises `NotFound`: there was no such marker; `CaptureError`: its file can't be written.
         """
-        marker = Marker(time, label, renamed=True)
-        if not any(isinstance(it, Marker) and it.time == time for it in self._monitor.events):
+        self._change_marker(Marker(time, label, renamed=True))
+
+    def remove_marker(self, time: float) -> None:
+        """Remove the marker of that time, in its recording, too. Raises as `name_marker`."""
+        self._change_marker(Marker(time, removed=True))
+
+    def _change_marker(self, marker: Marker) -> None:
+        events = self._monitor.events
+        if not any(isinstance(it, Marker) and it.time == marker.time for it in events):
             raise NotFound(name=_MARKER)
         self._monitor.log(marker)
         status = self.recorder.status
-        path = self._marked.get(time)
+        path = self._marked.get(marker.time)
         if status is not None and status.failure is None and status.path == path:
-            self.recorder.marker(time, label, renamed=True)
+            self.recorder.note(note_of(marker))
         elif path is not None:  # the recording has ended since
             append_note(path, note_of(marker))
 

@@ -65,8 +65,10 @@ def note_of(event: Event, interpretation: str = "corrected") -> Note:
     match event:
         case TextNote() | Marker() | Gap() | StateChanged() | AdapterMoved():
             time = event.began if isinstance(event, Gap) else event.time
-            if isinstance(event, Marker) and event.renamed:
-                data["renamed"] = True
+            if isinstance(event, Marker):
+                for change in ("renamed", "removed"):
+                    if getattr(event, change):
+                        data[change] = True
             return Note(Kind(event.kind), time, data)
         case UnitFound():
             data = {
@@ -175,12 +177,12 @@ def unit_of(notes: Iterable[Note], catalog: Catalog) -> RecordedUnit | None:
 def events_of(notes: Iterable[Note], catalog: Catalog) -> list[Event]:
     """Return the events of `notes`, in their order.
 
-    A repeated unit, a plan, and faults read before the recording are no events. A renamed marker
-    stands where the latest one of its time stands.
+    A repeated unit, a plan, faults read before the recording, and a removed marker are no events.
+    A renamed marker stands where the latest one of its time stands.
     """
-    events: list[Event] = []
+    events: list[Event | None] = []
     before: UnitFound | None = None
-    markers: dict[float, int] = {}
+    markers: dict[float, tuple[int, int]] = {}  # by time: place and recording
     for note in notes:
         event = _event(note, catalog)
         if isinstance(event, UnitFound):
@@ -191,13 +193,25 @@ def events_of(notes: Iterable[Note], catalog: Catalog) -> list[Event]:
                 event = replace(event, another=another)
             before = event
         if isinstance(event, Marker):
-            if event.renamed and (place := markers.get(event.time)) is not None:
-                events[place] = replace(event, recording=events[place].recording, renamed=False)
+            place, recording = markers.get(event.time, (None, 0))
+            if event.removed:
+                if place is not None:
+                    events[place] = None
                 continue
-            markers[event.time] = len(events)
-        if event is not None:
-            events.append(event)
-    return events
+            if event.renamed and place is not None:
+                events[place] = replace(event, recording=recording, renamed=False)
+                continue
+            markers[event.time] = len(events), event.recording
+        events.append(event)
+    return [event for event in events if event is not None]
+
+
+def had_marker(notes: Iterable[Note], time: float) -> bool:
+    """Return whether a marker was set at exactly `time`; also one that was removed since."""
+    return any(
+        note.kind == Kind.MARKER and note.time == time and note.data.get("removed") is not True
+        for note in notes
+    )
 
 
 def comment_of(notes: Iterable[Note]) -> str:
@@ -223,8 +237,9 @@ def _event(note: Note, catalog: Catalog) -> Event | None:
     time, data, recording = note.time, note.data, note.recording
     match note.kind:
         case Kind.MARKER:
-            label, renamed = line_of(data.get("label")) or "", data.get("renamed") is True
-            return Marker(time, label, renamed=renamed, recording=recording)
+            renamed, removed = data.get("renamed") is True, data.get("removed") is True
+            label = line_of(data.get("label")) or ""
+            return Marker(time, label, renamed=renamed, removed=removed, recording=recording)
         case Kind.NOTE if (words := text_of(data.get("text"), LONGEST_TEXT)) is not None:
             return TextNote(time, words, recording=recording)
         case Kind.GAP:

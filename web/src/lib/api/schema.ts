@@ -610,7 +610,7 @@ export interface components {
             times: number[];
             values: (number | null)[][];
         };
-        /** @description A moment marked by the user. `renamed`: another name of the marker at that time. */
+        /** @description A moment marked by the user. */
         MarkerEvent: {
             /**
              * @description discriminator enum property added by openapi-typescript
@@ -619,6 +619,8 @@ export interface components {
             kind: "marker";
             time: number;
             label: string;
+            /** @description true: the marker was removed; else absent */
+            removed?: boolean;
         };
         /** @description A marker's label. */
         MarkerRequest: {

@@ -1,4 +1,4 @@
-// Markers: the one that was just set and can be named at once, and names given later, of live data and of recordings.
+// Markers: the one that was just set and can be named at once; named, removed and brought back later, of live data and of recordings.
 import { api } from "../api/api";
 import type { LineEvent } from "../api/types";
 import { player } from "../recording/player.svelte";
@@ -24,11 +24,19 @@ class Naming {
   /** The marker that was just set; null: none, or its name has been given. */
   marker = $state.raw<{ time: number; recorded: boolean } | null>(null);
 
-  /** Give a marker of live data, or of the recording `id`, another name. Returns whether that succeeded. */
+  /** Give a marker of live data, or of the recording `id`, another name; a removed one comes back. Returns whether that succeeded. */
   async name(time: number, label: string, id: string | null): Promise<boolean> {
     if (id === null) return (await attempt(() => api.nameMarker(time, label))) !== undefined;
     if ((await attempt(() => api.nameRecordedMarker(id, time, label))) === undefined) return false;
-    player.renamed(id, time, label);
+    player.marked(id, time, label);
+    return true;
+  }
+
+  /** Remove a marker of live data, or of the recording `id`. Returns whether that succeeded. */
+  async remove(time: number, id: string | null): Promise<boolean> {
+    if (id === null) return (await attempt(() => api.removeMarker(time))) !== undefined;
+    if ((await attempt(() => api.removeRecordedMarker(id, time))) === undefined) return false;
+    player.marked(id, time, null);
     return true;
   }
 }

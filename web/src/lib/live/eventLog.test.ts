@@ -29,6 +29,13 @@ describe("EventLog", () => {
     expect(added([marker(2), marker(3)], [named])).toEqual([named, marker(3)]);
   });
 
+  it("drops a removed marker, which may come back", () => {
+    const removed: LineEvent = { kind: "marker", time: 2, label: "", removed: true };
+    expect(added([marker(1), marker(2), marker(3)], [removed, removed])).toEqual([marker(1), marker(3)]);
+    expect(added([removed])).toEqual([]);
+    expect(added([marker(2), marker(3)], [removed], [marker(2)])).toEqual([marker(2), marker(3)]);
+  });
+
   it("returns a new list and leaves the previous one unchanged", () => {
     const log = new EventLog();
     const before = log.add([marker(1)]);

@@ -14,8 +14,8 @@ export class EventLog {
   }
 
   /**
-   * Add events and return all. A gap is reported when it begins and again when it has ended, a marker again with another name; the second
-   * report replaces the first.
+   * Add events and return all. A gap is reported when it begins and again when it has ended, a marker again with another name or as
+   * removed; the second report replaces the first.
    */
   add(added: readonly LineEvent[]): readonly LineEvent[] {
     const events = [...this.events];
@@ -23,6 +23,11 @@ export class EventLog {
     for (const event of added) {
       const key = keyOf(event);
       const before = this.byKey.get(key);
+      if (event.kind === "marker" && event.removed) {
+        if (before) events.splice(events.lastIndexOf(before), 1);
+        this.byKey.delete(key);
+        continue;
+      }
       if (before) {
         if (!replaces(event, before)) continue;
         events[events.lastIndexOf(before)] = event;

@@ -37,11 +37,10 @@ export class RecordingData {
     return this.detail?.events ?? [];
   }
 
-  /** A marker of the recording `id` has another name. */
-  renamed(id: string, time: number, label: string): void {
+  /** The marker of the recording `id` at this time has another name; null: it was removed. */
+  marked(id: string, time: number, label: string | null): void {
     if (this.detail?.id !== id) return;
-    const events = this.detail.events.map((event) => (event.kind === "marker" && event.time === time ? { ...event, label } : event));
-    this.detail = { ...this.detail, events };
+    this.detail = { ...this.detail, events: withMarker(this.detail.events, time, label) };
     this.tick += 1;
     frameClock.request();
   }
@@ -156,4 +155,13 @@ function extremesOf(column: Float64Array | undefined): Extremes | undefined {
     if (value > max) max = value;
   }
   return min <= max ? { min, max } : undefined;
+}
+
+/** The events with a marker at this time, in the place of one that is there already; `label` null: without one. */
+export function withMarker(events: RecordingDetail["events"], time: number, label: string | null): RecordingDetail["events"] {
+  const others = events.filter((event) => event.kind !== "marker" || event.time !== time);
+  if (label === null) return others;
+  const at = others.findIndex((event) => event.time > time);
+  others.splice(at < 0 ? others.length : at, 0, { kind: "marker", time, label });
+  return others;
 }

@@ -7,7 +7,7 @@ read in the lane of views: a report or an export that takes long holds up none o
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Query
@@ -30,6 +30,7 @@ from mikas.dashboard.api.library.cars import CarInfo
 from mikas.dashboard.api.library.downloads import LeftOutFile, left_out
 from mikas.dashboard.api.messages import LiveRows, RecordedEvent
 from mikas.dashboard.api.state import State, state_of
+from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.errors import ADVICE, NotFound
 from mikas.dashboard.library.folder import RecordingFile
 from mikas.dashboard.library.service import RecordingService
@@ -38,6 +39,7 @@ from mikas.dashboard.settings import check_folder
 from mikas.errors import UsageError
 from mikas.recording.annotations.events import comment_note, note_of
 from mikas.recording.annotations.fields import LONGEST_COMMENT, LONGEST_LINE, LONGEST_TEXT
+from mikas.recording.capture.notes import Note
 from mikas.recording.capture.writer import append_note
 from mikas.recording.recording import Recording
 from mikas.recording.summary import Summary
@@ -70,6 +72,10 @@ class NamedMarker(BaseModel):
 
     time: float = Field(allow_inf_nan=False)
     label: Line = Field(max_length=LONGEST_LINE)
+
+
+MarkerTime = Annotated[float, Query(allow_inf_nan=False)]
+"""The time of a marker, exactly."""
 
 
 class NoteRequest(BaseModel):
@@ -171,9 +177,19 @@ def marker(dashboard: TheDashboard, _: Controller, body: MarkerRequest) -> Marke
 
 @router.put("/recording/marker", responses=errors(404, 409))
 def name_marker(dashboard: TheDashboard, _: Controller, body: NamedMarker) -> MarkerResponse:
-    """Give a marker of the running connection another name; its recording gets it, too."""
+    """Give a marker of the running connection another name; its recording gets it, too.
+
+    A removed marker comes back.
+    """
     dashboard.recorder.name_marker(body.time, body.label)
     return MarkerResponse(time=body.time)
+
+
+@router.delete("/recording/marker", responses=errors(404, 409))
+def remove_marker(dashboard: TheDashboard, _: Controller, time: MarkerTime) -> MarkerResponse:
+    """Remove the marker of exactly that time; its recording notes it, too."""
+    dashboard.recorder.remove_marker(time)
+    return MarkerResponse(time=time)
 
 
 @router.post("/recording/note", responses=errors(409))
@@ -248,10 +264,7 @@ async def comment(
     note = comment_note(dashboard.connection.now(), body.text)
 
     def write(file: RecordingFile) -> RecordingInfo:
-        if library.is_growing(file):
-            dashboard.recorder.recorder.note(note)
-        else:
-            append_note(file.path, note)
+        _append(dashboard, library, file, note)
         written = library.folder.one(identity)
         return _info(library, written, library.summary(written))
 
@@ -267,20 +280,49 @@ async def name_recorded_marker(
     identity: str,
     body: NamedMarker,
 ) -> MarkerResponse:
-    """Give a marker of a recording another name, which is appended to its file."""
+    """Give a marker of a recording another name, which is appended to its file.
 
+    A removed marker comes back.
+    """
+    marker = Marker(body.time, body.label, renamed=True)
+    change = _marker_changed(dashboard, library, marker)
+    return await requester.awaits(library.view(identity, change, requester.address))
+
+
+@router.delete("/recordings/{identity}/marker", responses=errors(404, 409, 504))
+async def remove_recorded_marker(
+    dashboard: TheDashboard,
+    library: TheLibrary,
+    requester: TheRequester,
+    _: KnownClient,
+    identity: str,
+    time: MarkerTime,
+) -> MarkerResponse:
+    """Remove a marker of a recording: a note of it is appended to its file."""
+    change = _marker_changed(dashboard, library, Marker(time, removed=True))
+    return await requester.awaits(library.view(identity, change, requester.address))
+
+
+def _marker_changed(
+    dashboard: Dashboard, library: RecordingService, marker: Marker
+) -> Callable[[RecordingFile], MarkerResponse]:
     def write(file: RecordingFile) -> MarkerResponse:
-        events = library.opened(file).events
-        if not any(isinstance(it, Marker) and it.time == body.time for it in events):
-            raise NotFound(name=identity)
-        marker = Marker(body.time, body.label, renamed=True)
-        if library.is_growing(file):
-            dashboard.recorder.recorder.marker(marker.time, marker.label, renamed=True)
-        else:
-            append_note(file.path, note_of(marker))
-        return MarkerResponse(time=body.time)
+        if not library.opened(file).had_marker(marker.time):
+            raise NotFound(name=file.id)
+        _append(dashboard, library, file, note_of(marker))
+        return MarkerResponse(time=marker.time)
 
-    return await requester.awaits(library.view(identity, write, requester.address))
+    return write
+
+
+def _append(
+    dashboard: Dashboard, library: RecordingService, file: RecordingFile, note: Note
+) -> None:
+    """Write a note into a recording, which may be in progress."""
+    if library.is_growing(file):
+        dashboard.recorder.recorder.note(note)
+    else:
+        append_note(file.path, note)
 
 
 def _problem(library: RecordingService) -> TwoTexts | None:
