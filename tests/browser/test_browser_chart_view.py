@@ -184,6 +184,16 @@ def test_on_a_phone_the_chart_has_the_room(stored, visitor, width, height):
     assert screen["y"] <= box["y"]
     assert box["y"] + box["height"] <= screen["y"] + screen["height"] + 1
     assert tab.page.evaluate("document.documentElement.scrollWidth") <= width
+    for name, title in (("Statistics…", "Statistics"), ("Find…", "Find in the data")):
+        tab.find("main").evaluate("it => it.scrollTo(0, 0)")
+        tab.press("More tools")
+        tab.page.get_by_role("button", name=name, exact=True).tap()
+        sheet = tab.page.get_by_role("dialog")
+        sheet.get_by_role("heading", name=title).first.wait_for()
+        tab.page.keyboard.press("Escape")
+        expect(sheet).to_have_count(0)
+    info = tab.find(".legend .card").first.bounding_box()
+    assert min(info["width"], info["height"]) >= 44
     player.get_by_role("button", name="More player controls").click()
     expect(player.get_by_role("button", name="Close the recording")).to_be_visible()
 
@@ -238,6 +248,8 @@ def test_markers_of_a_recording_are_found_and_named(stored, visitor):
 
 
 def test_the_chart_is_saved_as_vectors_and_as_an_image_and_copied(stored, visitor):
+    car = {"car": "Volga 31105", "plate": "A 123 BC 77", "mileage": None, "workshop": ""}
+    stored.put("/recordings/trip.pcapng/car", car)
     tab = opened(stored, visitor)
     tab.page.context.grant_permissions(["clipboard-read", "clipboard-write"], origin=tab.url)
     tab.press("More tools")
@@ -252,7 +264,8 @@ def test_the_chart_is_saved_as_vectors_and_as_an_image_and_copied(stored, visito
     assert "path" in drawn
     assert "image" not in drawn
     texts = [child.text for child in root.iter() if child.tag.endswith("text")]
-    assert any("trip.pcapng" in text and "Mikas 7.1" in text for text in texts)
+    assert any(text.startswith("Volga 31105 · A 123 BC 77 · trip.pcapng · ") for text in texts)
+    assert any("Mikas 7.1" in text for text in texts)
     assert "87 °C" in texts
     assert any("Coolant" in text for text in texts)
     assert "13.8 V" in texts

@@ -87,7 +87,7 @@ def second(tab, name):
 
 
 def more(tab, name):
-    """How much more it is in the second one."""
+    """How much more it is in the first one."""
     return tab.find(f'[data-more="{name}"]')
 
 
@@ -103,12 +103,12 @@ def test_both_values_and_their_difference_are_shown(compared):
     expect(bar(compared)).to_contain_text(re.compile("good.pcapng Mikas 7.1.*bad.pcapng Mikas 7.1"))
     expect(compared.traced("TWAT")).to_have_text("87")
     expect(second(compared, "TWAT")).to_have_text("55")
-    expect(more(compared, "TWAT")).to_have_text("−32")
+    expect(more(compared, "TWAT")).to_have_text("+32")
     expect(more(compared, "UACC")).to_have_text("0.0")
     place(compared).press("End")
     expect(compared.traced("TWAT")).to_have_text("89")
     expect(second(compared, "TWAT")).to_have_text("60")
-    expect(more(compared, "TWAT")).to_have_text("−29")
+    expect(more(compared, "TWAT")).to_have_text("+29")
 
 
 def test_a_channel_missing_in_the_second_recording_is_named(compared):
@@ -159,7 +159,7 @@ def test_it_is_moved_by_buttons_and_keys(compared):
         compared.page.keyboard.press("Shift+BracketLeft")
     moved(compared, "−9.9")
     expect(second(compared, "TWAT")).to_have_text("60")
-    expect(more(compared, "TWAT")).to_have_text("−27")
+    expect(more(compared, "TWAT")).to_have_text("+27")
     bar(compared).get_by_role("button", name="Both from their start").click()
     moved(compared, "0.0")
     expect(second(compared, "TWAT")).to_have_text("55")
@@ -223,7 +223,7 @@ def test_a_second_one_is_chosen_while_one_is_played(drives, visitor):
     sheet.get_by_role("button", name="Close").click()
     tab.show("recordings").press("Compare bad.pcapng with good.pcapng")
     expect(tab.traced("TWAT")).to_have_text("55")
-    expect(more(tab, "TWAT")).to_have_text("+32")
+    expect(more(tab, "TWAT")).to_have_text("−32")
 
 
 def test_a_gap_says_all_of_its_reason_to_keys_and_touch(drives, visitor):
@@ -250,7 +250,7 @@ def test_a_phone_has_room_for_it_in_russian(drives, visitor):
     tab.page.get_by_role("dialog").get_by_role("button", name="bad.pcapng").tap()
     group = tab.page.get_by_role("group", name="Сравнение")
     expect(group).to_be_visible()
-    expect(more(tab, "TWAT")).to_have_text("−32")
+    expect(more(tab, "TWAT")).to_have_text("+32")
     for button in group.get_by_role("button").all():
         box = button.bounding_box()
         assert box["x"] >= 0

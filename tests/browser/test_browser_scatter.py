@@ -179,8 +179,8 @@ def test_a_table_of_two_recordings_shows_their_difference(drives, visitor):
     expect(tab.page.get_by_role("group", name="Comparison")).to_be_visible()
     _view(tab, "Table")
     expect(_cell(tab, "80–90").locator("b")).to_have_text("3.00")
-    tab.says("this recording minus the reference other.pcapng")
-    tab.page.get_by_label("Shown").select_option("reference")
+    tab.says("this recording minus the second one, other.pcapng")
+    tab.page.get_by_label("Shown").select_option("second")
     expect(_cell(tab, "80–90").locator("b")).to_have_text("17.00")
 
 
@@ -199,4 +199,4 @@ def test_references_come_first_and_the_virtual_car_is_named_as_such(drives, visi
     expect(bar).to_contain_text(f"Virtual car 7.1: warm idle ({words})")
     expect(tab.find('[data-second="TWAT"] b')).to_have_text(re.compile("8[5-9]"))
     _view(tab, "Table")
-    tab.says(f"minus the reference Virtual car 7.1: warm idle ({words})")
+    tab.says(f"minus the second one, Virtual car 7.1: warm idle ({words})")

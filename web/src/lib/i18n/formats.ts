@@ -24,6 +24,12 @@ export function number(value: number | null | undefined, decimals?: number): str
   return /^−[0.,]*$/.test(text) ? text.slice(1) : text;
 }
 
+/** A difference, with its sign; none for one that is shown as 0. */
+export function signed(value: number, decimals?: number): string {
+  const text = number(value, decimals);
+  return value > 0 && /[1-9]/.test(text) ? `+${text}` : text;
+}
+
 export function percent(share: number, decimals = 0): string {
   return `${number(share * 100, decimals)} %`;
 }

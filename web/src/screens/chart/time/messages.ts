@@ -73,5 +73,6 @@ export const t = dictionary({
   askFirst: { en: "Now the same moment on the solid line", ru: "Теперь тот же момент на сплошной линии" },
   lacks: { en: "not recorded", ru: "не записана" },
   inSecond: { en: "second recording:", ru: "вторая запись:" },
-  less: { en: "second minus first", ru: "вторая минус первая" },
+  differenceOfTwo: { en: "this recording minus the second one", ru: "эта запись минус вторая" },
+  differenceAtCursors: { en: "Δ: first cursor minus the second", ru: "Δ: первый курсор минус второй" },
 });

@@ -13,7 +13,7 @@ export const t = dictionary({
   references: { en: "References", ru: "Образцы" },
   others: { en: "Other recordings", ru: "Другие записи" },
   virtual: { en: "virtual car, not measured on a real engine", ru: "виртуальная машина, не измерено на настоящем двигателе" },
-referencesHint: {
+  referencesHint: {
     en: "Mark a recording of a healthy car with the star in Recordings: it comes first here.",
     ru: "Отметьте звездой запись исправной машины на экране «Записи»: она будет здесь первой.",
   },
@@ -34,6 +34,7 @@ referencesHint: {
   bar: { en: "Comparison", ru: "Сравнение" },
   solid: { en: "solid:", ru: "сплошная:" },
   dashed: { en: "dashed:", ru: "пунктир:" },
+  difference: { en: "Δ: this recording (solid) minus the second one (dashed)", ru: "Δ: эта запись (сплошная) минус вторая (пунктир)" },
   offset: { en: "Offset of the second recording, seconds", ru: "Сдвиг второй записи, секунд" },
   moved: { en: "moved by {seconds} s", ru: "сдвиг {seconds} с" },
   earlier: { en: "Second one {seconds} s to the left", ru: "Вторую на {seconds} с влево" },

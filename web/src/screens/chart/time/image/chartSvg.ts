@@ -95,7 +95,7 @@ export function chartSvg(picture: Picture): string {
   const bottom = height - FOOT - SPACE;
   const parts = [
     element("rect", { width, height, fill: "#ffffff" }),
-    words(16, 28, 20, picture.title, { "font-weight": "700" }),
+    words(16, 28, 20, short(picture.title, 20), { "font-weight": "700" }),
     words(16, 50, 14, picture.subtitle, { fill: MUTED }),
     ...picture.panes.map((pane, index) => drawPane(picture, pane, index, x)),
     ...flags(picture, x),
@@ -116,6 +116,9 @@ export function chartSvg(picture: Picture): string {
   const clips = picture.panes.map((_, index) => element("clipPath", { id: `pane${index}` }, element("rect", { x: LEFT, y: topOf(index), width: INNER, height: PANE })));
   return `<svg xmlns="http://www.w3.org/2000/svg" width="${width}" height="${height}" viewBox="0 0 ${width} ${height}" font-family="${FONT}"><title>${escaped(picture.title)}</title><defs>${hatch}${clips.join("")}</defs>${parts.join("\n")}</svg>`;
 }
+
+/** A line across the drawing, cut to its width. */
+const short = (text: string, size: number): string => wrapText(text, (part) => part.length * size * LETTER <= WIDTH - 32, 1)[0] ?? "";
 
 const topOf = (index: number) => HEAD + FLAGS + index * (PANE + SPACE);
 

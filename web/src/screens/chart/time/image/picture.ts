@@ -1,6 +1,7 @@
 // Collects what the time chart shows as a `Picture`, in the colours of the day theme.
+import { carName } from "../../../../lib/car/carText";
 import { catalog } from "../../../../lib/api/catalog.svelte";
-import { language, localized, moment as dateAndTime, number, timeOfDay } from "../../../../lib/i18n";
+import { language, localized, moment as dateAndTime, number, signed, timeOfDay } from "../../../../lib/i18n";
 import { live } from "../../../../lib/live/live.svelte";
 import { theme } from "../../../../lib/platform/theme.svelte";
 import { comparison } from "../../../../lib/recording/comparison.svelte";
@@ -33,8 +34,7 @@ export function pictureOf(): Picture {
   const label = (time: number) => (zero === null ? timesOfDay([time], 0.1)[0]! : elapsed(time - zero, 0.1));
   const marks: [number | null, boolean][] = [[cursors.a, false], [cursors.b, true]];
   return {
-    title: titleOf(),
-    subtitle: `${dateAndTime(from)} · ${timeOfDay(from)} – ${timeOfDay(to)}`,
+    ...titlesOf(from, to),
     from,
     to,
     panes: view.panes.map((pane) => paneOf(pane, from, to, colours)),
@@ -50,14 +50,21 @@ export function pictureOf(): Picture {
   };
 }
 
-/** The car, and the recording or that the values were live. */
-function titleOf(): string {
+/**
+ * Of a recording its car with the plate, and its name; of live values that they are (their car is not known here). Then the date. Below, the
+ * unit and the times of the window.
+ */
+function titlesOf(from: number, to: number): Pick<Picture, "title" | "subtitle"> {
   const { detail } = player;
-  if (display.source.kind === "recording" && detail) {
-    const other = comparison.active && comparison.detail ? [`– – ${comparison.detail.id}`] : [];
-    return [localized(detail.model), detail.id, ...other].filter(Boolean).join(" · ");
-  }
-  return [localized(live.state?.model), t("liveValues")].filter(Boolean).join(" · ");
+  const recorded = display.source.kind === "recording" ? detail : null;
+  const date = recorded ? recorded.date : from;
+  const other = recorded && comparison.active && comparison.detail ? `– – ${comparison.detail.id}` : "";
+  const title = [recorded ? carName(recorded.car) : "", recorded?.id ?? t("liveValues"), other, date === null ? "" : dateAndTime(date)];
+  const model = localized(recorded ? recorded.model : live.state?.model);
+  return {
+    title: title.filter(Boolean).join(" · "),
+    subtitle: [model, `${timeOfDay(from)} – ${timeOfDay(to)}`].filter(Boolean).join(" · "),
+  };
 }
 
 function paneOf(pane: Pane, from: number, to: number, colours: Record<string, string>): PicturePane {
@@ -104,7 +111,7 @@ function legendOf(name: string): { value: string; more: string } {
   const time = moment(cursors.a);
   const more = [
     between && !channel?.flag ? `${t("mean")} ${number(meanOf(display.source.columns, name, ...between), decimals + 1)}` : "",
-    value !== null && other !== null && !channel?.flag ? `Δ ${number(value - other, decimals)}` : "",
+    value !== null && other !== null && !channel?.flag ? `Δ ${signed(value - other, decimals)}` : "",
     comparison.active && time !== null ? `– – ${written(secondValueOf(name, time))}` : "",
   ];
   return { value: written(value), more: more.filter(Boolean).join(" · ") };
