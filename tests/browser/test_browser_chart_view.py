@@ -248,8 +248,6 @@ def test_markers_of_a_recording_are_found_and_named(stored, visitor):
 
 
 def test_the_chart_is_saved_as_vectors_and_as_an_image_and_copied(stored, visitor):
-    car = {"car": "Volga 31105", "plate": "A 123 BC 77", "mileage": None, "workshop": ""}
-    stored.put("/recordings/trip.pcapng/car", car)
     tab = opened(stored, visitor)
     tab.page.context.grant_permissions(["clipboard-read", "clipboard-write"], origin=tab.url)
     tab.press("More tools")
@@ -264,7 +262,7 @@ def test_the_chart_is_saved_as_vectors_and_as_an_image_and_copied(stored, visito
     assert "path" in drawn
     assert "image" not in drawn
     texts = [child.text for child in root.iter() if child.tag.endswith("text")]
-    assert any(text.startswith("Volga 31105 · A 123 BC 77 · trip.pcapng") for text in texts)
+    assert any("trip.pcapng" in text for text in texts)
     assert any("Mikas 7.1" in text for text in texts)
     assert "87 °C" in texts
     assert any("Coolant" in text for text in texts)
