@@ -127,7 +127,7 @@ class Recording:
 
     def had_marker(self, time: float) -> bool:
         """Return whether a marker was set at exactly `time`; also one that was removed since."""
-        return had_marker(self._notes, time)
+        return had_marker(self.notes, time)
 
     def window(
         self, begin: float, end: float, points: int = 2000, names: Iterable[str] | None = None

@@ -75,10 +75,15 @@ def _one_of(*models: type[BaseModel]) -> GetPydanticSchema:
     return GetPydanticSchema(lambda _, handler: handler.generate_schema(union))
 
 
+def _without_default(schema: dict[str, Any]) -> None:
+    """Describe a field as absent unless it is set."""
+    del schema["default"]
+
+
 _REMOVED: Any = Field(
     False,
     description="true: the marker was removed; else absent",
-    json_schema_extra=lambda schema: schema.pop("default"),
+    json_schema_extra=_without_default,
 )
 _IN_BOTH: Final = (
     _model(
