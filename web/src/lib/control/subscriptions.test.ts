@@ -58,7 +58,7 @@ describe("a selection beside another page", () => {
     expect(first.mock.calls).toEqual([[["TWAT"]]]);
   });
 
-  it.each([
+  it.each<[string, () => unknown, () => unknown]>([
     ["the connection", () => (live.link = "lost"), () => (live.link = "open")],
     ["the state", () => (live.state = null), () => (live.state = now())],
     ["the catalog", () => (catalog.loaded = null), () => (catalog.loaded = loaded("2"))],
