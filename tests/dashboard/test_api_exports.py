@@ -251,14 +251,25 @@ def idle(tmp_path, temporary):
         yield it
 
 
+def report_with(idle, wanted: str) -> str:
+    """The live report, once it says so: a busy machine has its ten seconds of idle later."""
+    text = ""
+    for _ in range(50):
+        began = idle.dashboard.connection.now()
+        idle.until(lambda it, began=began: it["now"] > began + 14)
+        text = idle.get("/report", lang="ru").text
+        if wanted in text:
+            break
+    assert wanted in text
+    return text
+
+
 def test_the_live_report(idle) -> None:
-    began = idle.dashboard.connection.now()
-    idle.until(lambda it: it["now"] > began + 20 and it["state"]["fault_count"] == 1)
-    text = idle.get("/report", lang="ru").text
+    idle.until(lambda it: it["state"]["fault_count"] == 1)
+    text = report_with(idle, "все значения, которые можно оценить (5)")
     assert "измерено на виртуальном автомобиле" in text
     assert "В памяти блока 1 ошибка: 13;" in text
     assert "МИКАС 7.1" in text
-    assert "все значения, которые можно оценить (5)" in text
     assert "несколько параметров одним запросом" in text
     answer = idle.get("/report", inline=1)
     assert "content-disposition" not in answer.headers
