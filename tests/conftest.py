@@ -49,8 +49,8 @@ def state_folder(monkeypatch):
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_auto_num_workers(config):
-    """`-n auto`: one worker more than cores, because tests in real time wait most of their time.
+    """`-n auto`: two workers for each core, because tests in real time wait most of their time.
 
     `-n logical`: as many as cores, for tests that never wait.
     """
-    return (os.cpu_count() or 1) + (config.option.numprocesses == "auto")
+    return (os.cpu_count() or 1) * (2 if config.option.numprocesses == "auto" else 1)
