@@ -17,6 +17,7 @@ from bench.dash_rig import (
     CountingUnit,
     Program,
     browser,
+    browser_seconds,
     chromium,
     counting_unit,
     cpu_seconds,
@@ -38,6 +39,11 @@ a newer one, has been painted (`requestAnimationFrame`, then a task of its own).
 responses in place of a temperature; both ends read the same clock. All responses of {seconds} s."""
 _READY = "from the navigation, with nothing in the cache, to the first frame with a value in it."
 _CPU = "user and system time of the whole program over {seconds} s, with one page open."
+_PAGE_CPU = """\
+user and system time of Chromium's renderer process over {seconds} s, with Live's first preset
+at 1366x768: six gauges, seven numbers or lamps with a line each, a strip. The counted temperature
+passes its limits every ten seconds. The row below it has all of Chromium's processes: without a
+graphics card they draw in software."""
 _HEAP = "JavaScript's after a collection, {first} s after the page was opened and {last} s later."
 
 # Kept by the page: [ms of the clock, what stands in the cell], once it has been painted.
@@ -91,6 +97,7 @@ def run(scope: Scope) -> Iterator[Theme]:
         with counting_unit() as unit, program(unit.url) as served, browser() as it:
             rows += _opened(it, served, scope.of(11, 3))
             rows += _long(it, served, unit, scope)
+            rows += _gauges(it, served, unit, scope)
         with TemporaryDirectory() as folder, counting_unit() as unit:
             hours = scope.of(60, 6) / 60
             recorded(Path(folder) / "hour.pcapng", hours)
@@ -169,6 +176,29 @@ def _long(it: Browser, served: Program, unit: CountingUnit, scope: Scope) -> lis
             "the page's heap grew by", [grown - heap], "MB", 2, at_most=1, aside=held,
             how=_HEAP.format(first=settle, last=seconds),
         ),
+    ]  # fmt: skip
+
+
+def _gauges(it: Browser, served: Program, unit: CountingUnit, scope: Scope) -> list[Row]:
+    """The page's share of a core while it shows gauges."""
+    settle, seconds = scope.of(30, 5), scope.of(60, 10)
+    context = it.new_context(viewport={"width": 1366, "height": 768})
+    page = context.new_page()
+    page.goto(f"{served.url}#/live")
+    page.wait_for_selector("[data-gauge]")
+    page.wait_for_timeout(1000 * settle)
+    began, before, count = perf_counter(), browser_seconds(it), len(unit.sent)
+    page.wait_for_timeout(1000 * seconds)
+    passed, after = perf_counter() - began, browser_seconds(it)
+    rate = (len(unit.sent) - count) / passed
+    context.close()
+    shares = {kind: 100 * (after[kind] - before.get(kind, 0.0)) / passed for kind in after}
+    return [
+        Row(
+            "the page's CPU, Live in gauges", [shares["renderer"]], "%", 1, at_most=25,
+            aside=f"{rate:.1f} sets/s", how=_PAGE_CPU.format(seconds=seconds),
+        ),
+        Row("Chromium's CPU, Live in gauges", [sum(shares.values())], "%", 1),
     ]  # fmt: skip
 
 

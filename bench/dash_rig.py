@@ -14,6 +14,7 @@ import shutil
 import subprocess
 import sys
 import threading
+from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -162,3 +163,12 @@ def cpu_seconds(process: int) -> float:
     """What a process has used of the processor, all its threads."""
     after_name = Path(f"/proc/{process}/stat").read_text("utf-8").rpartition(")")[2].split()
     return (int(after_name[11]) + int(after_name[12])) / os.sysconf("SC_CLK_TCK")
+
+
+def browser_seconds(it: Browser) -> Counter[str]:
+    """What the browser's processes have used of the processor, by kind: `renderer`, `GPU` …"""
+    found = it.new_browser_cdp_session().send("SystemInfo.getProcessInfo")["processInfo"]
+    seconds = Counter[str]()
+    for process in found:
+        seconds[process["type"]] += process["cpuTime"]
+    return seconds
