@@ -15,7 +15,11 @@ from mikas.virtual.model.engine import FIELDS, Engine, EngineState
 from mikas.virtual.model.sensors import TABLE
 from mikas.virtual.scenarios.scenario import SCENARIOS
 
-NAMES = list(SCENARIOS)
+
+@pytest.fixture(params=SCENARIOS, scope="module")
+def name(request: pytest.FixtureRequest) -> str:
+    """Of the module, so that all tests of one scenario follow each other and share its drive."""
+    return str(request.param)
 
 
 @cache
@@ -49,7 +53,6 @@ def steady(states: list[EngineState]) -> list[EngineState]:
     return found
 
 
-@pytest.mark.parametrize("name", NAMES)
 def test_everything_fits_its_raw_bytes_and_the_plausible_range(name: str) -> None:
     catalog = shipped()
     for parameter in catalog.parameters:
@@ -70,7 +73,6 @@ def test_everything_fits_its_raw_bytes_and_the_plausible_range(name: str) -> Non
             assert conversion.raw_limits[0] - 0.5 <= raw <= conversion.raw_limits[1] + 0.5
 
 
-@pytest.mark.parametrize("name", NAMES)
 def test_injection_mixture_air_and_voltage_agree(name: str) -> None:
     for state in burning(run(name)):
         fuel = ph.air_per_stroke(state.air, state.rpm) / (14.7 * state.mixture)
@@ -78,13 +80,11 @@ def test_injection_mixture_air_and_voltage_agree(name: str) -> None:
         assert state.fuel == pytest.approx(fuel * state.rpm * 120 / 1e6 / 0.74)
 
 
-@pytest.mark.parametrize("name", NAMES)
 def test_filling_is_possible(name: str) -> None:
     for state in steady(run(name)):
         assert 0.08 < ph.air_per_stroke(state.air, state.rpm) / ph.STROKE_AIR < 1.02
 
 
-@pytest.mark.parametrize("name", NAMES)
 def test_no_injection_no_fuel(name: str) -> None:
     for state in run(name):
         assert (state.injection == 0) == (state.fuel == 0)
@@ -92,7 +92,6 @@ def test_no_injection_no_fuel(name: str) -> None:
         assert state.rpm > 0 or state.injection == 0
 
 
-@pytest.mark.parametrize("name", NAMES)
 def test_fuel_used_is_the_sum_of_the_flow(name: str) -> None:
     states = run(name)
     total = sum((a.fuel + b.fuel) / 2 / 8 / 3600 for a, b in pairwise(states))
@@ -100,7 +99,6 @@ def test_fuel_used_is_the_sum_of_the_flow(name: str) -> None:
     assert all(a.fuel_used <= b.fuel_used for a, b in pairwise(states))
 
 
-@pytest.mark.parametrize("name", NAMES)
 def test_cycles_are_the_sum_of_the_speed(name: str) -> None:
     states = run(name)
     total = sum((a.rpm + b.rpm) / 2 / 120 / 8 for a, b in pairwise(states))
@@ -108,7 +106,6 @@ def test_cycles_are_the_sum_of_the_speed(name: str) -> None:
     assert all(a.cycles <= b.cycles for a, b in pairwise(states))
 
 
-@pytest.mark.parametrize("name", NAMES)
 def test_the_idle_valve_follows_its_set_position(name: str) -> None:
     for before, after in pairwise(run(name)):
         assert abs(after.valve - before.valve) <= 96 / 8 + 1e-6
