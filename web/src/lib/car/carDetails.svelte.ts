@@ -1,8 +1,14 @@
 // Car, plate, mileage and workshop: of the connected unit, or of a recording. Asked once for a unit, at its first recording or report.
 import { api } from "../api/api";
 import type { Car, Recording } from "../api/types";
+import { dictionary } from "../i18n";
 import { live } from "../live/live.svelte";
-import { attempt } from "../frame/toasts.svelte";
+import { attempt, toasts } from "../frame/toasts.svelte";
+
+const t = dictionary({
+  ask: { en: "Whose car is this? Car, plate and mileage stand in the list and on the report.", ru: "Чья это машина? Марка, номер и пробег будут в списке и в отчёте." },
+  add: { en: "Add car details…", ru: "Указать машину…" },
+});
 
 export const NO_CAR: Car = { car: "", plate: "", mileage: null, workshop: "" };
 
@@ -48,14 +54,28 @@ class CarDetails {
     this.editing = null;
   }
 
-  /** Ask once about the connected unit, at its first recording or report; "Later" puts it off for good. A virtual car has no plate. */
-  async askOnce(onsaved?: (details: Car) => void): Promise<void> {
-    if (live.state?.port?.startsWith("sim:")) return;
+  /** Ask once about the connected unit, at its first report; "Later" puts it off for good. */
+  async askOnce(onsaved: (details: Car) => void): Promise<void> {
+    const kept = await this.firstTime();
+    if (!kept) return;
+    const { car, plate, workshop } = kept;
+    this.editing = { recording: null, details: { car, plate, workshop, mileage: null }, offered: kept.mileage, asked: true, onsaved };
+  }
+
+  /** The same at its first recording, beside the screen: what is measured has to be seen, and the next key may set a marker. */
+  async offerOnce(): Promise<void> {
+    if (!(await this.firstTime())) return;
+    toasts.success(() => t("ask"), { duration: 20_000, code: "CarDetails", action: { text: () => t("add"), run: () => void this.editConnected() } });
+  }
+
+  /** What is kept of the connected unit's car if it was not asked about before; from now on it was. A virtual car has no plate. */
+  private async firstTime() {
+    if (live.state?.port?.startsWith("sim:")) return null;
     const kept = await api.car().catch(() => null);
-    if (!kept?.unit || kept.asked) return;
+    if (!kept?.unit || kept.asked) return null;
     const { car, plate, workshop } = kept;
     await api.writeCar({ car, plate, workshop, mileage: null }).catch(() => null);
-    this.editing = { recording: null, details: { car, plate, workshop, mileage: null }, offered: kept.mileage, asked: true, onsaved };
+    return kept;
   }
 }
 

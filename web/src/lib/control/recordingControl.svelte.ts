@@ -61,7 +61,7 @@ class RecordingControl {
     if (file) announceSaved(file);
     else if (state.recording) {
       this.announceStarted(state, state.recording.file);
-      void carDetails.askOnce();
+      void carDetails.offerOnce();
     }
   }
 
