@@ -14,7 +14,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import isfinite, isnan, nan
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final, cast
 
 from mikas.catalog import Fault
 from mikas.cleaning import clean_line, is_in_calendar
@@ -22,6 +22,9 @@ from mikas.recording.table.channels import Rows
 from mikas.recording.table.decimation import decimated
 from mikas.sampling.events import FaultReading
 from mikas.sampling.fault_watch import MINERR, appeared
+
+if TYPE_CHECKING:
+    from mikas.recording.exchanges.arrays import Floats
 
 AROUND: Final = 5.0  # s before and after
 LONGEST: Final = 60.0  # s between the two readings
@@ -94,12 +97,17 @@ def frame_of(code: int, before: float, read: float, rows: Rows) -> FreezeFrame |
         return None
     chosen = [at for at, time in enumerate(times) if without - AROUND <= time <= seen + AROUND]
     around = [times[at] for at in chosen]
-    columns = {name: [float(column[at]) for at in chosen] for name, column in rows.values.items()}
+    columns = {
+        name: array("d", (float(column[at]) for at in chosen))
+        for name, column in rows.values.items()
+    }
     kept = {name: column for name, column in columns.items() if not all(map(isnan, column))}
     then = _values_then(without, seen, around, kept)
     if not then:
         return None
-    fewer = decimated(Rows(array("d", around), kept), _MOST_ROWS)  # type: ignore[arg-type]
+    # Arrays without numpy, as `decimated` takes them too.
+    rows = Rows(cast("Floats", array("d", around)), cast("dict[str, Floats]", kept))
+    fewer = decimated(rows, _MOST_ROWS)
     return FreezeFrame(
         code,
         without,
