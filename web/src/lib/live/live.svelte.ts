@@ -28,8 +28,6 @@ class LiveLine {
   historyLoads = $state(0);
   /** Counts messages with data: effects that draw from `columns` or `latest` depend on it. */
   tick = $state(0);
-  /** The program's clock at the last message; `now()` continues from it. */
-  clock = $state(0);
   /** Messages that the program dropped because this page was too slow, since the page was opened. */
   dropped = $state(0);
 
@@ -47,6 +45,11 @@ class LiveLine {
   private socket: WebSocket | null = null;
   private attempts = 0;
   private timer: ReturnType<typeof setTimeout> | undefined;
+  /**
+   * The program's clock at the last message, and when it came; `now()` continues from them. No state: what shows the time reads the frame
+   * clock, else it would be drawn at each message, besides the frames.
+   */
+  private clock = 0;
   private receivedAt = 0;
   private started = false;
   /** Rows that arrived while the history is being loaded. */

@@ -1,5 +1,4 @@
 // Over which time minimum and maximum were taken.
-import { untrack } from "svelte";
 import { hourMinute } from "../../lib/i18n";
 import { live } from "../../lib/live/live.svelte";
 import { display } from "../../lib/display/source.svelte";
@@ -10,6 +9,5 @@ export function extremesSpan(): string {
   if (display.source.kind === "recording") return t("wholeRecording");
   const from = live.extremesFrom;
   if (from === null) return "";
-  // The program's clock moves with each message; the answer does not.
-  return t("since", { time: hourMinute(untrack(() => live.wallTime(from))) });
+  return t("since", { time: hourMinute(live.wallTime(from)) });
 }
