@@ -52,9 +52,7 @@ class FreezeFrameRows(LiveRows):
 @router.get("/freeze-frames", responses=errors())
 def freeze_frames(dashboard: TheDashboard, _: Viewer) -> FreezeFramesResponse:
     """Return the freeze frames of the connected unit, or of the last one."""
-    return FreezeFramesResponse(
-        frames=[frame_info(it, dashboard.catalog) for it in dashboard.freeze_frames.frames]
-    )
+    return _response(dashboard)
 
 
 @router.get("/freeze-frames/{identity}", responses=errors(404))
@@ -75,9 +73,7 @@ def delete_freeze_frame(
     """Delete one freeze frame from this computer; the unit's fault stays."""
     if not dashboard.freeze_frames.delete(identity):
         raise NotFound(name=identity)
-    return FreezeFramesResponse(
-        frames=[frame_info(it, dashboard.catalog) for it in dashboard.freeze_frames.frames]
-    )
+    return _response(dashboard)
 
 
 def _response(dashboard: Dashboard) -> FreezeFramesResponse:
