@@ -65,6 +65,60 @@ def test_two_constant_traces_are_both_seen(own, visitor):
         assert 0 < min(above, below) < max(above, below) < height - 2
 
 
+STRIPED = """name => {
+  const canvas = document.querySelector(`[data-trace="${name}"]`)?.closest(".pane").querySelector("canvas");
+  if (!canvas) return null;
+  const copy = new OffscreenCanvas(canvas.width, canvas.height);
+  const context = copy.getContext("2d", { willReadFrequently: true });
+  context.drawImage(canvas, 0, 0);
+  const { data } = context.getImageData(Math.round(canvas.width * 0.6) + 1, 0, 1, canvas.height);
+  let rows = 0;
+  for (let at = 3; at < data.length; at += 4) rows += data[at] > 20 && data[at] < 60;
+  return rows > 5;
+}"""
+"""Whether the trace's pane has rows that are tinted: the lines and the grid are opaque."""
+
+
+def test_a_references_range_is_a_stripe_behind_the_live_trace(own, visitor):
+    own.post("/recording/start", {"name": "good"})
+    began = own.state()["samples"]
+    own.until(lambda: own.state()["samples"] > began + 5)
+    own.garage.set("TWAT", "7A")  # 82 °C, before 87: the range of the recording
+    own.until(lambda: own.get("/history?seconds=1&names=TWAT")["values"][0][-1] == 82)
+    own.post("/recording/stop")
+    (recording,) = own.get("/recordings")["recordings"]
+    own.put(f"/recordings/{recording['id']}/reference", {"on": True})
+
+    tab = visitor(own.url).show("chart")
+    expect(tab.traced("TWAT")).to_have_text("82")
+    assert not tab.page.evaluate(STRIPED, "TWAT")
+    tab.press("More tools")
+    tab.press("Range of a reference")
+    bar = tab.page.get_by_role("group", name="Reference")
+    chosen = bar.get_by_role("combobox")
+    expect(chosen.locator("option:checked")).to_have_text("Virtual car, warm idle")
+    expect(bar).to_contain_text("computed, not measured on an engine")
+    tab.until(STRIPED, "TWAT")
+
+    chosen.select_option(recording["id"])
+    tab.until(STRIPED, "TWAT")
+    tab.page.reload()
+    expect(chosen).to_have_value(recording["id"])
+    tab.until(STRIPED, "TWAT")
+    tab.press("More tools")
+    tab.press("Image…")
+    with tab.page.expect_download() as download:
+        tab.page.get_by_role("dialog").get_by_role("button", name="Save SVG").click()
+    svg = Path(download.value.path()).read_text("utf-8")
+    assert "fill-opacity" in svg
+    assert f"stripes: range of ★ {recording['id']}" in svg
+    tab.page.keyboard.press("Escape")
+
+    bar.get_by_role("button", name="Remove the stripes").click()
+    expect(bar).to_have_count(0)
+    tab.until(f"name => !({STRIPED})(name)", "TWAT")
+
+
 def _trip(folder):
     """A recording of 60 s: 87 °C, from its middle on 100 °C, where a marker and a gap are."""
     scenario = folder / "still.toml"

@@ -32,6 +32,13 @@ function numbers(seed: number): () => number {
 }
 
 describe("an axis", () => {
+  it("contains the range that is shown behind its line, which is no value of the line", () => {
+    const { low, high } = axesOf([{ ...line("TWAT", TWAT, 20), band: [80, 92] }], HEIGHT)[0]!;
+    expect(low).toBeLessThan(20);
+    expect(high).toBeGreaterThan(92);
+    expect(axesOf([{ ...line("TWAT", TWAT, 0), seen: null, band: [80, 92] }], HEIGHT)[0]!.low).toBeGreaterThan(60);
+  });
+
   it("contains the values with room", () => {
     const { low, high } = fitted({ min: 0, max: 3000, least: 500, floor: false });
     expect(low).toBeLessThan(0);

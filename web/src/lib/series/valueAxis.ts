@@ -19,6 +19,8 @@ export interface Line {
   seen: { min: number; max: number } | null;
   /** Its drawn points, if lines of one time line are compared. */
   cells?: Decimated["values"][number];
+  /** A range that is shown behind it: the axis contains it. */
+  band?: readonly [number, number] | undefined;
 }
 
 /** Room above and below the values, as a share of their extent. */
@@ -82,7 +84,7 @@ export function axesOf(lines: readonly Line[], height: number): Axis[] {
 }
 
 function wantedBy(lines: readonly Line[]): Wanted {
-  const seen = lines.flatMap((line) => line.seen ?? []);
+  const seen = lines.flatMap(({ seen, band }) => [...(seen ? [seen] : []), ...(band ? [{ min: band[0], max: band[1] }] : [])]);
   const some = seen.length > 0;
   return {
     min: some ? Math.min(...seen.map(({ min }) => min)) : 0,

@@ -5,6 +5,7 @@ import { live } from "../../../lib/live/live.svelte";
 import { frameClock } from "../../../lib/platform/frameClock.svelte";
 import { theme } from "../../../lib/platform/theme.svelte";
 import { comparison } from "../../../lib/recording/comparison.svelte";
+import { reference } from "./reference/reference.svelte";
 import { view } from "./view.svelte";
 
 /** ms between two drawings caused by new data. */
@@ -26,7 +27,7 @@ export class Redraw {
     // Changed by a person or the program: draw at once.
     $effect(() => {
       const { source } = display;
-      void [view.span, view.end, view.stacked, view.stretches, view.panes, theme.tone, source.paused, live.historyLoads];
+      void [view.span, view.end, view.stacked, view.stretches, view.panes, theme.tone, source.paused, live.historyLoads, reference.bands];
       if (source.kind === "recording") void [source.tick, comparison.tick, comparison.lag];
       this.request();
     });

@@ -11,7 +11,7 @@ const picture: Picture = {
     {
       legend: [{ colour: "#0072b2", name: "Crankshaft speed", value: "840 rpm", more: "" }],
       axes: [{ colour: "#0072b2", low: -15, high: 500, floor: true }],
-      lines: [{ colour: "#0072b2", dashed: false, stepped: false, low: -15, high: 500, pieces: [[[100, 0], [130, 500]], [[140, 250]]] }],
+      lines: [{ colour: "#0072b2", dashed: false, stepped: false, band: [100, 200], low: -15, high: 500, pieces: [[[100, 0], [130, 500]], [[140, 250]]] }],
     },
   ],
   gaps: [{ from: 130, to: 140, reason: "no answer" }],
@@ -42,6 +42,8 @@ describe("the drawing", () => {
   it("has a path for each piece of a line, at its place", () => {
     const paths = [...svg.matchAll(/<path d="([^"]*)"/g)].map(([, d]) => d);
     expect(paths).toEqual(["M268.0 249.6L745.0 104.0", "M904.0 176.8h0.5"]);
+    // From 100 to 200 on an axis from -15 to 500, 150 high.
+    expect(svg).toContain('<rect x="268" y="191.4" width="954" height="29.1" fill="#0072b2" fill-opacity="0.15"/>');
   });
 });
 

@@ -8,6 +8,8 @@ export interface PictureLine {
   /** Pieces between interruptions: points of time and value. */
   pieces: [number, number][][];
   stepped: boolean;
+  /** The reference's range, behind the line. */
+  band: readonly [number, number] | null;
   low: number;
   high: number;
 }
@@ -145,6 +147,11 @@ function drawPane(picture: Picture, pane: PicturePane, index: number, x: (time: 
       parts.push(element("rect", { x: begin + 2, y: at - 11, width: text.length * 11 * LETTER + 4, height: 14, fill: "#ffffff" }), words(begin + 4, at, 11, text));
     });
   }
+  const stripes = pane.lines.map(({ band, low, high, colour }) => {
+    if (!band) return "";
+    const [bottom, top] = band.map((value) => y(value, low, high)) as [number, number];
+    return element("rect", { x: LEFT, y: top, width: INNER, height: Math.max(1, bottom - top), fill: colour, "fill-opacity": "0.15" });
+  });
   const drawn = pane.lines.flatMap((line) =>
     line.pieces.map((piece) =>
       element("path", {
@@ -157,7 +164,7 @@ function drawPane(picture: Picture, pane: PicturePane, index: number, x: (time: 
       }),
     ),
   );
-  parts.push(element("g", { "clip-path": `url(#pane${index})` }, drawn.join("")));
+  parts.push(element("g", { "clip-path": `url(#pane${index})` }, [...stripes, ...drawn].join("")));
   parts.push(element("rect", { x: LEFT, y: top, width: INNER, height: PANE, fill: "none", stroke: "#6b7680" }), legend(pane, top));
   return parts.join("\n");
 }

@@ -17,6 +17,7 @@ import { drawing, seenIn } from "../plot/drawing";
 import { axesDrawn } from "../plot/plot";
 import { paneAxes, stretched } from "../plot/scales";
 import { axisTimes, elapsed, timesOfDay } from "../plot/timeAxis";
+import { reference } from "../reference/reference.svelte";
 import { view, type Pane } from "../view.svelte";
 import type { Picture, PictureLine, PicturePane } from "./chartSvg";
 import { piecesOf } from "./pieces";
@@ -63,7 +64,7 @@ function titlesOf(from: number, to: number): Pick<Picture, "title" | "subtitle">
   const model = localized(recorded ? recorded.model : live.state?.model);
   return {
     title: title.filter(Boolean).join(" · "),
-    subtitle: [model, `${timeOfDay(from)} – ${timeOfDay(to)}`].filter(Boolean).join(" · "),
+    subtitle: [model, `${timeOfDay(from)} – ${timeOfDay(to)}`, reference.title].filter(Boolean).join(" · "),
   };
 }
 
@@ -74,7 +75,7 @@ function paneOf(pane: Pane, from: number, to: number, colours: Record<string, st
   const { times, values, holes } = drawing(display.source.columns, later(), names, from, to, POINTS);
   const lines = values.map((cells, index) => {
     const name = names[index % names.length]!;
-    return { name, channel: channel(name), seen: seenIn(times, cells, from, to), cells };
+    return { name, channel: channel(name), seen: seenIn(times, cells, from, to), cells, band: reference.bands.get(name) };
   });
   const axes = paneAxes(lines, names.length, view.stacked, PANE_HEIGHT).map((axis) => {
     const [low, high] = stretched([axis.low, axis.high], view.stretches[pane.id]);
@@ -88,11 +89,11 @@ function paneOf(pane: Pane, from: number, to: number, colours: Record<string, st
       const own = names.flatMap((name, index) => (!channel(name)?.flag && axisKey(name, channel(name)) === key ? [index] : []));
       return { ...axes[own[0]!]!, colour: own.length === 1 ? colourOf(own[0]!) : MUTED };
     }),
-    lines: lines.map(({ cells, channel }, index): PictureLine => {
+    lines: lines.map(({ cells, channel, band }, index): PictureLine => {
       const dashed = index >= names.length;
       const broken = [...holes[index]!, ...gaps.filter((gap) => gap.second === dashed).map((gap): [number, number] => [gap.from, gap.to])];
       const { low, high } = axes[index]!;
-      return { colour: colourOf(index), dashed, stepped: channel?.flag ?? false, low, high, pieces: piecesOf(times, cells, broken) };
+      return { colour: colourOf(index), dashed, stepped: channel?.flag ?? false, band: channel?.flag ? null : (band ?? null), low, high, pieces: piecesOf(times, cells, broken) };
     }),
   };
 }

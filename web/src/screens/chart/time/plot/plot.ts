@@ -14,6 +14,9 @@ export const RIGHT = 14;
 export const BOTTOM = 30;
 /** Dashes of the second recording, in CSS pixels. */
 const DASH = [5, 4];
+/** How opaque a stripe and its edge are. */
+const STRIPE = 0.13;
+const STRIPE_EDGE = 0.5;
 
 export interface Look {
   text: string;
@@ -43,6 +46,8 @@ export interface PlotPlan {
   /** Gaps of that series (from 0) as [from, to]. */
   gapsOf: (series: number) => readonly [number, number][];
   reason: (gap: GapBand) => string;
+  /** A range of that channel, drawn behind its line. */
+  bandOf: (name: string) => readonly [number, number] | undefined;
 }
 
 /** The keys of the axes in the order of the traces; at most two of them are drawn. Flags have no axis. */
@@ -127,7 +132,7 @@ export function makePlot(plan: PlotPlan, width: number, height: number, target: 
       scales,
       axes,
       series: [{}, ...visible.map((trace, index) => line(trace, index, false)), ...second],
-      hooks: { drawAxes: [(plot) => hatch(plot, plan)] },
+      hooks: { drawAxes: [(plot) => stripes(plot, visible, plan), (plot) => hatch(plot, plan)] },
     },
     [[], ...visible.map(() => []), ...second.map(() => [])] as unknown as uPlot.AlignedData,
     target,
@@ -145,6 +150,25 @@ function interruptions(plot: uPlot, plan: PlotPlan, series: number, second: bool
     .sort((one, other) => one[0] - other[0])
     .map(([from, to]): [number, number] => [place(from), place(to)])
     .filter(([from, to]) => to > from);
+}
+
+/** The reference's ranges, in the colours of their lines; an edge of its own, so that a single value is seen too. */
+function stripes({ ctx, bbox, valToPos }: uPlot, visible: readonly Trace[], { bandOf, channel, look }: PlotPlan): void {
+  ctx.save();
+  ctx.beginPath();
+  ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
+  ctx.clip();
+  visible.forEach(({ name, colour }, series) => {
+    const band = channel(name)?.flag ? undefined : bandOf(name);
+    if (!band) return;
+    const [bottom, top] = band.map((value) => Math.round(valToPos(value, scaleOf(series), true))) as [number, number];
+    ctx.fillStyle = look.traces[colour - 1]!;
+    ctx.globalAlpha = STRIPE;
+    ctx.fillRect(bbox.left, top, bbox.width, bottom - top);
+    ctx.globalAlpha = STRIPE_EDGE;
+    for (const edge of [top, bottom]) ctx.fillRect(bbox.left, edge, bbox.width, devicePixelRatio);
+  });
+  ctx.restore();
 }
 
 function hatch(plot: uPlot, plan: PlotPlan): void {

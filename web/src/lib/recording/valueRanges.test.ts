@@ -1,5 +1,5 @@
 import { expect, it } from "vitest";
-import { bandsOf } from "./warmIdle.svelte";
+import { bandsOf } from "./valueRanges.svelte";
 
 it("gives the lowest and the highest value of each channel, and none for one without values", () => {
   const bands = bandsOf({ names: ["FREQ", "TWAT", "JAIR"], values: [[840, null, 860, 850], [null, null], [14.5]] });
