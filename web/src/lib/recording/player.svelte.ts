@@ -35,14 +35,6 @@ class Player extends RecordingData implements Source {
     display.play(this);
   }
 
-  override async reload(): Promise<boolean> {
-    const { position } = this;
-    this.pause();
-    const loaded = await super.reload();
-    if (loaded) this.seek(position);
-    return loaded;
-  }
-
   /** Return to the live data. */
   close(): void {
     comparison.end();

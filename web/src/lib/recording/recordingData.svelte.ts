@@ -61,9 +61,26 @@ export class RecordingData {
    */
   protected async load(id: string): Promise<boolean> {
     this.reset();
+    return this.replace(id);
+  }
+
+  /** Load the recording again: the catalog that decodes it has changed. Until then, or if it can't be read, what is shown stays. */
+  async reload(): Promise<void> {
+    if (this.detail === null) return;
+    this.reading?.abort();
+    try {
+      await this.replace(this.detail.id);
+    } catch (error) {
+      if (error instanceof ApiError) this.error = error;
+      throw error;
+    }
+  }
+
+  private async replace(id: string): Promise<boolean> {
     const reading = new AbortController();
     this.reading = reading;
-    const detail = await api.recording(id);
+    const detail = await unlessAborted(reading.signal, () => api.recording(id));
+    if (!detail) return false;
     const { first, last } = spanOf(detail);
     const query = { from: detail.first, to: detail.last, points: OVERVIEW_ROWS };
     const overview = await unlessAborted(reading.signal, () => api.rows(id, query, reading.signal));
@@ -74,15 +91,12 @@ export class RecordingData {
     this.columns = columns;
     this.firstSample = Math.max(first, overview.times[0] ?? first);
     this.detail = detail;
+    this.error = null;
     this.tick += 1;
-    if (overview.decimated && !this.coarse) void this.read(id, detail, reading.signal);
-    else this.loaded = 1;
+    const partly = overview.decimated && !this.coarse;
+    this.loaded = partly ? 0 : 1;
+    if (partly) void this.read(id, detail, reading.signal);
     return true;
-  }
-
-  /** Load the recording again: the catalog that decodes it has changed. Throws `ApiError`. */
-  async reload(): Promise<boolean> {
-    return this.detail !== null && (await this.load(this.detail.id));
   }
 
   protected reset(): void {

@@ -1,6 +1,8 @@
-import { expect, it } from "vitest";
-import { withMarker } from "./recordingData.svelte";
-import type { RecordingDetail } from "../api/types";
+import { describe, expect, it, vi } from "vitest";
+import { RecordingData, withMarker } from "./recordingData.svelte";
+import { api } from "../api/api";
+import { ApiError } from "../api/http";
+import type { RecordingDetail, RecordingRows } from "../api/types";
 
 type RecordedEvent = RecordingDetail["events"][number];
 const marker = (time: number, label = ""): RecordedEvent => ({ kind: "marker", time, label });
@@ -12,4 +14,51 @@ it("a marker is named, removed and brought back in its place", () => {
   expect(withMarker(events, 1, null)).toEqual([dropped, marker(3)]);
   expect(withMarker([dropped, marker(3)], 1, "a")).toEqual([marker(1, "a"), dropped, marker(3)]);
   expect(withMarker([dropped], 3, "")).toEqual([dropped, marker(3)]);
+});
+
+describe("a recording that is loaded again", () => {
+  class Shown extends RecordingData {
+    open = (id: string) => this.load(id);
+  }
+  const detail = { id: "a.pcapng", first: 1, last: 3, samples: 3, rate: 1, events: [] } as unknown as RecordingDetail;
+  const rows = (value: number) => ({ names: ["A"], times: [1, 2, 3], values: [[value, value, value]], decimated: false }) as unknown as RecordingRows;
+  const shown = ({ columns }: RecordingData) => columns.column("A")?.[0];
+
+  async function opened() {
+    vi.spyOn(api, "recording").mockResolvedValue(detail);
+    const answers: { resolve: (rows: RecordingRows) => void; reject: (error: Error) => void }[] = [];
+    const found = vi.spyOn(api, "rows").mockResolvedValueOnce(rows(1));
+    const data = new Shown();
+    await data.open("a.pcapng");
+    found.mockImplementation(() => new Promise((resolve, reject) => void answers.push({ resolve, reject })));
+    return { data, answers };
+  }
+
+  it("is shown as before until the new values are there", async () => {
+    const { data, answers } = await opened();
+    const again = data.reload();
+    await vi.waitFor(() => expect(answers.length).toBe(1));
+    expect([data.detail?.id, shown(data)]).toEqual(["a.pcapng", 1]);
+    answers[0]!.resolve(rows(2));
+    await again;
+    expect([shown(data), data.loaded]).toEqual([2, 1]);
+  });
+
+  it("is shown as before if it can't be read, with the error", async () => {
+    const { data, answers } = await opened();
+    const again = data.reload();
+    await vi.waitFor(() => expect(answers.length).toBe(1));
+    answers[0]!.reject(new ApiError(503, "Busy", { en: "busy", ru: "занято" }));
+    await expect(again).rejects.toThrow("busy");
+    expect([data.detail?.id, shown(data), data.error?.code]).toEqual(["a.pcapng", 1, "Busy"]);
+  });
+
+  it("has the values of the last change if two follow each other", async () => {
+    const { data, answers } = await opened();
+    const both = [data.reload(), data.reload()];
+    await vi.waitFor(() => expect(answers.length).toBe(1));
+    answers[0]!.resolve(rows(3));
+    await Promise.all(both);
+    expect(shown(data)).toBe(3);
+  });
 });
