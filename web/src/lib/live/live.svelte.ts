@@ -54,6 +54,8 @@ class LiveLine {
   private started = false;
   /** Rows that arrived while the history is being loaded. */
   private pending: Rows[] | null = null;
+  /** Channels that were changed while the history is being loaded. */
+  private changed: string[] = [];
   private readonly eventLog = new EventLog();
 
   start(): void {
@@ -156,8 +158,9 @@ class LiveLine {
     frameClock.request();
   }
 
-  /** Load the history again: these channels are computed otherwise now. */
+  /** Load the history again: these channels are computed otherwise now. If it is being loaded, after that: it may hold the values of before. */
   reload(names: readonly string[]): void {
+    if (this.pending) return void this.changed.push(...names);
     for (const name of names) {
       this.latest.delete(name);
       this.extremes.delete(name);
@@ -207,6 +210,7 @@ class LiveLine {
     this.historyLoads += 1;
     this.tick += 1;
     frameClock.request();
+    if (this.changed.length > 0) this.reload(this.changed.splice(0));
   }
 
   /** Load `seconds` of history except the last `before` seconds. */
