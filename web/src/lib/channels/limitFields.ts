@@ -1,12 +1,11 @@
 // Limits and scales as a person types them: texts, until they are saved.
-import { number } from "../i18n";
-import { parsedNumber } from "./numberField";
+import { fieldText, parsedNumber } from "../i18n";
 import type { Channel, NewLimits } from "../api/types";
 
 export const LIMITS = ["danger_low", "warning_low", "warning_high", "danger_high"] as const;
 export type LimitTexts = Record<(typeof LIMITS)[number] | "hysteresis", string>;
 
-const text = (value: number | null | undefined) => (value === null || value === undefined ? "" : number(value, undefined));
+const text = (value: number | null | undefined) => (value === null || value === undefined ? "" : fieldText(value));
 
 export function limitTexts(limits: Channel["limits"]): LimitTexts {
   const texts = Object.fromEntries(LIMITS.map((key) => [key, text(limits?.[key])]));

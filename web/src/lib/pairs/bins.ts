@@ -1,5 +1,6 @@
 // The edges of a table's rows and columns. A bin holds the values from its lower edge to below its upper one; the last bin also its upper edge.
 import type { Channel } from "../api/types";
+import { parsedNumber } from "../i18n";
 
 export const MOST_BINS = 32;
 /** Bins that a default has about. */
@@ -44,7 +45,7 @@ export function stepped(from: number, step: number, to: number): number[] | null
 
 /** Edges typed by a person, separated by spaces or semicolons; commas are decimal. Null unless these are 2 or more ascending numbers. */
 export function typedEdges(text: string): number[] | null {
-  const edges = text.split(/[\s;]+/).filter(Boolean).map((word) => Number(word.replace(",", ".").replace("−", "-")));
+  const edges = text.split(/[\s;]+/).filter(Boolean).map((word) => parsedNumber(word) ?? NaN);
   if (edges.length < 2 || edges.length > MOST_BINS + 1) return null;
   if (edges.some((edge) => !Number.isFinite(edge))) return null;
   return edges.every((edge, index) => index === 0 || edge > edges[index - 1]!) ? edges : null;

@@ -79,12 +79,6 @@ function sum(numbers: readonly number[]): number {
   return total;
 }
 
-/** A number as people type it, with a comma or a point; null: none. */
-export function parseLimit(typed: string): number | null {
-  const text = typed.trim().replace(",", ".").replace("−", "-");
-  return /^-?\d+(\.\d+)?$/.test(text) ? Number(text) : null;
-}
-
 /** Rows as text with tabs, for a spreadsheet. */
 export const tabbed = (rows: readonly (readonly (string | number)[])[]): string =>
   rows.map((row) => row.map((cell) => String(cell).replace(/[\t\r\n]+/g, " ")).join("\t")).join("\n") + "\n";
