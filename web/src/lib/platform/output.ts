@@ -52,3 +52,7 @@ export function saveFile(name: string, content: BlobPart, type = "text/plain;cha
   link.click();
   setTimeout(() => URL.revokeObjectURL(url), 10_000);
 }
+
+/** Rows of cells as text for a spreadsheet: tabs between the cells, none inside. */
+export const tabbed = (rows: readonly (readonly (string | number)[])[]): string =>
+  rows.map((cells) => cells.map((cell) => String(cell).replace(/[\t\r\n]+/g, " ")).join("\t")).join("\n") + "\n";

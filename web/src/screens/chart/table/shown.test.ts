@@ -2,7 +2,7 @@ import { describe, expect, it } from "vitest";
 import { Cells } from "../../../lib/pairs/cells";
 import { Pairs } from "../../../lib/pairs/pairs";
 import { Columns } from "../../../lib/series/columns";
-import { countOf, rangeOf, tabbed, usedPart, valueOf } from "./shown";
+import { countOf, rangeOf, usedPart, valueOf } from "./shown";
 
 function cellsOf(values: readonly [number, number][]): Cells {
   const columns = new Columns();
@@ -33,9 +33,5 @@ describe("a table", () => {
     expect(usedPart([0, 0, 0, 0, 0, 5, 0, 0, 0, 2, 0, 0, 0, 0, 0], 5)).toEqual({ left: 0, right: 5, bottom: 1, top: 2 });
     expect(usedPart([0, 1, 0, 0], 2)).toEqual({ left: 1, right: 2, bottom: 0, top: 1 });
     expect(usedPart([0, 0], 2)).toBeNull();
-  });
-
-  it("is copied with tabs between cells, which no cell has itself", () => {
-    expect(tabbed([["a\tb", "1"], ["c\nd", ""]])).toBe("a b\t1\nc d\t\n");
   });
 });

@@ -1,4 +1,4 @@
-// What a table shows: a statistic of one recording, of the reference, or the difference; as numbers and as text for a spreadsheet.
+// What a table shows: a statistic of one recording, of the reference, or the difference.
 import type { Cells, Statistic } from "../../../lib/pairs/cells";
 
 export type Side = "first" | "second" | "difference";
@@ -41,7 +41,3 @@ export function usedPart(counts: readonly number[], width: number): { left: numb
   });
   return right > 0 ? { left, right, bottom, top } : null;
 }
-
-/** Lines of cells separated by tabs. */
-export const tabbed = (lines: readonly (readonly string[])[]): string =>
-  lines.map((cells) => cells.map((cell) => cell.replace(/[\t\r\n]+/g, " ")).join("\t")).join("\n") + "\n";

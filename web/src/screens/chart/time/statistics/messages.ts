@@ -13,6 +13,10 @@ export const t = dictionary({
     en: "Only an overview is loaded: lowest and highest are exact, the rest is approximate.",
     ru: "Загружен только обзор: наименьшее и наибольшее точны, остальное приблизительно.",
   },
+  coarseLive: {
+    en: "From before this page was opened only an overview is loaded: lowest and highest are exact, the rest is approximate.",
+    ru: "До открытия этой страницы загружен только обзор: наименьшее и наибольшее точны, остальное приблизительно.",
+  },
   none: { en: "no values", ru: "нет значений" },
   min: { en: "Lowest", ru: "Наименьшее" },
   max: { en: "Highest", ru: "Наибольшее" },

@@ -1,5 +1,6 @@
 import { describe, expect, it } from "vitest";
-import { statistics, tabbed } from "./statistics";
+import type { Channel } from "../../../../lib/api/types";
+import { bounds, statistics } from "./statistics";
 
 /** By counting milliseconds: the reference. */
 function counted(times: number[], column: number[], from: number, to: number, gap: number) {
@@ -62,6 +63,8 @@ describe("statistics", () => {
   });
 });
 
-it("makes a table that a spreadsheet takes", () => {
-  expect(tabbed([["a\tb", 1.5], ["c", ""]])).toBe("a b\t1.5\nc\t\n");
+it("names each limit once, also if an own one is the same", () => {
+  const limits = { danger_low: null, warning_low: 60, warning_high: 100, danger_high: 100, hysteresis: 0 } as Channel["limits"];
+  expect(bounds(limits, 100)).toEqual([{ key: "below", limit: 60 }, { key: "below", limit: 100 }, { key: "above", limit: 100 }]);
+  expect(bounds(undefined, null)).toEqual([]);
 });

@@ -1,5 +1,6 @@
 // Statistics of one channel over a span. Weighted by time: a value counts until the next one of its channel, the last one until the end of
 // the span, so that a change of the sampling rate does not move the mean. A pause longer than `gap` counts for nothing.
+import type { Channel } from "../../../../lib/api/types";
 
 export interface Statistics {
   /** Values in the span. */
@@ -79,6 +80,9 @@ function sum(numbers: readonly number[]): number {
   return total;
 }
 
-/** Rows as text with tabs, for a spreadsheet. */
-export const tabbed = (rows: readonly (readonly (string | number)[])[]): string =>
-  rows.map((row) => row.map((cell) => String(cell).replace(/[\t\r\n]+/g, " ")).join("\t")).join("\n") + "\n";
+/** Below and above what a channel is timed: its limits and an own one, each once. */
+export function bounds(limits: Channel["limits"] | undefined, own: number | null | undefined): { key: "below" | "above"; limit: number }[] {
+  const once = (key: "below" | "above", all: readonly (number | null | undefined)[]) =>
+    [...new Set(all)].flatMap((limit) => (limit === null || limit === undefined ? [] : [{ key, limit }]));
+  return [...once("below", [limits?.danger_low, limits?.warning_low, own]), ...once("above", [limits?.warning_high, limits?.danger_high, own])];
+}
