@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { completed, completions, isWhole, type Candidate } from "./completion";
+import { completed, completions, isWhole, inserts, type Candidate } from "./completion";
 
 const candidates: Candidate[] = [
   { name: "FREQ", about: "Обороты двигателя", kind: "channel" },
@@ -26,6 +26,14 @@ describe("completions", () => {
     expect(isWhole("not det", 7, known)).toBe(true);
     expect(isWhole("not de", 6, known)).toBe(false);
     expect(isWhole("not ", 4, known)).toBe(false);
+  });
+
+  it("are inserted by Enter and Tab if one is chosen; Shift and Tab go back", () => {
+    const by = (key: string, shiftKey: boolean, chosen: number) => inserts({ key, shiftKey }, 1, chosen);
+    expect([by("Enter", false, 0), by("Tab", false, 0), by("Tab", true, 0), by("a", false, 0)]).toEqual([true, true, false, false]);
+    // Behind DET, of RDET.
+    expect([by("Enter", false, -1), by("Tab", false, -1)]).toEqual([false, false]);
+    expect(inserts({ key: "Enter", shiftKey: false }, 0, 0)).toBe(false);
   });
 
   it("replace the whole name, and put the caret into a function's brackets", () => {

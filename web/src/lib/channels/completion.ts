@@ -43,6 +43,10 @@ export function isWhole(formula: string, caret: number, candidates: readonly Can
   return candidates.some(({ name }) => name.toLocaleLowerCase() === before);
 }
 
+/** Whether a key inserts the chosen one of `count` completions; `chosen` −1: none is, and Tab leaves the field. */
+export const inserts = ({ key, shiftKey }: Pick<KeyboardEvent, "key" | "shiftKey">, count: number, chosen: number): boolean =>
+  count > 0 && chosen >= 0 && (key === "Enter" || (key === "Tab" && !shiftKey));
+
 /** The formula with the completion inserted, and the caret behind it: inside the brackets of a function. */
 export function completed(formula: string, { name, kind, from, to }: Completion): { formula: string; caret: number } {
   const rest = formula.slice(to);
