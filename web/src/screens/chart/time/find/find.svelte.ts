@@ -19,17 +19,26 @@ class Find {
   nowhere = $state("");
   kept = $state.raw<readonly KeptSearch[]>([]);
 
-  async load(): Promise<void> {
+  /** For the sheet that opens: the kept conditions, and nothing of what was found in another source. */
+  async begin(): Promise<void> {
+    this.error = null;
+    this.nowhere = "";
+    await this.load();
+  }
+
+  private async load(): Promise<boolean> {
     const list = await attempt(() => api.searches());
     if (list) this.kept = list.searches;
+    return list !== undefined;
   }
 
   /** Find and mark; the sheet closes if there is a moment. */
   async run(expression: string): Promise<void> {
+    if (this.busy) return;
     this.expression = expression.trim();
     this.error = null;
     this.nowhere = "";
-    if (!this.expression || this.busy) return;
+    if (!this.expression) return;
     this.busy = true;
     const { source } = display;
     const recording = source.kind === "recording" ? (player.detail?.id ?? null) : null;
@@ -57,15 +66,18 @@ class Find {
   }
 
   async keep(expression: string): Promise<void> {
-    await this.save([...this.kept, { name: "", expression: expression.trim() }]);
+    const added = { name: "", expression: expression.trim() };
+    await this.change((before) => [...before.filter((kept) => kept.expression !== added.expression), added]);
   }
 
   async drop(expression: string): Promise<void> {
-    await this.save(this.kept.filter((kept) => kept.expression !== expression));
+    await this.change((before) => before.filter((kept) => kept.expression !== expression));
   }
 
-  private async save(searches: KeptSearch[]): Promise<void> {
-    const list = await attempt(() => api.saveSearches(searches));
+  /** The whole list is saved, so it starts from what is kept now: another page may have added to it, or it has not been loaded. */
+  private async change(change: (before: readonly KeptSearch[]) => KeptSearch[]): Promise<void> {
+    if (!(await this.load())) return;
+    const list = await attempt(() => api.saveSearches(change(this.kept)));
     if (list) this.kept = list.searches;
   }
 }

@@ -1,5 +1,8 @@
-import { describe, expect, it } from "vitest";
-import { titleOf } from "./find.svelte";
+import { afterEach, describe, expect, it, vi } from "vitest";
+import { api } from "../../../../lib/api/api";
+import { ApiError } from "../../../../lib/api/http";
+import { toasts } from "../../../../lib/frame/toasts.svelte";
+import { find, titleOf } from "./find.svelte";
 
 const hit = (peak: number | null) => ({ begin: 1, end: 2, rows: 3, peak, peak_time: peak === null ? null : 1.5 });
 
@@ -16,5 +19,32 @@ describe("the title of what was found", () => {
 
   it("says that there are more", () => {
     expect(titleOf("DET", { hits: [hit(null)], count: 2500, peak_of: null, lowest: false })).toBe("DET; the first 1 of 2500");
+  });
+});
+
+describe("the kept conditions", () => {
+  const kept = (expression: string) => ({ name: "", expression });
+  afterEach(() => {
+    find.kept = [];
+  });
+
+  const save = () => vi.spyOn(api, "saveSearches").mockImplementation((searches) => Promise.resolve({ searches }));
+
+  it("stay when one is added before they were loaded, or after another page has added one", async () => {
+    vi.spyOn(api, "searches").mockResolvedValue({ searches: [kept("DET"), kept("RXX")] });
+    const saved = save();
+    await find.keep(" FREQ > 3000 ");
+    expect(saved.mock.calls).toEqual([[[kept("DET"), kept("RXX"), kept("FREQ > 3000")]]]);
+    await find.drop("DET");
+    expect(saved.mock.lastCall).toEqual([[kept("RXX")]]);
+  });
+
+  it("are not replaced if they can't be loaded", async () => {
+    vi.spyOn(api, "searches").mockRejectedValue(new ApiError(503, "Busy", { en: "busy", ru: "занято" }));
+    const shown = vi.spyOn(toasts, "error").mockReturnValue();
+    const saved = save();
+    await find.keep("DET");
+    expect(shown).toHaveBeenCalledOnce();
+    expect(saved).not.toHaveBeenCalled();
   });
 });
