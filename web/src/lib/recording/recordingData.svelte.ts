@@ -12,6 +12,9 @@ const OVERVIEW_ROWS = 4000;
 /** Longer recordings stay decimated: a million rows are eight hours at 35 readings a second. */
 const MAX_ROWS = 1_000_000;
 
+/** A recording's name without the suffix of its file. */
+export const recordingName = (id: string): string => id.replace(/\.pcapng$/, "");
+
 export class RecordingData {
   detail = $state.raw<RecordingDetail | null>(null);
   columns = $state.raw(new Columns());

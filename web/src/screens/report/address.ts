@@ -1,5 +1,6 @@
 // The address of a report, of the session or of a recording.
 import { api } from "../../lib/api/api";
+import { recordingName } from "../../lib/recording/recordingData.svelte";
 
 /** In the screen's address: the connected car. No recording has this name. */
 export const LIVE = "live";
@@ -12,9 +13,6 @@ export function reportSource(asked: string | undefined, open: string | null): st
   if (asked === undefined) return open;
   return asked === LIVE ? null : asked;
 }
-
-/** A recording's name without the suffix of its file. */
-export const recordingName = (id: string): string => id.replace(/\.pcapng$/, "");
 
 export function reportAddress(recording: string | null, lang: string, inline: boolean): string {
   return recording === null
