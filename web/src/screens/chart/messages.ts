@@ -4,6 +4,5 @@ export const t = dictionary({
   views: { en: "Views of the data", ru: "Представления данных" },
   time: { en: "Time", ru: "Время" },
   scatter: { en: "Scatter", ru: "Облако" },
-  soon: { en: "Not available yet", ru: "Пока недоступно" },
   table: { en: "Table", ru: "Таблица" },
 });

@@ -63,6 +63,7 @@ export const t = dictionary({
   saveSvg: { en: "Save SVG", ru: "Сохранить SVG" },
   imageCopied: { en: "Image copied", ru: "Картинка скопирована" },
   imageNotCopied: { en: "The browser does not let this page copy images: save it as a file", ru: "Браузер не разрешает этой странице копировать картинки: сохраните файлом" },
+  imageNotMade: { en: "The browser cannot make this PNG: save SVG", ru: "Браузер не смог сделать PNG: сохраните SVG" },
   liveValues: { en: "live values", ru: "текущие данные" },
   gap: { en: "Gap: {reason}", ru: "Нет данных: {reason}" },
   gapOf: { en: "Gap from {from}, {seconds} s.", ru: "Нет данных с {from}, {seconds} с." },
