@@ -62,6 +62,18 @@ def test_by_the_link_one_sees_live_values(lan, visitor):
     expect(tab.value("TWAT")).to_have_text("87")
 
 
+def test_a_switch_that_is_refused_is_not_shown_as_on(own, visitor):
+    tab = visitor(own.url).show("connection")
+    switch = tab.page.get_by_role("switch")
+    expect(switch).not_to_be_checked()
+    tab.refused = True
+    refusal = {"error": {"code": "Busy", "en": "No port is free.", "ru": "Нет свободного порта."}}
+    tab.page.route("**/api/network", lambda route: route.fulfill(status=503, json=refusal))
+    switch.click()
+    tab.says("No port is free.")
+    expect(switch).not_to_be_checked()
+
+
 def test_one_switch_lets_a_phone_in_and_shuts_it_out(own, visitor):
     tab = visitor(own.url).show("connection")
     switch = tab.page.get_by_role("switch")
