@@ -239,5 +239,4 @@ export const t = dictionary({
   },
   lan_qr: { en: "QR code of the address", ru: "QR-код адреса" },
   lan_copy: { en: "Copy the link", ru: "Скопировать ссылку" },
-  copied: { en: "Copied.", ru: "Скопировано." },
 });

@@ -31,7 +31,6 @@ export const t = dictionary({
   },
   charset: { en: "Characters", ru: "Символы" },
   copy: { en: "Copy", ru: "Скопировать" },
-  copied: { en: "Copied.", ru: "Скопировано." },
   bytes_table: {
     en: "Bytes of {space} from {address}",
     ru: "Байты {space} с адреса {address}",

@@ -4,7 +4,6 @@ export const t = dictionary({
   reading: { en: "Reading the ECU's identification…", ru: "Читаем данные блока…" },
   again: { en: "Read again", ru: "Прочитать снова" },
   copy: { en: "Copy", ru: "Скопировать" },
-  copied: { en: "Copied.", ru: "Скопировано." },
   save_text: { en: "Save as text", ru: "Сохранить текстом" },
   save_json: { en: "Save as JSON", ru: "Сохранить JSON" },
   sheet: { en: "Passport of a control unit", ru: "Паспорт блока управления" },

@@ -77,8 +77,6 @@ export const t = dictionary({
   to_report: { en: "Add to report", ru: "Добавить в отчёт" },
   in_report: { en: "In the report; remove", ru: "В отчёте; убрать" },
   copy: { en: "Copy as text", ru: "Скопировать текстом" },
-  copied: { en: "Copied.", ru: "Скопировано." },
-  not_copied: { en: "The browser does not allow copying.", ru: "Браузер не разрешает копирование." },
   back: { en: "All tests", ru: "Все проверки" },
   wrong_file: { en: "A test could not be loaded", ru: "Проверка не загружена" },
   own_more: {

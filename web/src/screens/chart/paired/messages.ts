@@ -72,7 +72,6 @@ export const t = dictionary({
   copy: { en: "Copy", ru: "Копировать" },
   copyLong: { en: "Copy the table as text for a spreadsheet", ru: "Скопировать таблицу текстом для электронных таблиц" },
   copied: { en: "The table was copied.", ru: "Таблица скопирована." },
-  notCopied: { en: "The browser refuses to copy. The table was saved as a file instead.", ru: "Браузер не даёт копировать. Таблица сохранена в файл." },
   picture: { en: "PNG", ru: "PNG" },
   pictureLong: { en: "Save the picture (PNG)", ru: "Сохранить картинку (PNG)" },
   pictureNotMade: { en: "The browser cannot make this picture", ru: "Браузер не смог сделать картинку" },
