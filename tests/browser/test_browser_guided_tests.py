@@ -102,6 +102,9 @@ def test_a_test_over_the_recording_that_is_shown(own, visitor):
     expect(tab.find("section.verdict .when")).to_contain_text(".pcapng, from 00:00 to 00:0")
     expect(tab.button("Add to report")).to_have_count(0)
     assert own.get("/tests/results")["results"] == []
+    tab.press("Show in the chart")
+    expect(tab.find(".panes .cursor.b").first).to_be_visible()  # where the test ends
+    tab.show("tests")
     tab.press("All tests")
     tab.find("[data-test=charging]").get_by_role("button").click()
     tab.says("No verdict from this recording")

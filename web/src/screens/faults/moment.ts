@@ -8,8 +8,7 @@ import { view } from "../chart/time/view.svelte";
 /** s before and after the moment. */
 const AROUND = 10;
 
-export function showMoment(recording: string, { without, seen }: FreezeFrame, title: string): void {
-  view.begin(recording);
+export function showMoment({ without, seen }: FreezeFrame, title: string): void {
   player.pause();
   player.seek(seen);
   moments.mark(title, [{ from: without, to: seen }]);
