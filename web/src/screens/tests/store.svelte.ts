@@ -13,14 +13,18 @@ class Tests {
   readonly results = new ApiRequest<{ results: TestVerdict[] }>();
   run = $state.raw<TestRun | null>(null);
   busy = $state(false);
+  /** Counts what this page changes: an answer to a question of before is of the run before. */
+  private changes = 0;
 
   /** Follow the run until the returned function is called. */
   follow(): () => void {
     let stopped = false;
     let timer: ReturnType<typeof setTimeout> | undefined;
     const ask = async () => {
+      const { changes } = this;
       try {
-        this.take((await api.testRun()).run);
+        const { run } = await api.testRun();
+        if (changes === this.changes) this.take(run);
       } catch {
         // The band shows a lost program; the next question may be answered.
       }
@@ -54,7 +58,9 @@ class Tests {
 
   private async change(job: () => Promise<{ run: TestRun | null }>): Promise<void> {
     this.busy = true;
+    this.changes += 1;
     const state = await attempt(job);
+    this.changes += 1;
     this.busy = false;
     if (state) this.take(state.run);
   }
