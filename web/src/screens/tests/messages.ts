@@ -73,6 +73,7 @@ export const t = dictionary({
   c_medium: { en: "confidence: medium", ru: "уверенность: средняя" },
   c_low: { en: "confidence: low", ru: "уверенность: низкая" },
   missing: { en: "Not decided", ru: "Не решено" },
+  span: { en: "0 … {s} s", ru: "0 … {s} с" },
   course: { en: "Course of the test", ru: "Ход проверки" },
   to_report: { en: "Add to report", ru: "Добавить в отчёт" },
   in_report: { en: "In the report; remove", ru: "В отчёте; убрать" },
