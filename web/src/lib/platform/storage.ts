@@ -1,8 +1,11 @@
 // Settings stored in this browser. Where the browser forbids it (private window) they last until the page is reloaded.
 
+/** What the browser does not store. */
+const unstored = new Map<string, string>();
+
 export function loadSetting(name: string): string | null {
   try {
-    return localStorage.getItem(`mikas.${name}`);
+    return unstored.get(name) ?? localStorage.getItem(`mikas.${name}`);
   } catch {
     return null;
   }
@@ -11,7 +14,8 @@ export function loadSetting(name: string): string | null {
 export function saveSetting(name: string, value: string): void {
   try {
     localStorage.setItem(`mikas.${name}`, value);
+    unstored.delete(name);
   } catch {
-    // Not stored; the page works without.
+    unstored.set(name, value);
   }
 }
