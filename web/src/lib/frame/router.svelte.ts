@@ -1,7 +1,7 @@
 // The current screen from the URL: `#/recordings/NAME` is screen "recordings" with rest ["NAME"]. In the hash, so that the server serves
 // one page and Back works.
 
-export const SCREENS = [
+const SCREENS = [
   "live",
   "chart",
   "faults",
@@ -29,9 +29,23 @@ class Route {
   }
 
   private read(): void {
-    const [name = "", ...rest] = (globalThis.location?.hash ?? "").replace(/^#\/?/, "").split("/");
-    this.screen = SCREENS.find((screen) => screen === name) ?? "live";
-    this.rest = rest.filter(Boolean).map(decodeURIComponent);
+    const [screen, ...rest] = parsed(globalThis.location?.hash ?? "");
+    this.screen = screen;
+    this.rest = rest;
+  }
+}
+
+/** The screen of a hash, and what follows it; an unknown one is Live, and a part that is not encoded right is taken as it is. */
+export function parsed(hash: string): [ScreenName, ...string[]] {
+  const [name = "", ...rest] = hash.replace(/^#\/?/, "").split("/");
+  return [SCREENS.find((screen) => screen === name) ?? "live", ...rest.filter(Boolean).map(decoded)];
+}
+
+function decoded(part: string): string {
+  try {
+    return decodeURIComponent(part);
+  } catch {
+    return part;
   }
 }
 
