@@ -18,7 +18,15 @@ class CatalogStore {
   /** Load the catalog of this version, with retries until it has come or the returned function is called. */
   follow(version: string): (() => void) | undefined {
     if (this.loaded?.version === version) return undefined;
-    return retry(async () => this.use(await api.catalog()));
+    let current = true;
+    const stop = retry(async () => {
+      const next = await api.catalog();
+      if (current) this.use(next);
+    });
+    return () => {
+      current = false;
+      stop();
+    };
   }
 
   /** Use a catalog that the program has returned. */
