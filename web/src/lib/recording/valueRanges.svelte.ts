@@ -16,6 +16,8 @@ const POINTS = 4000;
 
 export class ValueRanges extends ApiRequest<Bands> {
   private of = "";
+  /** An effect that loads depends on this and on the catalog, not on the whole state, which comes twice a second: a failed load would be repeated. */
+  private readonly model = $derived(live.state?.model?.en ?? "");
 
   get bands(): Bands {
     return this.value ?? NO_BANDS;
@@ -23,7 +25,7 @@ export class ValueRanges extends ApiRequest<Bands> {
 
   /** Load those of a recording, once for each catalog. The first time the program makes the virtual car's, which takes seconds. */
   async load(id: string): Promise<void> {
-    const model = id === WARM_IDLE ? (live.state?.model?.en ?? "") : "";
+    const model = id === WARM_IDLE ? this.model : "";
     const of = `${id} ${model} ${catalog.loaded?.version}`;
     if (of === this.of) return;
     this.of = of;
