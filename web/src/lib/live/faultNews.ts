@@ -2,14 +2,17 @@
 import type { LineEvent } from "../api/types";
 
 export interface FaultNews {
-  time: number;
+  event: LineEvent;
   /** Numbers that the reading before did not have. */
   added: number[];
 }
 
-/** The news of the latest event about faults after `since`; null: none, or faults have only gone. */
-export function faultNews(events: readonly LineEvent[], since: number): FaultNews | null {
-  const last = events.findLast((event) => event.kind === "faults");
-  if (!last || last.time <= since || !last.added?.length) return null;
-  return { time: last.time, added: last.added };
+/**
+ * The news of the latest event about faults, unless that is `seen`; null: none, or faults have only gone. Not compared by their times: a
+ * virtual car has another clock.
+ */
+export function faultNews(events: readonly LineEvent[], seen: LineEvent | null): FaultNews | null {
+  const event = events.findLast((event) => event.kind === "faults");
+  if (!event || event === seen || !event.added?.length) return null;
+  return { event, added: event.added };
 }
