@@ -1,5 +1,14 @@
 import { describe, expect, it } from "vitest";
-import { moved, placeAt } from "./arrange";
+import { keysOf, moved, placeAt } from "./arrange";
+
+describe("keysOf", () => {
+  const of = (...names: string[]) => keysOf(names.map((name) => ({ names: [name] })));
+
+  it("gives equal tiles different keys, and a moved one the same", () => {
+    expect(new Set(of("FREQ", "TWAT", "FREQ")).size).toBe(3);
+    expect(of("FREQ", "TWAT")).toEqual(of("TWAT", "FREQ").reverse());
+  });
+});
 
 describe("moved", () => {
   it("moves forward and back", () => {

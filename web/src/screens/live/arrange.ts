@@ -1,4 +1,16 @@
 // Reordering of tiles.
+import type { Tile } from "../../lib/api/types";
+
+/** A key for each tile, which it keeps when it is moved, or shown as another kind. Equal tiles have different ones. */
+export function keysOf(tiles: readonly Pick<Tile, "names">[]): string[] {
+  const before = new Map<string, number>();
+  return tiles.map(({ names }) => {
+    const name = names.join();
+    const count = before.get(name) ?? 0;
+    before.set(name, count + 1);
+    return `${name} ${count}`;
+  });
+}
 
 export function moved<Item>(items: readonly Item[], from: number, to: number): Item[] {
   const rest = items.filter((_, at) => at !== from);
