@@ -2,6 +2,7 @@
 import type { Columns } from "../../../../lib/series/columns";
 import { gapThreshold } from "../../../../lib/series/gapThreshold";
 import type { LineEvent } from "../../../../lib/api/types";
+import { rowsBetween, standing } from "../statistics/statistics";
 
 /** Seconds on each side in which the usual interval is measured. */
 const AROUND = 30;
@@ -19,15 +20,30 @@ export function valueAt(columns: Columns, events: readonly LineEvent[], name: st
   return broken ? null : found.value;
 }
 
-/** The mean of the values between two times; null without values. */
+/** The mean between two times, as in the statistics, without their sorting: it is shown while a cursor moves. Null without values. */
 export function meanOf(columns: Columns, name: string, from: number, to: number): number | null {
-  const column = columns.column(name, columns.rowAt(from) + 1, columns.rowAt(to) + 1);
-  let sum = 0;
-  let count = 0;
-  for (const value of column ?? []) {
+  const [first, last] = rowsBetween(columns, from, to);
+  const column = columns.column(name, first, last);
+  if (!column) return null;
+  const times = columns.times(first, last);
+  const gap = gapThreshold(columns, name, first, last);
+  let [sum, covered, plain, count] = [0, 0, 0, 0];
+  let before = NaN;
+  let since = NaN;
+  const add = (until: number) => {
+    const seconds = standing(until - since, gap);
+    sum += before * seconds;
+    covered += seconds;
+  };
+  for (let row = 0; row < column.length; row += 1) {
+    const value = column[row]!;
     if (Number.isNaN(value)) continue;
-    sum += value;
+    if (count > 0) add(times[row]!);
+    [before, since] = [value, times[row]!];
+    plain += value;
     count += 1;
   }
-  return count > 0 ? sum / count : null;
+  if (count === 0) return null;
+  add(to);
+  return covered > 0 ? sum / covered : plain / count;
 }

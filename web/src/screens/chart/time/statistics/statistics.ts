@@ -1,6 +1,7 @@
 // Statistics of one channel over a span. Weighted by time: a value counts until the next one of its channel, the last one until the end of
 // the span, so that a change of the sampling rate does not move the mean. A pause longer than `gap` counts for nothing.
 import type { Channel } from "../../../../lib/api/types";
+import type { Columns } from "../../../../lib/series/columns";
 
 export interface Statistics {
   /** Values in the span. */
@@ -72,7 +73,11 @@ export function statistics(
   };
 }
 
-const standing = (seconds: number, gap: number) => (seconds <= gap ? Math.max(0, seconds) : 0);
+/** The seconds for which a value stands, if the next one comes after so many. */
+export const standing = (seconds: number, gap: number): number => (seconds <= gap ? Math.max(0, seconds) : 0);
+
+/** The rows of a span with both ends: the first one, and the first one behind. */
+export const rowsBetween = (columns: Columns, from: number, to: number): [number, number] => [columns.rowAt(from - 1e-9) + 1, columns.rowAt(to) + 1];
 
 function sum(numbers: readonly number[]): number {
   let total = 0;
