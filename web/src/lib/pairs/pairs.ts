@@ -64,7 +64,7 @@ export class Pairs {
   read(columns: Columns, gaps: readonly number[], most: number): boolean {
     const { span, age, partners } = this.plan;
     if (columns.length === 0) return false;
-    if (this.next < 0) this.next = this.begin = columns.start + (span ? firstRowFrom(columns, span[0]) : 0);
+    if (this.next < 0) this.next = this.begin = columns.start + (span ? columns.rowFrom(span[0]) : 0);
     const first = Math.max(0, this.next - columns.start);
     const end = span ? columns.rowAt(span[1]) + 1 : columns.length;
     const to = Math.min(end, first + most);
@@ -125,11 +125,6 @@ export class Pairs {
     this.times = enlarged(this.times);
     this.values.forEach((array, index) => (this.values[index] = enlarged(array)));
   }
-}
-
-function firstRowFrom(columns: Columns, time: number): number {
-  const row = columns.rowAt(time);
-  return row >= 0 && columns.times()[row] === time ? row : row + 1;
 }
 
 /** How many of the ascending numbers are below `limit`. */

@@ -69,6 +69,7 @@ describe("Columns", () => {
     const columns = new Columns();
     columns.append(["A"], [10, 20, 30], [[1, null, 3]]);
     expect([5, 10, 19, 20, 99].map((time) => columns.rowAt(time))).toEqual([-1, 0, 0, 1, 2]);
+    expect([5, 10, 19, 20, 99].map((time) => columns.rowFrom(time))).toEqual([0, 0, 1, 1, 3]);
     expect(columns.valueAt("A", 1)).toEqual({ value: 1, row: 0 });
     expect(columns.valueAt("A", 1, 5)).toBeUndefined();
     expect(columns.valueAt("A", 2)).toEqual({ value: 3, row: 2 });

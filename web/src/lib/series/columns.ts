@@ -91,6 +91,12 @@ export class Columns {
     return low - 1;
   }
 
+  /** The first row not earlier than `time`; `length` if all are earlier. */
+  rowFrom(time: number): number {
+    const row = this.rowAt(time);
+    return row >= 0 && this.time[row] === time ? row : row + 1;
+  }
+
   /** The last value at or before the row, with its row; undefined if there is none within `reach` seconds. */
   valueAt(name: string, row: number, reach = Infinity): { value: number; row: number } | undefined {
     const column = this.byName.get(name);

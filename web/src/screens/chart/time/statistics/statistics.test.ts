@@ -1,6 +1,7 @@
 import { describe, expect, it } from "vitest";
 import type { Channel } from "../../../../lib/api/types";
-import { bounds, statistics } from "./statistics";
+import { Columns } from "../../../../lib/series/columns";
+import { bounds, rowsBetween, statistics } from "./statistics";
 
 /** By counting milliseconds: the reference. */
 function counted(times: number[], column: number[], from: number, to: number, gap: number) {
@@ -67,4 +68,12 @@ it("names each limit once, also if an own one is the same", () => {
   const limits = { danger_low: null, warning_low: 60, warning_high: 100, danger_high: 100, hysteresis: 0 } as Channel["limits"];
   expect(bounds(limits, 100)).toEqual([{ key: "below", limit: 60 }, { key: "below", limit: 100 }, { key: "above", limit: 100 }]);
   expect(bounds(undefined, null)).toEqual([]);
+});
+
+it("takes the values at both ends of a span, also of a real clock", () => {
+  const columns = new Columns();
+  const begin = 1_790_000_000;
+  columns.append(["A"], [begin, begin + 1, begin + 2, begin + 3], [[1, 2, 3, 4]]);
+  expect(rowsBetween(columns, begin + 1, begin + 2)).toEqual([1, 3]);
+  expect(rowsBetween(columns, begin + 0.5, begin + 2.5)).toEqual([1, 3]);
 });

@@ -77,7 +77,7 @@ export function statistics(
 export const standing = (seconds: number, gap: number): number => (seconds <= gap ? Math.max(0, seconds) : 0);
 
 /** The rows of a span with both ends: the first one, and the first one behind. */
-export const rowsBetween = (columns: Columns, from: number, to: number): [number, number] => [columns.rowAt(from - 1e-9) + 1, columns.rowAt(to) + 1];
+export const rowsBetween = (columns: Columns, from: number, to: number): [number, number] => [columns.rowFrom(from), columns.rowAt(to) + 1];
 
 function sum(numbers: readonly number[]): number {
   let total = 0;
