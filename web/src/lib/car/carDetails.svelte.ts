@@ -10,8 +10,6 @@ const t = dictionary({
   add: { en: "Add car details…", ru: "Указать машину…" },
 });
 
-export const NO_CAR: Car = { car: "", plate: "", mileage: null, workshop: "" };
-
 /** What is edited: a recording, or the connected unit (null). `offered`: the last mileage, shown as an example. */
 export interface CarEdit {
   recording: string | null;
@@ -33,7 +31,7 @@ class CarDetails {
     this.editing = { recording: null, details: { car, plate, workshop, mileage: null }, offered: kept.mileage, onsaved };
   }
 
-  /** Edit the car of a recording; an empty one starts from the connected unit's, if that has the same passport. */
+  /** Edit the car of a recording. */
   edit(recording: Recording, onsaved?: (details: Car) => void): void {
     this.editing = { recording: recording.id, details: recording.car, offered: null, onsaved };
   }

@@ -1,7 +1,7 @@
 // A car's details as typed, and on one line.
 import type { Car } from "../api/types";
 
-export const MOST_MILEAGE = 9_999_999;
+const MOST_MILEAGE = 9_999_999;
 
 /** Car and plate on one line; empty without them. */
 export const carName = ({ car, plate }: Pick<Car, "car" | "plate">): string =>

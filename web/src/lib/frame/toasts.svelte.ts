@@ -21,7 +21,7 @@ export interface Toast {
   duration?: number;
 }
 
-export interface PastError {
+interface PastError {
   /** UNIX seconds of this computer. */
   time: number;
   text: () => string;

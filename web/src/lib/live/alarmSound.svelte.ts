@@ -14,7 +14,7 @@ interface Pattern {
   every: number;
 }
 
-export const PATTERNS: Record<Level, Pattern> = {
+const PATTERNS: Record<Level, Pattern> = {
   warning: { tones: [523, 523], length: 0.22, every: 6 },
   danger: { tones: [1047, 784, 1047, 784], length: 0.14, every: 2 },
 };

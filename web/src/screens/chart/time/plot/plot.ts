@@ -11,7 +11,7 @@ import type { Stretch, Trace } from "../view.svelte";
 
 export const LEFT = 58;
 export const RIGHT = 14;
-export const BOTTOM = 30;
+const BOTTOM = 30;
 /** Dashes of the second recording, in CSS pixels. */
 const DASH = [5, 4];
 /** How opaque a stripe and its edge are. */
