@@ -65,7 +65,7 @@ export const t = dictionary({
   numbers: { en: "Numbers", ru: "Числа" },
   readings: {
     en: { one: "{n} reading", other: "{n} readings" },
-    ru: { one: "{n} опрос", few: "{n} опроса", many: "{n} опросов" },
+    ru: { one: "{n} отсчёт", few: "{n} отсчёта", many: "{n} отсчётов" },
   },
   rule: { en: "Rule", ru: "Правило" },
   doubt: { en: "Doubt", ru: "Сомнения" },
