@@ -2,13 +2,12 @@
 import { frameClock } from "../platform/frameClock.svelte";
 import { catalog } from "../api/catalog.svelte";
 import { currentValue, type DisplayValue } from "./displayValue";
-import { dictionary, number, localized } from "../i18n";
+import { number, localized } from "../i18n";
 import { live } from "../live/live.svelte";
 import { display, type Extremes } from "../display/source.svelte";
 import { widestText } from "./textWidth";
+import { valueText, wordsOf } from "./valueText";
 import type { Channel, Level } from "../api/types";
-
-const t = dictionary({ on: { en: "on", ru: "вкл." }, off: { en: "off", ru: "выкл." } });
 
 export interface LimitState {
   level: Level;
@@ -28,7 +27,7 @@ export class ChannelValue {
   /** The two words of a flag. */
   readonly words = $derived(wordsOf(this.channel));
   /** The value as it is read: a word for a flag, else the number. */
-  readonly shown = $derived(this.value !== null && this.words.length > 0 ? this.words[this.value ? 1 : 0]! : this.text);
+  readonly shown = $derived(valueText(this.channel, this.value));
   /** The widest that `shown` becomes, in em. */
   readonly em = $derived(widestText(this.channel, this.words, this.shown));
   readonly title = $derived.by(() => (this.channel ? localized(this.channel.text) : this.name()));
@@ -54,12 +53,6 @@ export class ChannelValue {
   readonly level = $derived(this.limitState?.level ?? null);
 
   constructor(private readonly name: () => string) {}
-}
-
-/** The words of a flag, off and on; none for a number. */
-export function wordsOf(channel: Channel | undefined): string[] {
-  if (!channel?.flag) return [];
-  return channel.lamp ? [localized(channel.lamp.off), localized(channel.lamp.on)] : [t("off"), t("on")];
 }
 
 /** Which limit the value is beyond, if any. */
