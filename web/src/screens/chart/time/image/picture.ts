@@ -1,18 +1,17 @@
 // Collects what the time chart shows as a `Picture`, in the colours of the day theme.
 import { carName } from "../../../../lib/car/carText";
 import { catalog } from "../../../../lib/api/catalog.svelte";
-import { language, localized, moment as dateAndTime, number, signed, timeOfDay } from "../../../../lib/i18n";
+import { localized, moment as dateAndTime, number, timeOfDay } from "../../../../lib/i18n";
 import { live } from "../../../../lib/live/live.svelte";
 import { theme } from "../../../../lib/platform/theme.svelte";
 import { comparison } from "../../../../lib/recording/comparison.svelte";
 import { player } from "../../../../lib/recording/player.svelte";
 import { axisKey } from "../../../../lib/series/valueAxis";
 import { cursors } from "../../../../lib/display/cursors.svelte";
-import { currentValue } from "../../../../lib/channels/displayValue";
 import { display } from "../../../../lib/display/source.svelte";
 import { flagsOf } from "../data/flags";
-import { gapsIn, moment, second as later, secondValueOf, valueOf } from "../data/sources";
-import { meanOf } from "../data/value";
+import { gapsIn, second as later } from "../data/sources";
+import { legendRow } from "../panes/legendRow";
 import { drawing, seenIn } from "../plot/drawing";
 import { axesDrawn } from "../plot/plot";
 import { paneAxes, stretched } from "../plot/scales";
@@ -98,22 +97,9 @@ function paneOf(pane: Pane, from: number, to: number, colours: Record<string, st
   };
 }
 
-/** As in the legend on the screen: the value at the cursor, with two cursors difference and mean, in a comparison the second value. */
+/** As in the legend on the screen. */
 function legendOf(name: string): { value: string; more: string } {
-  void language.code;
-  const channel = catalog.get(name);
-  const decimals = channel?.decimals ?? 0;
-  const unit = channel?.flag ? "" : localized(channel?.unit);
-  const written = (value: number | null) => (channel?.flag && channel.lamp && value !== null ? localized(value ? channel.lamp.on : channel.lamp.off) : `${number(value, decimals)} ${unit}`.trim());
-  const now = currentValue(name);
-  const value = cursors.a !== null ? valueOf(name, cursors.a) : now.kind === "none" ? null : now.value;
-  const { between } = cursors;
-  const other = cursors.b === null ? null : valueOf(name, cursors.b);
-  const time = moment(cursors.a);
-  const more = [
-    between && !channel?.flag ? `${t("mean")} ${number(meanOf(display.source.columns, name, ...between), decimals + 1)}` : "",
-    value !== null && other !== null && !channel?.flag ? `Δ ${signed(value - other, decimals)}` : "",
-    comparison.active && time !== null ? `– – ${written(secondValueOf(name, time))}` : "",
-  ];
-  return { value: written(value), more: more.filter(Boolean).join(" · ") };
+  const { value, unit, mean, difference, second } = legendRow(name);
+  const more = [mean && `${t("mean")} ${mean}`, difference && `Δ ${difference}`, second && !second.lacking && `– – ${second.value} ${unit}`.trim()];
+  return { value: `${value} ${unit}`.trim(), more: more.filter(Boolean).join(" · ") };
 }
