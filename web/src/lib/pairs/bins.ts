@@ -36,6 +36,14 @@ export function multiples(low: number, high: number, step: number): number[] {
   return Array.from({ length: last - first + 1 }, (_, index) => Number(((first + index) * step).toPrecision(12)));
 }
 
+/** Round values inside a range, for an axis: about `most`. */
+export function roundValues(low: number, high: number, most: number): number[] {
+  if (!(high > low) || !Number.isFinite(high - low)) return [];
+  const step = niceStep(high - low, most);
+  const room = step * 1e-9;
+  return multiples(low, high, step).filter((value) => value >= low - room && value <= high + room);
+}
+
 /** Edges from `from` in steps of `step` to `to`; null unless these make 1 to `MOST_BINS` bins. */
 export function stepped(from: number, step: number, to: number): number[] | null {
   const count = Math.ceil((to - from) / step - 1e-6);

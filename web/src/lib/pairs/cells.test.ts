@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 import type { Channel } from "../api/types";
 import { Columns } from "../series/columns";
-import { binOf, defaultEdges, fittedEdges, multiples, stepped, typedEdges } from "./bins";
+import { binOf, defaultEdges, fittedEdges, multiples, roundValues, stepped, typedEdges } from "./bins";
 import { Cells, STATISTICS } from "./cells";
 import { Pairs } from "./pairs";
 import { stretchesOf } from "./stretches";
@@ -92,4 +92,10 @@ describe("stretches", () => {
       { from: 5.2, to: 5.2 },
     ]);
   });
+});
+
+it("an axis has round values inside its range", () => {
+  expect(roundValues(0.3, 10.2, 5)).toEqual([2, 4, 6, 8, 10]);
+  expect(roundValues(-0.05, 0.05, 4)).toEqual([-0.05, -0.025, 0, 0.025, 0.05]);
+  expect([roundValues(5, 5, 6), roundValues(0, Infinity, 6)]).toEqual([[], []]);
 });

@@ -1,6 +1,6 @@
 // Draws the cloud with its axes and the scale of its colours on a canvas, which is also the PNG.
 import { paint, type Cloud, type Frame, type Inks } from "../../../lib/pairs/cloud";
-import { multiples, niceStep } from "../../../lib/pairs/bins";
+import { roundValues } from "../../../lib/pairs/bins";
 
 /** Pixels around the points: for the axes' numbers and titles, and for the colour scale above. */
 export const MARGIN = { left: 64, right: 14, top: 40, bottom: 44 };
@@ -44,11 +44,6 @@ export const plotSize = (width: number, height: number): [number, number] => [
   Math.max(1, Math.floor(width - MARGIN.left - MARGIN.right)),
   Math.max(1, Math.floor(height - MARGIN.top - MARGIN.bottom)),
 ];
-
-/** Ticks of an axis: round values inside the range. */
-export function ticks([low, high]: readonly [number, number], most: number): number[] {
-  return multiples(low, high, niceStep(high - low, most)).filter((value) => value >= low && value <= high);
-}
 
 /** The range that shows all values with room, at least as wide as `least`. */
 export function roomy(low: number, high: number, least: number): [number, number] {
@@ -113,14 +108,14 @@ function axes(context: CanvasRenderingContext2D, { cloud, x, y, look, text }: Pi
   context.lineWidth = 1;
   context.textBaseline = "top";
   context.textAlign = "center";
-  for (const value of ticks(frame.x, Math.max(2, Math.floor(width / 80)))) {
+  for (const value of roundValues(...frame.x, Math.max(2, Math.floor(width / 80)))) {
     const at = Math.round(MARGIN.left + cloud.place(value, 0)[0]) + 0.5;
     line(context, at, MARGIN.top, at, bottom);
     context.fillText(text(value), at, bottom + 5);
   }
   context.textBaseline = "middle";
   context.textAlign = "right";
-  for (const value of ticks(frame.y, Math.max(2, Math.floor(height / 46)))) {
+  for (const value of roundValues(...frame.y, Math.max(2, Math.floor(height / 46)))) {
     const at = Math.round(MARGIN.top + cloud.place(0, value)[1]) + 0.5;
     line(context, MARGIN.left, at, MARGIN.left + width, at);
     context.fillText(text(value), MARGIN.left - 6, at);

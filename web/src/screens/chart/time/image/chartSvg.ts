@@ -1,5 +1,6 @@
 // The chart as an SVG drawing on white: title, legend with the values at the cursor, panes with axes and lines, flags, time axis. Real
 // vectors and texts, so that it prints sharply and can be edited. What is drawn is collected by `picture.ts`.
+import { roundValues } from "../../../../lib/pairs/bins";
 import { wrapText } from "../data/flags";
 
 export interface PictureLine {
@@ -78,15 +79,7 @@ const words = (x: number, y: number, size: number, text: string, more: Attribute
   element("text", { x, y, "font-size": size, fill: TEXT, ...more }, escaped(text));
 
 /** The round values of an axis: two to seven. */
-export function ticks(low: number, high: number, floor = false): number[] {
-  const rough = (high - low) / 6;
-  if (!(rough > 0) || !Number.isFinite(rough)) return [];
-  const decade = 10 ** Math.floor(Math.log10(rough));
-  const step = decade * ([1, 2, 2.5, 5, 10].find((each) => each * decade >= rough * 0.999) ?? 10);
-  const first = Math.ceil(low / step - 1e-9);
-  const count = Math.floor(high / step + 1e-9) - first + 1;
-  return Array.from({ length: Math.max(0, count) }, (_, index) => Number(((first + index) * step).toPrecision(10))).filter((value) => !floor || value >= 0);
-}
+export const ticks = (low: number, high: number, floor = false): number[] => roundValues(low, high, 6).filter((value) => !floor || value >= 0);
 
 /** The size of the drawing in pixels. */
 export const sizeOf = (picture: Picture) => ({ width: WIDTH, height: HEAD + FLAGS + picture.panes.length * (PANE + SPACE) + FOOT });
