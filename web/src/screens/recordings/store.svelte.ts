@@ -1,4 +1,5 @@
 // The list of recordings; kept while another screen is shown, refreshed when it is opened.
+import { untrack } from "svelte";
 import { api } from "../../lib/api/api";
 import { ApiRequest } from "../../lib/api/request.svelte";
 import { attempt } from "../../lib/frame/toasts.svelte";
@@ -14,7 +15,8 @@ class RecordingStore {
   leftOut = $state.raw<readonly LeftOutFile[]>([]);
 
   async refresh(): Promise<void> {
-    if (!this.about.value) void this.about.run(() => api.about());
+    // Called in effects, which must not run again when it has come.
+    if (!untrack(() => this.about.value)) void this.about.run(() => api.about());
     void this.references.run(() => api.references());
     await this.list.run(async () => {
       const answer = await api.recordings();
