@@ -7,6 +7,8 @@ import type { RecordingData } from "../../../lib/recording/recordingData.svelte"
 import { comparison } from "../../../lib/recording/comparison.svelte";
 import { player } from "../../../lib/recording/player.svelte";
 import { display } from "../../../lib/display/source.svelte";
+import { percent } from "../../../lib/i18n";
+import { t } from "./messages";
 
 export interface Data {
   columns: Columns;
@@ -32,6 +34,14 @@ export function ownData(): Data {
 
 /** All of the second recording; null: there is none. */
 export const secondData = (): Data | null => (comparison.detail ? recorded(comparison) : null);
+
+/** Why the second recording is not among what is shown; empty: it is, or there is none. */
+export function lackOf(second: Data | null): string {
+  const problem = second?.problem;
+  if (!problem) return "";
+  if (problem.kind === "failed") return problem.text;
+  return problem.kind === "coarse" ? t("coarseSecond") : t("loadingSecond", { percent: percent(problem.share) });
+}
 
 function recorded(data: RecordingData): Data {
   const { columns, events } = data;
