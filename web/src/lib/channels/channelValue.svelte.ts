@@ -43,8 +43,8 @@ export class ChannelValue {
   readonly max = $derived(this.extremes ? number(this.extremes.max, this.channel?.decimals) : "");
   readonly limitState = $derived.by<LimitState | null>(() => {
     if (this.value === null || !this.channel) return null;
-    // Live, the program decides, with hysteresis; for a recording the page compares with the limits.
-    if (display.source.kind === "live") {
+    // Live, the program decides, with hysteresis; for a recording and a frozen view the page compares with the limits.
+    if (display.source.kind === "live" && !display.source.paused) {
       const alarm = live.state?.alarms.find(({ name }) => name === this.name());
       return alarm ? { level: alarm.level, side: alarm.side } : null;
     }
