@@ -14,6 +14,7 @@ export const t = dictionary({
   stackLong: { en: "Each trace in its own lane", ru: "Каждая линия на своей дорожке" },
   more: { en: "More tools", ru: "Ещё инструменты" },
   second: { en: "Second cursor", ru: "Второй курсор" },
+  noCursors: { en: "Remove the cursors", ru: "Убрать курсоры" },
   traces: { en: "Traces…", ru: "Линии…" },
   fit: { en: "Show everything", ru: "Показать всё" },
   notSampled: { en: "not sampled", ru: "не опрашивается" },

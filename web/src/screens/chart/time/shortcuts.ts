@@ -81,7 +81,7 @@ export const bindings: Binding[] = [
   { code: "Digit0", show: "0", text: () => t("fit"), run: fit },
   { code: "Equal", show: "+", text: () => t("closer"), run: () => view.zoom(0.7, middle()) },
   { code: "Minus", show: "−", text: () => t("farther"), run: () => view.zoom(1 / 0.7, middle()) },
-  { code: "Escape", show: "Esc", text: () => t("second"), run: escape },
+  { code: "Escape", show: "Esc", text: () => t("noCursors"), run: escape },
   arrow("ArrowLeft", false, -1),
   arrow("ArrowRight", false, 1),
   arrow("ArrowLeft", true, -10),
