@@ -3,17 +3,27 @@
 `save` and `save_json` replace a file, `append_line` adds to one. On return the content is on the
 disk, also if the power fails then. A program that is killed may leave `NAME.new`, which no reader
 takes for NAME and the next `save` removes.
+
+`KeptFile`: what the user has made. Such a file that can't be used (edited by hand, of a damaged
+disk) counts as empty, but no save replaces it: it is renamed to `NAME.broken` first.
 """
 
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import dataclass
+from itertools import count
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO, Generic, TypeVar
 
 from mikas.errors import UsageError, reason_at
-from mikas.files import open_regular
+from mikas.files import open_regular, read_json
+from mikas.i18n import Text
+
+Content = TypeVar("Content")
+_UNFIT = (ValueError, TypeError)
 
 
 def save(path: Path, text: str, *, follow: bool = False, private: bool = False) -> None:
@@ -55,6 +65,75 @@ def save_json(path: Path, value: object) -> None:
         save(path, json.dumps(value, ensure_ascii=False, indent=1))
     except OSError as error:
         raise UsageError(problem=reason_at(path, error)) from error
+
+
+@dataclass(frozen=True, slots=True)
+class KeptFile(Generic[Content]):
+    """A JSON file of at most `most` bytes. `parse` raises `ValueError` or `TypeError`."""
+
+    path: Path
+    most: int
+    parse: Callable[[Any], Content]
+
+    def load(self) -> Content | None:
+        """Return the content; None: there is none, or none that can be used."""
+        with suppress(OSError, *_UNFIT):
+            return self._read()
+        return None
+
+    def save(self, value: object) -> None:
+        """Replace the content by `value`, as `save_json`. Raises `UsageError`."""
+        try:
+            self._read()
+        except FileNotFoundError:
+            pass
+        except (OSError, *_UNFIT):
+            self._set_aside()
+        save_json(self.path, value)
+
+    @property
+    def problem(self) -> Text | None:
+        """Why the content is not used; None: it is, or there is none."""
+        try:
+            self._read()
+        except FileNotFoundError:
+            return None
+        except OSError as error:
+            reason = reason_at(self.path, error)
+        except _UNFIT:
+            reason = _UNUSABLE.filled(file=self.path)
+        else:
+            return None
+        advice = _KEPT.filled(aside=self._aside.name)
+        return Text(f"{reason.en}. {advice.en}", f"{reason.ru}. {advice.ru}")
+
+    def _read(self) -> Content:
+        return self.parse(read_json(self.path, self.most))
+
+    @property
+    def _aside(self) -> Path:
+        """The first name that is free."""
+        names = (f"{self.path.name}.broken{f'-{n}' if n > 1 else ''}" for n in count(1))
+        return next(
+            path for name in names if not os.path.lexists(path := self.path.with_name(name))
+        )
+
+    def _set_aside(self) -> None:
+        try:
+            self.path.rename(self._aside)
+        except OSError as error:
+            raise UsageError(problem=reason_at(self.path, error)) from error
+
+
+_UNUSABLE = Text(
+    "{file}: the content is damaged, nothing of it is used",
+    "{file}: содержимое повреждено и не используется",
+)
+_KEPT = Text(
+    "It is not lost: the next change keeps it as {aside}. Mend it before, or restore a copy.",
+    "Файл не пропадёт: при следующем изменении он сохранится как {aside}. "
+    "Исправьте его до этого или верните копию.",
+)
 
 
 def append_line(path: Path, line: str) -> None:

@@ -66,7 +66,8 @@ def test_two_constant_traces_are_both_seen(own, visitor):
 
 
 STRIPED = """name => {
-  const canvas = document.querySelector(`[data-trace="${name}"]`)?.closest(".pane").querySelector("canvas");
+  const pane = document.querySelector(`[data-trace="${name}"]`)?.closest(".pane");
+  const canvas = pane?.querySelector("canvas");
   if (!canvas) return null;
   const copy = new OffscreenCanvas(canvas.width, canvas.height);
   const context = copy.getContext("2d", { willReadFrequently: true });

@@ -58,3 +58,10 @@ def test_a_preset_is_made_kept_and_deleted(dash, visitor):
     tab.page.get_by_role("dialog").get_by_role("button", name="Delete", exact=True).click()
     expect(tab.page.get_by_role("tab", name="Winter")).to_have_count(0)
     assert [preset["id"] for preset in dash.get("/presets")["presets"]] == []
+
+
+def test_damaged_presets_are_reported(own, visitor):
+    own.dashboard.settings.presets.parent.mkdir(exist_ok=True)
+    own.dashboard.settings.presets.write_text("[[", "utf-8")
+    tab = visitor(own.url).show("live")
+    tab.says("presets.json: the content is damaged, nothing of it is used")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from mikas.cli.main import run
+from mikas.client.connecting import STATE_VARIABLE
 from mikas.dashboard.settings import VirtualCars
 from mikas.errors import RecordingOver
 from mikas.replay import playing
@@ -68,3 +69,12 @@ def test_it_connects_with_the_options_of_the_command_line(started, monkeypatch):
     options = apps[0].state.dashboard.settings.connection
     assert (options.raw_checksum, options.strict) == (True, True)
     assert (options.inter_byte_timeout, options.timeout) == (0.5, 1)
+
+
+def test_a_damaged_file_of_the_users_is_reported(started, tmp_path, monkeypatch):
+    monkeypatch.setenv(STATE_VARIABLE, str(tmp_path / "state"))
+    (tmp_path / "state").mkdir()
+    (tmp_path / "state" / "presets.json").write_text("[[", "utf-8")
+    err = started()[1]
+    assert "presets.json: the content is damaged, nothing of it is used" in err
+    assert "keeps it as presets.json.broken" in err

@@ -8,7 +8,9 @@ from types import SimpleNamespace
 
 import pytest
 
+from dashboard.rig import rig
 from mikas.client import Passport
+from mikas.client.cars import CarDetails
 from mikas.client.limits import unit_file
 from mikas.dashboard.session import freeze_frames, guided_tests
 from mikas.dashboard.session.freeze_frames import FreezeFrameStore
@@ -19,6 +21,42 @@ from mikas.guided.result import TestResult
 from mikas.i18n import Text
 from mikas.sampling.events import FaultReading, UnitFound
 from mikas.virtual import VIRTUAL_PASSPORT
+
+TILE = {"kind": "gauge", "names": ["TWAT"], "span": 1}
+PRESET = {"id": "a", "name": {"en": "a", "ru": "a"}, "tiles": [TILE]}
+
+
+@pytest.mark.parametrize(
+    ("name", "damaged"),
+    [
+        ("presets.json", "no JSON"),
+        ("presets.json", '[{"id": "mine"}]'),
+        ("searches.json", '{"a": 1}'),
+        ("references.json", "[1]"),
+        ("cars.json", '{"car": "Volga"}'),
+    ],
+)
+def test_what_can_not_be_used_is_said_and_kept_aside(tmp_path, name, damaged):
+    state = tmp_path / "state"
+    state.mkdir()
+    (state / name).write_text(damaged, "utf-8")
+    (state / f"{name}.broken").write_text("of last year", "utf-8")
+    with rig(tmp_path, None) as it:
+        (problem,) = it.get("/about")["problems"]
+        assert f"{name}: the content is damaged" in problem["en"]
+        assert f"keeps it as {name}.broken-2" in problem["en"]
+        assert f"{name}: содержимое повреждено" in problem["ru"]
+        assert it.get("/presets") == {"presets": []}
+        assert (state / name).read_text("utf-8") == damaged  # nothing is touched before
+        it.put("/presets", {"presets": [PRESET]})
+        it.put("/searches", {"searches": [{"name": "", "expression": "FREQ > 0"}]})
+        it.dashboard.library.references.mark("a.pcapng", on=True)
+        it.dashboard.cars.keep(0x71, ("A",), CarDetails("Volga"))
+        assert (state / f"{name}.broken-2").read_text("utf-8") == damaged
+        assert it.get("/about")["problems"] == []
+        assert it.get("/presets")["presets"][0]["id"] == "a"
+        assert len(list(state.glob("*.broken*"))) == 2
+
 
 UNIT = UnitFound(0.0, 0x71, Passport(("A", "B"), ("C", "D")))
 
@@ -110,6 +148,16 @@ def test_of_two_results_kept_at_once_the_later_stays(tmp_path, monkeypatch):
     for run in reversed(started):  # the system runs threads in any order
         run()
     assert json.loads(file.read_text("utf-8"))[0]["in_report"] is True
+
+
+def test_results_that_can_not_be_used_are_kept_aside(tmp_path):
+    tests, file = kept_results(tmp_path, UNIT)
+    file.write_text("{}", "utf-8")
+    assert tests.results == []
+    assert "damaged" in tests.file.problem.en
+    tests.file.save([])
+    assert file.with_name(f"{file.name}.broken").read_text("utf-8") == "{}"
+    assert tests.file.problem is None
 
 
 @pytest.mark.parametrize("pieces", [("", ""), (VIRTUAL_PASSPORT, "")])

@@ -8,15 +8,13 @@ it, and nowhere else (docs/security.md).
 from __future__ import annotations
 
 import threading
-from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
 from mikas.cleaning import clean_line
 from mikas.client.limits import unit_file
-from mikas.files import read_json
-from mikas.saving import save_json
+from mikas.saving import KeptFile
 from mikas.virtual import VIRTUAL_PASSPORT
 
 LONGEST: Final = 100  # characters of a field
@@ -81,7 +79,7 @@ class CarBook:
     """
 
     def __init__(self, file: Path, *, virtual_units: bool = True) -> None:
-        self._file = file
+        self.file = KeptFile(file, _MOST_BYTES, _book)
         self._virtual_units = virtual_units
         self._lock = threading.Lock()
 
@@ -116,7 +114,7 @@ class CarBook:
                 del kept["workshop"]
                 cars[key] = kept  # as the latest
                 stored["cars"] = dict(list(cars.items())[-_MOST_CARS:])
-            save_json(self._file, stored)
+            self.file.save(stored)
 
     def _key(self, version_code: int | None, passports: tuple[str, ...]) -> str | None:
         if version_code is None or not any(passports):
@@ -126,8 +124,11 @@ class CarBook:
         return unit_file(Path(), version_code, passports).stem
 
     def _load(self) -> dict[str, Any]:
-        with suppress(OSError, ValueError):
-            stored = read_json(self._file, _MOST_BYTES)
-            if isinstance(stored, dict) and isinstance(stored.get("cars"), dict):
-                return {"workshop": stored.get("workshop"), "cars": dict(stored["cars"])}
-        return {"workshop": "", "cars": {}}
+        return self.file.load() or {"workshop": "", "cars": {}}
+
+
+def _book(stored: Any) -> dict[str, Any]:  # noqa: ANN401  (any JSON)
+    """Return what is in the file. Raises `TypeError`."""
+    if not isinstance(stored, dict) or not isinstance(stored.get("cars"), dict):
+        raise TypeError("no cars")
+    return {"workshop": stored.get("workshop"), "cars": dict(stored["cars"])}

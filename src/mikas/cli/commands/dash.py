@@ -248,7 +248,7 @@ def _serve(context: CommandContext, options: DashboardOptions, ahead: PortAhead 
             serve(
                 create_app(dashboard, access, certificate=certificate),
                 own,
-                ready=lambda: _show_address(context, access, options, settings),
+                ready=lambda: _show_address(context, access, options, dashboard),
                 tls=certificate.context if certificate else None,
             )
         finally:
@@ -270,13 +270,14 @@ def _certificate(
 
 
 def _show_address(
-    context: CommandContext, access: Access, options: DashboardOptions, settings: Settings
+    context: CommandContext, access: Access, options: DashboardOptions, dashboard: Dashboard
 ) -> None:
     urls = {"url": access.url, "lan_url": access.lan_url}
     found = {**urls, "fingerprint": access.fingerprint}
     context.output.result(found, "\n".join(filter(None, urls.values())))
     context.say("Ctrl-C ends it.", "Выход: Ctrl-C.")
-    _note_unusable_folder(context, settings)
+    _note_unusable_folder(context, dashboard.settings)
+    _note_unusable_files(context, dashboard)
     if context.port is not None:
         _note_missing_port(context, context.port)
     if access.lan_url and not context.output.json:
@@ -288,6 +289,13 @@ def _show_address(
     if not options.no_browser:
         # On some systems opening a browser blocks.
         threading.Thread(target=_open, args=(access.url,), daemon=True).start()
+
+
+def _note_unusable_files(context: CommandContext, dashboard: Dashboard) -> None:
+    from mikas.dashboard.api.catalog import problems
+
+    for problem in problems(dashboard):
+        context.say(*problem)
 
 
 def _note_encryption(context: CommandContext, access: Access) -> None:

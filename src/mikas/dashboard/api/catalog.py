@@ -14,21 +14,22 @@ from typing import Annotated, Final, Literal
 
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import JSONResponse, Response
-from pydantic import BaseModel, Field, TypeAdapter, ValidationError
+from pydantic import BaseModel, Field
 
 from mikas.catalog import Confidence
 from mikas.dashboard.api.channels.definitions import ChannelInfo, channel_info
 from mikas.dashboard.api.dependencies import KnownClient, Names, TheDashboard, Viewer, split_names
 from mikas.dashboard.api.errors import TwoTexts, content, errors, two, two_or_none
 from mikas.dashboard.api.messages import LiveEvent, LiveRows
+from mikas.dashboard.api.search import search_file
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.errors import NotFound
 from mikas.dashboard.security.access import Access
 from mikas.dashboard.session.event_log import page_json
 from mikas.dashboard.session.history import json_columns
-from mikas.files import read_regular
+from mikas.i18n import Text
 from mikas.recording.table.decimation import decimated
-from mikas.saving import save_json
+from mikas.saving import KeptFile
 
 router = APIRouter(tags=["about"])
 
@@ -53,6 +54,9 @@ class AboutResponse(BaseModel):
     lan_url: str | None
     fingerprint: str | None
     recordings_folder: str
+    problems: list[TwoTexts] = Field(
+        description="files of the user's that can't be used, and why; empty without control rights"
+    )
 
 
 class Tile(BaseModel):
@@ -73,7 +77,6 @@ class Preset(BaseModel):
 
 
 _MOST_BYTES: Final = 1 << 24  # of the file; a request's body has 1 MiB
-_Presets: Final = TypeAdapter(list[Preset])
 
 
 class KnownFault(BaseModel):
@@ -127,6 +130,7 @@ def about(request: Request, dashboard: TheDashboard, client: Viewer) -> AboutRes
         lan_url=access.lan_url if client.may_control else None,
         fingerprint=access.fingerprint,
         recordings_folder=str(dashboard.settings.recordings),
+        problems=[two(each) for each in problems(dashboard)] if client.may_control else [],
     )
 
 
@@ -176,12 +180,8 @@ def catalog_of(dashboard: Dashboard) -> CatalogResponse:
 
 @router.get("/presets", responses=errors())
 def presets(dashboard: TheDashboard) -> PresetList:
-    """Return the user's own presets; none if their file can't be read."""
-    try:
-        stored = read_regular(dashboard.settings.presets, _MOST_BYTES)
-        return PresetList(presets=_Presets.validate_json(stored))
-    except (OSError, ValidationError):
-        return PresetList(presets=[])
+    """Return the user's own presets; none if their file can't be used."""
+    return _preset_file(dashboard).load() or PresetList(presets=[])
 
 
 @router.put("/presets", responses=errors())
@@ -189,8 +189,25 @@ def write_presets(dashboard: TheDashboard, _: KnownClient, body: PresetList) -> 
     """Replace the user's presets, all or none."""
     content = [{**preset.model_dump(), "shipped": False} for preset in body.presets]
     with dashboard.saving:
-        save_json(dashboard.settings.presets, content)
+        _preset_file(dashboard).save(content)
     return presets(dashboard)
+
+
+def _preset_file(dashboard: Dashboard) -> KeptFile[PresetList]:
+    path = dashboard.settings.presets
+    return KeptFile(path, _MOST_BYTES, lambda stored: PresetList(presets=stored))
+
+
+def problems(dashboard: Dashboard) -> list[Text]:
+    """Return why files of the user's are not used; the user's own catalog tells its own."""
+    files = (
+        _preset_file(dashboard),
+        search_file(dashboard),
+        dashboard.library.references.file,
+        dashboard.cars.file,
+        dashboard.guided.file,
+    )
+    return [problem for file in files if (problem := file.problem)]
 
 
 @router.get("/history", responses=errors(), response_model=HistoryResponse)

@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import Annotated, Final
 
 from fastapi import APIRouter, Query
-from pydantic import BaseModel, Field, TypeAdapter, ValidationError
+from pydantic import BaseModel, Field
 
 from mikas.catalog import Parameter
 from mikas.catalog.formula_syntax import LONGEST
@@ -24,9 +24,8 @@ from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.library.folder import RecordingFile
 from mikas.dashboard.session.history import row_time
 from mikas.errors import usage_error
-from mikas.files import read_regular
 from mikas.recording.search import Hit, SearchCondition, SearchResult, search, search_rows
-from mikas.saving import save_json
+from mikas.saving import KeptFile
 
 router = APIRouter(tags=["search"])
 
@@ -68,9 +67,6 @@ class KeptSearch(BaseModel):
     expression: Annotated[Line, Field(min_length=1, max_length=LONGEST)]
 
 
-_Searches: Final = TypeAdapter(list[KeptSearch])
-
-
 class SearchList(BaseModel):
     """The user's conditions."""
 
@@ -105,12 +101,8 @@ async def find_recorded(
 
 @router.get("/searches", responses=errors())
 def searches(dashboard: TheDashboard) -> SearchList:
-    """Return the user's conditions; none if their file can't be read."""
-    try:
-        stored = read_regular(dashboard.settings.searches, _MOST_BYTES)
-        return SearchList(searches=_Searches.validate_json(stored))
-    except (OSError, ValidationError):
-        return SearchList(searches=[])
+    """Return the user's conditions; none if their file can't be used."""
+    return search_file(dashboard).load() or SearchList(searches=[])
 
 
 @router.put("/searches", responses=errors())
@@ -119,8 +111,14 @@ def write_searches(dashboard: TheDashboard, _: KnownClient, body: SearchList) ->
     for kept in body.searches:
         SearchCondition(dashboard.catalog, kept.expression)
     with dashboard.saving:
-        save_json(dashboard.settings.searches, [kept.model_dump() for kept in body.searches])
+        search_file(dashboard).save([kept.model_dump() for kept in body.searches])
     return searches(dashboard)
+
+
+def search_file(dashboard: Dashboard) -> KeptFile[SearchList]:
+    """Return the file of the user's conditions."""
+    path = dashboard.settings.searches
+    return KeptFile(path, _MOST_BYTES, lambda stored: SearchList(searches=stored))
 
 
 def _found(condition: SearchCondition, found: SearchResult) -> FoundResponse:

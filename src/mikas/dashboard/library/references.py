@@ -18,12 +18,11 @@ from mikas.cancellation import check_cancelled
 from mikas.dashboard.errors import NotFound
 from mikas.dashboard.library.folder import RecordingFile, RecordingFolder
 from mikas.errors import UsageError, reason_at
-from mikas.files import read_json
 from mikas.i18n import Text
 from mikas.recording import CaptureWriter
 from mikas.recording.annotations.annotator import SessionAnnotator
 from mikas.sampling.events import UnitFound
-from mikas.saving import save_json
+from mikas.saving import KeptFile
 
 MOST_MARKED: Final = 100
 _MOST_BYTES: Final = 1 << 17
@@ -68,24 +67,20 @@ class References:
     """`marks`: the file of the marked names; `folder`: of the virtual car's recordings."""
 
     def __init__(self, marks: Path, folder: Path) -> None:
-        self._marks, self._folder = marks, folder
+        self.file = KeptFile(marks, _MOST_BYTES, _names)
+        self._folder = folder
         self._changing = threading.Lock()
 
     def marked(self) -> list[str]:
-        """Return the marked recordings, the latest first; none if their file can't be read."""
-        try:
-            stored = read_json(self._marks, _MOST_BYTES)
-        except (OSError, ValueError):
-            return []
-        names = stored if isinstance(stored, list) else []
-        return [name for name in names if isinstance(name, str)][:MOST_MARKED]
+        """Return the marked recordings, the latest first; none if their file can't be used."""
+        return (self.file.load() or [])[:MOST_MARKED]
 
     def mark(self, name: str, *, on: bool) -> None:
         """Mark a recording, or remove its mark. Raises `UsageError` if that can't be kept."""
         with self._changing:
             names = [other for other in self.marked() if other != name]
             names = [name, *names][:MOST_MARKED] if on else names
-            save_json(self._marks, names)
+            self.file.save(names)
 
     def virtual(self, identity: str) -> RecordingFile | None:
         """Return a recording of the virtual car, made now if need be; None: another kind of id.
@@ -105,6 +100,13 @@ class References:
         except OSError as error:
             raise UsageError(problem=reason_at(file, error)) from error
         return RecordingFolder(self._folder).one(file.name)
+
+
+def _names(stored: object) -> list[str]:
+    """Return the marks in the file. Raises `TypeError`."""
+    if not isinstance(stored, list) or not all(isinstance(name, str) for name in stored):
+        raise TypeError("no list of names")
+    return stored
 
 
 def _record(file: Path, drive: _Drive, model: str) -> None:

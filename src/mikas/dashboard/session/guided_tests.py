@@ -8,7 +8,6 @@ be distinguished: results of such a unit are in memory only, until another unit 
 
 from __future__ import annotations
 
-import json
 import threading
 from collections.abc import Callable
 from contextlib import suppress
@@ -22,13 +21,13 @@ from mikas.dashboard.errors import Busy, NotFound
 from mikas.dashboard.session.connection import Connection, SamplingPlanner
 from mikas.dashboard.session.monitor import ConnectionMonitor
 from mikas.dashboard.settings import PlanSettings, Settings
-from mikas.files import read_json
+from mikas.errors import UsageError
 from mikas.i18n import Text
 from mikas.recording.capture.notes import Kind, Note
 from mikas.recording.recorder import Recorder
 from mikas.sampling.derived import number_of
 from mikas.sampling.events import Sampled, UnitFound
-from mikas.saving import save
+from mikas.saving import KeptFile
 from mikas.virtual import VIRTUAL_PASSPORT
 
 if TYPE_CHECKING:
@@ -140,7 +139,7 @@ class GuidedTests:
                 self.cancel()
                 with self._lock:
                     if not any(self._unit[1]):
-                        self._kept.pop(self._file(), None)
+                        self._kept.pop(self.file.path, None)
             return
         if self._run is None:
             return
@@ -154,11 +153,11 @@ class GuidedTests:
     @property
     def results(self) -> list[KeptResult]:
         """The results of this unit, the latest first."""
-        file = self._file()
+        file = self.file
         with self._lock:
-            if file not in self._kept:
-                self._kept[file] = _read(file) if self._is_saved else []
-            return list(self._kept[file])
+            if file.path not in self._kept:
+                self._kept[file.path] = (file.load() or []) if self._is_saved else []
+            return list(self._kept[file.path])
 
     def put_in_report(self, identity: str, *, wanted: bool) -> KeptResult:
         """Put a result into the live report, or take it out. Raises `NotFound`."""
@@ -202,40 +201,39 @@ class GuidedTests:
         pieces = self._unit[1]
         return any(pieces) and (self._settings.virtual_units or VIRTUAL_PASSPORT not in pieces)
 
-    def _file(self) -> Path:
-        return unit_file(self._settings.test_results, *self._unit)
+    @property
+    def file(self) -> KeptFile[list[KeptResult]]:
+        """The file of this unit's results."""
+        return KeptFile(unit_file(self._settings.test_results, *self._unit), _MOST_BYTES, _read)
 
     def _keep(self, results: list[KeptResult]) -> None:
-        file = self._file()
-        self._kept[file] = results
+        file = self.file
+        self._kept[file.path] = results
         if self._is_saved:  # not in the sampling thread: the disk may take a second
             threading.Thread(target=self._save, args=(file,), name="mikas test result").start()
 
-    def _save(self, file: Path) -> None:
+    def _save(self, file: KeptFile[list[KeptResult]]) -> None:
         """Save the present results; a thread that comes late does not bring older ones back."""
         with self._saving:
             with self._lock:
-                results = self._kept[file]
-            content = json.dumps(
-                [
-                    {"id": it.identity, "in_report": it.in_report} | it.result.as_json()
-                    for it in results
-                ]
-            )
-            with suppress(OSError):  # the results stay in memory, and in the recording
-                file.parent.mkdir(parents=True, exist_ok=True)
-                save(file, content)
+                results = self._kept[file.path]
+            with suppress(UsageError):  # the results stay in memory, and in the recording
+                file.save(
+                    [
+                        {"id": it.identity, "in_report": it.in_report} | it.result.as_json()
+                        for it in results
+                    ]
+                )
 
 
-def _read(file: Path) -> list[KeptResult]:
+def _read(stored: Any) -> list[KeptResult]:  # noqa: ANN401  (any JSON)
+    """Return the results in the file, without those that are none. Raises `TypeError`."""
     from mikas.guided.result import read
 
-    try:
-        stored: Any = read_json(file, _MOST_BYTES)
-    except (OSError, ValueError):
-        return []
+    if not isinstance(stored, list):
+        raise TypeError("no list of results")
     kept = []
-    for data in stored[:_MOST_KEPT] if isinstance(stored, list) else ():
+    for data in stored[:_MOST_KEPT]:
         result = read(data)
         if result is not None and isinstance(identity := data.get("id"), str):
             kept.append(

@@ -28,6 +28,8 @@ export interface components {
             lan_url: string | null;
             fingerprint: string | null;
             recordings_folder: string;
+            /** @description files of the user's that can't be used, and why; empty without control rights */
+            problems: components["schemas"]["TwoTexts"][];
         };
         /** @description A channel beyond a limit. */
         ActiveAlarm: {
