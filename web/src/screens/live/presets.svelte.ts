@@ -55,18 +55,27 @@ class Presets {
   async save(name: string): Promise<void> {
     const draft = this.draft;
     if (!draft) return;
-    const saved: Preset = { ...draft, name: { en: name, ru: name } };
-    const others = this.own.some(({ id }) => id === saved.id)
-      ? this.own.map((preset) => (preset.id === saved.id ? saved : preset))
-      : [...this.own, saved];
-    this.own = (await api.savePresets(others)).presets;
-    this.choose(saved.id);
+    const isNew = !this.own.some(({ id }) => id === draft.id);
+    let id = draft.id;
+    await this.replace((own) => {
+      // Another page may have taken the number.
+      if (isNew) id = newId([...this.all, ...own]);
+      const saved: Preset = { ...draft, id, name: { en: name, ru: name } };
+      return own.some((preset) => preset.id === id) ? own.map((preset) => (preset.id === id ? saved : preset)) : [...own, saved];
+    });
+    this.choose(id);
   }
 
   async remove(): Promise<void> {
     const removed = this.draft ?? this.chosen;
-    this.own = (await api.savePresets(this.own.filter(({ id }) => id !== removed?.id))).presets;
+    await this.replace((own) => own.filter(({ id }) => id !== removed?.id));
     this.choose(this.all[0]?.id ?? "idle");
+  }
+
+  /** All are saved together, so it starts from those that the program has now: another page may have saved some. */
+  private async replace(change: (own: readonly Preset[]) => Preset[]): Promise<void> {
+    const { presets } = await api.presets();
+    this.own = (await api.savePresets(change(presets))).presets;
   }
 }
 

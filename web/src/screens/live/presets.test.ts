@@ -1,4 +1,7 @@
 import { afterEach, beforeEach, expect, it, vi } from "vitest";
+import { api } from "../../lib/api/api";
+import { subscriptions } from "../../lib/control/subscriptions.svelte";
+import type { Preset } from "../../lib/api/types";
 import { presets } from "./presets.svelte";
 
 beforeEach(() => void vi.useFakeTimers());
@@ -18,4 +21,19 @@ it("the user's presets are loaded although their first request failed", async ()
   await vi.advanceTimersByTimeAsync(1000);
   expect(presets.loaded).toBe(true);
   stop();
+});
+
+it("saving one keeps those that another page has saved meanwhile", async () => {
+  const preset = (id: string, name: string): Preset => ({ id, name: { en: name, ru: name }, shipped: false, tiles: [] });
+  vi.spyOn(api, "presets").mockResolvedValue({ presets: [preset("own-1", "Theirs")] });
+  const saved = vi.spyOn(api, "savePresets").mockImplementation((presets) => Promise.resolve({ presets }));
+  vi.spyOn(subscriptions, "setPreset").mockReturnValue();
+  presets.own = [];
+  presets.draft = preset("own-1", "Mine");
+  await presets.save("Mine");
+  expect(saved.mock.lastCall).toEqual([[preset("own-1", "Theirs"), preset("own-2", "Mine")]]);
+  expect([presets.chosen?.id, presets.draft]).toEqual(["own-2", null]);
+  await presets.remove();
+  expect(saved.mock.lastCall).toEqual([[preset("own-1", "Theirs")]]);
+  presets.own = [];
 });
