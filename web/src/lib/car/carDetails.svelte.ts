@@ -3,6 +3,7 @@ import { api } from "../api/api";
 import type { Car, Recording } from "../api/types";
 import { dictionary } from "../i18n";
 import { live } from "../live/live.svelte";
+import { player } from "../recording/player.svelte";
 import { attempt, toasts } from "../frame/toasts.svelte";
 
 const t = dictionary({
@@ -17,14 +18,14 @@ export interface CarEdit {
   offered: number | null;
   /** The user did not ask for it. */
   asked?: boolean;
-  onsaved?: (details: Car) => void;
+  onsaved?: () => void;
 }
 
 class CarDetails {
   editing = $state.raw<CarEdit | null>(null);
 
   /** Edit the car of the connected unit. */
-  async editConnected(onsaved?: (details: Car) => void): Promise<void> {
+  async editConnected(onsaved?: () => void): Promise<void> {
     const kept = await attempt(() => api.car());
     if (!kept) return;
     const { car, plate, workshop } = kept;
@@ -32,18 +33,18 @@ class CarDetails {
   }
 
   /** Edit the car of a recording. */
-  edit(recording: Recording, onsaved?: (details: Car) => void): void {
+  edit(recording: Recording, onsaved?: () => void): void {
     this.editing = { recording: recording.id, details: recording.car, offered: null, onsaved };
   }
 
   async save(details: Car): Promise<boolean> {
     const edit = this.editing;
     if (!edit) return false;
-    const saved = await attempt(() =>
-      edit.recording === null ? api.writeCar(details) : api.writeRecordingCar(edit.recording, details),
-    );
+    const { recording } = edit;
+    const saved = await attempt<Car>(() => (recording === null ? api.writeCar(details) : api.writeRecordingCar(recording, details)));
     if (!saved) return false;
-    edit.onsaved?.(details);
+    if (recording !== null) player.described(recording, saved);
+    edit.onsaved?.();
     this.editing = null;
     return true;
   }
@@ -53,7 +54,7 @@ class CarDetails {
   }
 
   /** Ask once about the connected unit, at its first report; "Later" puts it off for good. */
-  async askOnce(onsaved: (details: Car) => void): Promise<void> {
+  async askOnce(onsaved: () => void): Promise<void> {
     const kept = await this.firstTime();
     if (!kept) return;
     const { car, plate, workshop } = kept;

@@ -4,7 +4,7 @@ import { ApiError } from "../api/http";
 import { frameClock } from "../platform/frameClock.svelte";
 import { Columns } from "../series/columns";
 import type { Extremes } from "../display/source.svelte";
-import type { LineEvent, RecordingDetail } from "../api/types";
+import type { Car, LineEvent, RecordingDetail } from "../api/types";
 
 /** Rows of a part, and of the overview. */
 const PART_ROWS = 15_000;
@@ -46,6 +46,11 @@ export class RecordingData {
     this.detail = { ...this.detail, events: withMarker(this.detail.events, time, label) };
     this.tick += 1;
     frameClock.request();
+  }
+
+  /** The car of the recording `id` has other details. */
+  described(id: string, car: Car): void {
+    if (this.detail?.id === id) this.detail = { ...this.detail, car };
   }
 
   /** Minimum and maximum over the whole recording; undefined if it has no such channel. */

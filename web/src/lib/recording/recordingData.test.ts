@@ -16,7 +16,7 @@ it("a marker is named, removed and brought back in its place", () => {
   expect(withMarker([dropped], 3, "")).toEqual([dropped, marker(3)]);
 });
 
-describe("a recording that is loaded again", () => {
+describe("a recording that is shown", () => {
   class Shown extends RecordingData {
     open = (id: string) => this.load(id);
   }
@@ -34,7 +34,16 @@ describe("a recording that is loaded again", () => {
     return { data, answers };
   }
 
-  it("is shown as before until the new values are there", async () => {
+  it("has the car that was written into it", async () => {
+    const { data } = await opened();
+    const car = { car: "Волга", plate: "", mileage: null, workshop: "" };
+    data.described("other.pcapng", car);
+    expect(data.detail?.car).toBeUndefined();
+    data.described("a.pcapng", car);
+    expect(data.detail?.car).toBe(car);
+  });
+
+  it("that is loaded again is shown as before until the new values are there", async () => {
     const { data, answers } = await opened();
     const again = data.reload();
     await vi.waitFor(() => expect(answers.length).toBe(1));
@@ -44,7 +53,7 @@ describe("a recording that is loaded again", () => {
     expect([shown(data), data.loaded]).toEqual([2, 1]);
   });
 
-  it("is shown as before if it can't be read, with the error", async () => {
+  it("that can't be loaded again is shown as before, with the error", async () => {
     const { data, answers } = await opened();
     const again = data.reload();
     await vi.waitFor(() => expect(answers.length).toBe(1));
@@ -53,7 +62,7 @@ describe("a recording that is loaded again", () => {
     expect([data.detail?.id, shown(data), data.error?.code]).toEqual(["a.pcapng", 1, "Busy"]);
   });
 
-  it("has the values of the last change if two follow each other", async () => {
+  it("that is loaded again twice has the values of the last change", async () => {
     const { data, answers } = await opened();
     const both = [data.reload(), data.reload()];
     await vi.waitFor(() => expect(answers.length).toBe(1));
