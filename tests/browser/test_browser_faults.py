@@ -55,6 +55,13 @@ def test_a_new_fault_is_announced_and_has_its_freeze_frame(own, visitor):
     expect(frame.get_by_role("row", name="Air flow")).to_contain_text("15.0 kg/h")
     expect(frame.locator("svg path").first).to_be_attached()
     expect(tab.page.get_by_role("article", name="17: ")).to_contain_text("No freeze frame")
+    frame.get_by_role("button", name="Delete freeze frame").click()
+    sheet = tab.page.get_by_role("dialog", name="Delete this freeze frame?")
+    sheet.get_by_role("button", name="Cancel").click()
+    expect(frame.locator("svg path").first).to_be_attached()
+    frame.get_by_role("button", name="Delete freeze frame").click()
+    sheet.get_by_role("button", name="Delete", exact=True).click()
+    expect(tab.page.get_by_role("article", name="13: ")).to_contain_text("No freeze frame")
 
 
 def test_a_recording_has_its_faults_with_the_frame_of_the_new_one(own, visitor):

@@ -59,6 +59,12 @@ export const t = dictionary({
   frame_all: { en: "All values", ru: "Все параметры" },
   frame_fewer: { en: "Fewer values", ru: "Меньше параметров" },
   frame_delete: { en: "Delete freeze frame", ru: "Удалить стоп-кадр" },
+  frame_delete_ask: { en: "Delete this freeze frame?", ru: "Удалить этот стоп-кадр?" },
+  frame_delete_lost: {
+    en: "Unless a recording was running, the values of that moment are kept nowhere else.",
+    ru: "Если в тот момент не шла запись, эти значения больше нигде не хранятся.",
+  },
+  frame_delete_yes: { en: "Delete", ru: "Удалить" },
   frame_none: {
     en: "No freeze frame: the fault was stored before the first reading here, or while nothing was sampled.",
     ru: "Стоп-кадра нет: ошибка записана до первого чтения здесь или когда опрос не шёл.",
