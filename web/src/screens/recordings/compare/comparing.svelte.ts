@@ -11,32 +11,40 @@ class Comparing {
   /** The second recording while it is being opened. */
   busy = $state<string | null>(null);
   error = $state.raw<ApiError | null>(null);
+  private turn = 0;
 
   choose(first: string): void {
     this.error = null;
     this.first = first;
   }
 
+  /** Also of one that is being opened: it is not shown then. */
   stop(): void {
+    this.turn += 1;
+    if (this.busy !== null) comparison.end();
+    this.busy = null;
     this.first = null;
     this.error = null;
   }
 
   /** Open the comparison. If a recording can't be read, the dialog shows the error and stays open. */
   async begin(first: string, second: string, named: Text | null = null): Promise<void> {
+    const turn = ++this.turn;
     this.busy = second;
     this.error = null;
     try {
       if (player.detail?.id !== first) await player.open(first);
-      if (player.detail?.id !== first || !(await comparison.start(second, player.first, named))) return;
+      if (turn !== this.turn || player.detail?.id !== first) return;
+      if (!(await comparison.start(second, player.first, named)) || turn !== this.turn) return;
       this.first = null;
       if (route.screen !== "chart") route.go("chart");
     } catch (error) {
       if (!(error instanceof ApiError)) throw error;
+      if (turn !== this.turn) return;
       this.error = error;
       this.first = first;
     } finally {
-      if (this.busy === second) this.busy = null;
+      if (turn === this.turn) this.busy = null;
     }
   }
 }

@@ -1,0 +1,30 @@
+import { afterEach, expect, it, vi } from "vitest";
+import type { RecordingDetail } from "../../../lib/api/types";
+import { route } from "../../../lib/frame/router.svelte";
+import { comparison } from "../../../lib/recording/comparison.svelte";
+import { player } from "../../../lib/recording/player.svelte";
+import { comparing } from "./comparing.svelte";
+
+afterEach(() => {
+  player.detail = null;
+});
+
+it("a comparison that was cancelled while it was opened does not come", async () => {
+  player.detail = { id: "a.pcapng" } as RecordingDetail;
+  let done = (_: boolean) => {};
+  vi.spyOn(comparison, "start").mockImplementation(() => new Promise((resolve) => (done = resolve)));
+  const ended = vi.spyOn(comparison, "end");
+  const gone = vi.spyOn(route, "go").mockReturnValue();
+  comparing.choose("a.pcapng");
+  const opened = comparing.begin("a.pcapng", "virtual:warm-idle:7.1");
+  comparing.stop();
+  expect(ended).toHaveBeenCalledOnce();
+  done(true);
+  await opened;
+  expect([gone.mock.calls.length, comparing.first, comparing.busy]).toEqual([0, null, null]);
+  comparing.choose("a.pcapng");
+  const again = comparing.begin("a.pcapng", "b.pcapng");
+  done(true);
+  await again;
+  expect([gone.mock.lastCall, comparing.busy]).toEqual([["chart"], null]);
+});
