@@ -1,5 +1,6 @@
 // What Scatter and Table show: channels, edges, statistic. Stored in this browser.
 import { loadSetting, saveSetting } from "../../../lib/platform/storage";
+import { MOST_BINS } from "../../../lib/pairs/bins";
 import { STATISTICS, type Statistic } from "../../../lib/pairs/cells";
 
 export const AGES = [0, 0.2, 0.5, 1, 2, 5] as const;
@@ -36,7 +37,7 @@ export function readChoice(text: string | null): Stored {
   const names = <Group extends Record<string, string>>(group: Partial<Group> | undefined, first: Group): Group =>
     Object.fromEntries(Object.entries(first).map(([key, name]) => [key, typeof group?.[key] === "string" ? group[key] : name])) as Group;
   const sound = (edges: unknown) =>
-    Array.isArray(edges) && edges.length >= 2 && edges.every((edge, at) => Number.isFinite(edge) && (at === 0 || edge > edges[at - 1]));
+    Array.isArray(edges) && edges.length >= 2 && edges.length <= MOST_BINS + 1 && edges.every((edge, at) => Number.isFinite(edge) && (at === 0 || edge > edges[at - 1]));
   return {
     scatter: names(given.scatter, FIRST.scatter),
     table: names(given.table, FIRST.table),

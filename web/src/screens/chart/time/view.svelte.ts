@@ -31,13 +31,16 @@ function coloured(lists: string[][]): Pane[] {
   }));
 }
 
-function stored(): Pane[] {
+/** The panes in a stored text, each channel once; the defaults if it holds none. */
+export function readPanes(text: string | null): Pane[] {
+  const known = new Set<string>();
+  const sound = ({ name, colour }: Trace) => typeof name === "string" && Number.isInteger(colour) && colour >= 1 && colour <= 8 && !known.has(name) && known.add(name);
   try {
-    const panes = JSON.parse(loadSetting("chart") ?? "") as Pane[];
-    const sound = panes.every(({ traces }) => traces.every(({ name, colour }) => typeof name === "string" && colour >= 1 && colour <= 8));
-    if (sound && panes.length > 0) return panes.slice(0, MOST_PANES).map((pane, id) => ({ ...pane, id }));
+    const panes = (JSON.parse(text ?? "") as Pane[]).map(({ traces }) => traces.filter(sound).map(({ name, colour, hidden }) => ({ name, colour, hidden: hidden === true })));
+    const full = panes.filter((traces) => traces.length > 0).slice(0, MOST_PANES);
+    if (full.length > 0) return full.map((traces, id) => ({ id, traces }));
   } catch {
-    // Nothing stored, or not valid: the defaults.
+    // Nothing stored, or not valid.
   }
   return coloured(FIRST);
 }
@@ -49,7 +52,7 @@ export interface Stretch {
 }
 
 class View {
-  panes = $state.raw<Pane[]>(stored());
+  panes = $state.raw<Pane[]>(readPanes(loadSetting("chart")));
   /** Seconds in the window. */
   span = $state(60);
   /** The right edge; null: follows. */
