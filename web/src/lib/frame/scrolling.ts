@@ -6,6 +6,9 @@ import { route } from "./router.svelte";
 /** What a person does to scroll; it ends the return to a position. */
 const OWN = ["wheel", "touchstart", "pointerdown", "keydown"] as const;
 
+/** ms in which a screen has loaded. Scrolling at each change of a value would cost a layout each time. */
+const PATIENCE = 5000;
+
 const positions = new Map<number, number>();
 
 /** The number of the present entry; `isNew`: it was not visited before. */
@@ -38,14 +41,16 @@ export function keepsPositions(box: HTMLElement): () => void {
 
   const kept = () => positions.set(present, box.scrollTop);
 
-  /** Scroll there, again and again while the screen grows by what it loads. */
+  /** Scroll there, again and again while the screen grows by what it loads. A shorter screen than before has its end in view then. */
   function returnTo(wanted: number): () => void {
     const scroll = () => {
       box.scrollTop = wanted;
       if (box.scrollTop >= wanted - 1) end();
     };
     const growth = new MutationObserver(scroll);
+    const patience = setTimeout(() => end(), PATIENCE);
     const end = () => {
+      clearTimeout(patience);
       growth.disconnect();
       for (const kind of OWN) removeEventListener(kind, end, true);
     };
