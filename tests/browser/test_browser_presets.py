@@ -56,6 +56,7 @@ def test_a_preset_is_made_kept_and_deleted(dash, visitor):
     tab.press("Edit")
     tab.press("Delete preset")
     tab.page.get_by_role("dialog").get_by_role("button", name="Delete", exact=True).click()
+    expect(tab.page.get_by_role("tab", selected=True)).to_be_visible()  # no longer edited
     expect(tab.page.get_by_role("tab", name="Winter")).to_have_count(0)
     assert [preset["id"] for preset in dash.get("/presets")["presets"]] == []
 
