@@ -343,12 +343,12 @@ def test_ctrl_c_shows_the_codes_that_a_scan_has_found(start, url):
 
 
 def until_it_sleeps(pid: int) -> None:
-    """Wait until the process waits for its terminal (Linux).
+    """Wait until the process waits for its terminal, or has ended (Linux).
 
     Python notices a signal that comes just before only when it has read a line.
     """
     status = Path(f"/proc/{pid}/stat")
-    while status.exists() and status.read_text().rpartition(")")[2].split()[0] != "S":
+    while status.exists() and status.read_text().rpartition(")")[2].split()[0] not in "SZ":
         pass
 
 
