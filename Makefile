@@ -15,6 +15,9 @@ $(shell [ -x $(venv_python) ] && [ "$$(cat .venv/installed 2>/dev/null)" = "$$(p
 .DEFAULT_GOAL := help
 .PHONY: help demo test browser cable hour fuzz soak check bench audit sbom lock clean
 
+# What was compiled is kept: each worker of the tests, and each program that they start, would compile all again.
+unexport PYTHONDONTWRITEBYTECODE
+
 # Every package that is installed here, also those that build ours, has the version and a hash of requirements/lock.txt.
 install := requirements/install.py
 
