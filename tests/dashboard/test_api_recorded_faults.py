@@ -29,3 +29,20 @@ def test_the_faults_of_a_recording_and_the_frame_of_a_new_one(tmp_path):
         page = it.client.get("/api/recordings/drive.pcapng/report").text
         assert "The unit stored the fault between" in page
         assert "No freeze frame (71): stored before the first reading" in page
+
+
+def test_a_fault_that_came_before_the_recording_was_stored_before(tmp_path):
+    """Its first reading, of the session before, is in the file's notes."""
+    url = "sim:?scenario=warm-idle&faults=71"
+    with rig(tmp_path, url) as it:
+        it.until(lambda now: now["state"]["fault_count"] == 1)
+        it.cars.car(url).faults.append(13)
+        it.until(lambda now: now["state"]["fault_count"] == 2)
+        it.post("/recording/start", {"name": "after"})
+        it.until(lambda now: now["state"]["recording"]["samples"] > 3)
+        it.post("/recording/stop")
+        faults = it.get("/recordings/after.pcapng/faults")["faults"]
+        assert [(each["code"], each["stored_before"]) for each in faults] == [
+            (71, True),
+            (13, True),
+        ]

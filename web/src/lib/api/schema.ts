@@ -823,7 +823,7 @@ export interface components {
             /** @description those from the sensor whose circuit is faulty: perhaps substitute values */
             sensor: string[];
             first_seen: number;
-            /** @description the first reading had it */
+            /** @description a reading before the recording, or its first, had it */
             stored_before: boolean;
             /** @description the id of its freeze frame; null: there is none */
             frame: string | null;

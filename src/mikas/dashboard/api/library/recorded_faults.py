@@ -5,6 +5,8 @@ The rows around a frame's moment are those of `GET /recordings/ID/rows`.
 
 from __future__ import annotations
 
+from math import inf
+
 from fastapi import APIRouter
 from pydantic import BaseModel, Field
 
@@ -14,8 +16,10 @@ from mikas.dashboard.api.errors import errors
 from mikas.dashboard.api.freeze_frames import FreezeFrameInfo, frame_info
 from mikas.dashboard.api.unit import StoredFault, fault_info
 from mikas.dashboard.library.folder import RecordingFile
+from mikas.recording.capture.notes import Kind
 from mikas.recording.freeze_frames import first_seen
 from mikas.recording.recorded_faults import RecordedFaults, faults_in
+from mikas.recording.recording import Recording
 
 router = APIRouter(tags=["recordings"])
 
@@ -23,7 +27,7 @@ router = APIRouter(tags=["recordings"])
 class RecordedFault(StoredFault):
     """A fault that was stored at the last reading; `first_seen` is the time of a reading."""
 
-    stored_before: bool = Field(description="the first reading had it")
+    stored_before: bool = Field(description="a reading before the recording, or its first, had it")
     frame: str | None = Field(description="the id of its freeze frame; null: there is none")
 
 
@@ -46,29 +50,31 @@ async def recorded_faults(
 
     def look(file: RecordingFile) -> RecordedFaultsResponse:
         recording = library.opened(file)
-        return _response(faults_in(recording), recording.catalog)
+        return _response(faults_in(recording), recording)
 
     return await requester.awaits(library.view_any(identity, look, requester.address))
 
 
-def _response(found: RecordedFaults, catalog: Catalog) -> RecordedFaultsResponse:
+def _response(found: RecordedFaults, recording: Recording) -> RecordedFaultsResponse:
+    catalog = recording.catalog
+    began = max((note.time for note in recording.notes if note.kind == Kind.FAULTS), default=-inf)
     frames = [each.frame for each in found.appeared if each.frame is not None]
     last = found.readings[-1] if found.readings else None
     return RecordedFaultsResponse(
         time=last.time if last else None,
-        faults=[_fault(code, found, catalog) for code in dict.fromkeys(last.codes)]
+        faults=[_fault(code, found, catalog, began) for code in dict.fromkeys(last.codes)]
         if last
         else None,
         frames=[frame_info(frame, catalog) for frame in frames],
     )
 
 
-def _fault(code: int, found: RecordedFaults, catalog: Catalog) -> RecordedFault:
+def _fault(code: int, found: RecordedFaults, catalog: Catalog, began: float) -> RecordedFault:
     first = first_seen(code, found.readings)
     appeared = next((each for each in found.appeared if each.code == code), None)
     frame = appeared.frame if appeared and appeared.read == first else None
     return RecordedFault(
         **fault_info(catalog.fault(code), first).model_dump(),
-        stored_before=first == found.readings[0].time,
+        stored_before=first <= max(began, found.readings[0].time),
         frame=frame.id if frame else None,
     )
