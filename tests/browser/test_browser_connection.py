@@ -121,6 +121,7 @@ def test_headline_picture_and_steps_of_a_check_agree(off, visitor):
     expect(now).to_contain_text("No response, not even an echo")
     expect(now).to_contain_text("/dev/ttyUSB8")
     expect(now.locator("li")).to_contain_text(["✓ works", "! check", "! check", "? unknown"])
+    expect(tab.find("li.here")).to_contain_text("open, waiting for a response")
     tab.press(f"Connect to {FT232.url}")
     tab.is_line("sampling")
     expect(now).to_contain_text("The ECU answers")

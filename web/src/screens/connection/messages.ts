@@ -7,6 +7,7 @@ export const t = dictionary({
   best: { en: "best guess", ru: "скорее всего" },
   in_use: { en: "in use", ru: "подключён" },
   waited: { en: "waiting for it", ru: "ждём его" },
+  unanswered: { en: "open, waiting for a response", ru: "открыт, ждём ответа" },
   examined_first: {
     en: "The connection check is using the port. Another port can be chosen when it has ended.",
     ru: "Порт занят проверкой связи. Другой можно выбрать, когда она закончится.",
