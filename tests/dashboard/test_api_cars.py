@@ -43,3 +43,19 @@ def test_put_off(tmp_path) -> None:
         it.post("/recording/stop")
         (listed,) = it.get("/recordings")["recordings"]
         assert listed["car"] == {"car": "", "plate": "", "mileage": None, "workshop": ""}
+
+
+def test_given_to_the_first_recording_it_is_kept_for_the_next(tmp_path) -> None:
+    with rig(tmp_path, "sim:?scenario=warm-idle") as it:
+        it.until(lambda now: now["state"]["model"])
+        it.put("/car", {})  # the question was put off
+        for name in ("one", "two"):
+            it.post("/recording/start", {"name": name})
+            it.until(lambda now: now["state"]["recording"]["samples"] > 3)
+            it.post("/recording/stop")
+            if name == "one":
+                it.put("/recordings/one.pcapng/car", VOLGA)
+        assert it.get("/recordings/two.pcapng")["car"] == {**VOLGA, "mileage": None}
+        other = {**VOLGA, "plate": "В777ВВ 52"}
+        it.put("/recordings/two.pcapng/car", other)  # known by now: of this recording only
+        assert it.get("/car")["plate"] == VOLGA["plate"]

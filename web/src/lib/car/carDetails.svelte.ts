@@ -32,7 +32,7 @@ class CarDetails {
     this.editing = { recording: null, details: { car, plate, workshop, mileage: null }, offered: kept.mileage, onsaved };
   }
 
-  /** Edit the car of a recording. */
+  /** Edit the car of a recording; the program keeps it for the connected unit too, if that is recorded and has none. */
   edit(recording: Recording, onsaved?: () => void): void {
     this.editing = { recording: recording.id, details: recording.car, offered: null, onsaved };
   }

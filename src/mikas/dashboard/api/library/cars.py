@@ -21,6 +21,7 @@ from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.errors import NotConnected
 from mikas.dashboard.library.folder import RecordingFile
 from mikas.recording.annotations.car import car_note
+from mikas.recording.annotations.events import RecordedUnit
 from mikas.recording.capture.writer import append_note
 
 router = APIRouter(tags=["recordings"])
@@ -97,11 +98,15 @@ async def write_recording_car(
     identity: str,
     body: CarRequest,
 ) -> CarInfo:
-    """Write the details of the car into a recording's file; they replace those before."""
+    """Write the details of the car into a recording's file; they replace those before.
+
+    If it is of the connected unit, whose car is not known, they are kept for the next ones, too.
+    """
     details = body.details()
     note = car_note(dashboard.connection.now(), details)
 
     def write(file: RecordingFile) -> CarInfo:
+        _keep_unknown(dashboard, library.summary(file).unit, details)
         if library.is_growing(file):
             dashboard.recorder.recorder.describe(note)
         else:
@@ -109,6 +114,19 @@ async def write_recording_car(
         return CarInfo(**asdict(details))
 
     return await requester.awaits(library.view(identity, write, requester.address))
+
+
+def _keep_unknown(dashboard: Dashboard, recorded: RecordedUnit | None, details: CarDetails) -> None:
+    """Keep `details` of a recorded unit, if that is connected and its car has no name yet."""
+    version_code, pieces = _unit(dashboard)
+    if recorded is None or recorded.version_code != version_code:
+        return
+    if tuple(piece or "" for piece in recorded.passport or ()) != pieces:
+        return
+    kept = dashboard.cars.of(version_code, pieces)
+    if details.name and not (kept and kept.name):
+        workshop = CarDetails(workshop=dashboard.cars.workshop)
+        dashboard.cars.keep(version_code, pieces, details.over(workshop))
 
 
 def _unit(dashboard: Dashboard) -> tuple[int | None, tuple[str, ...]]:
