@@ -190,7 +190,7 @@ def test_a_thousand_channels_in_a_row(write: Write) -> None:
         ("\n[derived.D]\nformula = 'TWAT'\n", 2, "`derived.D` has no `text`"),
         (NEW + "formul = ''\n", 4, "unknown key `formul`; the nearest is `formula`"),
         (NEW.replace('"TWAT + 1"', "1"), 2, "`derived.D.formula` must be a text in quotes"),
-        (NEW.replace("+", "+ +*"), 2, "`derived.D.formula` is no formula: invalid syntax"),
+        (NEW.replace("+", "+ +*"), 2, "`derived.D.formula` is not a formula: invalid syntax"),
         (NEW.replace("TWAT", "TWAT.real"), 2, "`derived.D.formula` has `TWAT.real` in it"),
         (NEW.replace("TWAT", "eval(TWAT)"), 2, "`derived.D.formula` calls `eval`"),
         (NEW.replace("TWAT", "TWATT"), 2, "names TWATT, which does not exist; the nearest is TWAT"),

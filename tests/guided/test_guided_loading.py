@@ -60,7 +60,7 @@ def test_one_wrong_file_among_the_users(tmp_path: Path) -> None:
             "TWATT > 80",
             "`start` names TWATT, which does not exist; the nearest",
         ),
-        ("TWAT > 96 or", "TWAT > 96 and and", "`step.heat.until` is no formula"),
+        ("TWAT > 96 or", "TWAT > 96 and and", "`step.heat.until` is not a formula"),
         ("TWAT > 96 or", "FUEL_USED > 1 or", "names FUEL_USED, a total"),
         ('"max"', '"highest"', "`measure.HOTTEST.statistic` must be one of"),
         ('"max"', '"percentile"', '`measure.HOTTEST.percentile` goes with `statistic = "percent'),

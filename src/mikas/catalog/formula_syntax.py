@@ -97,12 +97,12 @@ def _syntax(line: str) -> ast.expr:
     except SyntaxError as error:
         place = error.offset or len(line) + 1  # no place: the end is missing
         raise _wrong(
-            f"is no formula: {error.msg} (sign {place})",
+            f"is not a formula: {error.msg} (character {place})",
             f"ошибка в записи (знак {place})",
             (place - 1, place),
         ) from None
     except (ValueError, RecursionError, MemoryError) as error:
-        raise _wrong(f"is no formula: {error}", "ошибка в записи") from None
+        raise _wrong(f"is not a formula: {error}", "ошибка в записи") from None
 
 
 class _PlainForm:
