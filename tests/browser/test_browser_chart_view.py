@@ -33,16 +33,23 @@ HEIGHT_OF = """name => {
   const { data } = context.getImageData(left, 0, width, canvas.height);
   let best = null;
   let most = 20;
+  const rows = [];
   for (let row = 0; row < canvas.height; row += 1) {
     let found = 0;
     for (let at = row * width * 4; at < (row + 1) * width * 4; at += 4) {
       found += data[at] === red && data[at + 1] === green && data[at + 2] === blue;
     }
     if (found > most) [best, most] = [row, found];
+    if (found > 0) rows.push(row);
   }
-  return best && { row: best, height: canvas.height };
+  return best && { row: best, height: canvas.height, extent: rows.at(-1) - rows[0] };
 }"""
 """The row of pixels that has most of the trace's colour; null while it has none."""
+STEP_OF = f"""name => {{
+  const found = ({HEIGHT_OF})(name);
+  return found?.extent > 3 && found;
+}}"""
+"""The same, once the line is no longer a flat one."""
 
 
 def height_of(tab, name):
@@ -63,6 +70,9 @@ def test_two_constant_traces_are_both_seen(own, visitor):
         (above, height), (below, _) = height_of(tab, one), height_of(tab, other)
         assert abs(above - below) > 0.04 * height
         assert 0 < min(above, below) < max(above, below) < height - 2
+    own.garage.set("UACC", "8B")  # one raw step
+    found = tab.until(STEP_OF, "UACC")
+    assert found["extent"] < 0.15 * found["height"]
 
 
 STRIPED = """name => {

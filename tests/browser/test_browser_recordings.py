@@ -133,6 +133,20 @@ def test_with_a_recording_open_the_report_is_of_that_and_says_so(recorded, visit
     expect(frame.locator("header")).not_to_contain_text("drive.pcapng")
 
 
+def test_the_report_has_the_alarm_and_doubts_no_sensor_without_a_fault_of_it(own, visitor):
+    """195 is of the fan's relay, 71 of the idle speed: neither makes a value doubtful; 13 does."""
+    own.garage.set("TWAT", "9D")
+    own.garage.car.faults[:] = [13, 71, 195]
+    own.until(lambda: own.state()["alarms"] and own.state()["fault_count"] == 3)
+    body = visitor(own.url).show("report").page.frame_locator("iframe").locator("body")
+    expect(body).to_contain_text("coolant temperature above 100 °C (highest 117 °C)")
+    expect(body).to_contain_text("still on at the end")
+    expect(body).to_contain_text("measured: Air flow 15.0 kg/h (perhaps a substitute value)")
+    measured = body.get_by_text("measured: ")
+    expect(measured.filter(has_text="Coolant temperature 117 °C")).not_to_contain_text("perhaps")
+    expect(measured.filter(has_text="at idle")).not_to_contain_text("perhaps")
+
+
 def test_statistics_of_what_is_drawn(recorded, visitor):
     tab = visitor(recorded.url)
     tab.show("recordings").press("Open")
@@ -146,6 +160,31 @@ def test_statistics_of_what_is_drawn(recorded, visitor):
     expect(coolant).to_contain_text(re.compile(r"Above 100 °C\s*0\.0 s \(0 %\)"))
     coolant.get_by_role("textbox").fill("87,5")
     expect(coolant).to_contain_text(re.compile(r"Above 87\.5 °C\s*\d+\.\d s \([1-9]\d? %\)"))
+
+
+def test_statistics_between_the_cursors_are_copied(recorded, visitor):
+    tab = visitor(recorded.url, permissions=["clipboard-read", "clipboard-write"])
+    tab.show("recordings").press("Open")
+    expect(tab.page.get_by_role("slider")).to_be_visible()
+    box = tab.show("chart").find(".panes .plot").first.bounding_box()
+    height, left, width = box["y"] + box["height"] / 2, box["x"] + 58, box["width"] - 116
+    tab.page.mouse.click(left + 0.05 * width, height)
+    tab.page.keyboard.press("c")
+    tab.page.mouse.click(left + 0.2 * width, height)  # within the first half: 87 °C
+    expect(tab.traced("TWAT")).to_have_text("87")
+    tab.press("More tools")
+    tab.page.get_by_text("Statistics…").click()
+    sheet = tab.page.get_by_role("dialog")
+    expect(sheet).to_contain_text("Between the cursors")
+    coolant = sheet.get_by_role("region", name="Coolant temperature")
+    expect(coolant).to_contain_text(re.compile(r"Highest\s*87 °C"))
+    sheet.get_by_role("button", name="Copy as a table").click()
+    tab.says("Copied")
+    copied = tab.page.evaluate("navigator.clipboard.readText()")
+    head, *rows = [line.split("\t") for line in copied.splitlines()]
+    (row,) = [dict(zip(head, row, strict=False)) for row in rows if row[0] == "TWAT"]
+    assert [row[name] for name in ("Unit", "Lowest", "Highest", "Mean")] == ["°C", "87", "87", "87"]
+    assert max(len(cell) for cell in row.values()) < 12
 
 
 def test_deleting_asks(recorded, visitor):
