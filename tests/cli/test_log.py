@@ -62,7 +62,7 @@ def test_log(mikas, tmp_path):
     assert "0 gaps" in ran.err
     assert list(CaptureReader(tmp_path / "drive.pcapng"))
     ran = mikas("log", "--out", "b.pcapng", "TWAT", "--count", "5", "--lang", "ru")
-    assert "отсчётов: 5" in ran.err
+    assert "замеров: 5" in ran.err
 
 
 def test_log_prints_samples_with_json(mikas):
@@ -114,7 +114,7 @@ def test_samples_after_a_next_file_that_can_not_be_opened_are_counted_as_lost(
     ran = mikas(*argv, "--rotate", "1s", "--lang", "ru")
     assert ran.status == 2
     last = ran.err.splitlines()[-1]
-    assert last.startswith("ЗАПИСЬ ПРЕКРАЩЕНА · a.pcapng: отсчётов: 300, из них не записано: ")
+    assert last.startswith("ЗАПИСЬ ПРЕКРАЩЕНА · a.pcapng: замеров: 300, из них не записано: ")
     lost = int(last.split("не записано: ")[1].split(",")[0])
     assert recorded_samples(tmp_path / "a.pcapng") == pytest.approx(300 - lost, abs=2)
 

@@ -69,7 +69,7 @@ sampling_options = grouped(
         "--count",
         type=whole(1),
         metavar="N",
-        text=Text("stop after this many samples", "остановиться после стольких отсчётов"),
+        text=Text("stop after this many samples", "остановиться после стольких замеров"),
     ),
     option(
         "--duration",

@@ -54,7 +54,7 @@ _LABELS: Final = {
     "spread": Text("90 % within", "90 % в пределах"),
     "band": Text("Normal", "Норма"),
     "mark": Text("Rating", "Оценка"),
-    "within_band": Text("{share} of the readings", "{share} отсчётов"),
+    "within_band": Text("{share} of the readings", "{share} замеров"),
     "sensor_fault": Text(
         "Not rated: the sensor's circuit is faulty (fault {codes}), the unit may use a substitute "
         "value.",
@@ -63,7 +63,7 @@ _LABELS: Final = {
     ),
     "too_few": Text(
         "Not rated: too few readings at warm idle ({count}).",
-        "Без оценки: слишком мало отсчётов на прогретом холостом ходу ({count}).",
+        "Без оценки: слишком мало замеров на прогретом холостом ходу ({count}).",
     ),
     "related": Text("See also stored fault {codes}.", "См. также ошибку {codes}."),
     "substitute": Text("perhaps a substitute value", "возможно, подставленное значение"),
@@ -75,7 +75,7 @@ _LABELS: Final = {
         "Over the whole time; not rated without warm idle",
         "За всё время; без прогретого холостого хода не оценивается",
     ),
-    "set_share": Text("on in {share} of the readings", "вкл. в {share} отсчётов"),
+    "set_share": Text("on in {share} of the readings", "вкл. в {share} замеров"),
     "charts": Text("Charts", "Графики"),
     "legend_band": Text(
         "Shaded: normal range at warm idle.", "Полоса: норма на прогретом холостом ходу."
@@ -84,7 +84,7 @@ _LABELS: Final = {
     "legend_gaps": Text("Grey: no data.", "Серое поле: нет данных."),
     "how": Text("How it was measured", "Как измерено"),
     "length": Text("Length", "Длительность"),
-    "samples": Text("Samples", "Отсчёты"),
+    "samples": Text("Samples", "Замеры"),
     "sample_rate": Text("{count}, {rate} readings/s", "{count}, {rate} опр/с"),
     "method": Text("Method", "Способ опроса"),
     "adapter": Text("Adapter", "Адаптер"),

@@ -220,7 +220,7 @@ def _of_an_export(current: SamplingRun) -> str:
     return tr(
         ". The file has every response on the line, those before the samples too: an export makes "
         "a row of each.",
-        ". В файле все ответы на линии, в том числе до отсчётов: при экспорте каждый станет "
+        ". В файле все ответы на линии, в том числе до замеров: при экспорте каждый станет "
         "строкой.",
     )
 
@@ -237,7 +237,7 @@ def _summary(current: SamplingRun, status: RecordingStatus) -> str:
     summary = tr(
         f"{status.path}: {current.samples} samples, {but}{rate} readings/s, {status.gaps} "
         f"gaps, {current.errors} line errors, {size:.0f} KiB, {seconds:.0f} s",
-        f"{status.path}: отсчётов: {current.samples}, {ru_but}{decimal(rate)} опр/с, "
+        f"{status.path}: замеров: {current.samples}, {ru_but}{decimal(rate)} опр/с, "
         f"пропусков: {status.gaps}, ошибок линии: {current.errors}, {size:.0f} КиБ, "
         f"{seconds:.0f} с",
     )

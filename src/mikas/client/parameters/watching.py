@@ -43,7 +43,7 @@ class Watcher:
         Raises `LinkLost`, `NotSupported` if the unit refuses the method or every parameter.
         """
         if count is not None and count < 0:
-            raise usage_error("a count is 0 or more", "число отсчётов — от 0")
+            raise usage_error("a count is 0 or more", "число замеров — от 0")
         samples = self._samples()
         return samples if count is None else _first(samples, count)
 

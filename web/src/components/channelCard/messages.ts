@@ -18,8 +18,8 @@ export const t = dictionary({
   virtual: { en: "Virtual car, warm idle", ru: "Виртуальная машина, прогрета, холостой ход" },
   computed: { en: "computed by a model, not measured on an engine", ru: "вычислено моделью, не измерено на двигателе" },
   normal: { en: "Healthy engine, warm idle", ru: "Исправный мотор, прогрет, холостой ход" },
-  low: { en: "If it is too low", ru: "Если слишком мало" },
-  high: { en: "If it is too high", ru: "Если слишком много" },
+  low: { en: "If it is too low", ru: "Если ниже нормы" },
+  high: { en: "If it is too high", ru: "Если выше нормы" },
   unsure: { en: "unconfirmed", ru: "не подтверждено" },
 
   faults: { en: "Faults that concern it", ru: "Связанные ошибки" },

@@ -49,7 +49,7 @@ export const t = dictionary({
   export_some: { en: "Channels (all if none is selected)", ru: "Величины (если не выбраны — все)" },
   csv: {
     en: "for spreadsheets and simple tools; one row a sample, header with units",
-    ru: "для таблиц и простых программ: строка на отсчёт, единицы в заголовке",
+    ru: "для таблиц и простых программ: строка на замер, единицы в заголовке",
   },
   excel: {
     en: "for Excel: opens by double click, with decimal commas",
@@ -80,8 +80,8 @@ export const t = dictionary({
   player: { en: "Player", ru: "Проигрыватель" },
   play: { en: "Play", ru: "Воспроизвести" },
   pause: { en: "Pause", ru: "Пауза" },
-  step_back: { en: "One sample back", ru: "На отсчёт назад" },
-  step: { en: "One sample forward", ru: "На отсчёт вперёд" },
+  step_back: { en: "One sample back", ru: "На замер назад" },
+  step: { en: "One sample forward", ru: "На замер вперёд" },
   speed: { en: "Speed", ru: "Скорость" },
   place: { en: "Position in the recording", ru: "Место в записи" },
   loop_from: { en: "Loop from here", ru: "Повтор отсюда" },

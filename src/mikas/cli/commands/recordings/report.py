@@ -134,7 +134,7 @@ def _progress(current: SamplingRun) -> str:
     rate = decimal(f"{current.rate:.1f}")
     return tr(
         f"measuring: {done} of {seconds:g} s, {rate} samples/s",
-        f"измерение: {done} из {seconds:g} с, {rate} отсчёт/с",
+        f"измерение: {done} из {seconds:g} с, {rate} опр/с",
     )
 
 

@@ -19,8 +19,8 @@ export const t = dictionary({
   fit: { en: "Show everything", ru: "Показать всё" },
   notSampled: { en: "not sampled", ru: "не опрашивается" },
   atCursor: { en: "{time}, {seconds} s from the start", ru: "{time}, {seconds} с от начала" },
-  left: { en: "Cursor one sample back (Shift: ten)", ru: "Курсор на отсчёт назад (Shift: на десять)" },
-  right: { en: "Cursor one sample forward (Shift: ten)", ru: "Курсор на отсчёт вперёд (Shift: на десять)" },
+  left: { en: "Cursor one sample back (Shift: ten)", ru: "Курсор на замер назад (Shift: на десять)" },
+  right: { en: "Cursor one sample forward (Shift: ten)", ru: "Курсор на замер вперёд (Shift: на десять)" },
   closer: { en: "Zoom in", ru: "Крупнее" },
   farther: { en: "Zoom out", ru: "Мельче" },
   plot: {
