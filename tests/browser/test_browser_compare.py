@@ -242,6 +242,28 @@ def test_a_gap_says_all_of_its_reason_to_keys_and_touch(drives, visitor):
     tab.says(REASON.en)
 
 
+LEGENDS = """() => [...document.querySelectorAll(".legend")].flatMap((legend) => [
+  legend.scrollHeight - legend.clientHeight,
+  ...[...legend.querySelectorAll(".name")].map((it) => it.getClientRects()[0].height > 40),
+]).filter(Number)"""
+"""Legends that must be scrolled, and names broken into letters."""
+
+
+@pytest.mark.parametrize("locale", ["en-GB", "ru-RU"])
+def test_a_laptop_shows_all_values_of_its_legends(drives, visitor, locale):
+    tab = visitor(drives.url, locale=locale, viewport={"width": 1366, "height": 768})
+    tab.show("recordings")
+    ru = locale == "ru-RU"
+    tab.press("Сравнить good.pcapng с…" if ru else "Compare good.pcapng with…")
+    tab.page.get_by_role("dialog").get_by_role("button", name="bad.pcapng").click()
+    expect(more(tab, "TWAT")).to_have_text("+32")
+    assert tab.page.evaluate(LEGENDS) == []
+    tab.page.keyboard.press("x")  # no comparison any more
+    tab.page.keyboard.press("c")
+    expect(tab.find(".legend .more").first).to_be_visible()
+    assert tab.page.evaluate(LEGENDS) == []
+
+
 def test_a_phone_has_room_for_it_in_russian(drives, visitor):
     tab = visitor(
         drives.url, locale="ru-RU", viewport={"width": 390, "height": 844}, has_touch=True

@@ -28,7 +28,7 @@ export const t = dictionary({
     ru: "График. В легенде — значения под курсором. Стрелки двигают курсор, плюс и минус меняют масштаб.",
   },
   rowHelp: { en: "Click: hide. Drag, or Shift with arrows: to another pane", ru: "Щелчок: скрыть. Перетащить или Shift со стрелками: на другую панель" },
-  mean: { en: "mean", ru: "среднее" },
+  mean: { en: "mean", ru: "ср." },
   between: { en: "{seconds} s between the cursors", ru: "{seconds} с между курсорами" },
   empty: { en: "No traces", ru: "Линий нет" },
   emptyHint: { en: "Choose the values to draw.", ru: "Выберите величины для графика." },
