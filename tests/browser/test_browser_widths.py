@@ -4,6 +4,8 @@ wide window, with alarms at the gauges; and what a thumb has to hit is large eno
 
 from __future__ import annotations
 
+import re
+
 import pytest
 from playwright.sync_api import expect
 
@@ -67,6 +69,39 @@ SMALL = r"""
   .map(([name, { width, height }]) => `${name}: ${width} × ${height}`)
 """
 
+BOXES = """
+const box = (it) => it.getBoundingClientRect();
+const over = (one, other) => one !== other
+  && one.left < other.right - 1 && other.left < one.right - 1
+  && one.top < other.bottom - 1 && other.top < one.bottom - 1;
+"""
+COVERED = f"""() => {{{BOXES}
+  const boxes = [...document.querySelectorAll("form, .toast")].map(box);
+  return boxes.filter((one) => boxes.some((other) => over(one, other)));
+}}"""
+"""Messages and fields at the foot of the page that lie over each other."""
+OUTSIDE = f"""() => {{{BOXES}
+  const sheet = box(document.querySelector("dialog[open]"));
+  const fields = [...document.querySelectorAll("dialog[open] :is(input, select, textarea, button)")]
+    .map((it) => [it, box(it)])
+    .filter(([, place]) => place.width > 0);
+  const typed = fields.filter(([it]) => it.localName !== "button").map(([, place]) => place);
+  return fields
+    .filter(([, {{ left, right }}]) => left < sheet.left || right > sheet.right)
+    .map(([it]) => it.outerHTML.slice(0, 90))
+    .concat(typed.filter((one) => typed.some((other) => over(one, other))));
+}}"""
+"""Fields and buttons of a sheet that leave it, and fields that lie over each other."""
+UNNAMED = f"""() => {{{BOXES}
+  return [...document.querySelectorAll("[data-tile]")].filter((tile) => {{
+    const name = box(tile.querySelector(".tools .name"));
+    return !name.width || name.bottom > box(tile).bottom
+      || [...tile.querySelectorAll(".tools :is(select, button)")].map(box)
+        .some((it) => it.bottom > box(tile).bottom + 1 || over(it, name));
+  }}).map((tile) => tile.dataset.tile);
+}}"""
+"""Tiles whose tools lie over their name or leave the tile."""
+
 
 @pytest.fixture(scope="module")
 def alarmed(chromium, tmp_path_factory):
@@ -123,6 +158,51 @@ def test_nothing_is_cut_on_any_other_screen(alarmed, visitor, language, width):
     assert {screen: found for screen, found in cut.items() if found} == {}
 
 
+@pytest.mark.parametrize("size", [(390, 844), (844, 390)])
+def test_fields_stay_in_their_sheets(alarmed, visitor, size):
+    alarmed.nobody_controls()
+    viewport = dict(zip(("width", "height"), size, strict=True))
+    tab = visitor(alarmed.url, viewport=viewport, has_touch=True).show("memory")
+    sheet = tab.page.get_by_role("dialog")
+    found = {}
+
+    def look(name):
+        expect(sheet).to_be_visible()
+        if outside := tab.page.evaluate(OUTSIDE):
+            found[name] = outside
+        tab.page.keyboard.press("Escape")
+        expect(sheet).to_have_count(0)
+
+    tab.press("Add a cell")
+    look("cell")
+    tab.press("Unlock writing")
+    look("unlock")
+    tab.show("live").find('[data-opens="TWAT"]').first.click()
+    look("card")
+    tab.press("Edit", exact=True)
+    tab.press("Add…")
+    look("tile")
+    tab.press("Cancel", exact=True)
+    tab.show("chart")
+    for name in ("Traces…", "Find…", "Statistics…", "Image…"):
+        tab.press("More tools")
+        tab.find("#screen .menu li").get_by_role("button", name=name).click()
+        look(name)
+    tab.show("recordings")
+    for name in ("Export ", "Compare ", "Car details of ", "Delete "):
+        tab.page.get_by_label(re.compile(f"^{name}")).first.click()
+        look(name)
+    assert found == {}
+
+
+@pytest.mark.parametrize("language", ["en", "ru"])
+def test_a_tile_that_is_edited_shows_its_name(alarmed, visitor, language):
+    tab = opened(visitor, alarmed, language, 390).show("live")
+    tab.press({"en": "Edit", "ru": "Изменить"}[language], exact=True)
+    expect(tab.find(".tools").first).to_be_visible()
+    assert tab.page.evaluate(UNNAMED) == []
+
+
 @pytest.mark.parametrize("language", ["en", "ru"])
 def test_recordings_are_cards_on_a_phone_with_all_there_is_to_do(alarmed, visitor, language):
     tab = opened(visitor, alarmed, language, 390, has_touch=True).show("recordings")
@@ -151,6 +231,10 @@ def test_a_recording_is_started_and_ended_by_a_thumb(own, visitor, language, wid
     expect(begin).to_have_count(0)
     end = tab.button({"en": "Stop recording", "ru": "Остановить запись"}[language])
     assert tab.page.evaluate(CUT) == []
+    tab.button({"en": "Marker", "ru": "Отметка"}[language], exact=True).tap()
+    expect(tab.find("form input[maxlength]")).to_be_visible()
+    assert tab.find(".toast").count() > 0
+    assert tab.page.evaluate(COVERED) == []
     box = end.bounding_box()
     assert min(box["width"], box["height"]) >= (44 if width < 1000 else 40)
     end.tap()

@@ -60,7 +60,7 @@ export const t = dictionary({
   saved: { en: "Preset saved", ru: "Набор сохранён" },
   kind: { en: "Kind", ru: "Вид" },
   width: { en: "Width", ru: "Ширина" },
-  gauge: { en: "Gauge", ru: "Стрелочный прибор" },
+  gauge: { en: "Gauge", ru: "Стрелка" },
   number: { en: "Number", ru: "Число" },
   lamp: { en: "Lamp", ru: "Лампа" },
   strip: { en: "Strip chart", ru: "Лента" },
