@@ -78,11 +78,13 @@ def test_one_switch_lets_a_phone_in_and_shuts_it_out(own, visitor):
     tab = visitor(own.url).show("connection")
     switch = tab.page.get_by_role("switch")
     expect(switch).not_to_be_checked()
+    place = switch.bounding_box()
     switch.check()
     square = tab.page.get_by_role("img", name="QR code of the address")
     expect(square).to_be_visible()
     assert tab.until("() => document.querySelector('img[alt^=QR]').naturalWidth > 0")
     link = own.access.lan_url
+    assert switch.bounding_box() == place
     tab.says(link)
     tab.says(own.access.fingerprint)
     phone = visitor(f"https://127.0.0.2:{own.port}", viewport={"width": 390, "height": 844})
