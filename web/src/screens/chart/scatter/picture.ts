@@ -157,5 +157,13 @@ function scale(context: CanvasRenderingContext2D, { width, scale, remark, look }
   }
   context.fillStyle = look.muted;
   context.textAlign = "left";
-  if (remark) context.fillText(remark, 4, 10, Math.max(60, right - 8));
+  if (remark) context.fillText(shortened(remark, right - 8, (text) => context.measureText(text).width), 4, 10);
+}
+
+/** The text, or as much of it as is at most `most` wide. */
+export function shortened(text: string, most: number, widthOf: (text: string) => number): string {
+  if (widthOf(text) <= most) return text;
+  let length = text.length;
+  while (length > 0 && widthOf(`${text.slice(0, length)}…`) > most) length -= 1;
+  return length > 0 ? `${text.slice(0, length).trimEnd()}…` : "";
 }
