@@ -39,8 +39,11 @@ export class ChannelValue {
     const extremes = display.source.extremes(this.name());
     return extremes && { ...extremes };
   });
-  readonly min = $derived(this.extremes ? number(this.extremes.min, this.channel?.decimals) : "");
-  readonly max = $derived(this.extremes ? number(this.extremes.max, this.channel?.decimals) : "");
+  // The value changes in each frame, the extremes with the slow clock: without the value they would contradict it.
+  private readonly lowest = $derived(this.extremes && Math.min(this.extremes.min, this.value ?? Infinity));
+  private readonly highest = $derived(this.extremes && Math.max(this.extremes.max, this.value ?? -Infinity));
+  readonly min = $derived(this.lowest === undefined ? "" : number(this.lowest, this.channel?.decimals));
+  readonly max = $derived(this.highest === undefined ? "" : number(this.highest, this.channel?.decimals));
   readonly limitState = $derived.by<LimitState | null>(() => {
     if (this.value === null || !this.channel) return null;
     // Live, the program decides, with hysteresis; for a recording and a frozen view the page compares with the limits.
