@@ -34,6 +34,9 @@ export function percent(share: number, decimals = 0): string {
   return `${number(share * 100, decimals)} %`;
 }
 
+/** What stands before the decimals of a time: 13:37:27.5, 13:37:27,5. */
+export const point = (): string => (language.code === "ru" ? "," : ".");
+
 /** Format a duration: 12:41 or 1:12:41. */
 export function clock(seconds: number | null | undefined): string {
   if (seconds === null || seconds === undefined || !Number.isFinite(seconds)) return DASH;

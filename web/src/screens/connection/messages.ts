@@ -109,7 +109,7 @@ export const t = dictionary({
   chain: { en: "The way to the ECU: laptop, adapter, K-Line and 12 V, ECU", ru: "Путь до блока: ноутбук, адаптер, K-Line и 12 В, блок" },
   chain_laptop: { en: "laptop", ru: "ноутбук" },
   chain_adapter: { en: "adapter", ru: "адаптер" },
-  chain_wire: { en: "K-Line, 12 V", ru: "K-Line, 12 В" },
+  chain_wire: { en: "K-Line, 12\u00a0V", ru: "K-Line, 12\u00a0В" },
   chain_ecu: { en: "ECU", ru: "блок" },
   chain_works: { en: "works", ru: "работает" },
   chain_check: { en: "check", ru: "проверьте" },

@@ -1,4 +1,5 @@
 import { describe, expect, it } from "vitest";
+import { language } from "../../../lib/i18n";
 import { faster, keyStep, nextLoop, precise, share, slower } from "./scrub";
 
 describe("the player bar", () => {
@@ -26,5 +27,10 @@ describe("the player bar", () => {
   it("never shows sixty seconds", () => {
     expect([precise(0), precise(59.97), precise(65.25)]).toEqual(["00:00.0", "01:00.0", "01:05.3"]);
     expect([precise(0.021, 2), precise(59.999, 2), precise(65.25, 2)]).toEqual(["00:00.02", "01:00.00", "01:05.25"]);
+  });
+  it("has the decimal sign of the language", () => {
+    language.code = "ru";
+    expect(precise(65.25)).toBe("01:05,3");
+    language.code = "en";
   });
 });

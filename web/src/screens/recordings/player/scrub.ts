@@ -1,6 +1,6 @@
 // The player's slider: positions and times, speeds, and the loop between two marks.
 
-import { clock } from "../../../lib/i18n";
+import { clock, point } from "../../../lib/i18n";
 import { SPEEDS } from "../../../lib/recording/player.svelte";
 
 export interface Loop {
@@ -62,5 +62,5 @@ export function keyStep(key: string, shift: boolean): number | "first" | "last" 
 export function precise(seconds: number, decimals: 1 | 2 = 1): string {
   const parts = 10 ** decimals;
   const whole = Math.max(0, Math.round(seconds * parts));
-  return `${clock(Math.floor(whole / parts))}.${String(whole % parts).padStart(decimals, "0")}`;
+  return `${clock(Math.floor(whole / parts))}${point()}${String(whole % parts).padStart(decimals, "0")}`;
 }

@@ -1,5 +1,6 @@
 import { describe, expect, it } from "vitest";
-import { axisTimes, counted, elapsed } from "./timeAxis";
+import { language } from "../../../../lib/i18n";
+import { axisTimes, counted, elapsed, timesOfDay } from "./timeAxis";
 
 describe("elapsed", () => {
   it("counts from the start in both directions", () => {
@@ -8,6 +9,15 @@ describe("elapsed", () => {
 
   it("has the decimals of its step, and never sixty seconds", () => {
     expect([elapsed(9.5, 0.5), elapsed(59.999, 0.01), elapsed(-0.0001, 0.1), elapsed(61.25, 0.05)]).toEqual(["0:09.5", "1:00.00", "0:00.0", "1:01.25"]);
+  });
+});
+
+describe("times in Russian", () => {
+  it("have a comma before their decimals", () => {
+    language.code = "ru";
+    expect([elapsed(9.5, 0.5), elapsed(9.5, 1)]).toEqual(["0:09,5", "0:10"]);
+    expect(timesOfDay([0.25], 0.1)[0]).toMatch(/:00,2$/);
+    language.code = "en";
   });
 });
 

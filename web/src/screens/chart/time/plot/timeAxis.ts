@@ -1,4 +1,6 @@
 // Labels of the time axis: times of day; in a comparison the time since the start of each recording.
+import { point } from "../../../../lib/i18n";
+
 const STEPS = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 14_400];
 
 const two = (part: number) => String(part).padStart(2, "0");
@@ -10,7 +12,7 @@ export function timesOfDay(splits: readonly number[], step: number): string[] {
     const minutes = `${two(date.getHours())}:${two(date.getMinutes())}`;
     if (step >= 60) return minutes;
     const seconds = `${minutes}:${two(date.getSeconds())}`;
-    return step >= 1 ? seconds : `${seconds}.${String(Math.round(date.getMilliseconds())).padStart(3, "0").slice(0, step >= 0.1 ? 1 : 3)}`;
+    return step >= 1 ? seconds : `${seconds}${point()}${String(Math.round(date.getMilliseconds())).padStart(3, "0").slice(0, step >= 0.1 ? 1 : 3)}`;
   });
 }
 
@@ -20,7 +22,7 @@ export function elapsed(seconds: number, step: number): string {
   const tidy = Number(Math.abs(seconds).toFixed(decimals));
   const hours = Math.floor(tidy / 3600);
   const minutes = Math.floor((tidy % 3600) / 60);
-  const rest = (tidy % 60).toFixed(decimals).padStart(decimals ? 3 + decimals : 2, "0");
+  const rest = (tidy % 60).toFixed(decimals).padStart(decimals ? 3 + decimals : 2, "0").replace(".", point());
   const sign = seconds < 0 && tidy > 0 ? "−" : "";
   return sign + (hours ? `${hours}:${two(minutes)}:${rest}` : `${minutes}:${rest}`);
 }
