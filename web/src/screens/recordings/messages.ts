@@ -4,7 +4,7 @@ import type { Recording } from "../../lib/api/types";
 export const t = dictionary({
   loading: { en: "Loading the recordings…", ru: "Загружаем записи…" },
   refresh: { en: "Refresh", ru: "Обновить" },
-  search: { en: "Search: car, plate, note, fault", ru: "Поиск: машина, номер, заметка, ошибка" },
+  search: { en: "Search: car, plate, note, fault", ru: "Машина, номер, заметка, ошибка" },
   count: {
     en: { one: "{n} recording", other: "{n} recordings" },
     ru: { one: "{n} запись", few: "{n} записи", many: "{n} записей" },

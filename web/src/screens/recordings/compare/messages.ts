@@ -34,7 +34,7 @@ export const t = dictionary({
   bar: { en: "Comparison", ru: "Сравнение" },
   solid: { en: "solid:", ru: "сплошная:" },
   dashed: { en: "dashed:", ru: "пунктир:" },
-  difference: { en: "Δ: this recording (solid) minus the second one (dashed)", ru: "Δ: эта запись (сплошная) минус вторая (пунктир)" },
+  difference: { en: "Δ: solid line minus dashed line", ru: "Δ: сплошная минус пунктир" },
   offset: { en: "Offset of the second recording, seconds", ru: "Сдвиг второй записи, секунд" },
   moved: { en: "moved by {seconds} s", ru: "сдвиг {seconds} с" },
   earlier: { en: "Second one {seconds} s to the left", ru: "Вторую на {seconds} с влево" },
