@@ -264,19 +264,20 @@ def test_a_laptop_shows_all_values_of_its_legends(drives, visitor, locale):
     assert tab.page.evaluate(LEGENDS) == []
 
 
-def test_a_phone_has_room_for_it_in_russian(drives, visitor):
-    tab = visitor(
-        drives.url, locale="ru-RU", viewport={"width": 390, "height": 844}, has_touch=True
-    )
+@pytest.mark.parametrize(("width", "height"), [(390, 844), (844, 390)])
+def test_a_phone_has_room_for_it_in_russian(drives, visitor, width, height):
+    viewport = {"width": width, "height": height}
+    tab = visitor(drives.url, locale="ru-RU", viewport=viewport, has_touch=True)
     tab.show("recordings").press("Сравнить good.pcapng с…")
     tab.page.get_by_role("dialog").get_by_role("button", name="bad.pcapng").tap()
     group = tab.page.get_by_role("group", name="Сравнение")
     expect(group).to_be_visible()
     expect(more(tab, "TWAT")).to_have_text("+32")
+    assert tab.find("#screen").bounding_box()["height"] > 160
     for button in group.get_by_role("button").all():
         box = button.bounding_box()
         assert box["x"] >= 0
-        assert box["x"] + box["width"] <= 390
+        assert box["x"] + box["width"] <= width
         assert box["height"] >= 40
     group.get_by_role("button", name="Закончить сравнение").tap()
     expect(group).to_have_count(0)
