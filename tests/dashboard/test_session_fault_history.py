@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import inf
+
 import pytest
 
 from mikas.catalog import shipped
@@ -51,3 +53,15 @@ def test_of_very_many_readings_of_the_faults_the_latest_are_kept():
     assert [reading.time for reading in history.readings] == [*map(float, range(150, 250)), 249.0]
     history.add([faults[1]], 260.0)  # the same again
     assert [reading.time for reading in history.readings][-2:] == [249.0, 260.0]
+
+
+def test_a_fault_was_last_absent_at_the_reading_before_it_came():
+    history, fault = FaultHistory(), shipped().fault(13)
+    history.add([fault], 1.0)
+    assert history.absent_at(13) == -inf
+    history.add([], 2.0)
+    history.add([fault], 3.0)
+    assert history.absent_at(13) == 2.0
+    history.add([], 4.0)
+    history.add([fault], 5.0, erased=True)  # and came back at once
+    assert history.absent_at(13) == 5.0

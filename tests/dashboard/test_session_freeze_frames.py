@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from dashboard.rig import rig
+from dashboard.rig import ME, rig
 
 CAR = "sim:?scenario=warm-idle&faults=71"
 NAMES = ("FREQ", "TWAT", "MINERR")
@@ -63,3 +63,8 @@ def test_what_was_erased_and_comes_back_has_another_frame(tmp_path):
         assert [again["code"], first["code"]] == [13, 13]
         assert again["without"] == pytest.approx(again["seen"], abs=1)
         assert first["seen"] < again["without"]
+        (fault,) = it.get("/faults")["faults"]
+        assert fault["frame"] == again["id"]
+        it.client.delete(f"/api/freeze-frames/{again['id']}", headers=ME)
+        (fault,) = it.get("/faults")["faults"]
+        assert fault["frame"] is None  # the other one is of an earlier appearance

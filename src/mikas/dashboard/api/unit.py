@@ -42,6 +42,9 @@ class StoredFault(BaseModel):
         description="those from the sensor whose circuit is faulty: perhaps substitute values"
     )
     first_seen: float
+    frame: str | None = Field(
+        description="the id of its freeze frame; null: there is none of this appearance"
+    )
 
 
 class FaultsResponse(BaseModel):
@@ -97,11 +100,12 @@ async def faults(dashboard: TheDashboard, client: Viewer, *, last: bool = False)
     if last:
         if (known := dashboard.fault_history.latest) is None:
             raise dashboard.connection.not_connected()
-        return _faults_response(known)
+        return _faults_response(dashboard, known)
     return _faults_response(
+        dashboard,
         await _latest(
             dashboard, client, dashboard.fault_history.latest, dashboard.fault_history.read
-        )
+        ),
     )
 
 
@@ -147,12 +151,22 @@ async def _latest(
     return await dashboard.connection.ask(job)
 
 
-def _faults_response(stored: StoredFaults) -> FaultsResponse:
-    shown = [fault_info(fault, stored.first_seen[fault.code]) for fault in stored.faults]
+def _faults_response(dashboard: Dashboard, stored: StoredFaults) -> FaultsResponse:
+    shown = [
+        fault_info(fault, stored.first_seen[fault.code], _frame_of(dashboard, fault.code))
+        for fault in stored.faults
+    ]
     return FaultsResponse(time=stored.time, faults=shown, count=len(shown))
 
 
-def fault_info(fault: Fault, first_seen: float) -> StoredFault:
+def _frame_of(dashboard: Dashboard, code: int) -> str | None:
+    """Return the latest freeze frame of a fault, unless the fault was absent since."""
+    absent = dashboard.fault_history.absent_at(code)
+    frames = dashboard.freeze_frames.frames
+    return next((it.id for it in frames if it.code == code and it.seen > absent), None)
+
+
+def fault_info(fault: Fault, first_seen: float, frame: str | None) -> StoredFault:
     """Return a stored fault as the catalog describes it."""
     return made_of(
         StoredFault,
@@ -162,6 +176,7 @@ def fault_info(fault: Fault, first_seen: float) -> StoredFault:
         related=fault.parameters,
         sensor=fault.sensor,
         first_seen=first_seen,
+        frame=frame,
     )
 
 

@@ -15,7 +15,7 @@ from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import repeat
-from math import isnan, nan
+from math import inf, isnan, nan
 from typing import Any, Final, TypeAlias, cast
 
 from mikas.catalog import Fault
@@ -198,6 +198,12 @@ class FaultHistory:
             if self.latest is None:
                 return ()
             return (*self._readings, FaultReading(self.latest.time, self._readings[-1].codes))
+
+    def absent_at(self, code: int) -> float:
+        """Return when a stored fault was last known to be absent; -inf: never here."""
+        with self._lock:
+            times = [it.time for it in self._readings if it.erased or code not in it.codes]
+        return max(times, default=-inf)
 
     def read(self, ecu: Ecu) -> StoredFaults:
         """Read the stored faults; a job of the sampling thread."""

@@ -823,10 +823,10 @@ export interface components {
             /** @description those from the sensor whose circuit is faulty: perhaps substitute values */
             sensor: string[];
             first_seen: number;
+            /** @description the id of its freeze frame; null: there is none of this appearance */
+            frame: string | null;
             /** @description a reading before the recording, or its first, had it */
             stored_before: boolean;
-            /** @description the id of its freeze frame; null: there is none */
-            frame: string | null;
         };
         /**
          * @description The faults of a recording's last session at the last reading; null: they were not read.
@@ -1095,6 +1095,8 @@ export interface components {
             /** @description those from the sensor whose circuit is faulty: perhaps substitute values */
             sensor: string[];
             first_seen: number;
+            /** @description the id of its freeze frame; null: there is none of this appearance */
+            frame: string | null;
         };
         /** @description `force`: also from another client. */
         TakeControlRequest: {

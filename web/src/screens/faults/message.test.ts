@@ -7,6 +7,7 @@ const fault = (code: number, text: string): Fault => ({
   text: { en: text, ru: "" },
   confidence: text ? "confirmed" : "unknown",
   certain: Boolean(text),
+  frame: null,
   informational: false,
   check: text ? { en: "the plug", ru: "" } : null,
   related: ["JAIR"],

@@ -28,7 +28,6 @@ class RecordedFault(StoredFault):
     """A fault that was stored at the last reading; `first_seen` is the time of a reading."""
 
     stored_before: bool = Field(description="a reading before the recording, or its first, had it")
-    frame: str | None = Field(description="the id of its freeze frame; null: there is none")
 
 
 class RecordedFaultsResponse(BaseModel):
@@ -74,7 +73,6 @@ def _fault(code: int, found: RecordedFaults, catalog: Catalog, began: float) -> 
     appeared = next((each for each in found.appeared if each.code == code), None)
     frame = appeared.frame if appeared and appeared.read == first else None
     return RecordedFault(
-        **fault_info(catalog.fault(code), first).model_dump(),
+        **fault_info(catalog.fault(code), first, frame.id if frame else None).model_dump(),
         stored_before=first <= max(began, found.readings[0].time),
-        frame=frame.id if frame else None,
     )
