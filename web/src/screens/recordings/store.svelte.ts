@@ -31,12 +31,16 @@ class RecordingStore {
     const answer = await attempt(() => api.markReference(id, on));
     if (!answer) return;
     this.references.value = answer;
-    this.list.value = (this.list.value ?? []).map((it) => (it.id === id ? { ...it, reference: on } : it));
+    this.update(id, { reference: on });
   }
 
   /** Update a saved note without loading the list again. */
   noted(id: string, note: string): void {
-    this.list.value = (this.list.value ?? []).map((it) => (it.id === id ? { ...it, note } : it));
+    this.update(id, { note });
+  }
+
+  private update(id: string, changed: Partial<Recording>): void {
+    this.list.value = this.list.value?.map((it) => (it.id === id ? { ...it, ...changed } : it)) ?? null;
   }
 }
 
