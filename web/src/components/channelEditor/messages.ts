@@ -4,9 +4,10 @@ export const t = dictionary({
   new: { en: "New channel", ru: "Новый канал" },
   newMore: { en: "New channel…", ru: "Новый канал…" },
   title: { en: "Channel {name}", ru: "Канал {name}" },
-  text: { en: "Name for people", ru: "Название" },
+  text: { en: "Name", ru: "Название" },
+  fillIn: { en: "To save it, fill in: {fields}", ru: "Чтобы сохранить, заполните: {fields}" },
   textHint: { en: "Engine load", ru: "Нагрузка двигателя" },
-  name: { en: "Short name", ru: "Короткое имя" },
+  name: { en: "Name in formulas", ru: "Имя в формулах" },
   nameHelp: {
     en: "Latin letters, digits and _, beginning with a letter. Formulas and exports use it; it stays as it is.",
     ru: "Латинские буквы, цифры и _, первой стоит буква. Так канал зовут в формулах и экспорте; потом не меняется.",
