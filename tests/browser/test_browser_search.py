@@ -32,7 +32,8 @@ def test_moments_are_found_marked_and_gone_through(own, visitor):
     expect(tab.traced("TWAT")).to_have_text("105")
 
     tab.show("recordings")
-    tab.find("tbody tr").get_by_role("link").first.click()
+    tab.find("tbody tr").get_by_role("button", name="Open", exact=True).click()
+    expect(tab.page.get_by_role("slider", name="Position in the recording")).to_be_visible()
     tab.show("chart")
     search(tab, "TWAT > 104")
     expect(found).to_contain_text("TWAT > 104 (TWAT up to 105)")
