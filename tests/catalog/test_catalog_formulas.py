@@ -164,7 +164,7 @@ TOO_DEEP = (
             "-[" * 199 + "lambda:" * 57 + "x" + "]" * 199,
             "is not a formula",
         ),  # Python runs out of stack
-        ("x # y\n+ 1", "has a `#` in it"),
+        ("x # y\n+ 1", "has a “#” in it"),
         ("1 + 2", "names no parameter"),
         ("x" * (LONGEST + 1), f"is longer than {LONGEST} signs"),
         ("x + " * 240 + "x", f"is nested more than {DEEPEST} levels deep"),
@@ -174,47 +174,47 @@ TOO_DEEP = (
         ("9" * 900 + " * x", "has a number that is too large"),
         ("x < y < 3", "has a chain of comparisons"),
         # what is not arithmetic
-        ("x.real", "has `x.real` in it; there are numbers, names, "),
-        ("x.__class__.__mro__", "has `x.__class__.__mro__` in it"),
-        ("x[0]", "has `x[0]` in it"),
-        ("'a' * 999999999 + x", "has `'a'` in it"),
-        ("b'a'", "has `b'a'` in it"),
+        ("x.real", "has “x.real” in it; there are numbers, names, "),
+        ("x.__class__.__mro__", "has “x.__class__.__mro__” in it"),
+        ("x[0]", "has “x[0]” in it"),
+        ("'a' * 999999999 + x", "has “'a'” in it"),
+        ("b'a'", "has “b'a'” in it"),
         ("f'{x:>99999999}'", "in it"),
-        ("'\\d'", r"has `'\d'` in it"),  # and Python's warning of the \d is not shown
-        ("1j * x", "has `1j` in it"),
-        ("None", "has `None` in it"),
-        ("...", "has `...` in it"),
-        ("[x] * 9", "has `[x]` in it"),
-        ("(x, 1)", "has `(x, 1)` in it"),
-        ("{x: 1}", "has `{x: 1}` in it"),
-        ("[y for y in x]", "has `[y for y in x]` in it"),
-        ("lambda: x", "has `lambda: x` in it"),
-        ("(x := 1)", "has `x := 1` in it"),
+        ("'\\d'", r"has “'\d'” in it"),  # and Python's warning of the \d is not shown
+        ("1j * x", "has “1j” in it"),
+        ("None", "has “None” in it"),
+        ("...", "has “...” in it"),
+        ("[x] * 9", "has “[x]” in it"),
+        ("(x, 1)", "has “(x, 1)” in it"),
+        ("{x: 1}", "has “{x: 1}” in it"),
+        ("[y for y in x]", "has “[y for y in x]” in it"),
+        ("lambda: x", "has “lambda: x” in it"),
+        ("(x := 1)", "has “x := 1” in it"),
         ("yield x", "is not a formula"),
-        ("(yield x)", "has `yield x` in it"),
-        ("await x", "has `await x` in it"),
-        ("x % 2", "has `%` in it"),
-        ("x // 2", "has `//` in it"),
-        ("x & 2", "has `&` in it"),
-        ("x | 2", "has `|` in it"),
-        ("x ^ 2", "has `^` in it"),
-        ("1 << 99 << 99", "has `1 << 99 << 99` in it"),
-        ("x @ y", "has `x @ y` in it"),
-        ("~x", "has `~x` in it"),
-        ("x is y", "has `x is y` in it"),
-        ("x in y", "has `x in y` in it"),
-        ("температура.x" + ".x" * 50, "has `температура.x.x"),
+        ("(yield x)", "has “yield x” in it"),
+        ("await x", "has “await x” in it"),
+        ("x % 2", "has “%” in it"),
+        ("x // 2", "has “//” in it"),
+        ("x & 2", "has “&” in it"),
+        ("x | 2", "has “|” in it"),
+        ("x ^ 2", "has “^” in it"),
+        ("1 << 99 << 99", "has “1 << 99 << 99” in it"),
+        ("x @ y", "has “x @ y” in it"),
+        ("~x", "has “~x” in it"),
+        ("x is y", "has “x is y” in it"),
+        ("x in y", "has “x in y” in it"),
+        ("температура.x" + ".x" * 50, "has “температура.x.x"),
         # calls
-        ("eval(x)", "calls `eval`, which there is not; there is min, max, abs, sqrt, where, clip"),
-        ("mim(x, 1)", "calls `mim`, which there is not; there is `min`"),
-        ("x(1)", "calls `x`"),
-        ("min(x)(1)", "has `min(x)(1)` in it"),
-        ("min(x, key=abs)", "has `min(x, key=abs)` in it"),
-        ("min(*x, *y)", "has `*x` in it"),
-        ("min(x, **y)", "has `min(x, **y)` in it"),
-        ("min(x)", "gives `min` 1 argument(s); it takes 2+"),
-        ("sqrt(x, 1)", "gives `sqrt` 2 argument(s); it takes 1"),
-        ("where(x, 1)", "gives `where` 2 argument(s); it takes 3"),
+        ("eval(x)", "calls “eval”, which there is not; there is min, max, abs, sqrt, where, clip"),
+        ("mim(x, 1)", "calls “mim”, which there is not; there is min"),
+        ("x(1)", "calls “x”"),
+        ("min(x)(1)", "has “min(x)(1)” in it"),
+        ("min(x, key=abs)", "has “min(x, key=abs)” in it"),
+        ("min(*x, *y)", "has “*x” in it"),
+        ("min(x, **y)", "has “min(x, **y)” in it"),
+        ("min(x)", "gives “min” 1 argument(s); it takes 2+"),
+        ("sqrt(x, 1)", "gives “sqrt” 2 argument(s); it takes 1"),
+        ("where(x, 1)", "gives “where” 2 argument(s); it takes 3"),
     ],
 )
 def test_refused(formula: str, problem: str) -> None:
@@ -226,7 +226,7 @@ def test_refused(formula: str, problem: str) -> None:
 
 
 def test_what_is_not_allowed_is_shown_in_full_up_to_40_signs() -> None:
-    for name, shown in (("x" * 38, f"`{'x' * 38}.y`"), ("x" * 39, f"`{'x' * 39}.…`")):
+    for name, shown in (("x" * 38, f"“{'x' * 38}.y”"), ("x" * 39, f"“{'x' * 39}.…”")):
         with pytest.raises(UsageError) as caught:
             parse(f"{name}.y", {})
         assert f"has {shown} in it" in caught.value.reason.en
@@ -242,7 +242,7 @@ def test_arguments_that_a_function_takes(name: str, fewest: int, most: int) -> N
         if fewest <= count <= most:
             assert parse(formula, {}).inputs == ("X",)
         else:
-            with pytest.raises(UsageError, match=f"gives `{name}` {count} argument"):
+            with pytest.raises(UsageError, match=f"gives “{name}” {count} argument"):
                 parse(formula, {})
 
 

@@ -89,7 +89,7 @@ def _wrong(en: str, ru: str, span: tuple[int, int] | None = None) -> FormulaErro
 def _syntax(line: str) -> ast.expr:
     if "#" in line:  # a comment would hide the rest of the joined lines
         at = line.index("#")
-        raise _wrong("has a `#` in it", "содержит `#`", (at, at + 1))
+        raise _wrong("has a “#” in it", "содержит «#»", (at, at + 1))
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
@@ -137,8 +137,8 @@ class _PlainForm:
                 return ast.Compare(left, [operator], [right])
             case ast.Compare(ops=[_, _, *_]):
                 raise _wrong(
-                    "has a chain of comparisons; write `a < b and b < c`",
-                    "содержит цепочку сравнений; пишите `a < b and b < c`",
+                    "has a chain of comparisons; write “a < b and b < c”",
+                    "содержит цепочку сравнений; пишите «a < b and b < c»",
                     self._span(node),
                 )
             case ast.BoolOp():
@@ -175,18 +175,18 @@ class _PlainForm:
         arguments = node.args
         if name not in FUNCTIONS:
             close = nearest(name, FUNCTIONS)
-            known = f"`{close[0]}`" if close else ", ".join(FUNCTIONS)
+            known = close[0] if close else ", ".join(FUNCTIONS)
             raise _wrong(
-                f"calls `{name}`, which there is not; there is {known}",
-                f"функции `{name}` нет; есть {known}",
+                f"calls “{name}”, which there is not; there is {known}",
+                f"функции «{name}» нет; есть {known}",
                 self._span(node.func),
             )
         fewest, most = FUNCTIONS[name]
         if not fewest <= len(arguments) <= most:
             count = f"{fewest}" if fewest == most else f"{fewest}+"
             raise _wrong(
-                f"gives `{name}` {len(arguments)} argument(s); it takes {count}",
-                f"аргументов у `{name}`: {len(arguments)}, а нужно {count}",
+                f"gives “{name}” {len(arguments)} argument(s); it takes {count}",
+                f"аргументов у «{name}»: {len(arguments)}, а нужно {count}",
                 self._span(node),
             )
         return ast.Call(ast.Name(name, ast.Load()), self._all(arguments, depth), [])
@@ -206,9 +206,9 @@ class _PlainForm:
             at = self._line.decode().find(sign, behind)
             span = (at, at + len(sign))
         return _wrong(
-            f"has `{part}` in it; there are numbers, names, + - * / **, comparisons, and, or, not, "
+            f"has “{part}” in it; there are numbers, names, + - * / **, comparisons, and, or, not, "
             f"if … else, {', '.join(FUNCTIONS)}",
-            f"содержит `{part}`; есть числа, имена, + - * / **, сравнения, and, or, not, "
+            f"содержит «{part}»; есть числа, имена, + - * / **, сравнения, and, or, not, "
             f"if … else, {', '.join(FUNCTIONS)}",
             span,
         )
