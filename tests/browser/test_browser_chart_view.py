@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from datetime import datetime
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
@@ -122,6 +123,7 @@ def test_a_references_range_is_a_stripe_behind_the_live_trace(own, visitor):
         tab.page.get_by_role("dialog").get_by_role("button", name="Save SVG").click()
     svg = Path(download.value.path()).read_text("utf-8")
     assert "fill-opacity" in svg
+    assert f"<title>live values · {datetime.now().astimezone():%d %b %Y}" in svg
     assert f"stripes: range of ★ {recording['id']}" in svg
     tab.page.keyboard.press("Escape")
 
@@ -313,6 +315,8 @@ def test_markers_of_a_recording_are_found_and_named(stored, visitor):
 
 
 def test_the_chart_is_saved_as_vectors_and_as_an_image_and_copied(stored, visitor):
+    car = {"car": "Volga 3110", "plate": "А123ВС 52", "mileage": None, "workshop": ""}
+    stored.put("/recordings/trip.pcapng/car", car)
     tab = opened(stored, visitor)
     tab.page.context.grant_permissions(["clipboard-read", "clipboard-write"], origin=tab.url)
     tab.press("More tools")
@@ -327,7 +331,7 @@ def test_the_chart_is_saved_as_vectors_and_as_an_image_and_copied(stored, visito
     assert "path" in drawn
     assert "image" not in drawn
     texts = [child.text for child in root.iter() if child.tag.endswith("text")]
-    assert any("trip.pcapng" in text for text in texts)
+    assert any(text.startswith("Volga 3110 · А123ВС 52 · trip.pcapng") for text in texts)
     assert any("Mikas 7.1" in text for text in texts)
     assert "87 °C" in texts
     assert any("Coolant" in text for text in texts)

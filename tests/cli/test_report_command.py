@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import shutil
 from dataclasses import replace
@@ -10,6 +11,7 @@ from pathlib import Path
 import pytest
 from cli_harness import is_one_short_paragraph, is_russian
 
+from dashboard.recordings_rig import record_fault
 from mikas.client.cars import CarDetails
 from mikas.recording.summary import summarise
 
@@ -42,6 +44,18 @@ def test_of_a_recording(mikas, drive, tmp_path) -> None:
     assert "drive.pcapng" in page(tmp_path)
     assert drive.read_bytes() == before
     assert not list(tmp_path.glob("*.part"))
+
+
+def test_the_freeze_frame_of_a_fault_that_appeared(mikas, tmp_path) -> None:
+    record_fault(tmp_path / "fault.pcapng")
+    ran = mikas("report", "fault.pcapng", "-o", "car.html", "--json")
+    assert ran.status == 0, ran.err
+    (frame,) = json.loads(ran.out)["freeze_frames"]
+    assert frame["code"] == 13
+    assert 0 < frame["seen"] - frame["without"] < 5
+    assert frame["values"]["MINERR"]["value"] == 13
+    coolant = frame["values"]["TWAT"]
+    assert 80 < coolant["low"] <= coolant["value"] <= coolant["high"] < 100
 
 
 def test_measured_now(mikas, tmp_path) -> None:

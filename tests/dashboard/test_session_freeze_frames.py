@@ -38,6 +38,9 @@ def test_a_new_fault_has_the_values_of_its_moment_and_they_survive_the_program(t
             return times[-1] > frame["seen"] + 4 and times[0] < frame["without"] - 4
 
         it.until(lambda message: is_whole())
+        report = it.get("/report").text
+        assert "The unit stored the fault between" in report
+        assert "No freeze frame (71): stored before the first reading" in report
         assert it.get("/freeze-frames/1.000-13", 404)["code"] == "NotFound"
     (kept,) = (tmp_path / "state" / "freeze-frames").rglob("*.json")
     (kept.parent / "2.000-9.json").write_text('{"code": "no"}')
