@@ -98,6 +98,7 @@ def test_a_test_over_the_recording_that_is_shown(own, visitor):
     tab.show("tests")
     tab.says("The tests look for their steps in the recording")
     tab.find("[data-test=quick]").get_by_role("button", name="Test the recording").click()
+    tab.says("This result is not kept")
     expect(tab.find("section.verdict")).to_contain_text("Only 13.8 V.")
     expect(tab.find("section.verdict .when")).to_contain_text(".pcapng, from 00:00 to 00:0")
     expect(tab.button("Add to report")).to_have_count(0)

@@ -34,6 +34,10 @@ export const t = dictionary({
     en: "Left out: values don't show whether it was done",
     ru: "Пропущено: по данным не видно, сделано ли это",
   },
+  not_kept: {
+    en: "This result is not kept: the recording gives it again at any time.",
+    ru: "Этот результат не сохраняется: по записи проверку можно повторить в любое время.",
+  },
   in_recording: { en: "{name}, from {from} to {to}", ru: "{name}, с {from} по {to}" },
   show: { en: "Show in the chart", ru: "Показать на графике" },
   repeat: { en: "Repeat", ru: "Повторить" },
