@@ -225,6 +225,31 @@ def test_refused(formula: str, problem: str) -> None:
     assert len(caught.value.reason.en) < 300
 
 
+@pytest.mark.parametrize(
+    ("formula", "seen", "right"),
+    [
+        ("x AND y", "AND", "and"),
+        ("x > 1 && y", "&&", "and"),
+        ("x || y", "||", "or"),
+        ("NOT x", "NOT", "not"),
+        ("x <> 1", "<>", "!="),
+        ("x > 1 ? 2 : 3", "?", "a if c else b"),
+        ("x = 1", "=", "=="),
+        ("x >= 1 and y = 1", "=", "=="),
+        ("1,5 * x", ",", "."),
+        ("x > 1,5", ",", "."),
+        ("x and y > 1,5 y", ",", "."),
+    ],
+)
+def test_the_habits_of_other_programs(formula: str, seen: str, right: str) -> None:
+    with pytest.raises(FormulaError) as caught:
+        parse(formula, {})
+    assert f"`{seen}` is written `{right}`" in caught.value.reason.en
+    assert f"вместо `{seen}` пишут `{right}`" in caught.value.reason.ru
+    first, after = caught.value.span
+    assert formula[first:after] == seen
+
+
 def test_what_is_not_allowed_is_shown_in_full_up_to_40_signs() -> None:
     for name, shown in (("x" * 38, f"“{'x' * 38}.y”"), ("x" * 39, f"“{'x' * 39}.…”")):
         with pytest.raises(UsageError) as caught:

@@ -12,8 +12,9 @@ In the plain form every condition is a call of `where`, so that it works on arra
 from __future__ import annotations
 
 import ast
+import re
 import warnings
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import isfinite
 
@@ -36,6 +37,17 @@ FUNCTIONS: Mapping[str, tuple[int, int]] = {
 
 OPERATORS = (ast.Add, ast.Sub, ast.Mult, ast.Div, ast.Pow)
 COMPARISONS = (ast.Lt, ast.LtE, ast.Gt, ast.GtE, ast.Eq, ast.NotEq)
+
+_HABITS: tuple[tuple[re.Pattern[str], Callable[[str], str]], ...] = (
+    (re.compile(r"\b(?:AND|OR|NOT|IF|ELSE)\b"), str.lower),
+    (re.compile(r"&&"), lambda _: "and"),
+    (re.compile(r"\|\|"), lambda _: "or"),
+    (re.compile(r"<>"), lambda _: "!="),
+    (re.compile(r"\?"), lambda _: "a if c else b"),
+    (re.compile(r"(?<![<>=!:])=(?!=)"), lambda _: "=="),
+    (re.compile(r"(?<=\d),(?=\d)"), lambda _: "."),
+)
+"""What other programs write, and how it is written here."""
 
 _SIGNS = {ast.Mod: "%", ast.FloorDiv: "//", ast.BitAnd: "&", ast.BitOr: "|", ast.BitXor: "^"}
 
@@ -95,6 +107,8 @@ def _syntax(line: str) -> ast.expr:
             warnings.simplefilter("ignore")
             return ast.parse(line, mode="eval").body
     except SyntaxError as error:
+        if habit := _habit(line):
+            raise habit from None
         place = error.offset or len(line) + 1  # no place: the end is missing
         raise _wrong(
             f"is not a formula: {error.msg} (character {place})",
@@ -103,6 +117,19 @@ def _syntax(line: str) -> ast.expr:
         ) from None
     except (ValueError, RecursionError, MemoryError) as error:
         raise _wrong(f"is not a formula: {error}", "ошибка в записи") from None
+
+
+def _habit(line: str) -> FormulaError | None:
+    """Return what to write instead of the first thing that only other programs understand."""
+    for pattern, instead in _HABITS:
+        if found := pattern.search(line):
+            seen, right = found[0], instead(found[0])
+            return _wrong(
+                f"is no formula: `{seen}` is written `{right}`",
+                f"ошибка в записи: вместо `{seen}` пишут `{right}`",
+                found.span(),
+            )
+    return None
 
 
 class _PlainForm:
@@ -198,6 +225,8 @@ class _PlainForm:
         return first, after
 
     def _not_allowed(self, node: ast.expr) -> FormulaError:
+        if isinstance(node, ast.Tuple) and (habit := _habit(self._line.decode())):
+            return habit
         span = self._span(node)
         part = self._line[node.col_offset : node.end_col_offset].decode()
         part = part if len(part) <= 40 else f"{part[:40]}…"
