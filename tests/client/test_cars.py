@@ -87,3 +87,5 @@ def test_nothing_is_kept_of_a_virtual_unit_unless_asked_for(tmp_path) -> None:
     book = CarBook(tmp_path / "cars.json", virtual_units=False)
     book.keep(10, ("A", VIRTUAL_PASSPORT), VOLGA)
     assert book.of(10, ("A", VIRTUAL_PASSPORT)) is None
+    assert not book.keeps(10, ("A", VIRTUAL_PASSPORT))
+    assert book.keeps(10, ("A", "B"))

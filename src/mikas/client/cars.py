@@ -83,6 +83,10 @@ class CarBook:
         self._virtual_units = virtual_units
         self._lock = threading.Lock()
 
+    def keeps(self, version_code: int | None, passports: tuple[str, ...]) -> bool:
+        """Return whether the details of this unit can be kept."""
+        return self._key(version_code, passports) is not None
+
     def of(self, version_code: int | None, passports: tuple[str, ...]) -> CarDetails | None:
         """Return the details of a unit; `mileage` is the last one given. None: never asked."""
         stored = self._load()

@@ -100,7 +100,7 @@ export interface components {
             /** @description km */
             mileage: number | null;
             workshop: string;
-            /** @description a unit with a passport answers, so its car can be kept */
+            /** @description a unit answers whose car can be kept: it has a passport */
             unit: boolean;
             /** @description the details were given, or put off, once */
             asked: boolean;

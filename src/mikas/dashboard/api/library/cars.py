@@ -54,7 +54,7 @@ class CarRequest(BaseModel):
 class CarResponse(CarInfo):
     """The car of the connected unit. `mileage`: the last one given."""
 
-    unit: bool = Field(description="a unit with a passport answers, so its car can be kept")
+    unit: bool = Field(description="a unit answers whose car can be kept: it has a passport")
     asked: bool = Field(description="the details were given, or put off, once")
 
     @classmethod
@@ -63,7 +63,8 @@ class CarResponse(CarInfo):
         version_code, pieces = _unit(dashboard)
         kept = dashboard.cars.of(version_code, pieces)
         shown = kept or CarDetails(workshop=dashboard.cars.workshop)
-        return cls(**asdict(shown), unit=any(pieces), asked=kept is not None)
+        keeps = dashboard.cars.keeps(version_code, pieces)
+        return cls(**asdict(shown), unit=keeps, asked=kept is not None)
 
 
 @router.get("/car", responses=errors())
