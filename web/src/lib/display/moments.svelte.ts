@@ -4,28 +4,32 @@ import type { Stretch } from "../pairs/stretches";
 import { cursors } from "./cursors.svelte";
 
 class Moments {
-  /** What was looked for, as it is shown. */
-  title = $state("");
+  private words = $state.raw<() => string>(() => "");
   list = $state.raw<readonly Stretch[]>([]);
   /** The view of the chart in which they were found. */
   origin = $state<"scatter" | "table" | null>(null);
   /** The current one's number; −1: none yet. */
   at = $state(-1);
 
+  /** What was looked for, as it is shown: in the language of now. */
+  get title(): string {
+    return this.words();
+  }
+
   get current(): Stretch | undefined {
     return this.list[this.at];
   }
 
   /** Mark these, in the order of time; the first one becomes the current one. */
-  mark(title: string, list: readonly Stretch[], origin: typeof this.origin = null): void {
-    this.title = title;
+  mark(title: () => string, list: readonly Stretch[], origin: typeof this.origin = null): void {
+    this.words = title;
     this.origin = origin;
     this.list = list;
     this.go(list.length > 0 ? 0 : -1);
   }
 
   clear(): void {
-    this.title = "";
+    this.words = () => "";
     this.list = [];
     this.origin = null;
     this.at = -1;

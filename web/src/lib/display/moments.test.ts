@@ -1,4 +1,5 @@
 import { beforeEach, describe, expect, it } from "vitest";
+import { language } from "../i18n";
 import { cursors } from "./cursors.svelte";
 import { bandsOf, moments } from "./moments.svelte";
 
@@ -11,7 +12,7 @@ describe("moments", () => {
   });
 
   it("are visited in both directions, the cursor with them", () => {
-    moments.mark("x", list);
+    moments.mark(() => "x", list);
     const visited = [moments.next, moments.next, moments.next, moments.previous].map((step) => (step.call(moments), cursors.a));
     expect(visited).toEqual([5, 9, 1, 9]);
   });
@@ -19,13 +20,21 @@ describe("moments", () => {
   it("leave a selection as it is", () => {
     cursors.a = 3;
     cursors.b = 7;
-    moments.mark("x", list);
+    moments.mark(() => "x", list);
     moments.next();
     expect([cursors.between, moments.current]).toEqual([[3, 7], list[1]]);
   });
 
+  it("are titled in the language of now", () => {
+    moments.mark(() => language.code, list);
+    language.code = "ru";
+    expect(moments.title).toBe("ru");
+    language.code = "en";
+    expect(moments.title).toBe("en");
+  });
+
   it("may be none", () => {
-    moments.mark("x", []);
+    moments.mark(() => "x", []);
     moments.next();
     moments.previous();
     expect([moments.current, cursors.a]).toEqual([undefined, null]);

@@ -8,7 +8,7 @@ import { view } from "../chart/time/view.svelte";
 /** s before and after the moment. */
 const AROUND = 10;
 
-export function showMoment({ without, seen }: FreezeFrame, title: string): void {
+export function showMoment({ without, seen }: FreezeFrame, title: () => string): void {
   player.pause();
   player.seek(seen);
   moments.mark(title, [{ from: without, to: seen }]);

@@ -51,7 +51,8 @@ class Find {
         this.nowhere = this.expression;
         return;
       }
-      moments.mark(titleOf(this.expression, found), found.hits.map(({ begin, end }) => ({ from: begin, to: end })));
+      const { expression } = this;
+      moments.mark(() => titleOf(expression, found), found.hits.map(({ begin, end }) => ({ from: begin, to: end })));
       this.open = false;
     } catch (error) {
       if (!(error instanceof ApiError)) throw error;
