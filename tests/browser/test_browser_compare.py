@@ -111,6 +111,12 @@ def test_both_values_and_their_difference_are_shown(compared):
     expect(more(compared, "TWAT")).to_have_text("+29")
 
 
+def test_a_small_laptop_has_room_for_every_difference(compared):
+    compared.page.set_viewport_size({"width": 1366, "height": 768})
+    for name in (*BOTH, "UOZ"):
+        expect(compared.find(f'[data-second="{name}"]')).to_be_in_viewport(ratio=1)
+
+
 def test_a_channel_missing_in_the_second_recording_is_named(compared):
     expect(compared.traced("UOZ")).to_have_text("−3.5")
     expect(compared.find('[data-second="UOZ"]')).to_contain_text("not recorded")
