@@ -118,9 +118,13 @@ def test_a_channel_of_ones_own(own, visitor):
     tab.button("About Double voltage").click()
     sheet(tab).get_by_role("button", name="Edit the channel…").click()
     editor = tab.page.get_by_role("dialog", name="Channel TWICE")
+    tab.page.set_viewport_size({"width": 1280, "height": 600})
     editor.get_by_role("button", name="Delete").click()
+    expect(editor.get_by_role("button", name="Delete it")).to_be_in_viewport()
     editor.get_by_role("button", name="Delete it").click()
     expect(editor).to_have_count(0)
+    tab.says("Channel deleted: TWICE")
+    expect(tab.traced("TWICE")).to_have_count(0)
     own.until(lambda: "TWICE" not in [it["name"] for it in own.state()["plan"]["wanted"]])
 
 

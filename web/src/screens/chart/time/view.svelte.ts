@@ -1,4 +1,5 @@
 // The view of the chart: panes with their traces (stored in this browser), time window, value zoom, stacking. It outlives the screen.
+import { channelEditor } from "../../../lib/channels/channelEditor.svelte";
 import { comparison } from "../../../lib/recording/comparison.svelte";
 import { cursors } from "../../../lib/display/cursors.svelte";
 import { moments } from "../../../lib/display/moments.svelte";
@@ -268,3 +269,4 @@ function tidy(panes: Pane[]): Pane[] {
 }
 
 export const view = new View();
+channelEditor.whenDeleted((name) => view.remove(name));
