@@ -63,3 +63,11 @@ it("a line is interrupted between two points only", () => {
   expect(piecesOf([0, 1, 2, 3, 4, 5], cells, [[1, 4]])).toEqual([[[0, 1], [1, 2]], [[4, 3], [5, 4]]]);
   expect(piecesOf([0, 1, 2, 3, 4, 5], cells, [[4.2, 4.8], [1, 4]])).toHaveLength(3);
 });
+
+it("a line that stands still goes up to its interruption and on behind it", () => {
+  const cells = [7, undefined, undefined, undefined, 7, 9];
+  const times = [0, 10, 20, 30, 40, 50];
+  expect(piecesOf(times, cells, [[12, 18]])).toEqual([[[0, 7], [12, 7]], [[18, 7], [40, 7], [50, 9]]]);
+  expect(piecesOf(times, cells, [[32, 38], [12, 18], [10, 15]])).toEqual([[[0, 7], [10, 7]], [[18, 7], [32, 7]], [[38, 7], [40, 7], [50, 9]]]);
+  expect(piecesOf(times, cells, [[0, 40]])).toEqual([[[0, 7]], [[40, 7], [50, 9]]]);
+});
