@@ -244,8 +244,8 @@ def test_refused(formula: str, problem: str) -> None:
 def test_the_habits_of_other_programs(formula: str, seen: str, right: str) -> None:
     with pytest.raises(FormulaError) as caught:
         parse(formula, {})
-    assert f"`{seen}` is written `{right}`" in caught.value.reason.en
-    assert f"вместо `{seen}` пишут `{right}`" in caught.value.reason.ru
+    assert f"“{seen}” is written “{right}”" in caught.value.reason.en
+    assert f"вместо «{seen}» пишут «{right}»" in caught.value.reason.ru
     first, after = caught.value.span
     assert formula[first:after] == seen
 
