@@ -125,7 +125,7 @@ def _habit(line: str) -> FormulaError | None:
         if found := pattern.search(line):
             seen, right = found[0], instead(found[0])
             return _wrong(
-                f"is no formula: “{seen}” is written “{right}”",
+                f"is not a formula: “{seen}” is written “{right}”",
                 f"ошибка в записи: вместо «{seen}» пишут «{right}»",
                 found.span(),
             )
