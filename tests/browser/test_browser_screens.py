@@ -61,18 +61,16 @@ def there(tab, screen):
         expect(tab.page.frame_locator("iframe").locator("h1")).to_be_visible()
 
 
-def serious(tab, name):
+def violations(tab, name):
     """What axe has against the page as it is."""
     found = tab.page.evaluate("axe.run(document, {iframes: false, resultTypes: ['violations']})")
     return {
-        f"{name}: {it['id']}": [node["html"] for node in it["nodes"]]
-        for it in found["violations"]
-        if it["impact"] in ("serious", "critical")
+        f"{name}: {it['id']}": [node["html"] for node in it["nodes"]] for it in found["violations"]
     }
 
 
 @pytest.mark.parametrize("theme", ["light", "dark"])
-def test_axe_has_nothing_serious_against_any_screen(lived_in, visitor, theme):
+def test_axe_has_nothing_against_any_screen(lived_in, visitor, theme):
     lived_in.nobody_controls()
     tab = visitor(lived_in.url, color_scheme=theme)
     findings = {}
@@ -80,7 +78,7 @@ def test_axe_has_nothing_serious_against_any_screen(lived_in, visitor, theme):
     tab.page.evaluate(AXE.read_text("utf-8"))
     for screen in SCREENS:
         there(tab, screen)
-        findings |= serious(tab, screen)
+        findings |= violations(tab, screen)
     assert findings == {}
 
 
@@ -141,7 +139,7 @@ def further(tab):
 
 
 @pytest.mark.parametrize("theme", ["light", "dark"])
-def test_axe_has_nothing_serious_against_sheets_and_views(lived_in, visitor, theme):
+def test_axe_has_nothing_against_sheets_and_views(lived_in, visitor, theme):
     lived_in.nobody_controls()
     tab = visitor(lived_in.url, color_scheme=theme)
     tab.show("live")
@@ -149,7 +147,7 @@ def test_axe_has_nothing_serious_against_sheets_and_views(lived_in, visitor, the
     tab.page.evaluate(AXE.read_text("utf-8"))
     findings = {}
     for name in further(tab):
-        findings |= serious(tab, name)
+        findings |= violations(tab, name)
         tab.page.screenshot(
             path=PICTURES / f"{name}-en-{'day' if theme == 'light' else 'night'}.png"
         )
