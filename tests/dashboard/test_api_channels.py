@@ -132,6 +132,9 @@ def test_who_may_change_and_what_is_refused(warm):
     own: OwnCatalog = warm.dashboard.catalogs.own
     own.path.write_text("[parameter.TWAT\n", "utf-8")
     assert "catalog.toml:1" in warm.get("/catalog")["problem"]["en"]
+    said = warm.get("/about")["problems"][0]["en"]
+    assert said.startswith("Your own catalog was left out: ")
+    assert "catalog.toml:1" in said
     assert "catalog.toml:1" in warm.put("/channels/TWAT/keys", {"gauge": [0, 9]}, 400)["en"]
     assert own.path.read_text("utf-8") == "[parameter.TWAT\n"
 

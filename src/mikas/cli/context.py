@@ -99,15 +99,12 @@ class CommandContext:
     @cached_property
     def options(self) -> ConnectionOptions:
         """The options of the connection, with the shipped catalog overlaid by the user's files."""
+        from mikas.catalog.own.file import left_out
         from mikas.client.connecting import ConnectionOptions
 
         loaded = self.own_catalog.load()
         if (problem := loaded.problem) is not None:
-            reason = problem.reason
-            self.say(
-                f"Your own catalog was left out: {reason.en}",
-                f"Ваш каталог не подключён: {reason.ru}",
-            )
+            self.say(*left_out(problem))
         return ConnectionOptions(catalog=loaded.catalog, **self.connection)
 
     def say(self, en: str, ru: str) -> None:

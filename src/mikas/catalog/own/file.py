@@ -44,6 +44,13 @@ class Loaded:
     problem: CatalogError | None = None
 
 
+def left_out(problem: CatalogError) -> Text:
+    """Return the sentence about a file that was left out, with the reason."""
+    return Text(
+        "Your own catalog was left out: {reason}", "Ваш каталог не подключён: {reason}"
+    ).filled(reason=problem.reason)
+
+
 class OwnCatalog:
     """The file `path`, which need not exist, below `more` files. One change at a time."""
 

@@ -17,6 +17,7 @@ from fastapi.responses import JSONResponse, Response
 from pydantic import BaseModel, Field
 
 from mikas.catalog import Confidence
+from mikas.catalog.own.file import left_out
 from mikas.dashboard.api.channels.definitions import ChannelInfo, channel_info
 from mikas.dashboard.api.dependencies import KnownClient, Names, TheDashboard, Viewer, split_names
 from mikas.dashboard.api.errors import TwoTexts, content, errors, two, two_or_none
@@ -119,6 +120,8 @@ class HistoryResponse(LiveRows):
 def about(request: Request, dashboard: TheDashboard, client: Viewer) -> AboutResponse:
     """Return the server's version, addresses and folder, and the client's rights."""
     access: Access = request.app.state.access
+    own = dashboard.catalogs.problem
+    unusable = [*([left_out(own)] if own else []), *problems(dashboard)]
     return AboutResponse(
         version=version("mikas"),
         rights="control" if client.may_control else "view",
@@ -130,7 +133,7 @@ def about(request: Request, dashboard: TheDashboard, client: Viewer) -> AboutRes
         lan_url=access.lan_url if client.may_control else None,
         fingerprint=access.fingerprint,
         recordings_folder=str(dashboard.settings.recordings),
-        problems=[two(each) for each in problems(dashboard)] if client.may_control else [],
+        problems=[two(each) for each in unusable] if client.may_control else [],
     )
 
 
@@ -199,7 +202,7 @@ def _preset_file(dashboard: Dashboard) -> KeptFile[PresetList]:
 
 
 def problems(dashboard: Dashboard) -> list[Text]:
-    """Return why files of the user's are not used; the user's own catalog tells its own."""
+    """Return why files of the user's are not used, besides their own catalog."""
     files = (
         _preset_file(dashboard),
         search_file(dashboard),
