@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import pytest
@@ -41,6 +42,13 @@ def test_a_test_that_found_something_is_in_headline_and_section() -> None:
     assert "Check next: Lay a thermometer" in en
     assert "Проверки по шагам" in ru
     assert en.count("<polyline") == 2
+
+
+def test_noise_does_not_fill_the_drawing_of_a_course() -> None:
+    _, en, _ = page(result(15))
+    drawing = re.findall(r"<polyline class='course' points='([^']*)'", en)[0]
+    heights = [float(point.split(",")[1]) for point in drawing.split()]
+    assert 0 < max(heights) - min(heights) < 20  # of 120: one degree up and down
 
 
 def test_a_later_good_result_cures_an_earlier_one() -> None:

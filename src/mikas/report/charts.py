@@ -129,13 +129,18 @@ def _runs(there: NDArray[np.bool_]) -> Iterator[range]:
 
 
 def _ends(curve: Envelope, reference: Span | None, channel: Channel) -> Span:
-    """Return the ends of the value axis: all values and the reference are between them.
-
-    It has the catalog's least span, and no negative part for a channel without negative values.
-    """
+    """Return the ends of the value axis: all values and the reference are between them."""
     low, high = float(np.nanmin(curve.least)), float(np.nanmax(curve.most))
     if reference is not None:
         low, high = min(low, reference[0]), max(high, reference[1])
+    return axis_ends(low, high, channel)
+
+
+def axis_ends(low: float, high: float, channel: Channel) -> Span:
+    """Return the ends of a value axis, with room around `low` … `high`.
+
+    It has the catalog's least span, and no negative part for a channel without negative values.
+    """
     low, high = max(low, -_HUGE), min(high, _HUGE)
     lacking = ((channel.least_span or 0) - (high - low)) / 2
     room = max((high - low) * 0.06, lacking, 1e-9 * max(abs(low), abs(high)))

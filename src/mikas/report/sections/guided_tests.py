@@ -18,15 +18,17 @@ from mikas.guided.result import (
     TestResult,
 )
 from mikas.i18n import Language, Text
+from mikas.report.charts import axis_ends
 from mikas.report.findings import Findings
 from mikas.report.formatting import moment, number
+from mikas.report.measurements.alarms import Channel
 from mikas.report.sections.section import PageSection, items, paragraph, table
 
 _TITLE: Final = Text("Guided tests", "Проверки по шагам")
 _HEAD: Final = (
     Text("Measured", "Измерено"),
     Text("Value", "Значение"),
-    Text("Readings", "Опросов"),
+    Text("Readings", "Отсчётов"),
 )
 _WIDTH, _HEIGHT, _CURVES = 320, 120, 3
 
@@ -62,7 +64,12 @@ def _test(result: TestResult, found: Findings, language: Language) -> Markup:
         for it in result.numbers
     )
     parts.append(table((text.to(language) for text in _HEAD), rows))
-    drawings = (_drawing(curve, language) for curve in _moving(result.curves))
+    catalog = found.subject.catalog
+    channels: dict[str, Channel] = {it.name: it for it in catalog.parameters}
+    channels |= catalog.derived
+    drawings = (
+        _drawing(curve, channels.get(curve.name), language) for curve in _moving(result.curves)
+    )
     parts.append(Markup("<div class='charts'>{}</div>").format(Markup("").join(drawings)))
     return Markup("").join(parts)
 
@@ -82,15 +89,19 @@ def _finding(finding: Finding, language: Language) -> Markup:
     return Markup("").join(parts)
 
 
-def _drawing(curve: Curve, language: Language) -> Markup:
-    """Return the curve as a line with its lowest and highest value written beside it."""
+def _drawing(curve: Curve, channel: Channel | None, language: Language) -> Markup:
+    """Return the curve as a line with its lowest and highest value written beside it.
+
+    `channel`: None if the catalog in use does not have it.
+    """
     low, high = min(curve.lows), max(curve.highs)
+    foot, top_end = axis_ends(low, high, channel) if channel else (low, high)
     began, ended = curve.times[0], max(curve.times[-1], curve.times[0] + 1e-3)
-    span = max(high - low, 1e-9)
+    span = max(top_end - foot, 1e-9)
 
     def point(time: float, value: float) -> str:
         across = (time - began) / (ended - began) * _WIDTH
-        return f"{across:.1f},{_HEIGHT - 4 - (value - low) / span * (_HEIGHT - 8):.1f}"
+        return f"{across:.1f},{_HEIGHT - 4 - (value - foot) / span * (_HEIGHT - 8):.1f}"
 
     points = " ".join(
         f"{point(time, bottom)} {point(time, top)}"

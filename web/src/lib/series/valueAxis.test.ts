@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import type { Channel } from "../api/types";
-import { axesOf, fitted, leastSpan, neverNegative, type Line } from "./valueAxis";
+import { axesOf, axisAlone, fitted, leastSpan, neverNegative, type Line } from "./valueAxis";
 
 const channel = (unit: string, more: Partial<Channel> = {}): Channel =>
   ({ unit: { en: unit, ru: unit }, flag: false, decimals: 0, range: null, gauge: null, span_least: null, ...more }) as Channel;
@@ -57,6 +57,15 @@ describe("an axis", () => {
     expect(low).toBeGreaterThan(-0.05 * 500); // room for the line, without labels
     expect(high).toBeGreaterThan(475);
     expect(fitted({ min: -1, max: 0, least: 10, floor: true }).floor).toBe(false); // seen all the same
+  });
+
+  it("of a channel alone follows the same rules, and a flag has room", () => {
+    expect(axisAlone(FREQ, { min: 0, max: 0 }).low).toBeGreaterThan(-50);
+    const idle = axisAlone(FREQ, { min: 840, max: 880 });
+    expect(idle.high - idle.low).toBe(500);
+    expect(axisAlone(DET, { min: 1, max: 1 })).toEqual({ low: -0.2, high: 1.2 });
+    const huge = axisAlone(undefined, { min: 1e30, max: 1e30 });
+    expect(huge.high).toBeGreaterThan(huge.low);
   });
 
   it("knows from the catalog what can't be negative, and how fine it should be", () => {

@@ -55,9 +55,17 @@ interface Wanted {
   floor: boolean;
 }
 
+/** The axis of a channel that is drawn alone. */
+export function axisAlone(channel: Channel | undefined, { min, max }: { min: number; max: number }): Pick<Axis, "low" | "high"> {
+  if (channel?.flag) return { low: -0.2, high: 1.2 };
+  return fitted({ min, max, least: leastSpan(channel), floor: neverNegative(channel) });
+}
+
 /** The axis number `rank` of `count` in its pane, in whose middle a constant line would be at another height than on the others. */
 export function fitted({ min, max, least, floor }: Wanted, rank = 0, count = 1): Axis {
-  const extent = Math.max((max - min) * (1 + 2 * ROOM), least) || 1;
+  // However large the values are, both edges differ.
+  const finest = 16 * Number.EPSILON * Math.max(Math.abs(min), Math.abs(max));
+  const extent = Math.max((max - min) * (1 + 2 * ROOM), least, finest) || 1;
   const below = (extent - (max - min)) * ((count - rank) / (count + 1));
   const stands = floor && min >= 0;
   const low = stands ? Math.max(min - below, -extent * (FOOT + HIGHER * rank)) : min - below;

@@ -22,6 +22,6 @@ test("seconds are counted down while one has to wait or hold, else up", () => {
 
 test("a curve keeps its spikes", () => {
   const curve = { times: [0, 1, 2], lows: [0, 0, 0], highs: [0, 10, 0] };
-  expect(pathOf(curve, 100, 50)).toBe("0.0,50.0 0.0,50.0 50.0,50.0 50.0,0.0 100.0,50.0 100.0,50.0");
-  expect(pathOf({ times: [5], lows: [1], highs: [1] }, 100, 50)).toBe("");
+  expect(pathOf(curve, { low: 0, high: 10 }, 100, 50)).toBe("0.0,50.0 0.0,50.0 50.0,50.0 50.0,0.0 100.0,50.0 100.0,50.0");
+  expect(pathOf({ times: [5], lows: [1], highs: [1] }, { low: 0, high: 10 }, 100, 50)).toBe("");
 });

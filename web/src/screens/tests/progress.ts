@@ -26,15 +26,18 @@ export function secondsShown(run: Pick<TestRun, "phase" | "seconds" | "held" | "
   return Math.floor(run.seconds);
 }
 
-/** Points of a curve in a box: the lowest and highest value of each span, so that spikes stay. */
-export function pathOf(curve: Pick<TestCurve, "times" | "lows" | "highs">, width: number, height: number): string {
+/** Points of a curve in a box with the values `low` … `high`: the lowest and highest value of each span, so that spikes stay. */
+export function pathOf(
+  curve: Pick<TestCurve, "times" | "lows" | "highs">,
+  { low, high }: { low: number; high: number },
+  width: number,
+  height: number,
+): string {
   const { times, lows, highs } = curve;
   if (times.length < 2) return "";
-  const low = Math.min(...lows);
-  const span = Math.max(...highs) - low || 1;
   const began = times[0]!;
   const length = times[times.length - 1]! - began || 1;
   const point = (time: number, value: number) =>
-    `${(((time - began) / length) * width).toFixed(1)},${(height - ((value - low) / span) * height).toFixed(1)}`;
+    `${(((time - began) / length) * width).toFixed(1)},${(height - ((value - low) / (high - low)) * height).toFixed(1)}`;
   return times.map((time, at) => `${point(time, lows[at]!)} ${point(time, highs[at]!)}`).join(" ");
 }

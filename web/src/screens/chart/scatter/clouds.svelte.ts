@@ -2,10 +2,11 @@
 import { catalog } from "../../../lib/api/catalog.svelte";
 import { Cloud, type Frame } from "../../../lib/pairs/cloud";
 import type { PairPlan } from "../../../lib/pairs/pairs";
+import { axisAlone } from "../../../lib/series/valueAxis";
 import { display } from "../../../lib/display/source.svelte";
 import type { Data } from "../paired/data.svelte";
 import { Paired } from "../paired/paired.svelte";
-import { moved, roomy, zoomed } from "./picture";
+import { moved, zoomed } from "./picture";
 
 /** Ranges narrower than this share of their values, or wider than this, are not shown. */
 const NARROWEST = 1e-6;
@@ -98,16 +99,12 @@ export class Clouds {
       let high = Math.max(first.pairs?.high[at] ?? -Infinity, second.pairs?.high[at] ?? -Infinity);
       const known = this.whole && !first.finished ? display.source.extremes(name) : undefined;
       if (known) [low, high] = [Math.min(low, known.min), Math.max(high, known.max)];
-      return roomy(low, high, leastSpan(name));
+      if (!(low <= high)) return [0, 1];
+      const axis = axisAlone(catalog.get(name), { min: low, max: high });
+      return [axis.low, axis.high];
     };
     return { x: range(this.x, 1), y: range(this.y, 0) };
   }
-}
-
-function leastSpan(name: string): number {
-  const channel = catalog.get(name);
-  if (channel?.flag) return 1.4;
-  return channel?.span_least ?? 10 ** -(channel?.decimals ?? 2);
 }
 
 const extent = ([low, high]: readonly [number, number]) => high - low;

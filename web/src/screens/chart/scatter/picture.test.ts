@@ -1,15 +1,7 @@
 import { describe, expect, it } from "vitest";
-import { moved, roomy, shortened, zoomed } from "./picture";
+import { moved, shortened, zoomed } from "./picture";
 
 describe("the axes", () => {
-  it("have room around the values, and a least width", () => {
-    expect(roomy(0, 100, 1)).toEqual([-4, 104]);
-    expect(roomy(5, 5, 2)).toEqual([4, 6]);
-    expect(roomy(Infinity, -Infinity, 2)).toEqual([0, 1]);
-    const [low, high] = roomy(7, 7, 0);
-    expect(high).toBeGreaterThan(low);
-  });
-
   it("are zoomed around a place, and moved", () => {
     expect(zoomed([0, 10], 0.5, 0)).toEqual([0, 5]);
     expect(zoomed([0, 10], 0.5, 1)).toEqual([5, 10]);

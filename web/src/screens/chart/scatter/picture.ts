@@ -45,14 +45,6 @@ export const plotSize = (width: number, height: number): [number, number] => [
   Math.max(1, Math.floor(height - MARGIN.top - MARGIN.bottom)),
 ];
 
-/** The range that shows all values with room, at least as wide as `least`. */
-export function roomy(low: number, high: number, least: number): [number, number] {
-  if (!(low <= high)) return [0, 1];
-  const extent = Math.max((high - low) * 1.08, least, Number.EPSILON * Math.max(Math.abs(low), 1) * 16);
-  const middle = (low + high) / 2;
-  return [middle - extent / 2, middle + extent / 2];
-}
-
 /** Zoom a range around one of its places, 0 … 1. */
 export function zoomed([low, high]: readonly [number, number], factor: number, at: number): [number, number] {
   const around = low + (high - low) * at;
