@@ -57,13 +57,17 @@ class CarDetails {
   async askOnce(onsaved: () => void): Promise<void> {
     const kept = await this.firstTime();
     if (!kept) return;
+    if (document.querySelector("dialog[open]")) return this.offer(); // what the user opened meanwhile
     const { car, plate, workshop } = kept;
     this.editing = { recording: null, details: { car, plate, workshop, mileage: null }, offered: kept.mileage, asked: true, onsaved };
   }
 
   /** The same at its first recording, beside the screen: what is measured has to be seen, and the next key may set a marker. */
   async offerOnce(): Promise<void> {
-    if (!(await this.firstTime())) return;
+    if (await this.firstTime()) this.offer();
+  }
+
+  private offer(): void {
     toasts.success(() => t("ask"), { duration: 20_000, code: "CarDetails", action: { text: () => t("add"), run: () => void this.editConnected() } });
   }
 
