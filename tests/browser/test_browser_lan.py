@@ -80,6 +80,7 @@ def test_one_switch_lets_a_phone_in_and_shuts_it_out(own, visitor):
     expect(switch).not_to_be_checked()
     place = switch.bounding_box()
     switch.check()
+    expect(switch).to_be_focused()
     square = tab.page.get_by_role("img", name="QR code of the address")
     expect(square).to_be_visible()
     assert tab.until("() => document.querySelector('img[alt^=QR]').naturalWidth > 0")
