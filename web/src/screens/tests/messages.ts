@@ -46,6 +46,11 @@ export const t = dictionary({
   step_of: { en: "Step {n} of {all}", ru: "Шаг {n} из {all}" },
   p_start: { en: "Waiting for the conditions of the start", ru: "Жду условий для начала" },
   p_prepare: { en: "{n} s to get ready", ru: "{n} с на подготовку" },
+  p_no_data: { en: "No values from the car: the test waits for them", ru: "Нет данных с машины: проверка ждёт их" },
+  ended: {
+    en: "The test has ended without a verdict: another unit answers, or another page ended it.",
+    ru: "Проверка закончилась без заключения: отвечает другой блок, или её прервали на другой странице.",
+  },
   p_until: { en: "Waiting: {n} s", ru: "Жду: {n} с" },
   p_hold: { en: "{n} s more, change nothing", ru: "Ещё {n} с, ничего не меняйте" },
   late: { en: "This takes longer than usual.", ru: "Это длится дольше обычного." },

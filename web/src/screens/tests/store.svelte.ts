@@ -1,7 +1,8 @@
 // The tests, the running one and the results of this unit. The run is asked for while the screen is shown.
 import { api } from "../../lib/api/api";
 import { ApiRequest } from "../../lib/api/request.svelte";
-import { attempt } from "../../lib/frame/toasts.svelte";
+import { attempt, toasts } from "../../lib/frame/toasts.svelte";
+import { t } from "./messages";
 import type { TestList, TestRun, TestVerdict } from "../../lib/api/types";
 
 /** Milliseconds between two questions while a test runs, and while none does: another page may start one. */
@@ -24,7 +25,10 @@ class Tests {
       const { changes } = this;
       try {
         const { run } = await api.testRun();
-        if (changes === this.changes) this.take(run);
+        if (changes === this.changes) {
+          if (this.run && !this.run.result && !run) toasts.refuse(() => t("ended"), { duration: 20_000 });
+          this.take(run);
+        }
       } catch {
         // The band shows a lost program; the next question may be answered.
       }

@@ -1,6 +1,7 @@
 import { afterEach, expect, it, vi } from "vitest";
 import { api } from "../../lib/api/api";
 import type { TestRun, TestRunState } from "../../lib/api/types";
+import { toasts } from "../../lib/frame/toasts.svelte";
 import { tests } from "./store.svelte";
 
 const run = { phase: "start", result: null } as unknown as TestRun;
@@ -25,5 +26,6 @@ it("a test that was started is not replaced by the answer to a question of befor
   answer({ run: null } as TestRunState);
   await vi.advanceTimersByTimeAsync(0);
   expect(tests.run).toBe(null);
+  expect(toasts.shown.map(({ text }) => text())).toEqual([expect.stringContaining("without a verdict")]);
   stop();
 });
