@@ -23,6 +23,7 @@ def test_asked_once_and_shown_in_list_and_report(own, visitor):
     page.get_by_role("button", name="Stop recording").click()
     row = tab.show("recordings").find("tbody tr")
     expect(row).to_contain_text("Волга 3110 · А123ВС 52 · 154000 km")
+    expect(page.get_by_role("button", name="Record", exact=True)).to_be_visible()
     page.keyboard.press("r")  # not asked again
     page.get_by_role("button", name="Stop recording").click()
     expect(row).to_have_count(2)
