@@ -281,5 +281,5 @@ _SLOW: Final = Text(
 )
 _FEW: Final = Text(
     "only {count} readings fit; at least {fewest} are needed",
-    "подходящих отсчётов {count}, а нужно не меньше {fewest}",
+    "подходящих замеров {count}, а нужно не меньше {fewest}",
 )

@@ -28,7 +28,7 @@ _TITLE: Final = Text("Guided tests", "Проверки по шагам")
 _HEAD: Final = (
     Text("Measured", "Измерено"),
     Text("Value", "Значение"),
-    Text("Readings", "Отсчётов"),
+    Text("Readings", "Замеров"),
 )
 _WIDTH, _HEIGHT, _CURVES = 320, 120, 3
 

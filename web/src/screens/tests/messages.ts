@@ -74,7 +74,7 @@ export const t = dictionary({
   numbers: { en: "Numbers", ru: "Числа" },
   readings: {
     en: { one: "{n} reading", other: "{n} readings" },
-    ru: { one: "{n} отсчёт", few: "{n} отсчёта", many: "{n} отсчётов" },
+    ru: { one: "{n} замер", few: "{n} замера", many: "{n} замеров" },
   },
   rule: { en: "Rule", ru: "Правило" },
   doubt: { en: "Doubt", ru: "Сомнения" },
