@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from mikas.catalog import AlarmLimits, Level, load, shipped
 from mikas.catalog.own.changes import remove_channel, reset_keys, set_channel, set_keys
 from mikas.catalog.own.editing import with_keys, without
-from mikas.catalog.own.file import OwnCatalog
+from mikas.catalog.own.file import OwnCatalog, left_out
 from mikas.errors import CatalogError, UnknownParameter, UsageError
 
 # Entries in every form that TOML has for them, each with its comments.
@@ -217,6 +217,9 @@ def test_a_wrong_own_file_is_left_out_with_its_problem(own: OwnCatalog, tmp_path
     assert loaded.catalog.version == shipped().version
     assert loaded.problem is not None
     assert (loaded.problem.file, loaded.problem.line) == (str(own.path), 3)
+    said = left_out(loaded.problem)
+    assert said.en.startswith(f"Your own catalog was left out: {own.path}:3: ")
+    assert said.ru.startswith(f"Ваш каталог не подключён: {own.path}:3: ")
     with pytest.raises(CatalogError, match=r"catalog\.toml:3"):
         set_keys(own, loaded.catalog, "TWAT", {"gauge": (0, 150)})
     wrong = tmp_path / "wrong.toml"
