@@ -34,6 +34,11 @@ def pytest_collection():
         gc.enable()
 
 
+def pytest_unconfigure():
+    """Take what stayed with the rest again: some libraries complain about it at the exit."""
+    gc.unfreeze()
+
+
 # A shared machine may stall for a second: no test is judged by its time. `ci` draws the same
 # examples every time, so a red build is the change's fault.
 settings.register_profile("default", deadline=None)

@@ -8,6 +8,7 @@ const run = { phase: "start", result: null } as unknown as TestRun;
 
 afterEach(() => {
   tests.run = null;
+  toasts.shown = [];
   vi.useRealTimers();
 });
 
