@@ -131,8 +131,8 @@ class CarBook:
         return self.file.load() or {"workshop": "", "cars": {}}
 
 
-def _book(stored: Any) -> dict[str, Any]:  # noqa: ANN401  (any JSON)
-    """Return what is in the file. Raises `TypeError`."""
+def _book(stored: object) -> dict[str, Any]:
+    """Return the content of the file. Raises `TypeError`."""
     if not isinstance(stored, dict) or not isinstance(stored.get("cars"), dict):
         raise TypeError("no cars")
     return {"workshop": stored.get("workshop"), "cars": dict(stored["cars"])}

@@ -12,7 +12,7 @@ import threading
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 from mikas.catalog import Catalog
 from mikas.cleaning import clean_line
@@ -226,7 +226,7 @@ class GuidedTests:
                 )
 
 
-def _read(stored: Any) -> list[KeptResult]:  # noqa: ANN401  (any JSON)
+def _read(stored: object) -> list[KeptResult]:
     """Return the results in the file, without those that are none. Raises `TypeError`."""
     from mikas.guided.result import read
 
