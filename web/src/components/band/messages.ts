@@ -4,10 +4,6 @@ import { dictionary } from "../../lib/i18n";
 export const t = dictionary({
   connecting: { en: "Opening…", ru: "Открываем…" },
   lost: { en: "Program does not answer", ru: "Программа не отвечает" },
-  lostReason: {
-    en: "The mikas program on the computer has ended or can't be reached. Start it again; this page reconnects by itself.",
-    ru: "Программа mikas на компьютере завершена или недоступна. Запустите её снова: страница подключится сама.",
-  },
   recording: { en: "Recording", ru: "Идёт запись" },
   sets: { en: "readings/s", ru: "опр/с" },
   rateLong: { en: "Readings of all sampled values a second", ru: "Опросов всех величин в секунду" },

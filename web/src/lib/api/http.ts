@@ -1,12 +1,8 @@
-// HTTP requests to the program that served the page, and the error that a failed one raises.
+// HTTP requests to the program, and the error that a failed one raises.
 import { localized } from "../i18n";
+import { host } from "../platform/host";
 import { clientId, clientName } from "./client";
 import type * as Api from "./types";
-
-const unreachable: Api.Text = {
-  en: "The mikas program does not answer. Is it still running? Look at the window it was started from.",
-  ru: "Программа mikas не отвечает. Она ещё запущена? Посмотрите в окно, из которого её запускали.",
-};
 
 const unexplained = (status: number): Api.Text => ({
   en: `The program answered with status ${status} and no explanation. Reload the page; if it happens again, report it.`,
@@ -34,11 +30,12 @@ export class ApiError extends Error {
 
 export type Query = Record<string, string | number | boolean | string[] | null | undefined>;
 
+/** Relative to the page: the site is served under any path. */
 export function address(path: string, query: Query = {}): string {
   const parts = Object.entries(query)
     .filter(([, value]) => value !== null && value !== undefined)
     .map(([name, value]) => `${name}=${encodeURIComponent(String(value))}`);
-  return `/api${path}${parts.length ? `?${parts.join("&")}` : ""}`;
+  return `api${path}${parts.length ? `?${parts.join("&")}` : ""}`;
 }
 
 export interface RequestOptions {
@@ -60,11 +57,11 @@ export async function send(method: string, path: string, options: RequestOptions
     headers["Content-Type"] = "application/json";
     body = JSON.stringify(options.body);
   }
-  return checked(fetch(address(path, options.query), { method, headers, body, signal: options.signal }));
+  return checked(host.fetch(address(path, options.query), { method, headers, body, signal: options.signal }));
 }
 
 /** Fetch a file of the API by its address, so that an error can be shown instead of being saved as a file. */
-export const fetchFile = (url: string, signal?: AbortSignal): Promise<Response> => checked(fetch(url, { signal }));
+export const fetchFile = (url: string, signal?: AbortSignal): Promise<Response> => checked(host.fetch(url, { signal }));
 
 async function checked(request: Promise<Response>): Promise<Response> {
   let response: Response;
@@ -72,7 +69,7 @@ async function checked(request: Promise<Response>): Promise<Response> {
     response = await request;
   } catch (error) {
     if (error instanceof DOMException && error.name === "AbortError") throw error;
-    throw new ApiError(0, "Unreachable", unreachable);
+    throw new ApiError(0, "Unreachable", host.words.unreachable);
   }
   if (!response.ok) throw await errorOf(response);
   return response;

@@ -3,6 +3,7 @@
 import { api } from "../api/api";
 import { address } from "../api/http";
 import { frameClock } from "../platform/frameClock.svelte";
+import { host, type LiveSocket } from "../platform/host";
 import { clientId, clientName, controlLease, pageId } from "../api/client";
 import { Columns } from "../series/columns";
 import { EventLog } from "./eventLog";
@@ -42,7 +43,7 @@ class LiveLine {
   /** Older values stay out of `extremes`. */
   private extremesReset = -Infinity;
 
-  private socket: WebSocket | null = null;
+  private socket: LiveSocket | null = null;
   private attempts = 0;
   private timer: ReturnType<typeof setTimeout> | undefined;
   /**
@@ -78,9 +79,7 @@ class LiveLine {
 
   private open(): void {
     clearTimeout(this.timer);
-    const url = new URL(address("/live", { client: clientId, name: clientName(), page: pageId }), location.href);
-    url.protocol = url.protocol.replace("http", "ws");
-    const socket = new WebSocket(url);
+    const socket = host.connect(address("/live", { client: clientId, name: clientName(), page: pageId }));
     this.socket = socket;
     socket.onmessage = (message) => {
       if (socket !== this.socket) return;

@@ -31,10 +31,6 @@ export const t = dictionary({
   connecting: { en: "Connecting…", ru: "Подключаемся…" },
   disconnect: { en: "Disconnect", ru: "Отключить" },
   other_port: { en: "Another port", ru: "Другой порт" },
-  other_hint: {
-    en: "for example socket://192.168.1.5:2000, /dev/ttyUSB0, COM3, sim:",
-    ru: "например socket://192.168.1.5:2000, /dev/ttyUSB0, COM3, sim:",
-  },
   sim_title: { en: "Try with a virtual car", ru: "Попробовать на виртуальном автомобиле" },
   sim_more: {
     en: "No cable, no car: a simulated ZMZ-406 engine answers byte for byte like a Mikas unit. Everything works: values, faults, memory, recordings.",
@@ -66,6 +62,12 @@ export const t = dictionary({
   s_no_cable_do: {
     en: "Plug the KKL cable into USB; it appears here by itself. If it does not, the driver of its chip is missing or the cable is faulty.",
     ru: "Вставьте кабель KKL в USB, он появится здесь сам. Если нет — не установлен драйвер его микросхемы или кабель неисправен.",
+  },
+  choose: { en: "Choose the cable…", ru: "Выбрать кабель…" },
+  s_not_chosen: { en: "No cable chosen yet", ru: "Кабель ещё не выбран" },
+  s_not_chosen_do: {
+    en: "Plug the KKL cable into USB, press “Choose the cable…” and pick it in the browser's list. The browser asks once for each cable.",
+    ru: "Вставьте кабель KKL в USB, нажмите «Выбрать кабель…» и укажите его в списке браузера. О каждом кабеле браузер спросит один раз.",
   },
   s_several: { en: "Several adapters found", ru: "Найдено несколько адаптеров" },
   s_several_do: { en: "Choose one below.", ru: "Выберите один ниже." },
@@ -199,6 +201,10 @@ export const t = dictionary({
   order: { en: "Connect in this order", ru: "Подключать в таком порядке" },
   order_1: { en: "Ignition off, laptop on battery.", ru: "Зажигание выключено, ноутбук работает от батареи." },
   order_2: { en: "Plug the adapter into USB: it appears in the list above.", ru: "Вставьте адаптер в USB: он появится в списке выше." },
+  order_2_choose: {
+    en: "Plug the adapter into USB, press “Choose the cable…” above and pick it in the browser's list.",
+    ru: "Вставьте адаптер в USB, нажмите выше «Выбрать кабель…» и укажите его в списке браузера.",
+  },
   order_3: {
     en: "Connect ground (12), then +12 V (2), then K-Line (11).",
     ru: "Подключите массу (12), затем +12 В (2), затем K-Line (11).",

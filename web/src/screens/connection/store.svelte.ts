@@ -2,6 +2,7 @@
 import { api } from "../../lib/api/api";
 import { ApiError } from "../../lib/api/http";
 import { ApiRequest } from "../../lib/api/request.svelte";
+import { host } from "../../lib/platform/host";
 import { live } from "../../lib/live/live.svelte";
 import { announceSaved } from "../../lib/control/recordingControl.svelte";
 import type { About, DoctorStep, Port, State } from "../../lib/api/types";
@@ -46,6 +47,14 @@ class ConnectionStore {
 
   async scan(): Promise<void> {
     await this.ports.run(async () => (await api.ports()).ports);
+  }
+
+  /** Let the user choose an adapter in the browser's list, and connect to it. */
+  async choose(): Promise<void> {
+    const port = await host.choosePort?.();
+    if (!port) return;
+    await this.scan();
+    await this.connect(port);
   }
 
   /** Connect; while recording to another port, ask first, because the recording would end. */

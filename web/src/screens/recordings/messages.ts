@@ -12,8 +12,8 @@ export const t = dictionary({
   folder: { en: "in {folder}", ru: "в папке {folder}" },
   none: { en: "No recordings yet", ru: "Записей пока нет" },
   none_more: {
-    en: "Press R or the Record button at the top while the ECU answers. Every byte on the line is stored, so corrected formulas also correct old recordings. Recordings from elsewhere: copy the .pcapng files into this folder and press Refresh.",
-    ru: "Нажмите R или кнопку «Запись» вверху, когда блок отвечает. Сохраняется каждый байт линии, поэтому исправленные формулы исправят и старые записи. Чужие записи: скопируйте файлы .pcapng в эту папку и нажмите «Обновить».",
+    en: "Press R or the Record button at the top while the ECU answers. Every byte on the line is stored, so corrected formulas also correct old recordings.",
+    ru: "Нажмите R или кнопку «Запись» вверху, когда блок отвечает. Сохраняется каждый байт линии, поэтому исправленные формулы исправят и старые записи.",
   },
   none_watching: {
     en: "Recordings are made at the computer with the cable and then appear here.",

@@ -16,6 +16,10 @@ export const t = dictionary({
     en: "Open it in a new tab; Ctrl+P there prints it or saves it as PDF.",
     ru: "Откройте его в новой вкладке; там Ctrl+P печатает его или сохраняет в PDF.",
   },
+  is_made_file: {
+    en: "Save it and open the file; Ctrl+P there prints it or saves it as PDF.",
+    ru: "Сохраните его и откройте файл; там Ctrl+P печатает его или сохраняет в PDF.",
+  },
   making: { en: "Building the report…", ru: "Составляем отчёт…" },
   open: { en: "Open in a new tab", ru: "Открыть в новой вкладке" },
   save: { en: "Save HTML", ru: "Сохранить HTML" },

@@ -27,6 +27,8 @@ export const SITUATIONS = {
   "recording-ended": { kind: "info", title: "s_recording_ended", advice: null, marks: ["works", "unknown", "unknown", "unknown"] },
   several: { kind: "danger", title: "s_several", advice: "s_several_do", marks: ["works", "check", "unknown", "unknown"] },
   "no-cable": { kind: "info", title: "s_no_cable", advice: "s_no_cable_do", marks: ["works", "missing", "unknown", "unknown"] },
+  /** The browser knows only the adapters that the user has chosen in its list. */
+  "not-chosen": { kind: "info", title: "s_not_chosen", advice: "s_not_chosen_do", marks: ["works", "unknown", "unknown", "unknown"] },
   unplugged: { kind: "danger", title: "s_unplugged", advice: "s_unplugged_do", marks: ["works", "missing", "unknown", "unknown"] },
   "no-port": { kind: "danger", title: "s_no_port", advice: null, marks: ["works", "missing", "unknown", "unknown"] },
   "no-adapter": { kind: "danger", title: "s_no_adapter", advice: null, marks: ["works", "missing", "unknown", "unknown"] },

@@ -32,6 +32,12 @@ describe("situationOf", () => {
     expect(of([port("ttyS0", false)], "NoPortGiven")).toBe("no-cable");
     expect(of([port("a", true), port("b", true)], "NoPortGiven")).toBe("several");
   });
+  it("reports that no adapter was chosen where the browser has the list", () => {
+    const of = (ports: Port[], code: string | null = null) => situationOf(state("off"), { ports, code, chooses: true });
+    expect(of([])).toBe("not-chosen");
+    expect(of([], "NoPortGiven")).toBe("not-chosen");
+    expect(of([port("a", true)])).toBe("off");
+  });
   it.each([
     [USB, null, "opening"],
     [USB, "PortBusy", "busy"],

@@ -10,13 +10,14 @@ export type LineFacts = Pick<State, "line" | "reason_code" | "port" | "model" | 
 
 /**
  * What else is known. `code`: class of the last error of a request to connect, or to check; `worked`: a port that data has come from since
- * the page was opened; `trying`: a request to connect is running.
+ * the page was opened; `trying`: a request to connect is running; `chooses`: adapters are chosen in a list of the browser.
  */
 export interface Circumstances {
   ports: readonly Port[] | null;
   code: string | null;
   worked?: string | null;
   trying?: boolean;
+  chooses?: boolean;
 }
 
 /** The check: of `port`, with the steps so far. */
@@ -84,17 +85,18 @@ function progress(steps: readonly DoctorStep[]): readonly Mark[] {
 const hasState = ({ line, reason_code }: LineFacts): boolean => reason_code !== null || (line !== "off" && line !== "no-port");
 
 /** The situation of the line. The class of the error decides; the line's state alone does not name the cause. */
-export function situationOf(state: LineFacts, { ports, code, worked = null }: Circumstances): Situation {
+export function situationOf(state: LineFacts, { ports, code, worked = null, chooses = false }: Circumstances): Situation {
   if (answering(state.line)) return "ok";
+  const without = chooses ? "not-chosen" : "no-cable";
   const none = ports !== null && !ports.some((port) => port.likely);
   const known = BY_CODE[state.reason_code ?? (state.line === "off" ? code : null) ?? ""];
-  if (known === "several" && none) return "no-cable";
+  if (known === "several" && none) return without;
   if (known === "no-port" && wasThere(state, worked)) return "unplugged";
   if (known) return remote(known, state.port);
   if (state.line === "echo-only" && state.reason_code !== null) return "damaged";
   if (state.line === "no-echo" || state.line === "echo-only") return state.line;
   if (state.line === "no-port") return state.reason_code ? remote("not-openable", state.port) : "opening";
-  return none ? "no-cable" : "off";
+  return none ? without : "off";
 }
 
 /** Whether an ECU answers now. */

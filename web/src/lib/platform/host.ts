@@ -1,0 +1,76 @@
+// What the page stands on. On a desktop that is the program that served it, reached by HTTP. On the site (src/site) it is the same program
+// in workers of this page. Whatever differs between the two is a field here; the site replaces fields before it mounts the App.
+import type { Component } from "svelte";
+import type { ExportFormat, Text } from "../api/types";
+
+/** What the page needs of a WebSocket. */
+export type LiveSocket = Pick<WebSocket, "onmessage" | "onclose">;
+
+export interface Host {
+  /** Both take addresses of the API, relative to the page. */
+  fetch(address: string, init?: RequestInit): Promise<Response>;
+  connect(address: string): LiveSocket;
+  /** Let the user choose an adapter in the browser's own list; called in a click. Returns its port, null: none was chosen. Null: the program finds adapters by itself. */
+  choosePort: (() => Promise<string | null>) | null;
+  /** Whether the browser itself can load addresses of the API: links, frames. */
+  opensAddresses: boolean;
+  /** Whether the program can let phones and other computers in. */
+  sharesNetwork: boolean;
+  exports: readonly ExportFormat[];
+  /** Parts of the Connection screen: at its top, and a card beside the adapters. */
+  connectionTop: Component | null;
+  connectionCard: Component | null;
+  words: {
+    /** The program does not answer: to a request, in the band, on an empty screen. */
+    unreachable: Text;
+    ended: Text;
+    returns: Text;
+    /** What can be typed as another port. */
+    otherPort: Text;
+    /** Where the recordings are; null: in the folder that the program names. */
+    kept: Text | null;
+    /** How recordings from elsewhere get into the list. */
+    foreign: Text;
+    /** What to do for a format that is not among the `exports`. */
+    otherExports: Text | null;
+  };
+}
+
+export const host: Host = {
+  fetch: (address, init) => fetch(address, init),
+  connect(address) {
+    const url = new URL(address, document.baseURI);
+    url.protocol = url.protocol.replace("http", "ws");
+    return new WebSocket(url);
+  },
+  choosePort: null,
+  opensAddresses: true,
+  sharesNetwork: true,
+  exports: ["csv", "msl", "mlg", "mf4", "parquet"],
+  connectionTop: null,
+  connectionCard: null,
+  words: {
+    unreachable: {
+      en: "The mikas program does not answer. Is it still running? Look at the window it was started from.",
+      ru: "Программа mikas не отвечает. Она ещё запущена? Посмотрите в окно, из которого её запускали.",
+    },
+    ended: {
+      en: "The mikas program on the computer has ended or can't be reached. Start it again; this page reconnects by itself.",
+      ru: "Программа mikas на компьютере завершена или недоступна. Запустите её снова: страница подключится сама.",
+    },
+    returns: {
+      en: "The page reconnects when mikas runs again. Look at the window it was started from.",
+      ru: "Страница подключится сама, когда mikas снова заработает. Посмотрите в окно, из которого её запускали.",
+    },
+    otherPort: {
+      en: "for example socket://192.168.1.5:2000, /dev/ttyUSB0, COM3, sim:",
+      ru: "например socket://192.168.1.5:2000, /dev/ttyUSB0, COM3, sim:",
+    },
+    kept: null,
+    foreign: {
+      en: "Recordings from elsewhere: copy the .pcapng files into this folder and press Refresh.",
+      ru: "Чужие записи: скопируйте файлы .pcapng в эту папку и нажмите «Обновить».",
+    },
+    otherExports: null,
+  },
+};
