@@ -1,0 +1,76 @@
+"""The site in Chromium, on a computer with fake USB adapters.
+
+Skipped as a whole where Chromium or the rights for the fake adapters are missing, unless
+`MIKAS_REQUIRE_CHROMIUM` is set: then that is a failure.
+"""
+
+from __future__ import annotations
+
+import sys
+
+import pytest
+
+from browser.chromium_rig import installed, must_not_miss, started, visits
+
+from . import computer_rig
+from .pages_rig import StaticHost
+from .wire_rig import cable, wire
+
+collect_ignore_glob = [] if sys.platform == "linux" else ["*"]
+
+
+@pytest.fixture(scope="package")
+def whole_computer():
+    must_not_miss("" if installed() else "Chromium is not installed")
+    must_not_miss(computer_rig.missing())
+    with computer_rig.computer() as computer:
+        yield computer
+
+
+@pytest.fixture(scope="package")
+def chromium(whole_computer, tmp_path_factory):
+    program = whole_computer.wrapper(installed(), tmp_path_factory.mktemp("chromium"))
+    with started(program) as browser:
+        yield browser
+
+
+@pytest.fixture
+def computer(whole_computer):
+    """The computer that the browser runs on, with nothing plugged in."""
+    yield whole_computer
+    whole_computer.unplug_all()
+
+
+@pytest.fixture
+def visitor(chromium):
+    """Opens tabs, as the fixture of this name in `browser`."""
+    with visits(chromium) as visit:
+        yield visit
+
+
+@pytest.fixture
+def ft232(computer, tmp_path):
+    """An FT232 on the virtual unit, plugged in."""
+    with cable(computer, tmp_path) as plugged:
+        yield plugged
+
+
+@pytest.fixture
+def by_hand(computer):
+    """An FT232, plugged in; the test itself is at the other end of its wire."""
+    with wire(computer) as plugged:
+        yield plugged
+
+
+@pytest.fixture
+def host(computer):
+    """Starts a host of pages: `host(folder, answers={"/path": answer})`."""
+    hosts = []
+
+    def serve(folder, answers=None) -> StaticHost:
+        hosts.append(StaticHost(computer, folder, answers))
+        return hosts[-1]
+
+    yield serve
+    for each in hosts:
+        each.stop()
