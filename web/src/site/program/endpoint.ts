@@ -1,0 +1,103 @@
+// The page's end of one worker: requests and sockets of the page as messages. Nothing is sent before the program has started.
+import { Exchange } from "./exchange";
+import type { FromWorker, Headers as Pairs, Progress, Situation, ToWorker } from "./messages";
+import { WorkerSocket } from "./workerSocket";
+
+/** What is needed of a Worker. */
+export interface Port {
+  postMessage(message: ToWorker, transfer: Transferable[]): void;
+  onmessage: ((event: MessageEvent<FromWorker>) => void) | null;
+  onerror: ((event: ErrorEvent) => void) | null;
+  terminate(): void;
+}
+
+interface Conversation {
+  receive(message: FromWorker): void;
+  lose(message: string): void;
+}
+
+export class Endpoint {
+  /** Kept when the program answers; broken with its message when it can't. */
+  readonly ready: Promise<void>;
+  /** Why there is no program any more; null: it runs or starts. */
+  ended: string | null = null;
+  /** Whether the program has answered at all. */
+  started = false;
+  onprogress: ((progress: Progress) => void) | null = null;
+  /** Called when a program that ran has ended. */
+  onended: ((message: string) => void) | null = null;
+  private start!: () => void;
+  private fail!: (reason: Error) => void;
+  private last = 0;
+  private readonly conversations = new Map<number, Conversation>();
+  private readonly post = (message: ToWorker, transfer: Transferable[] = []) => {
+    if (this.ended === null) this.port.postMessage(message, transfer);
+  };
+
+  constructor(private readonly port: Port) {
+    this.ready = new Promise((start, fail) => {
+      this.start = start;
+      this.fail = fail;
+    });
+    this.ready.catch(() => undefined); // those who wait are told, nobody has to
+    port.onmessage = ({ data }) => this.receive(data);
+    // Later it is an error that the worker survives; one that it does not survive is a message.
+    port.onerror = (event) => this.started || this.end(event.message || "the worker could not be loaded");
+  }
+
+  async fetch(address: string, init: RequestInit = {}): Promise<Response> {
+    const signal = init.signal ?? null;
+    signal?.throwIfAborted();
+    const body = init.body == null ? null : await new Response(init.body).arrayBuffer();
+    await this.ready;
+    signal?.throwIfAborted();
+    if (this.ended !== null) throw new TypeError(this.ended);
+    const id = ++this.last;
+    const exchange = new Exchange(id, this.post, signal, () => this.conversations.delete(id));
+    this.conversations.set(id, exchange);
+    const headers: Pairs = [...new Headers(init.headers)];
+    this.post({ kind: "request", id, method: init.method ?? "GET", path: pathOf(address), headers, body }, body ? [body] : []);
+    return exchange.response;
+  }
+
+  connect(address: string): WorkerSocket {
+    const id = ++this.last;
+    const socket = new WorkerSocket(id, this.post, () => this.conversations.delete(id));
+    this.conversations.set(id, socket);
+    this.ready.then(
+      () => (this.ended === null ? this.post({ kind: "open", id, path: pathOf(address) }) : socket.lose(this.ended)),
+      (reason: Error) => socket.lose(reason.message),
+    );
+    return socket;
+  }
+
+  tell(situation: Situation): void {
+    this.ready.then(() => this.post({ kind: "situation", ...situation }), () => undefined);
+  }
+
+  /** End the program at once; what is kept stays kept. */
+  terminate(): void {
+    this.port.terminate();
+    this.end("ended by the page");
+  }
+
+  private receive(message: FromWorker): void {
+    if (message.kind === "progress") this.onprogress?.(message);
+    else if (message.kind === "ready") {
+      this.started = true;
+      this.start();
+    } else if (message.kind === "broken") this.end(message.message);
+    else this.conversations.get(message.id)?.receive(message);
+  }
+
+  private end(message: string): void {
+    if (this.ended !== null) return;
+    this.ended = message;
+    this.fail(new TypeError(message));
+    for (const conversation of [...this.conversations.values()]) conversation.lose(message);
+    if (this.started) this.onended?.(message);
+  }
+}
+
+/** The program's own path of an address that is relative to the page. */
+const pathOf = (address: string): string => `/${address.replace(/^\/+/, "")}`;

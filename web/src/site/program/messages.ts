@@ -1,0 +1,41 @@
+// The messages between the page and a worker that runs the program. `id`: chosen by the page, one for each request or socket.
+
+export type Headers = [name: string, value: string][];
+
+export type ToWorker =
+  | { kind: "request"; id: number; method: string; path: string; headers: Headers; body: ArrayBuffer | null }
+  /** Nobody waits for the answer any more. */
+  | { kind: "abort"; id: number }
+  /** A WebSocket. */
+  | { kind: "open"; id: number; path: string }
+  | { kind: "send"; id: number; data: string }
+  | { kind: "close"; id: number; code: number }
+  /** To the reader: what the line's worker does now. Sent when it changes, and before the first request. */
+  | ({ kind: "situation" } & Situation);
+
+/** `recording`: the name of the file in progress; `catalog`: the version of the catalog in use, which may be kept anew. Null: none, not known. */
+export interface Situation {
+  recording: string | null;
+  catalog: string | null;
+}
+
+export type FromWorker =
+  /** The start: bytes of the program that are here, and what is being done. */
+  | { kind: "progress"; loaded: number; total: number; stage: string }
+  | { kind: "ready" }
+  /** The program could not start, or can't go on. */
+  | { kind: "broken"; message: string }
+  /** The answer to a request: its head, its body in parts, its end; or it failed without one. */
+  | { kind: "head"; id: number; status: number; headers: Headers }
+  | { kind: "body"; id: number; data: Uint8Array<ArrayBuffer> }
+  | { kind: "end"; id: number }
+  | { kind: "failed"; id: number; message: string }
+  /** A WebSocket was accepted, has a message, is closed. */
+  | { kind: "opened"; id: number }
+  | { kind: "message"; id: number; data: string }
+  | { kind: "closed"; id: number; code: number; reason: string };
+
+export type Progress = Extract<FromWorker, { kind: "progress" }>;
+
+/** The worker's name says what it does: holds the line and the storage, or only reads recordings. */
+export type Role = "line" | "reader";

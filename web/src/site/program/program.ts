@@ -1,0 +1,67 @@
+// The program in two workers: one holds the line and all that is kept, the other only reads recordings. The reader is started when it is
+// first needed, and not before the first one answers; where it can't be had, the first one does everything.
+import type { Text } from "../../lib/api/types";
+import { Endpoint, type Port } from "./endpoint";
+import type { Role, Situation } from "./messages";
+import { whoAnswers } from "./whoAnswers";
+import type { WorkerSocket } from "./workerSocket";
+
+const readerEnded: Text = {
+  en: "Reading the recording has failed: the browser may have run out of memory. Close other tabs and try again; live values and recording go on.",
+  ru: "Чтение записи прервалось: возможно, браузеру не хватило памяти. Закройте другие вкладки и повторите; опрос и запись продолжаются.",
+};
+
+export class Program {
+  readonly line: Endpoint;
+  private reader: Endpoint | null = null;
+  private situation: Situation = { recording: null, catalog: null };
+
+  constructor(private readonly make: (role: Role) => Port) {
+    this.line = new Endpoint(make("line"));
+  }
+
+  /** As `fetch`, for addresses of the API relative to the page. */
+  readonly fetch = async (address: string, init: RequestInit = {}): Promise<Response> => {
+    const reader = whoAnswers(init.method ?? "GET", address, init.body) === "reader" ? await this.startedReader() : null;
+    if (reader === null) return this.line.fetch(address, init);
+    try {
+      return await reader.fetch(address, init);
+    } catch (error) {
+      // Not again by the line's worker: what has ended this one would end that one, too.
+      if (reader.ended === null || init.signal?.aborted) throw error;
+      return Response.json({ error: { code: "ReaderEnded", ...readerEnded } }, { status: 500 });
+    }
+  };
+
+  readonly connect = (address: string): WorkerSocket => this.line.connect(address);
+
+  /** Tell the reader what the line's worker does: it writes a file that grows, and may have changed the channels. */
+  follow(situation: Situation): void {
+    this.situation = situation;
+    this.reader?.tell(situation);
+  }
+
+  /** End both workers, so that another tab can have the cable and the storage. */
+  terminate(): void {
+    this.line.terminate();
+    this.reader?.terminate();
+  }
+
+  /** Null: it can't be had. */
+  private async startedReader(): Promise<Endpoint | null> {
+    await this.line.ready;
+    if (this.line.ended !== null) return null;
+    const gone = this.reader?.ended != null && this.reader.started;
+    if (this.reader === null || gone) {
+      this.reader = new Endpoint(this.make("reader"));
+      this.reader.tell(this.situation);
+    }
+    const reader = this.reader;
+    try {
+      await reader.ready;
+      return reader;
+    } catch {
+      return null;
+    }
+  }
+}

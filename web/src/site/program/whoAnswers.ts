@@ -1,0 +1,31 @@
+// Which worker answers a request. Whatever keeps the CPU for long would stall the line, so the reader gets what only reads recordings: lists,
+// windows of rows, searches, exports, reports. All else needs the line, or changes a kept file, and only the line's worker may do that.
+import type { Role } from "./messages";
+
+const READING = [
+  /^api\/recordings$/,
+  /^api\/recordings\/[^/]+$/,
+  /^api\/recordings\/[^/]+\/(rows|find|faults|file|export|report)$/,
+  /^api\/recordings\/[^/]+\/tests\/[^/]+$/,
+];
+/** These read a recording if one is named, else the last minutes of the line. */
+const VALUE = /^api\/channels\/[^/]+\/value$/;
+const TRIAL = "api/channels/try";
+
+/** `address`: relative to the page. */
+export function whoAnswers(method: string, address: string, body?: BodyInit | null): Role {
+  const [path = "", query = ""] = address.split("?");
+  const reads =
+    method === "GET"
+      ? READING.some((pattern) => pattern.test(path)) || (VALUE.test(path) && new URLSearchParams(query).has("recording"))
+      : method === "POST" && path === TRIAL && namesRecording(body);
+  return reads ? "reader" : "line";
+}
+
+function namesRecording(body: BodyInit | null | undefined): boolean {
+  try {
+    return typeof body === "string" && typeof (JSON.parse(body) as { recording?: unknown }).recording === "string";
+  } catch {
+    return false;
+  }
+}
