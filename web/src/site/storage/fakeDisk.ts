@@ -1,0 +1,148 @@
+// A folder in memory for the tests: it gets full, and it remembers every step, to be cut off anywhere.
+
+import { StorageError } from "./errors";
+import type { Folder, Handle, Holding } from "./folder";
+
+type Step =
+  | { kind: "make" | "flush"; name: string }
+  | { kind: "write"; name: string; at: number; bytes: Uint8Array }
+  | { kind: "truncate"; name: string; size: number };
+
+export class FakeDisk implements Folder {
+  shares = true;
+  readonly files = new Map<string, Uint8Array>();
+  readonly steps: Step[] = [];
+  /** Bytes that the files may have together. */
+  room = Infinity;
+  /** A full disk takes what there is room for, or throws. */
+  full: "short" | "throws" = "short";
+  /** What every write throws. */
+  failure: Error | null = null;
+  readonly #open = new Map<string, { holding: Holding; times: number }>();
+
+  names(): Promise<string[]> {
+    return Promise.resolve([...this.files.keys()]);
+  }
+
+  async open(name: string, holding: Holding): Promise<Handle> {
+    await Promise.resolve();
+    const held = this.#open.get(name);
+    const wanted = this.shares ? holding : "alone";
+    if (held?.times && (held.holding === "alone" || wanted === "alone")) throw new StorageError("held");
+    this.#open.set(name, { holding: wanted, times: (held?.times ?? 0) + 1 });
+    if (!this.files.has(name)) this.take({ kind: "make", name });
+    return new FakeHandle(this, name, () => this.#open.get(name)!.times--);
+  }
+
+  /** Do a step, and remember it. */
+  take(step: Step): void {
+    this.steps.push(step);
+    this.#apply(step);
+  }
+
+  get used(): number {
+    return [...this.files.values()].reduce((sum, file) => sum + file.length, 0);
+  }
+
+  /** Return the disk as it was after `count` steps, and the part `torn` of the next, if it is a write. */
+  after(count: number, torn = 0): FakeDisk {
+    const next = this.steps[count];
+    const part = next?.kind === "write" && torn > 0 ? [cut(next, torn)] : [];
+    return FakeDisk.of([...this.steps.slice(0, count), ...part]);
+  }
+
+  /** Return what a power failure after `count` steps leaves: of each file all up to its last flush, and some steps more. */
+  afterPowerFailure(count: number, random: () => number): FakeDisk {
+    const done = this.steps.slice(0, count);
+    const kept: Step[] = [];
+    for (const name of new Set(done.map((step) => step.name))) {
+      const own = done.filter((step) => step.name === name);
+      const sure = own.findLastIndex((step) => step.kind === "flush") + 1;
+      kept.push(...own.slice(0, Math.max(1, sure + Math.floor(random() * (own.length - sure + 1)))));
+    }
+    return FakeDisk.of(kept);
+  }
+
+  private static of(steps: Step[]): FakeDisk {
+    const disk = new FakeDisk();
+    for (const step of steps) disk.#apply(step);
+    return disk;
+  }
+
+  #apply(step: Step): void {
+    const file = this.files.get(step.name) ?? new Uint8Array();
+    if (step.kind === "make") this.files.set(step.name, file);
+    if (step.kind === "truncate") this.files.set(step.name, resized(file, step.size));
+    if (step.kind === "write") {
+      const longer = resized(file, Math.max(file.length, step.at + step.bytes.length));
+      longer.set(step.bytes, step.at);
+      this.files.set(step.name, longer);
+    }
+  }
+}
+
+class FakeHandle implements Handle {
+  #closed = false;
+
+  constructor(
+    private readonly disk: FakeDisk,
+    private readonly name: string,
+    private readonly onClose: () => void,
+  ) {}
+
+  read(into: Uint8Array, { at }: { at: number }): number {
+    const bytes = this.#content.subarray(at, at + into.length);
+    into.set(bytes);
+    return bytes.length;
+  }
+
+  write(bytes: Uint8Array, { at }: { at: number }): number {
+    if (this.disk.failure) throw this.disk.failure;
+    const size = this.#content.length;
+    const grown = at + bytes.length - size;
+    const missing = Math.max(0, this.disk.used + Math.max(0, grown) - this.disk.room);
+    if (missing && this.disk.full === "throws") throw quotaExceeded();
+    const taken = bytes.slice(0, Math.max(0, bytes.length - missing));
+    if (taken.length) this.disk.take({ kind: "write", name: this.name, at, bytes: taken });
+    return taken.length;
+  }
+
+  truncate(size: number): void {
+    const grown = size - this.#content.length;
+    if (grown > 0 && this.disk.used + grown > this.disk.room) throw quotaExceeded();
+    this.disk.take({ kind: "truncate", name: this.name, size });
+  }
+
+  getSize(): number {
+    return this.#content.length;
+  }
+
+  flush(): void {
+    if (this.disk.failure) throw this.disk.failure;
+    this.disk.take({ kind: "flush", name: this.name });
+  }
+
+  close(): void {
+    if (!this.#closed) this.onClose();
+    this.#closed = true;
+  }
+
+  get #content(): Uint8Array {
+    if (this.#closed) throw new DOMException("closed", "InvalidStateError");
+    return this.disk.files.get(this.name)!;
+  }
+}
+
+function quotaExceeded(): Error {
+  return new DOMException("no room", "QuotaExceededError");
+}
+
+function resized(bytes: Uint8Array, size: number): Uint8Array {
+  const other = new Uint8Array(size);
+  other.set(bytes.subarray(0, size));
+  return other;
+}
+
+function cut(step: Step & { kind: "write" }, part: number): Step {
+  return { ...step, bytes: step.bytes.slice(0, Math.ceil(step.bytes.length * part)) };
+}

@@ -1,0 +1,72 @@
+// The browser's own files (OPFS), as far as the pool uses them. Tests hand in others.
+//
+// In a dedicated worker only: elsewhere there are no sync access handles.
+
+import { StorageError } from "./errors";
+
+/** An open file; a `FileSystemSyncAccessHandle` is one. */
+export interface Handle {
+  read(into: Uint8Array, options: { at: number }): number;
+  write(bytes: Uint8Array, options: { at: number }): number;
+  truncate(size: number): void;
+  getSize(): number;
+  flush(): void;
+  close(): void;
+}
+
+/** "shared": others may have the file open, too, if they say the same. "alone": nobody else may. */
+export type Holding = "shared" | "alone";
+
+export interface Folder {
+  /** Whether a file can be opened twice. Else all are opened alone, whatever was asked. */
+  readonly shares: boolean;
+  names(): Promise<string[]>;
+  /** Open the file, and make it if it is missing. Rejects with a `StorageError` if another holds it. */
+  open(name: string, holding: Holding): Promise<Handle>;
+}
+
+// What is missing in TypeScript's types, or is there for workers only.
+declare const FileSystemSyncAccessHandle: { prototype: object };
+interface FileHandle {
+  createSyncAccessHandle(options: { mode: string }): Promise<Handle>;
+}
+
+interface Listed {
+  keys(): AsyncIterable<string>;
+}
+
+/** Return the site's folder of that name. Rejects with a `StorageError` if the browser has none. */
+export async function opfsFolder(name = "pool"): Promise<Folder> {
+  try {
+    if (!("FileSystemSyncAccessHandle" in globalThis)) throw new Error("no sync access handles");
+    const root = await navigator.storage.getDirectory();
+    return new Opfs(await root.getDirectoryHandle(name, { create: true }));
+  } catch (error) {
+    throw new StorageError("missing", error);
+  }
+}
+
+class Opfs implements Folder {
+  // Browsers without the property ignore the mode, and open alone.
+  readonly shares = "mode" in FileSystemSyncAccessHandle.prototype;
+
+  constructor(private readonly directory: FileSystemDirectoryHandle) {}
+
+  async names(): Promise<string[]> {
+    const names = [];
+    const { directory } = this;
+    for await (const name of (directory as unknown as Listed).keys()) names.push(name);
+    return names;
+  }
+
+  async open(name: string, holding: Holding): Promise<Handle> {
+    const mode = holding === "shared" ? "readwrite-unsafe" : "readwrite";
+    try {
+      const file = await this.directory.getFileHandle(name, { create: true });
+      return await (file as unknown as FileHandle).createSyncAccessHandle({ mode });
+    } catch (error) {
+      const held = error instanceof DOMException && error.name === "NoModificationAllowedError";
+      throw held ? new StorageError("held", error) : error;
+    }
+  }
+}

@@ -1,0 +1,93 @@
+// The kept files as another worker sees them that only reads: what `pool.ts` has open, opened once more.
+//
+//     const view = await PoolView.open(await opfsFolder());   // after the pool was opened there
+//     mount(pyodide.FS, "/kept", view);                       // every change there is refused: EROFS
+//     await view.refresh();                                   // before each request: new, renamed, deleted files
+//
+// Files that grow are seen to grow at once, without `refresh`. It works where a file of OPFS can be opened
+// twice ("readwrite-unsafe", Chromium from 121 on); elsewhere `open` rejects with the reason "alone".
+
+import { errno, FileError, StorageError } from "./errors";
+import type { Folder } from "./folder";
+import { isSlotName, KeptFile, Slot, winners } from "./slot";
+
+/** How often the headers are read again while the writer changes them. */
+const MOST_PASSES = 8;
+
+export class PoolView {
+  /** Called after the files have changed. */
+  onChange = (): void => {};
+  readonly #slots = new Map<string, Slot>();
+  #files = new Map<string, ViewedFile>(); // by slot and id
+
+  private constructor(private readonly folder: Folder) {}
+
+  static async open(folder: Folder): Promise<PoolView> {
+    if (!folder.shares) throw new StorageError("alone");
+    const view = new PoolView(folder);
+    await view.refresh();
+    return view;
+  }
+
+  all(): Iterable<KeptFile> {
+    return this.#files.values();
+  }
+
+  /** See what the writer has changed. */
+  async refresh(): Promise<void> {
+    const names = (await this.folder.names()).filter(isSlotName);
+    await Promise.all(
+      names
+        .filter((name) => !this.#slots.has(name))
+        .map(async (name) => {
+          const slot = new Slot(name, await this.folder.open(name, "shared"));
+          this.#slots.set(name, slot);
+        }),
+    );
+    this.#look();
+    this.onChange();
+  }
+
+  close(): void {
+    for (const { handle } of this.#slots.values()) handle.close();
+    this.#slots.clear();
+  }
+
+  /** Find the files, by headers of one moment: a file that is renamed meanwhile is not missed. */
+  #look(): void {
+    let used = this.#used();
+    for (let pass = 1; pass < MOST_PASSES; pass++) {
+      const before = used.map(identity).join();
+      used = this.#used();
+      if (used.map(identity).join() === before) break;
+    }
+    const files = used.map((slot) => {
+      const file = this.#files.get(identity(slot));
+      file?.update();
+      return [identity(slot), file ?? new ViewedFile(slot)] as const;
+    });
+    this.#files = new Map(files);
+  }
+
+  #used(): Slot[] {
+    const slots = [...this.#slots.values()].filter((slot) => slot.load() === "used");
+    return winners(slots).used;
+  }
+}
+
+function identity(slot: Slot): string {
+  return `${slot.name}/${slot.header.id}/${slot.header.path}`;
+}
+
+class ViewedFile extends KeptFile {
+  update(): void {
+    this.mtime = this.slot.header.mtime;
+  }
+
+  /** Read; `ESTALE`: the file was deleted, and the bytes may be of another. */
+  override read(into: Uint8Array, at: number): number {
+    const length = super.read(into, at);
+    if (this.slot.load() !== "used" || this.slot.header.id !== this.id) throw new FileError(errno.STALE);
+    return length;
+  }
+}
