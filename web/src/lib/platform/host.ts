@@ -10,7 +10,12 @@ export interface Host {
   /** Both take addresses of the API, relative to the page. */
   fetch(address: string, init?: RequestInit): Promise<Response>;
   connect(address: string): LiveSocket;
-  /** Let the user choose an adapter in the browser's own list; called in a click. Returns its port, null: none was chosen. Null: the program finds adapters by itself. */
+  /** Whether the program runs in this page, and ends when the computer sleeps. */
+  runsHere: boolean;
+  /**
+   * Let the user choose an adapter in the browser's own list; called in a click. Returns the port, or the first one of its kind; null: none
+   * was chosen. Without this function the program finds all adapters by itself.
+   */
   choosePort: (() => Promise<string | null>) | null;
   /** Whether the browser itself can load addresses of the API: links, frames. */
   opensAddresses: boolean;
@@ -43,6 +48,7 @@ export const host: Host = {
     url.protocol = url.protocol.replace("http", "ws");
     return new WebSocket(url);
   },
+  runsHere: false,
   choosePort: null,
   opensAddresses: true,
   sharesNetwork: true,

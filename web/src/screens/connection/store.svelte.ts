@@ -53,8 +53,10 @@ class ConnectionStore {
   async choose(): Promise<void> {
     const port = await host.choosePort?.();
     if (!port) return;
+    const before = new Set((this.ports.value ?? []).map(({ url }) => url));
     await this.scan();
-    await this.connect(port);
+    const ofKind = (this.ports.value ?? []).map(({ url }) => url).filter((url) => url === port || url.startsWith(`${port}:`));
+    await this.connect(ofKind.find((url) => !before.has(url)) ?? port);
   }
 
   /** Connect; while recording to another port, ask first, because the recording would end. */

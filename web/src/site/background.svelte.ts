@@ -1,0 +1,28 @@
+// What goes on beside the screens as long as the page is open.
+import { untrack } from "svelte";
+import { toasts } from "../lib/frame/toasts.svelte";
+import { live } from "../lib/live/live.svelte";
+import { t } from "./notices/messages";
+import { storage } from "./notices/storage.svelte";
+import { updates } from "./offline/updates.svelte";
+import type { Program } from "./program/program";
+
+/** The offer of a new version: its code, and for how many ms it is shown; it stays on the Connection screen. */
+const OFFER = "NewVersion";
+const OFFER_MS = 60_000;
+
+export function background(program: Program): void {
+  $effect.root(() => {
+    storage.watch();
+
+    const recording = $derived(live.state?.recording?.file ?? null);
+    const catalog = $derived(live.state?.catalog ?? null);
+    $effect(() => program.follow({ recording, catalog }));
+
+    $effect(() => {
+      if (!updates.offered) return untrack(() => toasts.dismiss(new Set([OFFER])));
+      const offer = { code: OFFER, duration: OFFER_MS, action: { text: () => t("use"), run: () => updates.use() } };
+      untrack(() => toasts.success(() => t("new_ready"), offer));
+    });
+  });
+}

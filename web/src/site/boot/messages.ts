@@ -1,0 +1,59 @@
+// Texts of the start.
+import { dictionary } from "../../lib/i18n";
+
+export const t = dictionary({
+  language: { en: "Русский", ru: "English" },
+  download: { en: "Loading the program: {loaded} of {total} MB", ru: "Загружается программа: {loaded} из {total} МБ" },
+  once: {
+    en: "Only the first visit loads it. Later it starts without a network, too.",
+    ru: "Так долго только в первый раз. Потом она запускается и без сети.",
+  },
+  start: { en: "Starting…", ru: "Запускаем…" },
+  private: { en: "Nothing leaves this computer.", ru: "Ничего не уходит с этого компьютера." },
+
+  "no-wasm": { en: "This browser can't run mikas", ru: "В этом браузере mikas не работает" },
+  "no-wasm_do": {
+    en: "It has no WebAssembly, or it was switched off (by “enhanced security”, for example). Open this page in Chrome, Edge, Opera or Yandex Browser, version of 2025 or newer.",
+    ru: "В нём нет WebAssembly, или она выключена (например, режимом усиленной защиты). Откройте эту страницу в Chrome, Edge, Opera или Яндекс Браузере 2025 года или новее.",
+  },
+  "no-jspi": { en: "This browser is too old for mikas, or of another kind", ru: "Этот браузер слишком старый для mikas или другого типа" },
+  "no-jspi_do": {
+    en: "mikas needs Chrome or Edge 137 or newer (June 2025), or an Opera or Yandex Browser made of it. Update the browser, or open this page in one of these. In this one neither the cable nor the virtual car works.",
+    ru: "Нужен Chrome или Edge 137 или новее (июнь 2025 года) либо Opera или Яндекс Браузер на его основе. Обновите браузер или откройте эту страницу в одном из них. В этом не работает ни кабель, ни виртуальный автомобиль.",
+  },
+  installed: {
+    en: "Installed on a computer, mikas works with any browser.",
+    ru: "Если установить mikas на компьютер, подойдёт любой браузер.",
+  },
+
+  broken: { en: "mikas could not start", ru: "mikas не запустился" },
+  broken_do: {
+    en: "Reload the page. If it happens again: close other tabs and programs (mikas needs about 300 MB of memory) and update the browser. Recordings that were made are kept.",
+    ru: "Обновите страницу. Если повторится: закройте другие вкладки и программы (mikas нужно около 300 МБ памяти) и обновите браузер. Сделанные записи сохранены.",
+  },
+  offline: { en: "There is no network, and mikas is not kept in this browser yet", ru: "Сети нет, а в этом браузере mikas ещё не сохранён" },
+  offline_do: {
+    en: "Connect to the Internet and reload the page. After the first visit mikas starts without a network.",
+    ru: "Подключитесь к интернету и обновите страницу. После первого посещения mikas запускается и без сети.",
+  },
+  reload: { en: "Reload the page", ru: "Обновить страницу" },
+
+  elsewhere: { en: "mikas is open in another tab", ru: "mikas открыт в другой вкладке" },
+  elsewhere_more: {
+    en: "That tab has the cable and the recordings; only one can have them. Go on there, or close it: mikas then starts here by itself.",
+    ru: "Кабель и записи у той вкладки; одновременно они могут быть только у одной. Работайте там или закройте её: тогда mikas запустится здесь сам.",
+  },
+  here: { en: "Use it here instead", ru: "Перенести сюда" },
+  recording: {
+    en: "The other tab is recording. Stop the recording there (key R), or close that tab: the recording is kept.",
+    ru: "В той вкладке идёт запись. Остановите её там (клавиша R) или закройте вкладку: запись сохранится.",
+  },
+  sampling: {
+    en: "The other tab is connected to the car. Disconnect it there (Connection, Disconnect), or close that tab.",
+    ru: "Та вкладка подключена к машине. Отключите её там («Связь», «Отключить») или закройте вкладку.",
+  },
+  silent: {
+    en: "The other tab does not answer. Close it, or all windows of the browser, and open this page again.",
+    ru: "Та вкладка не отвечает. Закройте её или все окна браузера и откройте эту страницу снова.",
+  },
+});

@@ -1,0 +1,62 @@
+// The site's page: starts the program in a worker of this tab, shows how far it is, then mounts the ordinary page over it.
+import { mount, unmount } from "svelte";
+import Boot from "./boot/Boot.svelte";
+import { hindrance } from "./boot/hindrance";
+import { shown } from "./boot/start.svelte";
+import type { Port } from "./program/endpoint";
+import type { Role } from "./program/messages";
+import { installing } from "./offline/installing.svelte";
+import { Program } from "./program/program";
+import { OneTab, type Owner } from "./tabs/oneTab";
+
+installing.watch();
+
+const target = document.getElementById("page")!;
+target.replaceChildren();
+const boot = mount(Boot, { target });
+
+// Vite finds a worker's file only where it is written out.
+const worker = (name: Role): Port =>
+  name === "line"
+    ? new Worker(new URL("./worker/worker.ts", import.meta.url), { type: "module", name: "line" })
+    : new Worker(new URL("./worker/worker.ts", import.meta.url), { type: "module", name: "reader" });
+
+let program: Program | null = null;
+const owner: Owner = {
+  refusal: () => null,
+  leave: () => program?.terminate(),
+  restart: () => location.reload(),
+};
+
+/** Wait until no other tab has the program. Without locks (plain http) nothing is kept that two could spoil. */
+async function alone(): Promise<void> {
+  if (!navigator.locks) return;
+  const tab = new OneTab(navigator.locks, new BroadcastChannel("mikas.tabs"));
+  shown.ask = async () => {
+    shown.start = { kind: "elsewhere", asked: true, refusal: null };
+    const refusal = await tab.ask();
+    if (refusal !== null) shown.start = { kind: "elsewhere", asked: false, refusal };
+  };
+  // The tab that has the program may take a new version into use: this one's files are gone then.
+  const reload = () => location.reload();
+  navigator.serviceWorker?.addEventListener("controllerchange", reload);
+  await tab.become(owner, () => (shown.start = { kind: "elsewhere", asked: false, refusal: null }));
+  navigator.serviceWorker?.removeEventListener("controllerchange", reload);
+  shown.start = { kind: "loading", progress: null };
+}
+
+async function start(): Promise<void> {
+  const why = hindrance();
+  if (why !== null) return void (shown.start = { kind: "impossible", why });
+  await alone();
+  program = new Program(worker);
+  program.line.onprogress = (progress) => (shown.start = { kind: "loading", progress });
+  // The page itself comes along while the program starts.
+  const [{ run }] = await Promise.all([import("./run"), program.line.ready]);
+  await unmount(boot);
+  run(program, owner, target);
+}
+
+start().catch((error: unknown) => {
+  shown.start = { kind: "broken", message: error instanceof Error ? error.message : String(error), offline: !navigator.onLine };
+});

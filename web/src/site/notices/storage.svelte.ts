@@ -1,0 +1,35 @@
+// The room for recordings in this browser.
+import { live } from "../../lib/live/live.svelte";
+
+/** Bytes: below that little is left; hours of recording are some ten million. */
+const LITTLE = 300_000_000;
+
+class Storage {
+  /** Whether this browser keeps files for the page at all. */
+  kept = $state(true);
+  /** Bytes that are left, if they are few. */
+  left = $state<number | null>(null);
+  private asked = false;
+
+  async look(): Promise<void> {
+    try {
+      await navigator.storage.getDirectory();
+      const { quota = Infinity, usage = 0 } = await navigator.storage.estimate();
+      this.left = quota - usage < LITTLE ? quota - usage : null;
+    } catch {
+      this.kept = false;
+    }
+  }
+
+  /** Ask the browser not to clear the recordings when the disk fills: when the first one is made, not before. Inside an effect. */
+  watch(): void {
+    $effect(() => {
+      if (!live.state?.recording || this.asked) return;
+      this.asked = true;
+      void navigator.storage?.persist?.().catch(() => false);
+      void this.look();
+    });
+  }
+}
+
+export const storage = new Storage();

@@ -1,0 +1,108 @@
+// The files of one version of the site in the browser's cache, by the list that the build makes of them (`static_site/listing.py`).
+
+export interface SiteFiles {
+  version: string;
+  /** `sha256`: in hexadecimal digits. */
+  files: { path: string; sha256: string }[];
+}
+
+/** As the desktop's server says it for each of its pages, and for workers, which a page's own policy does not reach; site.html has the same. */
+export const POLICY =
+  "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; connect-src 'self'; worker-src 'self'; img-src 'self' data: blob:; " +
+  "object-src 'none'; base-uri 'none'; form-action 'self'";
+
+const LIST = "files.json";
+const INDEX = "index.html";
+/** Requests at the same time. */
+const AT_ONCE = 4;
+
+export class KeptFiles {
+  private readonly prefix: string;
+
+  /** `scope`: the address of the site. Other sites of the same origin have caches, too. */
+  constructor(
+    private readonly version: string,
+    private readonly scope: URL,
+    private readonly caches: CacheStorage,
+    private readonly fetch: typeof globalThis.fetch,
+  ) {
+    this.prefix = `mikas ${scope.pathname} `;
+  }
+
+  /** Load all files of this version; what did not change is taken over from the version before. Throws unless all are here and whole. */
+  async keep(): Promise<void> {
+    const response = await this.fetch(this.address(LIST), { cache: "no-store" });
+    const listed = (await response.clone().json()) as SiteFiles;
+    if (listed.version !== this.version) throw new Error(`the site has version ${listed.version} by now, not ${this.version}`);
+    const cache = await this.caches.open(this.prefix + this.version);
+    const before = await this.before();
+    const left = [...listed.files];
+    const work = async () => {
+      for (let file = left.pop(); file; file = left.pop()) await this.put(cache, before, file);
+    };
+    await Promise.all(Array.from({ length: AT_ONCE }, work));
+    await cache.put(this.address(LIST), response);
+  }
+
+  /** Delete the files of other versions. */
+  async forgetOthers(): Promise<void> {
+    for (const name of await this.names()) if (name !== this.prefix + this.version) await this.caches.delete(name);
+  }
+
+  /** The kept file at this address, with the headers that a static host does not send; undefined: none. */
+  async find(address: string): Promise<Response | undefined> {
+    const { pathname } = new URL(address);
+    const path = pathname === this.scope.pathname ? INDEX : pathname.slice(this.scope.pathname.length);
+    const cache = await this.caches.open(this.prefix + this.version);
+    const found = await cache.match(this.address(path), { ignoreVary: true });
+    if (!found) return undefined;
+    const headers = new Headers(found.headers);
+    headers.set("Content-Security-Policy", `${POLICY}; frame-ancestors 'none'`);
+    headers.set("X-Content-Type-Options", "nosniff");
+    headers.set("Referrer-Policy", "no-referrer");
+    return new Response(found.body, { status: found.status, headers });
+  }
+
+  private address(path: string): string {
+    return new URL(path, this.scope).href;
+  }
+
+  private async names(): Promise<string[]> {
+    return (await this.caches.keys()).filter((name) => name.startsWith(this.prefix));
+  }
+
+  /** By path and hash: the kept files of other versions. */
+  private async before(): Promise<Map<string, Cache>> {
+    const found = new Map<string, Cache>();
+    for (const name of await this.names()) {
+      const cache = await this.caches.open(name);
+      const list = await cache.match(this.address(LIST));
+      for (const { path, sha256 } of list ? ((await list.json()) as SiteFiles).files : []) found.set(`${path} ${sha256}`, cache);
+    }
+    return found;
+  }
+
+  private async put(cache: Cache, before: ReadonlyMap<string, Cache>, { path, sha256 }: SiteFiles["files"][number]): Promise<void> {
+    const address = this.address(path);
+    const same = await before.get(`${path} ${sha256}`)?.match(address);
+    await cache.put(address, same ?? (await this.whole(address, sha256)));
+  }
+
+  /** The file as it is listed: what another cache still has of a former version is loaded again. */
+  private async whole(address: string, sha256: string): Promise<Response> {
+    const integrity = `sha256-${base64(sha256)}`;
+    try {
+      return await this.ok(address, { integrity });
+    } catch {
+      return this.ok(address, { integrity, cache: "reload" });
+    }
+  }
+
+  private async ok(address: string, init: RequestInit): Promise<Response> {
+    const response = await this.fetch(address, init);
+    if (!response.ok) throw new Error(`${address}: ${response.status}`);
+    return response;
+  }
+}
+
+const base64 = (hex: string): string => btoa(String.fromCharCode(...hex.match(/../g)!.map((byte) => parseInt(byte, 16))));

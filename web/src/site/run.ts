@@ -1,0 +1,38 @@
+// The ordinary page over the program in this tab: what the host is, and what ends with the tab.
+import { mount } from "svelte";
+import { background } from "./background.svelte";
+import { answerDownloads } from "./offline/downloads";
+import { updates } from "./offline/updates.svelte";
+import App from "../App.svelte";
+import "../styles/tokens.css";
+import "../styles/base.css";
+import "uplot/dist/uPlot.min.css";
+import { host } from "../lib/platform/host";
+import { live } from "../lib/live/live.svelte";
+import { connectionParts } from "./notices/parts";
+import { canChoose, choosePort } from "./notices/adapters.svelte";
+import type { Program } from "./program/program";
+import type { Owner } from "./tabs/oneTab";
+import { words } from "./words";
+
+export function run(program: Program, owner: Owner, target: Element): void {
+  Object.assign(host, {
+    fetch: program.fetch,
+    connect: program.connect,
+    runsHere: true,
+    choosePort: canChoose() ? choosePort : null,
+    sharesNetwork: false,
+    exports: ["csv", "msl", "mlg"],
+    words,
+    ...connectionParts,
+  } satisfies Partial<typeof host>);
+  Object.defineProperty(host, "opensAddresses", { get: () => navigator.serviceWorker?.controller != null });
+
+  owner.refusal = () => (live.state?.recording ? "recording" : live.state?.line === "sampling" ? "sampling" : null);
+  // A recording ends with the tab: ask before.
+  window.addEventListener("beforeunload", (event) => live.state?.recording && event.preventDefault());
+  answerDownloads(program.fetch);
+  void updates.watch();
+  background(program);
+  mount(App, { target });
+}

@@ -1,0 +1,47 @@
+// The service worker of the site: the files of one version, so that it starts without a network, and downloads from the program in a page.
+// A new version is loaded beside the one in use. It takes over when the page asks for that, or when no page is open.
+import { askPages, type Page } from "./offline/asking";
+import { KeptFiles } from "./offline/keptFiles";
+
+/** `make site` puts the version of all files here, so that a browser sees that this script has changed. */
+const VERSION = "MIKAS_SITE_VERSION";
+
+/** What is used of a service worker's global scope, whose types can't stand beside those of a page. */
+interface Waits extends Event {
+  waitUntil(work: Promise<unknown>): void;
+}
+interface Fetched extends Waits {
+  readonly request: Request;
+  respondWith(response: Promise<Response>): void;
+}
+interface Scope {
+  readonly registration: { scope: string };
+  readonly clients: { claim(): Promise<void>; matchAll(options: object): Promise<Page[]> };
+  skipWaiting(): Promise<void>;
+  addEventListener(kind: "install" | "activate", listener: (event: Waits) => void): void;
+  addEventListener(kind: "fetch", listener: (event: Fetched) => void): void;
+  addEventListener(kind: "message", listener: (event: MessageEvent<{ kind: string }>) => void): void;
+}
+const scope = self as unknown as Scope;
+
+const site = new URL(scope.registration.scope);
+const kept = new KeptFiles(VERSION, site, caches, (...request) => fetch(...request));
+
+scope.addEventListener("install", (event) => event.waitUntil(kept.keep()));
+
+scope.addEventListener("activate", (event) => event.waitUntil(kept.forgetOthers().then(() => scope.clients.claim())));
+
+scope.addEventListener("message", (event) => {
+  if (event.data.kind === "use") void scope.skipWaiting();
+});
+
+scope.addEventListener("fetch", (event) => {
+  const { request } = event;
+  const { origin, pathname, search } = new URL(request.url);
+  if (request.method !== "GET" || origin !== site.origin || !pathname.startsWith(site.pathname)) return;
+  const path = pathname.slice(site.pathname.length);
+  if (!path.startsWith("api/")) return event.respondWith(kept.find(request.url).then((found) => found ?? fetch(request)));
+  const asked = scope.clients.matchAll({ type: "window", includeUncontrolled: true }).then((pages) => askPages(pages, path + search));
+  event.respondWith(asked.then(({ response }) => response));
+  event.waitUntil(asked.then(({ over }) => over)); // the body may come for long
+});
