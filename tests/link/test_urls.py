@@ -163,6 +163,15 @@ class TestDistributions:
         with pytest.raises(UsageError, match="not installed as it should"):
             open_link("/dev/ttyUSB0")
 
+    def test_where_the_system_has_no_serial_ports_a_path_says_what_there_is(self, monkeypatch):
+        entries = {"sim": urls._registered()["sim"], "webserial": []}
+        monkeypatch.setattr(urls, "_registered", lambda: entries)
+        for url in ("/dev/ttyUSB0", "COM3", "serial:COM3"):
+            with pytest.raises(BadPortUrl, match=r"there is no “serial:”, only: sim:, webserial:"):
+                open_link(url)
+        with open_link("sim:?clock=simulated") as link:
+            assert link.is_virtual
+
     def test_a_path_needs_no_metadata(self, monkeypatch):
         monkeypatch.setattr(urls, "_registered", None)
         assert parse("/dev/ttyUSB0").scheme == "serial"

@@ -57,6 +57,8 @@ def open_link(url: str, /, **options: str | float) -> Link:
         given = {name: _as_text(value) for name, value in options.items()}
         url = f"{url.partition('?')[0]}?{urlencode(parse(url).options | given)}"
     parsed = parse(url)
+    if parsed.scheme not in _registered():  # a name without scheme, in a browser
+        raise BadPortUrl(url=url, problem=_no_such(parsed.scheme))
     opener = _opener(parsed.scheme)
     try:
         link = opener(url, parsed.options)
@@ -104,7 +106,7 @@ def _registered() -> dict[str, list[EntryPoint]]:
     found: dict[str, list[EntryPoint]] = {}
     for entry in entry_points(group=GROUP):
         found.setdefault(entry.name.lower(), []).append(entry)
-    if "serial" not in found:
+    if "sim" not in found:  # what works everywhere
         raise UsageError(
             problem=Text(
                 "mikas is not installed as it should: its metadata name no links",
@@ -163,10 +165,17 @@ def _options(url: str, query: str) -> dict[str, str]:
 def _refuse_unknown(url: str, scheme: str, *, slashes: bool) -> None:
     """Raise `BadPortUrl` for an unknown scheme; a path that contains a colon passes."""
     if slashes or (scheme and nearest(scheme, _registered())):
-        schemes = [f"{name}:" for name in sorted(_registered())]
-        known = ", ".join(schemes)
-        problem = Text(f"there is no “{scheme}:”, only: {known}", f"«{scheme}:» нет, есть: {known}")
-        raise BadPortUrl(url=url, problem=with_nearest(problem, f"{scheme}:", schemes))
+        problem = with_nearest(_no_such(scheme), f"{scheme}:", _schemes())
+        raise BadPortUrl(url=url, problem=problem)
+
+
+def _no_such(scheme: str) -> Text:
+    known = ", ".join(_schemes())
+    return Text(f"there is no “{scheme}:”, only: {known}", f"«{scheme}:» нет, есть: {known}")
+
+
+def _schemes() -> list[str]:
+    return [f"{name}:" for name in sorted(_registered())]
 
 
 def _as_text(value: str | float) -> str:
