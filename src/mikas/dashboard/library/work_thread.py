@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 import threading
 from collections.abc import Callable
 from typing import Final
@@ -36,6 +35,8 @@ class WorkThread(threading.Thread):
         For work that has not ended by its cancellation. A step in C (a large compression) ends by
         itself first.
         """
+        import ctypes  # seldom needed
+
         with self._gate:
             if not self._may_interrupt or self.ident is None:
                 return
