@@ -13,7 +13,7 @@ venv_python := .venv/bin/python
 $(shell [ -x $(venv_python) ] && [ "$$(cat .venv/installed 2>/dev/null)" = "$$(pwd -P)" ] || rm -f .venv/installed)
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test browser cable hour fuzz soak check bench audit sbom lock clean
+.PHONY: help demo test site page browser cable hour fuzz soak check bench audit sbom lock clean
 
 # What was compiled is kept: each worker of the tests, and each program that they start, would compile all again.
 unexport PYTHONDONTWRITEBYTECODE
@@ -33,11 +33,16 @@ gated := tests/test_framing.py tests/commands tests/catalog
 test: .venv/with-test web/node_modules/installed ## all tests but those in a browser and on a cable; framing, commands, catalog: 100 % branches
 	@$(venv_python) -m pytest -n logical --dist worksteal $(gated) --cov=mikas.framing --cov=mikas.commands --cov=mikas.catalog \
 	  --cov-fail-under=100 --cov-report=term-missing:skip-covered
-	@$(venv_python) -m pytest -n auto --dist worksteal $(foreach path,$(gated) tests/browser tests/static_site tests/cable,--ignore=$(path))
+	@$(venv_python) -m pytest -n auto --dist worksteal $(foreach path,$(gated) tests/browser tests/site_build tests/cable,--ignore=$(path))
 	@$(npm) test
 
+site: build/site/files.json ## the page without installation into build/site: a folder for any web server (docs/site.md)
+
+page: build/site/files.json ## that page on this computer, in a browser
+	@$(venv_python) -m site_build.serve
+
 browser: .venv/with-test ## the tests that drive the page in Chromium; pictures of all screens in build/screenshots
-	@$(venv_python) -m pytest -n logical --dist loadfile tests/browser tests/static_site
+	@$(venv_python) -m pytest -n logical --dist loadfile tests/browser tests/site_build
 
 cable: .venv/with-test build/cable/unpacked ## the program on a cable under Linux' own driver, in QEMU: docs/cable.md
 	@MIKAS_REQUIRE_CABLE=1 $(venv_python) -m pytest -n 2 --dist worksteal tests/cable
@@ -97,12 +102,13 @@ lock: build/audit/installed ## write requirements/lock.txt, after a change of th
 clean: ## remove .venv and everything else that was generated
 	rm -rf .venv .coverage .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache build dist htmlcov \
 	  web/node_modules src/mikas/dashboard/page
-	find src tests bench fuzz -name __pycache__ -type d -prune -exec rm -rf {} + 2>/dev/null || true
+	find src tests bench fuzz site_build -name __pycache__ -type d -prune -exec rm -rf {} + 2>/dev/null || true
 
 groups := test check fuzz build audit
 
-# The page is built on installation, so its sources count as well.
-page := pyproject.toml requirements/lock.txt hatch_build.py $(shell find web -path web/node_modules -prune -o -type f -print 2>/dev/null)
+# The page is built on installation, so its sources count as well; those of the site alone do not.
+page := pyproject.toml requirements/lock.txt hatch_build.py \
+  $(shell find web \( -path web/node_modules -o -path web/src/site -o -name '*site*' \) -prune -o -type f -print 2>/dev/null)
 
 .venv/installed: $(page)
 	@[ -f $@ ] || { $(find_python); $(make_venv); }
@@ -130,6 +136,13 @@ web/node_modules/installed: web/package-lock.json .venv/with-test
 	@echo "Installing the packages of the page"
 	@$(npm) ci
 	@touch $@
+
+site_sources := $(page) $(shell find web/site.html web/vite.site.config.ts web/src/site site_build src/mikas \
+  \( -name __pycache__ -o -path src/mikas/dashboard/page -o -path src/mikas/cli \) -prune -o -type f -print 2>/dev/null)
+
+build/site/files.json: $(site_sources) web/node_modules/installed
+	@echo "Building the page without installation"
+	@$(venv_python) -m site_build
 
 # Debian's kernel and udev for `make cable`, unpacked here and not installed. Where they can't be had, the tests say so.
 build/cable/unpacked:

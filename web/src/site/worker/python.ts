@@ -1,0 +1,50 @@
+// Starts Python: Pyodide, the standard library, the program and its packages, all from one folder of the site.
+import type { PyodideAPI, PyodideConfig } from "pyodide";
+import { counted } from "./counted";
+import { filesOf, inflated } from "./pack";
+
+/** What `python -m site_build` has packed: the folder, and the size of each of its files, bare and as it travels. */
+interface Program {
+  folder: string;
+  files: Record<string, { bytes: number; compressed: number }>;
+  lock: PyodideConfig["lockFileContents"];
+}
+declare const __PROGRAM__: Program;
+
+type OnProgress = (loaded: number, total: number) => void;
+
+/** The folder of the site, whatever its address: this script is in its folder `assets`. */
+const SITE = new URL(/* @vite-ignore */ "..", import.meta.url);
+
+export async function startPython(onProgress: OnProgress): Promise<PyodideAPI> {
+  const folder = new URL(`${__PROGRAM__.folder}/`, SITE);
+  const sizes = new Map(Object.entries(__PROGRAM__.files).map(([name, size]) => [new URL(name, folder).href, size]));
+  const stop = counted(sizes, onProgress);
+  try {
+    const program = fetch(new URL("program.pack", folder)).then(unpacked);
+    const { loadPyodide } = (await import(/* @vite-ignore */ new URL("pyodide.mjs", folder).href)) as typeof import("pyodide");
+    return await loadPyodide({
+      indexURL: folder.href,
+      stdLibURL: new URL("stdlib.zip", folder).href,
+      lockFileContents: __PROGRAM__.lock,
+      packageBaseUrl: folder.href,
+      async fsInit(FS, { sitePackages }) {
+        const made = new Set<string>();
+        for (const { path, content } of await program) {
+          const place = `${sitePackages}/${path}`;
+          const parent = place.slice(0, place.lastIndexOf("/"));
+          if (!made.has(parent)) FS.mkdirTree(parent);
+          made.add(parent);
+          FS.writeFile(place, content, { canOwn: true });
+        }
+      },
+    });
+  } finally {
+    stop();
+  }
+}
+
+async function unpacked(response: Response): Promise<ReturnType<typeof filesOf>> {
+  if (!response.ok || response.body === null) throw new Error(`${response.url}: ${response.status}`);
+  return filesOf(await inflated(response.body));
+}

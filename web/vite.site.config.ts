@@ -1,0 +1,29 @@
+// The page without installation: the same page, and the program in workers beside it. `python -m site_build` runs this
+// (`make site`): it says where to, and which files the workers will load.
+import { svelte } from "@sveltejs/vite-plugin-svelte";
+import { defineConfig } from "vite";
+
+export default defineConfig({
+  plugins: [svelte()],
+  // Any folder of any host: no address begins at the host's root.
+  base: "./",
+  publicDir: process.env.MIKAS_SITE_PUBLIC ?? "public",
+  define: { __PROGRAM__: process.env.MIKAS_SITE_PROGRAM ?? "null" },
+  build: {
+    outDir: process.env.MIKAS_SITE_OUT ?? "../build/site",
+    emptyOutDir: true,
+    // The first with JSPI, without which Python's blocking calls can't wait.
+    target: ["chrome137"],
+    assetsInlineLimit: 0,
+    modulePreload: { polyfill: false },
+    reportCompressedSize: false,
+    chunkSizeWarningLimit: 1000, // the whole page, as on a desktop
+    rolldownOptions: {
+      input: { site: "site.html", "service-worker": "src/site/serviceWorker.ts" },
+      output: {
+        entryFileNames: ({ name }) => (name === "service-worker" ? "[name].js" : "assets/[name]-[hash].js"),
+      },
+    },
+  },
+  worker: { format: "es" },
+});
