@@ -1,5 +1,6 @@
 // The site's page: starts the program in a worker of this tab, shows how far it is, then mounts the ordinary page over it.
 import { mount, unmount } from "svelte";
+import "../lib/platform/theme.svelte";
 import Boot from "./boot/Boot.svelte";
 import { hindrance } from "./boot/hindrance";
 import { shown } from "./boot/start.svelte";

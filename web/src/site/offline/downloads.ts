@@ -1,12 +1,14 @@
 // The page's end of a download: a link to the API is a request of the browser itself, which only the service worker sees; it asks this page.
 // Where there is no service worker (yet), the page saves the file itself.
+import { fetchFile } from "../../lib/api/http";
+import { attempt } from "../../lib/frame/toasts.svelte";
 import { saveFile } from "../../lib/platform/output";
 import type { Asked, FromPage, ToPage } from "./asking";
 
 type Fetch = (address: string, init?: RequestInit) => Promise<Response>;
 
 export function answerDownloads(fetch: Fetch): void {
-  document.addEventListener("click", (event) => void saveByPage(event, fetch));
+  document.addEventListener("click", save);
   navigator.serviceWorker?.addEventListener("message", ({ data, ports: [port] }: MessageEvent<Asked>) => {
     if (data.kind === "request" && port) void answer(port, data.address, fetch);
   });
@@ -42,11 +44,22 @@ export async function answer(port: MessagePort, address: string, fetch: Fetch): 
   }
 }
 
-async function saveByPage(event: MouseEvent, fetch: Fetch): Promise<void> {
+/** Save what a link names. Chromium does not ask the service worker for links with `download`, but for a frame whose answer is a file. */
+function save(event: MouseEvent): void {
   const link = event.target instanceof Element ? event.target.closest<HTMLAnchorElement>("a[download]") : null;
   const address = link?.getAttribute("href");
-  if (!link || !address?.startsWith("api/") || navigator.serviceWorker?.controller) return;
+  if (!link || !address?.startsWith("api/")) return;
   event.preventDefault();
-  const response = await fetch(address);
-  saveFile(link.download, await response.blob(), "application/octet-stream");
+  const byPage = async () => {
+    const answer = await attempt(() => fetchFile(address));
+    if (answer) saveFile(link.download, await answer.blob(), "application/octet-stream");
+  };
+  if (!navigator.serviceWorker?.controller) return void byPage();
+  const frame = document.createElement("iframe");
+  frame.hidden = true;
+  frame.src = address;
+  // A frame gets no file, but the answer that says why there is none: the page says it.
+  frame.onload = () => void byPage();
+  document.querySelector("body > iframe[hidden]")?.remove();
+  document.body.append(frame);
 }
