@@ -10,7 +10,7 @@ from pathlib import Path
 
 from .computer_rig import ORIGIN, Computer
 
-Answer = Callable[[bytes], bytes]
+Answer = Callable[[bytes], bytes | None]
 
 
 class StaticHost:
@@ -52,7 +52,7 @@ class _Handler(SimpleHTTPRequestHandler):
 
     def do_POST(self) -> None:
         answer = self.server.answers[self.path]
-        body = answer(self.rfile.read(int(self.headers["Content-Length"])))
+        body = answer(self.rfile.read(int(self.headers["Content-Length"]))) or b""
         self.send_response(200)
         self.send_header("Content-Length", str(len(body)))
         self.end_headers()

@@ -15,12 +15,24 @@ from enum import Enum
 from math import inf
 from typing import NamedTuple, Protocol, Self
 
+from mikas.i18n import Text
+
+BAUD = 9600  # §1
 BITS_PER_BYTE = 10  # §1: start bit, eight data bits, stop bit
 
 # s; by so much bytes may come late and together, through (D14):
 AT_ONCE = 0.001  # an adapter without a latency timer, or with one of 1 ms
 LATENCY_TIMER = 0.016  # the FT232's own setting
+WEB_SERIAL = 0.03  # that timer, which a browser can't change, and the browser's own processes
 NETWORK = 0.2  # a Wi-Fi bridge
+
+PATIENCE = 2.0  # s; a write may take so much longer than its time on the wire
+LONGEST_REQUEST = 1024  # bytes; 26 with 255 data bytes, all of them stuffed, has 524 (§2.2, §3)
+
+# Why a link is lost, after "the adapter is gone:"
+CLOSED_HERE = Text("it was closed here", "он закрыт этой программой")
+TAKES_NO_BYTES = Text("it takes no more bytes", "он не принимает байты")
+UNPLUGGED = Text("unplugged, or closed by the other end", "отключён или закрыт другой стороной")
 
 
 class Chunk(NamedTuple):
@@ -39,7 +51,7 @@ class Link(ABC):
     url: str
     """The port, as the user wrote it."""
 
-    baud: int = 9600
+    baud: int = BAUD
     """Bits a second on the wire (§1)."""
 
     opened: float = inf

@@ -16,6 +16,7 @@ from serial import SerialTimeoutException
 
 from mikas.errors import NoConnection, PortDenied, PortFailed, PortNotFound
 from mikas.i18n import Text
+from mikas.link.base import TAKES_NO_BYTES, UNPLUGGED
 from mikas.link.holders import adapter_without_port, port_busy
 from mikas.link.ports import find_ports, listed
 from mikas.link.urls import parse
@@ -39,7 +40,6 @@ _WINDOWS_BUSY = {5, 32, 170}
 _WINDOWS_UNPLUGGED = {5, 6, 22, 31, 433, 995, 1167}  # depends on the driver
 _WIN_ERROR = re.compile(r"\w+Error\(\d+, .*, None, (\d+)\)", re.DOTALL)
 
-TAKES_NO_BYTES = Text("it takes no more bytes", "он не принимает байты")
 _CHECK_ADDRESS = Text(
     "Check the host and the port number, and that the program which shares the adapter is running.",
     "Проверьте имя и порт, и запущена ли там программа, которая раздаёт адаптер.",
@@ -70,7 +70,7 @@ def why_lost(error: Exception) -> Text:
         return TAKES_NO_BYTES
     gone = number_of(error) in _UNPLUGGED or _windows_number(error) in _WINDOWS_UNPLUGGED
     if gone or re.search("disconnected|died", str(error)):
-        return Text("unplugged, or closed by the other end", "отключён или закрыт другой стороной")
+        return UNPLUGGED
     return _own_words(error)
 
 

@@ -67,7 +67,12 @@ def system_ports() -> Iterable[ListPortInfo]:
 
 def find_ports(lister: Lister = system_ports, sysfs: Path = _SYSFS) -> list[Port]:
     """Return all serial ports, the most likely adapter first."""
-    return sorted((_port(each, sysfs) for each in lister()), key=_order)
+    return by_likelihood(_port(each, sysfs) for each in lister())
+
+
+def by_likelihood(ports: Iterable[Port]) -> list[Port]:
+    """Return `ports`, the most likely adapter first."""
+    return sorted(ports, key=_order)
 
 
 def choose_port(lister: Lister = system_ports) -> str:

@@ -18,7 +18,7 @@ from mikas.i18n import Text
 from mikas.link.base import CaptureTee, Chunk, Link, LinkWrapper, Sink, WallClock
 from mikas.link.identity import KnownAdapter, identity_of, is_same
 from mikas.link.ports import Port, find_ports, listed, named
-from mikas.link.urls import open_link, parse, with_address
+from mikas.link.urls import open_link, parse, with_name
 
 
 class ReconnectingPort:
@@ -50,7 +50,7 @@ class ReconnectingPort:
 
         Raises `NoConnection`: `AnotherAdapter` if its name or its kind is another's.
         """
-        link = self._open_adapter() if parse(self.url).scheme == "serial" else self._open_url()
+        link = self._open_adapter() if parse(self.url).is_adapter else self._open_url()
         if self._link is not None and (lag := self.now() - link.now()) > 0:
             link = _AheadLink(link, lag)
         self._link = link
@@ -61,18 +61,18 @@ class ReconnectingPort:
         return self._open_port(self.url)
 
     def _open_adapter(self) -> Link:
-        address = parse(self.url).address
+        name = parse(self.url).name
         present = self._find()
-        port = self.adapter.locate(present, address) if self.adapter else named(address, present)
-        if port is not None and named(address, [port]) is None:
-            address = port.url
-            self.url = with_address(self.url, address)
+        port = self.adapter.locate(present, name) if self.adapter else named(name, present)
+        if port is not None and named(name, [port]) is None:
+            name = port.url
+            self.url = with_name(self.url, name)
         link = self._open_url()
         present = self._find()
-        after = named(address, present)
+        after = named(name, present)
         if not is_same(port, after):
             link.close()
-            raise _changed(address, after, present)
+            raise _changed(name, after, present)
         if port is not None and identity_of(port) is not None:
             self.adapter = self.adapter or KnownAdapter(port, present)
             self.adapter.opened(port)

@@ -27,16 +27,26 @@ import serial
 
 from mikas.errors import LinkLost
 from mikas.i18n import Text
-from mikas.link.base import AT_ONCE, BITS_PER_BYTE, LATENCY_TIMER, NETWORK, Chunk, Link, WallClock
-from mikas.link.failures import SYSTEM_ERRORS, TAKES_NO_BYTES, is_unable, opening_failed, why_lost
+from mikas.link.base import (
+    AT_ONCE,
+    BAUD,
+    BITS_PER_BYTE,
+    CLOSED_HERE,
+    LATENCY_TIMER,
+    LONGEST_REQUEST,
+    NETWORK,
+    PATIENCE,
+    TAKES_NO_BYTES,
+    Chunk,
+    Link,
+    WallClock,
+)
+from mikas.link.failures import SYSTEM_ERRORS, is_unable, opening_failed, why_lost
 from mikas.link.network import Rfc2217Port, SocketPort, host_and_port
 from mikas.link.ports import find_ports, named
 from mikas.link.urls import parse
 from mikas.options import OptionParser, check_names
 
-BAUD = 9600  # §1
-PATIENCE = 2.0  # s; a write may take so much longer than its time on the wire
-LONGEST_REQUEST = 1024  # bytes; 26 with 255 data bytes, all of them stuffed, has 524 (§2.2, §3)
 TICK = 0.01  # s of one wait on a port without select
 GLANCE = 0.001  # s between two polls of such a port when less than two ticks are left
 LONGEST_WAIT = 1.0  # s; then a check whether another thread has closed the link
@@ -45,7 +55,6 @@ MOST_AT_ONCE = 4096  # bytes
 # pyserial raises these in the middle of a call when another thread closes the port.
 _CLOSED_MEANWHILE: tuple[type[Exception], ...] = (TypeError, AttributeError)
 _ERRORS = SYSTEM_ERRORS + _CLOSED_MEANWHILE
-_CLOSED = Text("it was closed here", "он закрыт этой программой")
 
 
 OpenPort: TypeAlias = serial.Serial | SocketPort | Rfc2217Port
@@ -135,7 +144,7 @@ class SerialLink(Link):
 
     def close(self) -> None:
         if self._gone is None:
-            self._gone = _CLOSED
+            self._gone = CLOSED_HERE
             self._close_port()
 
     def _pull_low(self, low: bool) -> None:

@@ -33,6 +33,7 @@ link. A plain `UsageError` that it raises becomes a `BadPortUrl`.
 """
 
 GROUP = "mikas.links"
+_OF_ADAPTERS = ("serial", "webserial")
 _SCHEME = re.compile(r"([A-Za-z][A-Za-z0-9+.-]+):")  # two letters at least: C: is a drive
 
 
@@ -43,6 +44,16 @@ class PortUrl:
     scheme: str
     address: str
     options: dict[str, str]
+
+    @property
+    def name(self) -> str:
+        """The URL without its options: an adapter's `Port.url`."""
+        return self.address if self.scheme == "serial" else f"{self.scheme}:{self.address}"
+
+    @property
+    def is_adapter(self) -> bool:
+        """Whether it names an adapter that is plugged in here, and may come back elsewhere."""
+        return self.scheme in _OF_ADAPTERS
 
 
 def open_link(url: str, /, **options: str | float) -> Link:
@@ -86,9 +97,9 @@ def parse(url: str) -> PortUrl:
     return PortUrl(scheme, address, _options(url, query))
 
 
-def with_address(url: str, address: str) -> str:
-    """Return the `url` of a serial port with another name and the same options."""
-    return address + url.removeprefix(url.partition("?")[0])
+def with_name(url: str, name: str) -> str:
+    """Return the `url` of an adapter with another name and the same options."""
+    return name + url.removeprefix(url.partition("?")[0])
 
 
 def take_clock(options: dict[str, str]) -> bool:

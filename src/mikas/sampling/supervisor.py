@@ -72,12 +72,12 @@ class ConnectionSupervisor:
 
     def open_port(self) -> Generator[Event, None, Link | None]:
         """Open the port; None: sampling was stopped before."""
-        before = parse(self._port.url).address
+        before = parse(self._port.url).name
         while not self._context.stopped:
             try:
                 link = self._port.open()
                 self._listening_since = link.opened
-                if (name := parse(self._port.url).address) != before:
+                if (name := parse(self._port.url).name) != before:
                     yield AdapterMoved(link.now(), name, before)
                 return link
             except NoConnection as error:

@@ -35,7 +35,7 @@ from mikas.i18n import Text
 from mikas.link.identity import KnownAdapter
 from mikas.link.ports import only_likely
 from mikas.link.reconnecting import ReconnectingPort
-from mikas.link.urls import parse, with_address
+from mikas.link.urls import parse, with_name
 from mikas.sampling.acquisition import Acquisition
 from mikas.sampling.derived import DerivedChannels
 from mikas.sampling.events import LineState
@@ -155,7 +155,7 @@ class Connection:
     def moved(self, address: str) -> None:
         """Note the present name of the adapter; in the sampling thread."""
         if (port := self.port) is not None:
-            self.port = replace(port, url=with_address(port.url, address))
+            self.port = replace(port, url=with_name(port.url, address))
 
     async def close(self, why: Text = DISCONNECTED) -> None:
         """End the sampling thread, if there is one; the connection keeps its port settings."""

@@ -1,0 +1,264 @@
+"""The link over Web Serial: the adapters that the user has granted to the page (§1).
+
+The ports and their bytes are JavaScript's (`web/src/site/worker/serial.ts`): it stamps each chunk
+when it comes, so that one which is read later has its own time. Here a read suspends its stack
+until a promise is kept. No promise of it is rejected: what went wrong is text.
+
+A port's name is `webserial:0403:6001`, by USB vendor and product; `webserial:0403:6001:2` is the
+second of that kind, `webserial:other` one that is not on USB. `webserial:` is the only one. A
+browser tells neither an adapter's serial number nor its socket. So of two like adapters that were
+both unplugged, the first one plugged in again gets the first name, whichever it is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable
+from functools import cache
+from importlib import import_module
+from typing import Any, Protocol
+
+from mikas.errors import (
+    LinkLost,
+    NoConnection,
+    NoPortGiven,
+    PortBusy,
+    PortFailed,
+    PortNotFound,
+)
+from mikas.i18n import Text
+from mikas.link.base import (
+    BAUD,
+    CLOSED_HERE,
+    LONGEST_REQUEST,
+    PATIENCE,
+    TAKES_NO_BYTES,
+    UNPLUGGED,
+    WEB_SERIAL,
+    Chunk,
+    Link,
+)
+from mikas.link.chips import chip_of
+from mikas.link.ports import Port, by_likelihood, listed, named
+from mikas.link.urls import parse
+from mikas.options import OptionParser, check_names
+
+_OTHER = "other"
+_CHOOSE = Text(
+    "The page may use none of the adapters that are plugged in. Plug it in and choose it in the "
+    "browser's list, which opens when you click to choose it here. Not in the list? Check its plug "
+    "and cable; on Windows its driver may be missing.",
+    "Странице не разрешён ни один из подключённых адаптеров. Подключите его и выберите в списке "
+    "браузера: список открывается здесь по кнопке выбора. Адаптера там нет? Проверьте разъём и "
+    "кабель; в Windows может не быть драйвера.",
+)
+_BUSY = Text(
+    "Likely, in order: another tab or window of this page, another diagnostics program, a terminal "
+    "or ModemManager has it open: close that. On Linux without permission: "
+    "sudo usermod -aG dialout $USER, then log out and in again. If nothing has it open, unplug the "
+    "adapter and plug it in again.",
+    "Скорее всего, по порядку: порт открыт в другой вкладке или в другом окне этой страницы, в "
+    "программе диагностики, в терминале или у ModemManager — закройте их. В Linux без прав: "
+    "sudo usermod -aG dialout $USER, затем выйти из системы и войти снова. Если порт никем не "
+    "открыт, отключите адаптер и подключите снова.",
+)
+_WHY_LOST = {"closed": CLOSED_HERE, "stuck": TAKES_NO_BYTES, "unplugged": UNPLUGGED}
+
+
+class Pending(Protocol):
+    """What JavaScript will have done."""
+
+    promise: Awaitable[Any]
+
+
+class Granted(Protocol):
+    """A port that JavaScript knows."""
+
+    vid: int | None
+    pid: int | None
+    nth: int
+
+
+class Opened(Protocol):
+    """An open port, or why it is not open (`refused`, `message`)."""
+
+    lost: str
+    takenAt: float  # noqa: N815  (JavaScript's name)
+
+    def arrival(self, deadline: float, /) -> Pending | None: ...
+    def gathering(self, time: float, /) -> Pending: ...
+    def take(self) -> Any | None: ...  # noqa: ANN401  (a Uint8Array)
+    def write(self, data: bytes, patience: float, /) -> Pending: ...
+    def pullLow(self, low: bool, /) -> Pending: ...  # noqa: N802
+    def close(self) -> None: ...
+
+
+class Serial(Protocol):
+    """`SerialHost` of serial.ts."""
+
+    def now(self) -> float: ...
+    def ports(self) -> Pending: ...
+    def open(self, port: Granted, baud: int, dtr: bool, rts: bool, /) -> Pending: ...
+
+
+Suspend = Callable[[Awaitable[Any]], Any]
+"""Wait for a promise, and return what it was kept with."""
+
+
+class WebSerialLink(Link):
+    """A link over the open `port`, which it owns."""
+
+    def __init__(self, url: str, port: Opened, serial: WebSerial, *, baud: int, about: str) -> None:
+        self.url = url
+        self.baud = baud
+        self._port = port
+        self._clock = serial.serial.now
+        self._suspend = serial.suspend
+        self._about = about
+        self._can_break = True
+        self._sent_until = 0.0
+
+    @property
+    def description(self) -> str:
+        return self._about
+
+    @property
+    def can_break(self) -> bool:
+        """False once the adapter has refused."""
+        return self._can_break
+
+    @property
+    def granularity(self) -> float:
+        return WEB_SERIAL
+
+    def now(self) -> float:
+        return self._clock()
+
+    def write(self, data: bytes) -> None:
+        self._must_be_open(data)
+        if not data:
+            return
+        patience = PATIENCE + LONGEST_REQUEST * self.byte_time
+        self._suspend(self._port.write(data, patience).promise)
+        self._must_be_open(data)
+        self._sent_until = max(self._sent_until, self.now()) + len(data) * self.byte_time
+
+    def read(self, deadline: float) -> Chunk:
+        arrival = self._port.arrival(deadline)
+        if arrival is not None:
+            self._suspend(arrival.promise)
+        data = self._port.take()
+        if data is None:
+            self._must_be_open()
+            return Chunk(b"", self.now())
+        return Chunk(data.to_bytes(), self._port.takenAt)
+
+    def gather(self, until: float) -> None:
+        self._suspend(self._port.gathering(until).promise)
+
+    def send_break(self, seconds: float) -> None:
+        """As `Link.send_break`, after what was written: the browser does not wait for that."""
+        self._must_be_open()
+        self.gather(self._sent_until)
+        self._pull_low(True)
+        try:
+            self.gather(self.now() + seconds)
+        finally:
+            self._pull_low(False)
+
+    def close(self) -> None:
+        self._port.close()
+
+    def _pull_low(self, low: bool) -> None:
+        if self._can_break:
+            did = self._suspend(self._port.pullLow(low).promise)
+            self._must_be_open()
+            self._can_break = bool(did)
+
+    def _must_be_open(self, request: bytes | None = None) -> None:
+        if why := self._port.lost:
+            problem = _WHY_LOST.get(why, Text(why, why))
+            raise LinkLost(url=self.url, problem=problem, request=request, time=self.now())
+
+
+class WebSerial:
+    """The granted ports, by `serial` of JavaScript."""
+
+    def __init__(self, serial: Serial, suspend: Suspend) -> None:
+        self.serial = serial
+        self.suspend = suspend
+
+    def find(self) -> list[Port]:
+        """Return those that are plugged in, the most likely adapter first."""
+        return by_likelihood(self._granted())
+
+    def open(self, url: str, options: dict[str, str]) -> WebSerialLink:
+        """As `open_web_serial`."""
+        check_names(options, ("baud", "dtr", "rts"))
+        given = OptionParser(options)
+        baud = given.integer("baud", BAUD, lowest=50, highest=4_000_000)
+        lines = given.switch("dtr", default=True), given.switch("rts", default=False)
+        granted = self._granted()
+        port = _chosen(url, by_likelihood(granted))
+        opened = self.suspend(self.serial.open(granted[port], baud, *lines).promise)
+        if hasattr(opened, "refused"):
+            raise _not_opened(url, opened)
+        return WebSerialLink(url, opened, self, baud=baud, about=port.description)
+
+    def _granted(self) -> dict[Port, Granted]:
+        return {_port(it): it for it in self.suspend(self.serial.ports().promise)}
+
+
+def open_web_serial(url: str, options: dict[str, str]) -> Link:
+    """Open a granted port: `webserial:0403:6001?baud=9600&dtr=1&rts=0`, options as `open_serial`.
+
+    Raises `PortNotFound`, `NoPortGiven`, `PortBusy`, `PortFailed`.
+    """
+    return _here().open(url, options)
+
+
+def find_web_ports() -> list[Port]:
+    """Return the granted ports that are plugged in, the most likely adapter first."""
+    return _here().find()
+
+
+@cache
+def _here() -> WebSerial:
+    from mikas.browser.green_threads import suspend
+
+    return WebSerial(import_module("mikas_host").serial, suspend)
+
+
+def _port(it: Granted) -> Port:
+    is_usb = it.vid is not None and it.pid is not None
+    kind = f"{it.vid:04x}:{it.pid:04x}" if is_usb else _OTHER
+    chip, quirks = chip_of(it.vid, it.pid)
+    return Port(
+        url=f"webserial:{kind}" + (f":{it.nth}" if it.nth > 1 else ""),
+        description=f"{chip} (USB {kind})".lstrip() if is_usb else "serial port",
+        chip=chip,
+        quirks=quirks,
+        likely=bool(chip),
+        vid=it.vid,
+        pid=it.pid,
+    )
+
+
+def _chosen(url: str, ports: list[Port]) -> Port:
+    """Return the port that `url` means."""
+    if not ports:
+        raise PortNotFound(url=url, found=listed(ports), advice=_CHOOSE)
+    parsed = parse(url)
+    if not parsed.address:
+        if len(ports) > 1:
+            raise NoPortGiven(found=listed(ports), example=ports[0].url)
+        return ports[0]
+    port = named(parsed.name, ports)
+    if port is None:
+        raise PortNotFound(url=url, found=listed(ports))
+    return port
+
+
+def _not_opened(url: str, refusal: Any) -> NoConnection:  # noqa: ANN401
+    if refusal.refused in ("NetworkError", "InvalidStateError"):
+        return PortBusy(url=url, advice=_BUSY)
+    return PortFailed(url=url, problem=Text(refusal.message, refusal.message))

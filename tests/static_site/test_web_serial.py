@@ -1,0 +1,76 @@
+"""The link over Web Serial: its tests run in Chromium, in Pyodide, over fake adapters."""
+
+from __future__ import annotations
+
+import subprocess
+from collections.abc import Callable
+from importlib.util import find_spec
+from pathlib import Path
+from zipfile import ZipFile
+
+import pytest
+from site_build.packages import own
+
+from .computer_rig import CH340, FT232, Computer
+from .wire_rig import Wire
+
+HERE = Path(__file__).parent
+MODULES = HERE.parents[1] / "web" / "node_modules"
+PYTEST = ("pytest", "_pytest", "iniconfig", "packaging", "pluggy", "pygments")
+RUN = """() => new Promise(resolve => {
+  const worker = new Worker("worker.js", { type: "module" })
+  worker.onmessage = ({ data }) => resolve(data)
+  worker.onerror = ({ message }) => resolve(message)
+})"""
+
+
+def pack(file: Path) -> None:
+    """Write the program, pytest and the tests into an archive for the browser's Python."""
+    with ZipFile(file, "w") as archive:
+        for name, content in own().items():
+            archive.writestr(name, content)
+        for package in (Path(find_spec(name).origin).parent for name in PYTEST):
+            for each in package.rglob("*.py"):
+                archive.write(each, Path(package.name) / each.relative_to(package))
+        archive.write(find_spec("py").origin, "py.py")  # pytest's own
+        for each in (HERE.parent / "link" / "contract.py", HERE / "web_serial_in_browser.py"):
+            archive.write(each, each.name)
+
+
+def commands(computer: Computer) -> dict[str, Callable[[bytes], bytes | None]]:
+    """Return what the tests in the browser can ask for."""
+    wires = {
+        "/plug": Wire(computer, FT232),
+        "/plug-second": Wire(computer, FT232),
+        "/plug-ch340": Wire(computer, CH340),
+    }
+    first = wires["/plug"]
+
+    def unplug_all(_: bytes = b"") -> None:
+        for each in wires.values():
+            each.vanish()
+
+    unplug_all()
+    return {name: lambda _, wire=wire: wire.put_back() for name, wire in wires.items()} | {
+        "/vanish": lambda _: first.vanish(),
+        "/unplug-all": unplug_all,
+        "/send": first.send,
+        "/received": lambda count: first.received(int(count)),
+    }
+
+
+@pytest.mark.realtime
+def test_the_link_in_the_browser(computer, host, visitor, tmp_path):
+    folder = tmp_path / "pages"
+    folder.mkdir()
+    (folder / "index.html").write_text("<!doctype html><link rel=icon href=data:,>", "ascii")
+    (folder / "pyodide").symlink_to(MODULES / "pyodide")
+    pack(folder / "program.zip")
+    rolldown = [MODULES / ".bin" / "rolldown", HERE / "python_worker.js", "--format", "esm"]
+    subprocess.run([*rolldown, "--file", folder / "worker.js"], check=True, capture_output=True)
+    asked = commands(computer)
+    tab = visitor(host(folder, asked).url)
+    tab.page.goto(tab.url)
+    code, _, said = tab.page.evaluate(RUN).partition("\n")
+    asked["/unplug-all"](b"")
+    assert code == "0", said

@@ -1,0 +1,266 @@
+import { describe, expect, it, vi } from "vitest";
+import { now, OpenPort, SerialHost, type Refusal } from "./serial";
+import type { SerialPort } from "./webSerial";
+
+/** A port as the browser has it: a stream of bytes that errors end, after which there may be a new one. */
+class FakePort extends EventTarget implements SerialPort {
+  connected = true;
+  readable: ReadableStream<Uint8Array> | null = null;
+  writable: WritableStream<Uint8Array> | null = null;
+  opened: unknown[] = [];
+  signals: unknown[] = [];
+  written: number[] = [];
+  closed = 0;
+  /** What the port has instead of a hand that takes bytes. */
+  takes: Promise<void> = Promise.resolve();
+  refuses: Error | undefined;
+  refusesSignals = false;
+  private controller: ReadableStreamDefaultController<Uint8Array> | undefined;
+
+  constructor(readonly info: { usbVendorId?: number; usbProductId?: number } = { usbVendorId: 0x0403, usbProductId: 0x6001 }) {
+    super();
+  }
+
+  getInfo = () => this.info;
+
+  async open(options: unknown): Promise<void> {
+    if (this.refuses) throw this.refuses;
+    this.opened.push(options);
+    this.newStream();
+    this.writable = new WritableStream({ write: (chunk) => (this.written.push(...chunk), this.takes) });
+  }
+
+  async setSignals(signals: unknown): Promise<void> {
+    if (this.refusesSignals) throw new DOMException("Failed to set control signals.", "NetworkError");
+    this.signals.push(signals);
+  }
+
+  async close(): Promise<void> {
+    if (this.readable?.locked || this.writable?.locked) throw new TypeError("Cannot cancel a locked stream");
+    this.closed += 1;
+    this.readable = this.writable = null;
+  }
+
+  send(...bytes: number[]): void {
+    this.controller?.enqueue(new Uint8Array(bytes));
+  }
+
+  fail(name: string, fatal: boolean): void {
+    const old = this.controller;
+    if (fatal) this.readable = null;
+    else this.newStream();
+    old?.error(new DOMException(`it was ${name}`, name));
+  }
+
+  private newStream(): void {
+    this.readable = new ReadableStream({ start: (controller) => void (this.controller = controller) });
+  }
+}
+
+const hostOf = (...ports: SerialPort[]) => new SerialHost(Object.assign(new EventTarget(), { getPorts: async () => ports }));
+const names = async (host: SerialHost) => (await host.ports().promise).map(({ vid, pid, nth }) => [vid, pid, nth]);
+const python = (...bytes: number[]) => ({ toJs: () => new Uint8Array(bytes) });
+
+async function opened(port = new FakePort(), dtr = true, rts = false): Promise<OpenPort> {
+  const host = hostOf(port);
+  const [granted] = await host.ports().promise;
+  return (await host.open(granted!, 9600, dtr, rts).promise) as OpenPort;
+}
+
+describe("the granted ports", () => {
+  it("are numbered among their kind", async () => {
+    const ch340 = { usbVendorId: 0x1a86, usbProductId: 0x7523 };
+    const host = hostOf(new FakePort(), new FakePort(ch340), new FakePort(), new FakePort({}));
+    expect(await names(host)).toEqual([[0x0403, 0x6001, 1], [0x1a86, 0x7523, 1], [0x0403, 0x6001, 2], [undefined, undefined, 1]]);
+  });
+
+  it("keep their number while another of the kind is away", async () => {
+    const [first, second, again] = [new FakePort(), new FakePort(), new FakePort()];
+    let there = [first, second];
+    const host = new SerialHost(Object.assign(new EventTarget(), { getPorts: async () => there }));
+    const numbers = async () => new Map((await host.ports().promise).map(({ port, nth }) => [port, nth]));
+    await host.ports().promise;
+    there = [second];
+    expect(await numbers()).toEqual(new Map([[second, 2]]));
+    there = [again, second];
+    expect(await numbers()).toEqual(new Map([[second, 2], [again, 1]]));
+  });
+
+  it("are those that are plugged in", async () => {
+    const away = new FakePort();
+    away.connected = false;
+    expect(await names(hostOf(away))).toEqual([]);
+    expect(await names(new SerialHost(undefined))).toEqual([]);
+  });
+});
+
+describe("opening", () => {
+  it("has a large buffer, and sets the lines", async () => {
+    const port = new FakePort();
+    await opened(port, true, false);
+    expect(port.opened).toEqual([{ baudRate: 9600, bufferSize: 65536 }]);
+    expect(port.signals).toEqual([{ dataTerminalReady: true, requestToSend: false }]);
+  });
+
+  it("needs no lines that an adapter lacks", async () => {
+    const port = new FakePort();
+    port.refusesSignals = true;
+    expect((await opened(port)).lost).toBe("");
+  });
+
+  it("tells why not", async () => {
+    const port = new FakePort();
+    port.refuses = new DOMException("Failed to open serial port.", "NetworkError");
+    const refusal = (await opened(port)) as unknown as Refusal;
+    expect(refusal).toEqual({ refused: "NetworkError", message: "Failed to open serial port." });
+  });
+
+  it("waits until the port is closed", async () => {
+    const port = new FakePort();
+    const host = hostOf(port);
+    const [granted] = await host.ports().promise;
+    const first = (await host.open(granted!, 9600, true, false).promise) as OpenPort;
+    first.close();
+    const second = (await host.open(granted!, 9600, true, false).promise) as OpenPort;
+    expect([port.closed, second.lost]).toEqual([1, ""]);
+  });
+});
+
+describe("bytes that come", () => {
+  it("have the time of their arrival, however late they are taken", async () => {
+    const port = new FakePort();
+    const link = await opened(port);
+    const arrival = link.arrival(now() + 60);
+    port.send(1, 2);
+    port.send(3);
+    await arrival?.promise;
+    await settled();
+    const came = now();
+    vi.spyOn(performance, "now").mockReturnValue(performance.now() + 5000);
+    expect([...link.take()!]).toEqual([1, 2, 3]);
+    expect(link.takenAt).toBeLessThanOrEqual(came);
+    expect(link.take()).toBeUndefined();
+  });
+
+  it("are waited for until a deadline, never shorter", async () => {
+    const link = await opened();
+    const deadline = now() + 0.02;
+    await link.arrival(deadline)?.promise;
+    expect(now()).toBeGreaterThanOrEqual(deadline);
+    expect(link.take()).toBeUndefined();
+  });
+
+  it("are looked for after a deadline in the past too", async () => {
+    const port = new FakePort();
+    const link = await opened(port);
+    port.send(7);
+    await link.arrival(now() - 60)?.promise;
+    expect([...link.take()!]).toEqual([7]);
+  });
+
+  it("gather until a time", async () => {
+    const port = new FakePort();
+    const link = await opened(port);
+    const time = now() + 0.02;
+    port.send(7);
+    await link.gathering(time).promise;
+    expect(now()).toBeGreaterThanOrEqual(time);
+    expect(link.arrival(now() + 60)).toBeUndefined();
+  });
+
+  it.each(["BreakError", "FramingError", "ParityError", "BufferOverrunError"])("go on after a %s", async (name) => {
+    const port = new FakePort();
+    const link = await opened(port);
+    await settled();
+    port.fail(name, false);
+    await settled();
+    port.send(9);
+    await link.arrival(now() + 60)?.promise;
+    expect([[...link.take()!], link.lost]).toEqual([[9], ""]);
+  });
+});
+
+describe("a lost port", () => {
+  it("is told to the one who waits, and is closed", async () => {
+    const port = new FakePort();
+    const link = await opened(port);
+    const arrival = link.arrival(now() + 60);
+    port.fail("NetworkError", true);
+    await arrival?.promise;
+    await settled();
+    expect([link.lost, port.closed]).toEqual(["unplugged", 1]);
+    expect(link.arrival(now() + 60)).toBeUndefined();
+  });
+
+  it("may be told by the browser only", async () => {
+    const port = new FakePort();
+    const link = await opened(port);
+    port.dispatchEvent(new Event("disconnect"));
+    expect(link.lost).toBe("unplugged");
+  });
+
+  it("hands over what came before", async () => {
+    const port = new FakePort();
+    const link = await opened(port);
+    port.send(5);
+    await link.arrival(now() + 60)?.promise;
+    port.dispatchEvent(new Event("disconnect"));
+    expect([...link.take()!]).toEqual([5]);
+  });
+
+  it("has another reason in the browser's words", async () => {
+    const port = new FakePort();
+    const link = await opened(port);
+    await settled();
+    port.fail("UnknownError", true);
+    await settled();
+    expect(link.lost).toBe("it was UnknownError");
+  });
+
+  it("wakes the one who waits when it is closed here", async () => {
+    const link = await opened();
+    const arrival = link.arrival(now() + 60);
+    link.close();
+    link.close();
+    await arrival?.promise;
+    expect([link.lost, link.take()]).toEqual(["closed", undefined]);
+  });
+});
+
+describe("bytes that go", () => {
+  it("are written", async () => {
+    const port = new FakePort();
+    const link = await opened(port);
+    await link.write(python(1, 255), 2).promise;
+    expect([port.written, link.lost]).toEqual([[1, 255], ""]);
+  });
+
+  it("end in a loss when the port takes none", async () => {
+    const port = new FakePort();
+    port.takes = new Promise(() => undefined);
+    const link = await opened(port);
+    await link.write(python(1), 0.001).promise;
+    expect(link.lost).toBe("stuck");
+  });
+
+  it("end in a loss when the port fails", async () => {
+    const port = new FakePort();
+    port.takes = Promise.reject(new DOMException("The device has been lost.", "NetworkError"));
+    const link = await opened(port);
+    await link.write(python(1), 2).promise;
+    expect(link.lost).toBe("unplugged");
+    await link.write(python(1), 2).promise;
+  });
+
+  it("may be a break, if the adapter can", async () => {
+    const port = new FakePort();
+    const link = await opened(port);
+    expect(await link.pullLow(true).promise).toBe(true);
+    expect(port.signals.at(-1)).toEqual({ break: true });
+    port.refusesSignals = true;
+    expect(await link.pullLow(false).promise).toBe(false);
+  });
+});
+
+/** After all that the streams have to do. */
+const settled = () => new Promise((resolve) => setImmediate(resolve));

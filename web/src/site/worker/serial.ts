@@ -1,0 +1,233 @@
+// The adapters on Web Serial, for Python's link (`mikas.browser.web_serial`). Here runs what can't wait for Python: each chunk is stamped when
+// it comes and kept until Python takes it. No promise is rejected: what went wrong is in what it is kept with, or in `lost`.
+import type { Serial, SerialPort } from "./webSerial";
+import { waits } from "./waits";
+
+/** Of the browser's buffer: a minute of the line, while Python computes. By default it is 255 bytes, a quarter of a second. */
+const BUFFER = 1 << 16;
+/** ms; the longest that a timer takes: it has 32 bits. */
+const LONGEST = 0x7fffffff;
+
+/** Bytes of Python. */
+interface PyBytes {
+  toJs(): Uint8Array;
+}
+
+/** What Python waits for: a promise that a function returns would become an asyncio future there (`waits.ts`). */
+interface Pending<T> {
+  readonly promise: Promise<T>;
+}
+
+/** A port that the user has granted. The `nth` of its kind keeps this number until it is unplugged, whatever becomes of the others. */
+export interface Granted {
+  readonly port: SerialPort;
+  /** USB vendor and product; undefined: not on USB. */
+  readonly vid: number | undefined;
+  readonly pid: number | undefined;
+  readonly nth: number;
+}
+
+/** Why a port did not open: the name and the message of the browser's error. */
+export interface Refusal {
+  readonly refused: string;
+  readonly message: string;
+}
+
+/** Seconds since 1970, of a clock that never runs back. */
+export const now = (): number => (performance.timeOrigin + performance.now()) / 1000;
+
+export class SerialHost {
+  private granted: Granted[] = [];
+  private readonly closing = new Map<SerialPort, Promise<void>>();
+
+  constructor(private readonly serial: Serial | undefined) {}
+
+  readonly now = now;
+
+  /** The granted ports that are plugged in. The page may have asked for a port meanwhile, of which no event tells: so it is looked up. */
+  ports(): Pending<Granted[]> {
+    return { promise: this.look() };
+  }
+
+  /** Open a port, 8N1, no flow control. */
+  open({ port }: Granted, baudRate: number, dtr: boolean, rts: boolean): Pending<OpenPort | Refusal> {
+    return { promise: this.opened(port, baudRate, dtr, rts) };
+  }
+
+  private async look(): Promise<Granted[]> {
+    const present = ((await this.serial?.getPorts().catch(() => [])) ?? []).filter((port) => port.connected !== false);
+    this.granted = this.granted.filter(({ port }) => present.includes(port));
+    for (const port of present) {
+      if (this.granted.some((known) => known.port === port)) continue;
+      const { usbVendorId: vid, usbProductId: pid } = port.getInfo();
+      const taken = this.granted.filter((known) => known.vid === vid && known.pid === pid).map(({ nth }) => nth);
+      let nth = 1;
+      while (taken.includes(nth)) nth += 1;
+      this.granted.push({ port, vid, pid, nth });
+    }
+    return this.granted;
+  }
+
+  private async opened(port: SerialPort, baudRate: number, dtr: boolean, rts: boolean): Promise<OpenPort | Refusal> {
+    await this.closing.get(port);
+    try {
+      await port.open({ baudRate, bufferSize: BUFFER });
+    } catch (error) {
+      const { name, message } = error as Error;
+      return { refused: name, message };
+    }
+    // Not every adapter has these lines.
+    await port.setSignals({ dataTerminalReady: dtr, requestToSend: rts }).catch(() => undefined);
+    return new OpenPort(port, (closed) => this.closing.set(port, closed));
+  }
+}
+
+/** Why a port is lost, if it is not the browser's word. */
+const CLOSED = "closed";
+const STUCK = "stuck";
+const UNPLUGGED = "unplugged";
+
+export class OpenPort {
+  /** Why the port is gone; empty: it is open. */
+  lost = "";
+  /** When the last byte came of those that `take` returned. */
+  takenAt = 0;
+
+  private readonly chunks: Uint8Array[] = [];
+  private arrivedAt = 0;
+  private wake: () => void = () => undefined;
+  private written: () => void = () => undefined;
+  private reader: ReadableStreamDefaultReader<Uint8Array> | undefined;
+  private readonly writer: WritableStreamDefaultWriter<Uint8Array> | undefined;
+
+  constructor(
+    private readonly port: SerialPort,
+    private readonly closes: (closed: Promise<void>) => void,
+  ) {
+    this.writer = port.writable?.getWriter();
+    port.addEventListener("disconnect", () => this.lose(UNPLUGGED), { once: true });
+    void this.listen();
+  }
+
+  /** Kept when bytes have come, the port is gone, or `deadline` (as `now`) is over; undefined: one of the first two is so. */
+  arrival(deadline: number): Pending<void> | undefined {
+    return this.hasNews ? undefined : this.until(deadline, () => this.hasNews);
+  }
+
+  /** Kept when the port is gone or `time` is over; bytes come together meanwhile. */
+  gathering(time: number): Pending<void> {
+    return this.until(time, () => this.lost !== "");
+  }
+
+  /** All bytes that have come since the last call; undefined: none. */
+  take(): Uint8Array | undefined {
+    const [first, ...others] = this.chunks.splice(0);
+    if (!first) return undefined;
+    this.takenAt = this.arrivedAt;
+    return others.length ? joined([first, ...others]) : first;
+  }
+
+  /** Kept when the browser has accepted the bytes, or the port is gone: it is if that takes longer than `patience` seconds. */
+  write(data: PyBytes, patience: number): Pending<void> {
+    const bytes = data.toJs();
+    const promise = new Promise<void>((resolve) => {
+      if (this.lost || !this.writer) return resolve();
+      const timer = setTimeout(() => this.lose(STUCK), patience * 1000);
+      this.written = () => {
+        clearTimeout(timer);
+        resolve();
+      };
+      this.writer.write(bytes).then(this.written, (error) => this.lose(reasonOf(error)));
+    });
+    return { promise };
+  }
+
+  /** Hold the wire low, or let it go; whether the adapter can. */
+  pullLow(low: boolean): Pending<boolean> {
+    const did = this.port.setSignals({ break: low });
+    return { promise: did.then(() => true, () => false) };
+  }
+
+  close(): void {
+    this.chunks.length = 0;
+    this.lose(CLOSED);
+  }
+
+  private until(time: number, isOver: () => boolean): Pending<void> {
+    const promise = new Promise<void>((resolve) => {
+      let timer: ReturnType<typeof setTimeout> | undefined;
+      const look = () => {
+        if (this.wake !== look) return;
+        if (!isOver() && now() < time) {
+          clearTimeout(timer);
+          timer = setTimeout(lookAfterOthers, Math.min((time - now()) * 1000, LONGEST));
+          return;
+        }
+        clearTimeout(timer);
+        this.wake = () => undefined;
+        resolve();
+      };
+      // Others first: while Python computed, bytes may have come that nobody has looked at. And a timer that is set in the turn of a timer waits
+      // for 4 ms at least.
+      const lookAfterOthers = () => void waits.turn().promise.then(look);
+      this.wake = look;
+      lookAfterOthers();
+    });
+    return { promise };
+  }
+
+  private get hasNews(): boolean {
+    return this.chunks.length > 0 || this.lost !== "";
+  }
+
+  /** Read until the port is gone. A break, a framing error or an overrun ends the stream, not the port, which has a new one then. */
+  private async listen(): Promise<void> {
+    let reason = UNPLUGGED;
+    for (let stream = this.port.readable; stream && !this.lost; stream = this.port.readable) {
+      this.reader = stream.getReader();
+      try {
+        for (let read = await this.reader.read(); !read.done; read = await this.reader.read()) {
+          this.chunks.push(read.value);
+          this.arrivedAt = now();
+          this.wake();
+        }
+        break;
+      } catch (error) {
+        reason = reasonOf(error);
+      } finally {
+        this.reader.releaseLock();
+      }
+    }
+    this.lose(reason);
+  }
+
+  private lose(why: string): void {
+    if (this.lost) return;
+    this.lost = why;
+    this.closes(this.closed());
+    this.wake();
+    this.written();
+  }
+
+  /** Closed at once: the page may open the adapter again as soon as it is plugged in, and other programs wait for it. */
+  private async closed(): Promise<void> {
+    this.reader?.releaseLock();
+    this.writer?.releaseLock();
+    await this.port.close().catch(() => undefined);
+  }
+}
+
+const reasonOf = (error: unknown): string => {
+  const { name, message } = error as Error;
+  return name === "NetworkError" ? UNPLUGGED : message || name;
+};
+
+function joined(chunks: Uint8Array[]): Uint8Array {
+  const whole = new Uint8Array(chunks.reduce((sum, { length }) => sum + length, 0));
+  let at = 0;
+  for (const chunk of chunks) {
+    whole.set(chunk, at);
+    at += chunk.length;
+  }
+  return whole;
+}
