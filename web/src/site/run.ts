@@ -11,15 +11,17 @@ import { host } from "../lib/platform/host";
 import { live } from "../lib/live/live.svelte";
 import { connectionParts } from "./notices/parts";
 import { canChoose, choosePort } from "./notices/adapters.svelte";
+import { storage } from "./notices/storage.svelte";
 import type { Program } from "./program/program";
 import type { Owner } from "./tabs/oneTab";
-import { words } from "./words";
+import { unkept, words } from "./words";
 
 export function run(program: Program, owner: Owner, target: Element): void {
   Object.assign(host, {
     fetch: program.fetch,
     connect: program.connect,
     runsHere: true,
+    reachesAdapters: canChoose(),
     choosePort: canChoose() ? choosePort : null,
     sharesNetwork: false,
     exports: ["csv", "msl", "mlg"],
@@ -31,6 +33,7 @@ export function run(program: Program, owner: Owner, target: Element): void {
   owner.refusal = () => (live.state?.recording ? "recording" : live.state?.line === "sampling" ? "sampling" : null);
   // A recording ends with the tab: ask before.
   window.addEventListener("beforeunload", (event) => live.state?.recording && event.preventDefault());
+  void storage.look().then(() => storage.kept || (host.words = { ...words, kept: unkept }));
   answerDownloads(program.fetch);
   void updates.watch();
   background(program);

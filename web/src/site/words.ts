@@ -1,4 +1,5 @@
 // What the page says otherwise than on a desktop: the program runs in this tab, and what is kept is in this browser.
+import type { Text } from "../lib/api/types";
 import type { Host } from "../lib/platform/host";
 
 export const words: Host["words"] = {
@@ -27,4 +28,10 @@ export const words: Host["words"] = {
     en: "MDF4 (.mf4) and Parquet are made by mikas installed on a computer: take the .pcapng there.",
     ru: "MDF4 (.mf4) и Parquet делает mikas, установленный на компьютере: перенесите туда .pcapng.",
   },
+};
+
+/** Where the browser keeps nothing. */
+export const unkept: Text = {
+  en: "kept until this page is closed; download what matters",
+  ru: "хранятся, пока открыта эта страница; важное скачайте",
 };

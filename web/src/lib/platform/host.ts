@@ -17,13 +17,15 @@ export interface Host {
    * was chosen. Without this function the program finds all adapters by itself.
    */
   choosePort: (() => Promise<string | null>) | null;
+  /** Whether adapters can be used at all. */
+  reachesAdapters: boolean;
   /** Whether the browser itself can load addresses of the API: links, frames. */
   opensAddresses: boolean;
   /** Whether the program can let phones and other computers in. */
   sharesNetwork: boolean;
   exports: readonly ExportFormat[];
-  /** Parts of the Connection screen: at its top, and a card beside the adapters. */
-  connectionTop: Component | null;
+  /** Parts of the Connection screen: below the situation, and a card beside the adapters. */
+  connectionNotices: Component | null;
   connectionCard: Component | null;
   words: {
     /** The program does not answer: to a request, in the band, on an empty screen. */
@@ -50,10 +52,11 @@ export const host: Host = {
   },
   runsHere: false,
   choosePort: null,
+  reachesAdapters: true,
   opensAddresses: true,
   sharesNetwork: true,
   exports: ["csv", "msl", "mlg", "mf4", "parquet"],
-  connectionTop: null,
+  connectionNotices: null,
   connectionCard: null,
   words: {
     unreachable: {

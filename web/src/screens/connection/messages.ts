@@ -63,6 +63,8 @@ export const t = dictionary({
     en: "Plug the KKL cable into USB; it appears here by itself. If it does not, the driver of its chip is missing or the cable is faulty.",
     ru: "Вставьте кабель KKL в USB, он появится здесь сам. Если нет — не установлен драйвер его микросхемы или кабель неисправен.",
   },
+  s_out_of_reach: { en: "No way to the cable from here", ru: "Отсюда до кабеля не добраться" },
+  s_out_of_reach_do: { en: "Why, and what to do, is said below.", ru: "Почему и что делать, написано ниже." },
   choose: { en: "Choose the cable…", ru: "Выбрать кабель…" },
   s_not_chosen: { en: "No cable chosen yet", ru: "Кабель ещё не выбран" },
   s_not_chosen_do: {
@@ -201,15 +203,16 @@ export const t = dictionary({
   order: { en: "Connect in this order", ru: "Подключать в таком порядке" },
   order_1: { en: "Ignition off, laptop on battery.", ru: "Зажигание выключено, ноутбук работает от батареи." },
   order_2: { en: "Plug the adapter into USB: it appears in the list above.", ru: "Вставьте адаптер в USB: он появится в списке выше." },
-  order_2_choose: {
-    en: "Plug the adapter into USB, press “Choose the cable…” above and pick it in the browser's list.",
-    ru: "Вставьте адаптер в USB, нажмите выше «Выбрать кабель…» и укажите его в списке браузера.",
-  },
+  order_2_choose: { en: "Plug the adapter into USB.", ru: "Вставьте адаптер в USB." },
   order_3: {
     en: "Connect ground (12), then +12 V (2), then K-Line (11).",
     ru: "Подключите массу (12), затем +12 В (2), затем K-Line (11).",
   },
   order_4: { en: "Ignition on, engine off, press “Connect”.", ru: "Включите зажигание, двигатель не заводите, нажмите «Подключить»." },
+  order_4_choose: {
+    en: "Ignition on, engine off; press “Choose the cable…” above and pick it in the browser's list.",
+    ru: "Включите зажигание, двигатель не заводите; нажмите выше «Выбрать кабель…» и укажите кабель в списке браузера.",
+  },
   order_safe: {
     en: "Keep hands, sleeves and cables away from belt and fan: the fan starts by itself.",
     ru: "Держите руки, рукава и провода подальше от ремня и вентилятора: он включается сам.",

@@ -16,7 +16,7 @@ export const t = dictionary({
     en: "It has no WebAssembly, or it was switched off (by “enhanced security”, for example). Open this page in Chrome, Edge, Opera or Yandex Browser, version of 2025 or newer.",
     ru: "В нём нет WebAssembly, или она выключена (например, режимом усиленной защиты). Откройте эту страницу в Chrome, Edge, Opera или Яндекс Браузере 2025 года или новее.",
   },
-  "no-jspi": { en: "This browser is too old for mikas, or of another kind", ru: "Этот браузер слишком старый для mikas или другого типа" },
+  "no-jspi": { en: "mikas does not work in this browser: it is too old, or not made of Chromium", ru: "В этом браузере mikas не работает: он слишком старый или не на основе Chromium" },
   "no-jspi_do": {
     en: "mikas needs Chrome or Edge 137 or newer (June 2025), or an Opera or Yandex Browser made of it. Update the browser, or open this page in one of these. In this one neither the cable nor the virtual car works.",
     ru: "Нужен Chrome или Edge 137 или новее (июнь 2025 года) либо Opera или Яндекс Браузер на его основе. Обновите браузер или откройте эту страницу в одном из них. В этом не работает ни кабель, ни виртуальный автомобиль.",

@@ -3,4 +3,4 @@ import type { Host } from "../../lib/platform/host";
 import ConnectionNotices from "./ConnectionNotices.svelte";
 import ThisBrowser from "./ThisBrowser.svelte";
 
-export const connectionParts = { connectionTop: ConnectionNotices, connectionCard: ThisBrowser } satisfies Partial<Host>;
+export const connectionParts = { connectionNotices: ConnectionNotices, connectionCard: ThisBrowser } satisfies Partial<Host>;

@@ -32,11 +32,12 @@ describe("situationOf", () => {
     expect(of([port("ttyS0", false)], "NoPortGiven")).toBe("no-cable");
     expect(of([port("a", true), port("b", true)], "NoPortGiven")).toBe("several");
   });
-  it("reports that no adapter was chosen where the browser has the list", () => {
-    const of = (ports: Port[], code: string | null = null) => situationOf(state("off"), { ports, code, chooses: true });
+  it("reports that no adapter was chosen where the browser has the list, or none can be", () => {
+    const of = (ports: Port[], code: string | null = null) => situationOf(state("off"), { ports, code, adapters: "chosen" });
     expect(of([])).toBe("not-chosen");
     expect(of([], "NoPortGiven")).toBe("not-chosen");
     expect(of([port("a", true)])).toBe("off");
+    expect(situationOf(state("off"), { ports: [], code: null, adapters: "out-of-reach" })).toBe("out-of-reach");
   });
   it.each([
     [USB, null, "opening"],

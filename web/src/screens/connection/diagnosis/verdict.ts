@@ -10,14 +10,15 @@ export type LineFacts = Pick<State, "line" | "reason_code" | "port" | "model" | 
 
 /**
  * What else is known. `code`: class of the last error of a request to connect, or to check; `worked`: a port that data has come from since
- * the page was opened; `trying`: a request to connect is running; `chooses`: adapters are chosen in a list of the browser.
+ * the page was opened; `trying`: a request to connect is running; `adapters`: the program finds them,
+ * the user has chosen them in a list of the browser, or they can't be used.
  */
 export interface Circumstances {
   ports: readonly Port[] | null;
   code: string | null;
   worked?: string | null;
   trying?: boolean;
-  chooses?: boolean;
+  adapters?: "found" | "chosen" | "out-of-reach";
 }
 
 /** The check: of `port`, with the steps so far. */
@@ -85,9 +86,9 @@ function progress(steps: readonly DoctorStep[]): readonly Mark[] {
 const hasState = ({ line, reason_code }: LineFacts): boolean => reason_code !== null || (line !== "off" && line !== "no-port");
 
 /** The situation of the line. The class of the error decides; the line's state alone does not name the cause. */
-export function situationOf(state: LineFacts, { ports, code, worked = null, chooses = false }: Circumstances): Situation {
+export function situationOf(state: LineFacts, { ports, code, worked = null, adapters = "found" }: Circumstances): Situation {
   if (answering(state.line)) return "ok";
-  const without = chooses ? "not-chosen" : "no-cable";
+  const without = ({ found: "no-cable", chosen: "not-chosen", "out-of-reach": "out-of-reach" } as const)[adapters];
   const none = ports !== null && !ports.some((port) => port.likely);
   const known = BY_CODE[state.reason_code ?? (state.line === "off" ? code : null) ?? ""];
   if (known === "several" && none) return without;
