@@ -211,7 +211,8 @@ def _slope(it: _Sample) -> float:
     if it.times.size < 2 or it.times[-1] <= it.times[0]:
         return nan
     minutes = (it.times - it.times[0]) / 60
-    return float(np.polyfit(minutes, it.values, 1)[0])
+    apart = minutes - minutes.mean()
+    return float((apart * (it.values - it.values.mean())).sum() / (apart * apart).sum())
 
 
 def _jump(it: _Sample) -> float:

@@ -29,6 +29,7 @@ from mikas.recording.capture import blocks as pcapng
 from mikas.recording.capture.notes import Kind, index
 from mikas.recording.capture.reader import Blocks, CaptureReader, Packet, reason_of
 from mikas.recording.capture.scan import scan
+from mikas.recording.exchanges import count_responses
 from mikas.recording.exchanges.scalar import ScalarMatcher
 from mikas.recording.table.channels import PLAINLY_UNIX
 from mikas.sampling.events import Gap, Marker, TextNote
@@ -217,9 +218,6 @@ def _samples(path: Path, sections: _Sections, catalog: Catalog) -> tuple[int | N
 
 def _estimated(sections: _Sections) -> int:
     """Count responses in pieces of the file, and assume the same density elsewhere."""
-    from mikas.recording.exchanges.columnar import ColumnarMatcher
-    from mikas.recording.exchanges.packets import PacketColumns, Window
-
     size = sections.index.size
     read = responses = 0
     step = size // _PIECES
@@ -228,11 +226,7 @@ def _estimated(sections: _Sections) -> int:
         blocks, order = sections.head(section)[0], sections.index.orders[section]
         item = next(scan(sections.file, offset & -4, order), None)
         begin = item.end if item is not None else size
-        window = Window(sections.file, begin, _PIECE, order)
-        found, end = window.run(begin)
-        if found.size and blocks.interfaces:
-            read += end - begin
-            columns = PacketColumns(window, found, blocks)
-            for packets in columns.packets(0, found.size):
-                responses += len(ColumnarMatcher(packets.source).feed(packets).responses.times)
+        piece = range(begin, min(size, begin + _PIECE))
+        more, length = count_responses(sections.file, piece, order, copy(blocks))
+        responses, read = responses + more, read + length
     return round(responses * size / read) if read else 0

@@ -29,7 +29,7 @@ from mikas.replay.model import ReplayData
 from mikas.replay.outages import AFTER, Outages, Timeline
 
 if TYPE_CHECKING:
-    from mikas.recording.exchanges.columnar import ExchangeColumns
+    from mikas.recording.exchanges.arrays import ExchangeColumns
     from mikas.replay.routine import Routine
 
 # An `01` to these can only be a refusal (D10); as a cell or a fault it would be invented.

@@ -12,14 +12,14 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from mikas import commands as c
-from mikas.recording.exchanges.arrays import Floats, Index, Mask, joined
+from mikas.recording.exchanges.arrays import ExchangeColumns, Floats, Index, Mask
 from mikas.recording.exchanges.layouts import STREAMS
+from mikas.recording.exchanges.pieces import joined
 from mikas.recording.exchanges.refusals import is_lone, is_twice
 from mikas.replay.contents import ROUNDING, RecordedPort, Request
 from mikas.replay.model import Series
 
 if TYPE_CHECKING:
-    from mikas.recording.exchanges.columnar import ExchangeColumns
     from mikas.replay.build import ReplayBuilder
 
 _MIN_RUN: Final = 16  # exchanges

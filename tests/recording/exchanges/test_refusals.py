@@ -152,5 +152,5 @@ def test_any_session_however_it_is_cut(tmp_path_factory, exchanges, echo, window
     path = tmp_path_factory.mktemp("session") / "a.pcapng"
     write(path, exchanges, echo=echo)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(table, "column_exchanges", partial(capture.column_exchanges, window=window))
+        patch.setattr(table, "read_columns", partial(capture.column_exchanges, window=window))
         assert table_in(path) == expected(path)

@@ -13,9 +13,13 @@ from mikas.catalog import Conversion, shipped
 from mikas.recording.table.reader import values
 
 ALL_OF = {
-    1: np.arange(256, dtype=np.uint8).reshape(-1, 1),
-    2: np.arange(65536, dtype="<u2").view(np.uint8).reshape(-1, 2),
+    size: [number.to_bytes(size, "little") for number in range(1 << (8 * size))] for size in (1, 2)
 }
+
+
+def decoded(raw, conversion):
+    columns = (bytes(column) for column in zip(*raw, strict=True))
+    return values([np.frombuffer(each, np.uint8) for each in columns], conversion).tolist()
 
 
 @pytest.mark.parametrize("reading", ["corrected", "literal", "alternative"])
@@ -23,9 +27,7 @@ ALL_OF = {
 def test_every_raw_number_of_the_catalog(parameter, reading):
     raw = ALL_OF[parameter.size]
     conversion = parameter.interpretation(reading)
-    assert values(raw, conversion).tolist() == [
-        float(conversion.decode(row.tobytes())) for row in raw
-    ]
+    assert decoded(raw, conversion) == [float(conversion.decode(row)) for row in raw]
 
 
 def made(**fields):
@@ -51,5 +53,4 @@ conversions = st.builds(
 def test_any_conversion(conversion, drawn):
     size = conversion.size
     raw = [it[:size] for it in drawn] + [bytes(size), b"\xff" * size, b"\x80" * size]
-    table = np.frombuffer(b"".join(raw), np.uint8).reshape(-1, size)
-    assert values(table, conversion).tolist() == [float(conversion.decode(it)) for it in raw]
+    assert decoded(raw, conversion) == [float(conversion.decode(it)) for it in raw]

@@ -1,26 +1,66 @@
-"""Recorded exchanges: one interpretation of the traffic in a capture."""
+"""Recorded exchanges: one interpretation of the traffic in a capture.
+
+All that reads exchanges chooses here, once: arrays (`exchanges.columnar`), or the scalar reference
+where numpy is missing, or, as in a browser, has not all that the arrays of bytes need.
+"""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Iterator
+from typing import TYPE_CHECKING, BinaryIO
 
-from mikas.recording.capture.reader import Problem
+from mikas.recording.capture.blocks import Order
+from mikas.recording.capture.reader import Blocks, Problem
 from mikas.recording.exchanges.result import Exchanges
+
+if TYPE_CHECKING:
+    from mikas.recording.exchanges.arrays import ExchangeColumns
+
+_NUMPY = ("numpy", "numpy.lib")
 
 
 def read_exchanges(path: str | os.PathLike[str]) -> Iterator[Exchanges | Problem]:
     """Yield the exchanges of a capture, a stretch of a port at a time, and problems in between.
 
-    They come as arrays, or from the scalar reference where numpy is missing. Raise as
-    `CaptureReader` does.
+    They come as arrays or from the scalar reference. Raise as `CaptureReader` does.
     """
-    try:
+    if _has_arrays_of_bytes():
         from mikas.recording.exchanges.columnar import column_exchanges
-    except ModuleNotFoundError as error:
-        if error.name != "numpy":
-            raise
-        from mikas.recording.exchanges.scalar import scalar_exchanges
 
-        return scalar_exchanges(path)
-    return column_exchanges(path)
+        return column_exchanges(path)
+    from mikas.recording.exchanges.scalar import scalar_exchanges
+
+    return scalar_exchanges(path)
+
+
+def read_columns(path: str | os.PathLike[str]) -> Iterator[ExchangeColumns | Problem]:
+    """Yield the same, always as arrays."""
+    from mikas.recording.exchanges.arrays import as_columns
+
+    for item in read_exchanges(path):
+        yield item if isinstance(item, Problem) else as_columns(item)
+
+
+def count_responses(file: BinaryIO, piece: range, order: Order, blocks: Blocks) -> tuple[int, int]:
+    """Return the number of responses in the first packets of a piece of a file, and their bytes.
+
+    `blocks`: as before the piece, which begins with a block.
+    """
+    if _has_arrays_of_bytes():
+        from mikas.recording.exchanges import columnar
+
+        return columnar.responses_in(file, piece, order, blocks)
+    from mikas.recording.exchanges import scalar
+
+    return scalar.responses_in(file, piece, order, blocks)
+
+
+def _has_arrays_of_bytes() -> bool:
+    try:
+        import mikas.recording.exchanges.pieces  # noqa: F401  (whether it can be)
+    except ModuleNotFoundError as error:
+        if error.name in _NUMPY:
+            return False
+        raise
+    return True

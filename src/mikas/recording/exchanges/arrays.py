@@ -1,18 +1,48 @@
-"""Pieces of unequal length in one array of bytes: joined, tabulated, compared."""
+"""Exchanges as arrays: their types, and how those of the scalar reference become such.
+
+Whatever works with arrays of exchanges imports this. The stages that make them from the bytes of a
+file (`exchanges.columnar`) need more of numpy than there is in a browser (`exchanges.pieces`).
+"""
 
 from __future__ import annotations
 
-from typing import Final
+from array import array
+from dataclasses import fields, replace
+from typing import Any, Final
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
+
+from mikas.recording.exchanges.result import Exchanges, ExchangesOf, Requests, Responses
 
 Bytes = NDArray[np.uint8]
 Index = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 Floats = NDArray[np.float64]
+ResponseColumns = Responses[Bytes, Floats, Index]
+ExchangeColumns = ExchangesOf[Bytes, Floats, Index]
 _SMALL: Final = 4096
+
+
+def as_columns(exchanges: Exchanges) -> ExchangeColumns:
+    """Return exchanges whose columns may be `array.array`, all as arrays."""
+    requests: Requests[Floats, Index] = _converted(exchanges.requests)
+    responses: ResponseColumns = _converted(exchanges.responses)
+    damaged = np.asarray(exchanges.damaged)
+    found: Any = replace(exchanges, requests=requests, responses=responses, damaged=damaged)
+    columns: ExchangeColumns = found
+    return columns
+
+
+def _converted(columns: Any) -> Any:  # noqa: ANN401  (requests or responses, of either kind)
+    changed: dict[str, Any] = {}
+    for each in fields(columns):
+        value = getattr(columns, each.name)
+        if isinstance(value, bytes):
+            changed[each.name] = np.frombuffer(value, np.uint8)
+        elif isinstance(value, array):
+            changed[each.name] = np.asarray(value)
+    return replace(columns, **changed)
 
 
 def present(numbers: Index) -> list[int]:
@@ -20,30 +50,3 @@ def present(numbers: Index) -> list[int]:
     small = numbers.size and int(numbers.max()) < max(_SMALL, numbers.size)
     found: list[int] = (np.bincount(numbers).nonzero()[0] if small else np.unique(numbers)).tolist()
     return found
-
-
-def joined(buffer: Bytes, starts: Index, lengths: Index) -> Bytes:
-    """Return the joined pieces of a buffer below 2 GiB: indexes of 32 bits are twice as quick."""
-    shift = (starts - (lengths.cumsum() - lengths)).astype(np.int32)
-    places = np.repeat(shift, lengths)
-    places += np.arange(places.size, dtype=np.int32)
-    return buffer.take(places)
-
-
-def side_by_side(buffer: Bytes, starts: Index, length: int) -> Bytes:
-    """Return pieces of one length as the rows of a table."""
-    if not starts.size or not length:
-        return np.empty((starts.size, length), np.uint8)
-    rows: Bytes = sliding_window_view(buffer, length)[starts]
-    return rows
-
-
-def equal(one: Bytes, one_starts: Index, other: Bytes, other_starts: Index, lengths: Index) -> Mask:
-    """Return which pieces of `one` equal those of `other`."""
-    same = np.zeros(lengths.size, np.bool_)
-    for length in present(lengths):
-        chosen = (lengths == length).nonzero()[0]
-        left = side_by_side(one, one_starts[chosen], length)
-        right = side_by_side(other, other_starts[chosen], length)
-        same[chosen] = (left == right).all(axis=1)
-    return same

@@ -12,12 +12,19 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
-from typing import Final
+from typing import BinaryIO, Final
 
 import numpy as np
 
-from mikas.recording.capture.reader import Problem, Source
-from mikas.recording.exchanges.arrays import Bytes, Floats, Index, Mask, equal
+from mikas.recording.capture.blocks import Order
+from mikas.recording.capture.reader import Blocks, Problem, Source
+from mikas.recording.exchanges.arrays import (
+    ExchangeColumns,
+    Floats,
+    Index,
+    Mask,
+    ResponseColumns,
+)
 from mikas.recording.exchanges.matching import (
     AVAILABILITY,
     NO_REQUEST,
@@ -25,7 +32,8 @@ from mikas.recording.exchanges.matching import (
     SentRequest,
     matched,
 )
-from mikas.recording.exchanges.packets import WINDOW, Packets, read
+from mikas.recording.exchanges.packets import WINDOW, PacketColumns, Packets, Window, read
+from mikas.recording.exchanges.pieces import equal
 from mikas.recording.exchanges.result import GAP, ExchangesOf, Requests, Responses
 from mikas.recording.exchanges.stream import Events, PacketStream
 
@@ -36,15 +44,24 @@ _DAMAGE: Final = -3
 _NEVER: Final = np.iinfo(np.int64).max
 
 
-ResponseColumns = Responses[Bytes, Floats, Index]
-ExchangeColumns = ExchangesOf[Bytes, Floats, Index]
-
-
 def column_exchanges(
     path: str | os.PathLike[str], window: int = WINDOW
 ) -> Iterator[ExchangeColumns | Problem]:
     """Yield the exchanges of a capture as arrays. Raise as `CaptureReader` does."""
     return matched(read(path, window), lambda packets: packets.source, ColumnarMatcher)
+
+
+def responses_in(file: BinaryIO, piece: range, order: Order, blocks: Blocks) -> tuple[int, int]:
+    """Return the number of responses in a run of packets at the begin of a piece of a file, and the
+    length of the run in bytes. `blocks`: as before the piece.
+    """
+    window = Window(file, piece.start, len(piece), order)
+    found, end = window.run(piece.start)
+    if not found.size or not blocks.interfaces:
+        return 0, 0
+    runs = PacketColumns(window, found, blocks).packets(0, found.size)
+    stretches = (ColumnarMatcher(packets.source).feed(packets) for packets in runs)
+    return sum(len(each.responses.times) for each in stretches), end - piece.start
 
 
 class ColumnarMatcher:

@@ -13,8 +13,13 @@ from typing import Final
 import numpy as np
 
 from mikas.commands.base import ERROR
-from mikas.recording.exchanges.arrays import Index, Mask, present
-from mikas.recording.exchanges.columnar import ExchangeColumns, ResponseColumns
+from mikas.recording.exchanges.arrays import (
+    ExchangeColumns,
+    Index,
+    Mask,
+    ResponseColumns,
+    present,
+)
 from mikas.recording.exchanges.layouts import (
     LIST_IS_SET,
     READ_LIST,

@@ -10,13 +10,15 @@ from array import array
 from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any, Final, NamedTuple
+from typing import Any, BinaryIO, Final, NamedTuple
 
 from mikas.commands import COMMANDS_BY_CODE
 from mikas.framing import DamageReason, Decoder, Event, Frame
 from mikas.i18n import Text
 from mikas.link.base import Direction
-from mikas.recording.capture.reader import CaptureReader, Packet, Problem, Source
+from mikas.recording.capture.blocks import Order
+from mikas.recording.capture.reader import Blocks, CaptureReader, Packet, Problem, Source
+from mikas.recording.capture.scan import RawBlock, scan
 from mikas.recording.exchanges.matching import (
     NO_REQUEST,
     SILENCE,
@@ -265,6 +267,18 @@ def _append(columns: Iterable[array[Any]], *row: float) -> None:
 def scalar_exchanges(path: str | os.PathLike[str]) -> Iterator[Exchanges | Problem]:
     """Yield the exchanges without numpy."""
     return matched(_stretches(CaptureReader(path)), lambda it: it[0].source, ScalarMatcher)
+
+
+def responses_in(file: BinaryIO, piece: range, order: Order, blocks: Blocks) -> tuple[int, int]:
+    """Return what `columnar.responses_in` does; here the run ends with the piece."""
+    end, packets = piece.start, list[Packet | Problem]()
+    for item in scan(file, piece.start, order, piece.stop):
+        if isinstance(item, RawBlock):
+            packets += blocks.read(item)
+            end = item.end
+    stretches = matched(_stretches(packets), lambda it: it[0].source, ScalarMatcher)
+    found = (len(it.responses.times) for it in stretches if not isinstance(it, Problem))
+    return sum(found), end - piece.start
 
 
 def _stretches(items: Iterable[Packet | Problem]) -> Iterator[Sequence[Packet] | Problem]:

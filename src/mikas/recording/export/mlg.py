@@ -20,7 +20,6 @@ from itertools import count
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mikas.errors import ExportError
 from mikas.i18n import Text
@@ -41,25 +40,19 @@ def write(path: Path, sheet: Sheet) -> None:
     if len(sheet.channels) > _MOST:
         problem = Text(f"an .mlg holds {_MOST} channels", f".mlg вмещает каналов: {_MOST}")
         raise ExportError(str(path.with_suffix("")), problem)
-    layout = _layout(len(sheet.channels))
     with path.open("wb") as file:
-        file.write(_head(sheet, layout))
+        file.write(_head(sheet))
         written = 0
         for piece in marked(sheet):
             if isinstance(piece, LogMark):
                 file.write(_marker(written, piece))
                 written += 1
                 continue
-            file.write(_blocks(layout, written, piece.times, piece.columns).tobytes())
+            file.write(_blocks(written, piece.times, piece.columns))
             written += len(piece.times)
 
 
-def _layout(channels: int) -> np.dtype[np.void]:
-    fields = [("Time", ">i4"), *((f"channel {number}", ">f4") for number in range(channels))]
-    return np.dtype([("type", "u1"), ("number", "u1"), ("clock", ">u2"), *fields, ("sum", "u1")])
-
-
-def _head(sheet: Sheet, layout: np.dtype[np.void]) -> bytes:
+def _head(sheet: Sheet) -> bytes:
     fields = [_FIELD.pack(_S32, b"Time", b"s", _FLOAT, 0.001, 0.0, 3)]
     fields += [
         _FIELD.pack(_F32, name, _fitting(channel.unit, 9), _FLOAT, 1.0, 0.0, _digits(channel))
@@ -70,24 +63,39 @@ def _head(sheet: Sheet, layout: np.dtype[np.void]) -> bytes:
     started = 0
     if sheet.started is not None:
         started = min(max(int(sheet.started.timestamp()), 0), 0xFFFFFFFF)
-    record = layout.itemsize - 5  # a block's type, number, clock and sum do not count
+    record = _record(len(sheet.channels))
     header = _HEADER.pack(b"MLVLG", 1, started, begins, begins + len(info), record, len(fields))
     return header + b"".join(fields) + info
 
 
-def _blocks(
-    layout: np.dtype[np.void], written: int, times: Column, columns: list[Column]
-) -> NDArray[np.void]:
-    blocks = np.zeros(len(times), layout)
-    blocks["number"] = np.arange(written, written + len(times)) % 256
-    blocks["clock"] = np.floor(times * 100_000).astype(np.int64) % 65_536
-    blocks["Time"] = np.clip(np.rint(times * 1000), -(2**31), 2**31 - 1)
+def _blocks(written: int, times: Column, columns: list[Column]) -> bytes:
+    """Return the blocks: of bytes in their file's order, a column of each after the other."""
+    rows, size = len(times), _record(len(columns)) + 5
+    numbers = np.arange(written, written + rows) % 256
+    clock = np.floor(times * 100_000).astype(np.int64) % 65_536
+    fields = [
+        clock.astype(">u2"),
+        np.clip(np.rint(times * 1000), -(2**31), 2**31 - 1).astype(">i4"),
+    ]
     with np.errstate(over="ignore"):  # a value beyond 32 bits becomes infinite
-        for number, values in enumerate(columns):
-            blocks[f"channel {number}"] = values
-    raw = blocks.view(np.uint8).reshape(len(times), layout.itemsize)
-    blocks["sum"] = raw[:, 4:-1].sum(axis=1, dtype=np.uint64) % 256
-    return blocks
+        fields += [values.astype(">f4") for values in columns]
+    blocks = bytearray(rows * size)
+    blocks[1::size] = numbers.astype(np.uint8).tobytes()
+    at, total = 2, np.zeros(rows, np.int64)
+    for field in fields:
+        data, width = field.tobytes(), field.dtype.itemsize
+        for byte in range(width):
+            blocks[at::size] = column = data[byte::width]
+            if at >= 4:  # the clock does not count
+                total += np.frombuffer(column, np.uint8).astype(np.int64)
+            at += 1
+    blocks[at::size] = (total % 256).astype(np.uint8).tobytes()
+    return bytes(blocks)
+
+
+def _record(channels: int) -> int:
+    """Return the bytes of a record: a block's type, number, clock and sum do not count."""
+    return 4 + 4 * channels
 
 
 def _marker(written: int, mark: LogMark) -> bytes:

@@ -180,6 +180,6 @@ def _middles(gaps: list[tuple[float, float]], following: Floats) -> Floats:
     """Return the times of the gaps' rows, rising. `following`: the time of the row after each."""
     import numpy as np
 
-    began, ended = np.array(gaps).T
+    began, ended = np.array([gap[0] for gap in gaps]), np.array([gap[1] for gap in gaps])
     middles: Floats = began + np.maximum(0.0, np.minimum(ended, following) - began) / 2
     return np.sort(middles)  # a gap may lie in another

@@ -109,12 +109,12 @@ class Pieces:
         columns = {}
         for name in names:
             ends = np.full(kept.size, np.nan)
-            ends[at[filled]], ends[at[filled] + 1] = _extremes(column(name), first)
+            ends[at[filled]], ends[at[filled] + 1] = extremes(column(name), first)
             columns[name] = ends
         return Rows(kept, columns)
 
 
-def _extremes(values: Floats, starts: Index) -> tuple[Floats, Floats]:
+def extremes(values: Floats, starts: Index) -> tuple[Floats, Floats]:
     """Return the least and the greatest of each piece of `values`, the earlier one first."""
     import numpy as np
 

@@ -13,7 +13,8 @@ from __future__ import annotations
 
 import os
 from collections import Counter
-from collections.abc import Callable, Collection, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from functools import lru_cache
 from itertools import pairwise
 from math import inf, nextafter
 from pathlib import Path
@@ -24,8 +25,14 @@ import numpy as np
 from mikas.catalog import Catalog
 from mikas.catalog.conversion import Conversion
 from mikas.recording.capture.reader import Problem, Source
-from mikas.recording.exchanges.arrays import Bytes, Floats, Index, side_by_side
-from mikas.recording.exchanges.columnar import ExchangeColumns, ResponseColumns, column_exchanges
+from mikas.recording.exchanges import read_columns
+from mikas.recording.exchanges.arrays import (
+    Bytes,
+    ExchangeColumns,
+    Floats,
+    Index,
+    ResponseColumns,
+)
 from mikas.recording.exchanges.groups import (
     RefusalColumns,
     ResponseClassifier,
@@ -108,7 +115,7 @@ class TableReader:
     ) -> Iterator[tuple[Source, ExchangeColumns, list[ResponseGroup]]]:
         """Yield the exchanges, with their responses with data."""
         ports: dict[Source, ResponseClassifier] = {}
-        for item in column_exchanges(self.path):
+        for item in read_columns(self.path):
             if isinstance(item, Problem):
                 note(item)
                 continue
@@ -147,10 +154,10 @@ class _PortRows:
             if start in backs:
                 yield from self.rest()
             if start < stop:
-                part = slice(start, stop)
-                _set_rising(times[part], self._last, self._source.byte_time)
-                self._last = float(times[stop - 1])
-                self._waiting.append(_rows(times, columns, part))
+                rows = _rows(times, columns, slice(start, stop))
+                rising = _rising(rows.times, self._last, self._source.byte_time)
+                self._last = float(rising[-1])
+                self._waiting.append(Rows(rising, rows.values))
                 self._count += stop - start
             if self._count >= self._size:
                 yield from self._flush()
@@ -190,18 +197,22 @@ def _rows(times: Floats, columns: Columns, part: slice) -> Rows:
     return Rows(times[part], {name: column[part] for name, column in columns.items()})
 
 
-def _set_rising(times: Floats, last: float, byte_time: float) -> None:
-    """Move a row that seems to begin before its predecessor to one byte after it.
+def _rising(times: Floats, last: float, byte_time: float) -> Floats:
+    """Return the times; a row that seems to begin before its predecessor is one byte after it.
 
     Only the chunks of the bytes differ; `mikas.tester.exchange` does the same on a live line.
     """
     begins = (np.diff(times, prepend=last) <= 0).nonzero()[0]
+    if not begins.size:
+        return times
+    times = times.copy()
     for begin in begins.tolist():
         row, before = begin, float(times[begin - 1]) if begin else last
         while row < times.size and times[row] <= before:
             before = max(before + byte_time, nextafter(before, inf))
             times[row] = before
             row += 1
+    return times
 
 
 class Definitions:
@@ -234,25 +245,37 @@ def converted(
     """Yield the values of the group's fitting rows, a parameter at a time."""
     if not group.fitting.size:
         return
-    table = side_by_side(responses.bodies, responses.starts[group.fitting], group.layout.length)
-    for code, begin, _ in group.layout.places:
-        for name, conversion in definitions.conversions(code):
-            if name in names:
-                yield name, values(table[:, begin : begin + conversion.size], conversion)
+    starts = responses.starts[group.fitting]
+    for code, begin, size in group.layout.places:
+        if wanted := [each for each in definitions.conversions(code) if each[0] in names]:
+            raw = [responses.bodies[starts + at] for at in range(begin, begin + size)]
+            for name, conversion in wanted:
+                yield name, values(raw, conversion)
 
 
-def values(raw: Bytes, conversion: Conversion) -> Floats:
-    """Return `Conversion.decode` of every row of raw bytes; flags are 0 and 1."""
-    numbers = np.zeros(len(raw), np.int64)
-    for at in range(conversion.size):
-        numbers |= raw[:, at].astype(np.int64) << (8 * at)
-    if conversion.signed:
-        half = 1 << (8 * conversion.size - 1)
-        numbers -= (numbers & half) << 1
+def values(raw: Sequence[Bytes], conversion: Conversion) -> Floats:
+    """Return `Conversion.decode` of every row, flags as 0 and 1.
+
+    `raw`: the first byte of all rows, the second of all rows …
+    """
     floats: Floats
+    if conversion.size == 1:
+        floats = _of_bytes(conversion)[raw[0]]
+        return floats
+    numbers = raw[0].astype(np.int64)
+    for at in range(1, conversion.size):
+        numbers += raw[at].astype(np.int64) * (1 << (8 * at))
+    if conversion.signed:
+        numbers -= (numbers & (1 << (8 * conversion.size - 1))) * 2
     if conversion.is_flag:
         floats = ((numbers & conversion.mask) != 0).astype(np.float64)
     else:
         exact = numbers * conversion.numerator + conversion.constant
         floats = exact / float(conversion.denominator)
     return floats
+
+
+@lru_cache
+def _of_bytes(conversion: Conversion) -> Floats:
+    """Return the values of all bytes."""
+    return np.array([float(conversion.decode(bytes([byte]))) for byte in range(256)])

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from mikas.catalog.conversion import Conversion
 from mikas.recording.exchanges.arrays import Floats, Index
 from mikas.recording.table.channels import Rows
-from mikas.recording.table.decimation import Pieces
+from mikas.recording.table.decimation import Pieces, extremes
 
 _BLOCK: Final = 64  # rows
 _ENOUGH: Final = 4  # blocks in a piece of time
@@ -100,23 +100,27 @@ class _Extracted:
         if not by_blocks:
             self.times = times[first:last]
             return
-        begin, end = -(-first // _BLOCK), last // _BLOCK
-        self._blocks = slice(begin, end)
-        self._inner = begin * _BLOCK, end * _BLOCK
-        inner = times[self._inner[0] : self._inner[1]].reshape(-1, _BLOCK)
-        both = inner[:, [0, -1]].reshape(-1)
-        self.times = np.concatenate(
-            (times[first : self._inner[0]], both, times[self._inner[1] : last])
-        )
+        self._blocks = slice(-(-first // _BLOCK), last // _BLOCK)
+        begin, end = self._blocks.start * _BLOCK, self._blocks.stop * _BLOCK
+        self._inner = begin, end
+        both = _alternating(times[begin:end:_BLOCK], times[begin + _BLOCK - 1 : end : _BLOCK])
+        self.times = np.concatenate((times[first:begin], both, times[end:last]))
 
     def values(self, column: _Packed) -> Floats:
         """Return the column's values at `times`."""
         if self._blocks is None:
             return column.values(slice(self._first, self._last))
-        both = np.stack((column.first[self._blocks], column.second[self._blocks]), axis=1)
+        both = _alternating(column.first[self._blocks], column.second[self._blocks])
         before = column.values(slice(self._first, self._inner[0]))
         after = column.values(slice(self._inner[1], self._last))
-        return np.concatenate((before, both.reshape(-1), after))
+        return np.concatenate((before, both, after))
+
+
+def _alternating(ones: Floats, others: Floats) -> Floats:
+    """Return the first of both, the second of both …"""
+    both = np.empty(2 * ones.size)
+    both[::2], both[1::2] = ones, others
+    return both
 
 
 def _packed(
@@ -163,12 +167,6 @@ def _joined(
     first, second = np.empty(blocks), np.empty(blocks)
     for at in range(0, blocks, 1024):
         stop = min(blocks, at + 1024)
-        values = _unpacked(numbers[at * _BLOCK : stop * _BLOCK], conversion).reshape(-1, _BLOCK)
-        missing = np.isnan(values)
-        least = np.where(missing, np.inf, values)
-        greatest = np.where(missing, -np.inf, values)
-        low, high = least.argmin(axis=1), greatest.argmax(axis=1)
-        rows = np.arange(len(values))
-        first[at:stop] = values[rows, np.minimum(low, high)]
-        second[at:stop] = values[rows, np.maximum(low, high)]
+        values = _unpacked(numbers[at * _BLOCK : stop * _BLOCK], conversion)
+        first[at:stop], second[at:stop] = extremes(values, _BLOCK * np.arange(stop - at))
     return _Packed(numbers, conversion, first, second)
