@@ -1,0 +1,346 @@
+"""Operations value by value, and the operators of arrays that are made of them.
+
+A single number applies to each value of an array; two numbers give a number.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from itertools import accumulate, pairwise
+from typing import Any, Final
+
+from mikas.browser.arrays import kernels
+from mikas.browser.arrays.creation import asarray, is_scalar
+from mikas.browser.arrays.dtypes import (
+    STORED,
+    bool_,
+    converted,
+    dtype,
+    float64,
+    int64,
+    object_,
+    promoted,
+    scalar_type,
+    with_scalar,
+)
+from mikas.browser.arrays.kernels import Kernel, kernel
+from mikas.browser.arrays.ndarray import ndarray, outside
+
+_MOST: Final = (1 << 63) - 1
+
+
+class ufunc:  # noqa: N801  (numpy's name)
+    """An operation on two operands. `gives`: the type of its results; None: that of the operands.
+
+    `running`: the expression for `accumulate`.
+    """
+
+    def __init__(
+        self, name: str, loops: Kernel, gives: dtype | None = None, running: str = ""
+    ) -> None:
+        self.__name__ = name
+        self._loops = loops
+        self._gives = gives
+        self._running = running
+
+    def __call__(self, one: Any, other: Any) -> Any:  # noqa: ANN401  (numbers and arrays)
+        """Return the results; a number for two numbers."""
+        a, b = _operand(one), _operand(other)
+        if not isinstance(a, ndarray) and not isinstance(b, ndarray):
+            common = promoted(scalar_type(a), scalar_type(b))
+            numbers = (
+                self._typed([a], scalar_type(a), common),
+                self._typed([b], scalar_type(b), common),
+            )
+            return self._result(self._loops.arrays(*numbers), common)[0]
+        if not isinstance(b, ndarray):
+            common = with_scalar(a.dtype, b)
+            if (moved := self._moved(a, b)) is not None:
+                return moved
+            return self._result(self._loops.right(*self._pair(a, b, common)), common)
+        if not isinstance(a, ndarray):
+            common = with_scalar(b.dtype, a)
+            values, number = self._pair(b, a, common)
+            return self._result(self._loops.left(number, values), common)
+        common = promoted(a.dtype, b.dtype)
+        values, others = self._typed(a.data, a.dtype, common), self._typed(b.data, b.dtype, common)
+        if len(values) == len(others):
+            return self._result(self._loops.arrays(values, others), common)
+        if len(others) == 1:
+            return self._result(self._loops.right(values, others[0]), common)
+        if len(values) == 1:
+            return self._result(self._loops.left(values[0], others), common)
+        raise ValueError(f"operands of {len(values)} and {len(others)} values")
+
+    def _pair(self, a: ndarray, b: Any, common: dtype) -> tuple[Any, Any]:  # noqa: ANN401  (a number)
+        values = self._typed(a.data, a.dtype, common)
+        is_float = common is float64 or self._gives is float64
+        return values, float(b) if is_float else b
+
+    def _typed(self, data: Any, of: dtype, common: dtype) -> Any:  # noqa: ANN401  (values)
+        """Return values in the type in which numpy computes."""
+        if common is object_ or (self._gives is not bool_ and common in STORED):
+            outside(f"{self.__name__} of {common}")
+        if self._gives is None and common is bool_:
+            outside(f"{self.__name__} of masks")
+        if of is float64 or (common is not float64 and self._gives is not float64):
+            return data
+        return converted(data, float64)
+
+    def _moved(self, a: ndarray, b: Any) -> ndarray | None:  # noqa: ANN401  (a number)
+        """Return indexes that follow each other, moved by `b`; None if it is another case."""
+        if self.__name__ in ("add", "subtract") and isinstance(a.data, range) and type(b) is int:
+            by, was = b if self.__name__ == "add" else -b, a.data
+            return ndarray(range(was.start + by, was.stop + by, was.step), int64)
+        return None
+
+    def _result(self, values: list[Any], common: dtype) -> ndarray:
+        gives = self._gives or common
+        if gives is bool_:
+            return ndarray(bytes(values), bool_)
+        if gives is int64 and values and (min(values) < -_MOST - 1 or max(values) > _MOST):
+            outside("whole numbers of more than 64 bits")
+        return ndarray(values, gives)
+
+    # numpy's methods of an operation
+
+    def accumulate(self, values: Any) -> ndarray:  # noqa: ANN401  (an array)
+        """Return the results so far: of the first value, the first two …"""
+        array = asarray(values)
+        if not self._running or array.dtype not in (float64, int64):
+            outside(f"{self.__name__}.accumulate of {array.dtype}")
+        if self.__name__ == "add":
+            return self._result(list(accumulate(array.data)), array.dtype)
+        return ndarray(kernels.running(array.data, self._running), array.dtype)
+
+    def reduceat(self, values: Any, starts: Any) -> ndarray:  # noqa: ANN401  (arrays)
+        """Return the result of each part; a part without values has its first value, as numpy."""
+        if self.__name__ not in _LEAST_OR_GREATEST:
+            outside(f"{self.__name__}.reduceat")
+        array, extreme, ignores = asarray(values), *_LEAST_OR_GREATEST[self.__name__]
+        data, places = array.data, asarray(starts).data
+        count = len(data)
+        if len(places) and not (min(places) >= 0 and max(places) < count):
+            raise IndexError("a part begins outside of the array")
+        found = []
+        is_finite = array.dtype is int64 or kernels.all_finite(data)
+        for start, stop in pairwise([*places, count]):
+            part = data[start:stop] or [data[start]]
+            if not is_finite:
+                present = [x for x in part if x == x]  # noqa: PLR0124
+                if len(present) < len(part) and not (ignores and present):
+                    found.append(math.nan)
+                    continue
+                part = present
+            found.append(extreme(part))
+        return ndarray(found, array.dtype)
+
+    def at(self, target: ndarray, places: ndarray, values: ndarray) -> None:
+        """Put the result of target and value at each place, one after the other."""
+        if self.__name__ not in ("fmin", "fmax") or target.dtype is not float64:
+            outside(f"{self.__name__}.at")
+        data = target._writable()  # noqa: SLF001  (its own array)
+        count = len(data)
+        if len(places) and not (-count <= places.min() and places.max() < count):
+            raise IndexError("a place outside of the array")
+        if self.__name__ == "fmin":
+            for place, value in zip(places.data, values.data, strict=True):
+                if not data[place] <= value and value == value:  # noqa: PLR0124
+                    data[place] = value
+        else:
+            for place, value in zip(places.data, values.data, strict=True):
+                if not data[place] >= value and value == value:  # noqa: PLR0124
+                    data[place] = value
+
+    def reduce(self, arrays: Any) -> Any:  # noqa: ANN401  (a list of masks)
+        """Return the result of all masks: True of none."""
+        if self.__name__ != "logical_and":
+            outside(f"{self.__name__}.reduce")
+        found: Any = True
+        for mask in arrays:
+            found = mask if found is True else self(found, mask)
+        return found
+
+
+_LEAST_OR_GREATEST: Final[dict[str, tuple[Callable[[Any], Any], bool]]] = {
+    "minimum": (min, False), "maximum": (max, False), "fmin": (min, True), "fmax": (max, True),
+}  # fmt: skip
+
+
+def _operand(given: Any) -> Any:  # noqa: ANN401  (a number or an array)
+    return given if isinstance(given, ndarray) or is_scalar(given) else asarray(given)
+
+
+add = ufunc("add", kernel("x + y"), running="m + x")
+subtract = ufunc("subtract", kernel("x - y"))
+multiply = ufunc("multiply", kernel("x * y"))
+divide = ufunc("divide", Kernel(kernels.divided, kernels.divided_by, kernels.divided_from), float64)
+minimum = ufunc(
+    "minimum",
+    kernel("x if x <= y or x != x else y"),
+    running="x if x < m or x != x else m",
+)
+maximum = ufunc(
+    "maximum",
+    kernel("x if x >= y or x != x else y"),
+    running="x if x > m or x != x else m",
+)
+fmin = ufunc("fmin", kernel("y if y < x or x != x else x"))
+fmax = ufunc("fmax", kernel("y if y > x or x != x else x"))
+less = ufunc("less", kernel("x < y"), bool_)
+less_equal = ufunc("less_equal", kernel("x <= y"), bool_)
+greater = ufunc("greater", kernel("x > y"), bool_)
+greater_equal = ufunc("greater_equal", kernel("x >= y"), bool_)
+equal = ufunc("equal", kernel("x == y"), bool_)
+not_equal = ufunc("not_equal", kernel("x != y"), bool_)
+logical_and = ufunc("logical_and", kernel("bool(x and y)"), bool_)
+
+
+def remainder(values: ndarray, by: int) -> ndarray:
+    """Return the remainder of whole numbers by a positive one."""
+    if values.dtype is not int64 or type(by) is not int or by <= 0:
+        outside(f"remainder of {values.dtype} by {by!r}")
+    return ndarray([x % by for x in values.data], int64)
+
+
+def _of_one(
+    loop: Callable[[Any], Any], gives: dtype | None, *, floats: bool
+) -> Callable[[Any], Any]:
+    """Return an operation on one operand; `floats`: it computes with floats only."""
+
+    def operation(given: Any) -> Any:  # noqa: ANN401  (a number or an array)
+        operand = _operand(given)
+        array = operand if isinstance(operand, ndarray) else asarray([operand])
+        if array.dtype not in (float64, int64, bool_) or (
+            array.dtype is bool_ and gives is not bool_
+        ):
+            outside(f"this operation on {array.dtype}")
+        data = array.data
+        if floats and array.dtype is not float64:
+            data = converted(data, float64)
+        found = ndarray(loop(data), gives or (float64 if floats else array.dtype))
+        return found if isinstance(operand, ndarray) else found[0]
+
+    return operation
+
+
+negative = _of_one(lambda data: [-x for x in data], None, floats=False)
+absolute = _of_one(lambda data: [abs(x) for x in data], None, floats=False)
+sqrt = _of_one(
+    lambda data: [math.sqrt(x) if x >= 0 else math.nan for x in data], float64, floats=True
+)
+rint = _of_one(kernels.rounded, float64, floats=True)
+floor = _of_one(kernels.rounded_down, float64, floats=True)
+ceil = _of_one(kernels.rounded_up, float64, floats=True)
+isnan = _of_one(kernels.missing, bool_, floats=True)
+isfinite = _of_one(kernels.finite, bool_, floats=True)
+
+
+def rounded(values: Any, decimals: int = 0) -> Any:  # noqa: ANN401  (numbers and arrays)
+    """Return floats rounded to a number of decimals, as numpy does: by a power of ten."""
+    if decimals < 0:
+        outside("rounding to tens")
+    return divide(rint(multiply(values, 10.0**decimals)), 10.0**decimals)
+
+
+def where(mask: Any, one: Any, other: Any) -> Any:  # noqa: ANN401  (numbers and arrays)
+    """Return `one` where the mask is true, else `other`."""
+    if is_scalar(mask):
+        chosen = one if mask else other
+        if is_scalar(one) and is_scalar(other):
+            return promoted(scalar_type(one), scalar_type(other))(chosen)
+        count = max(len(each) for each in (one, other) if not is_scalar(each))
+        mask = ndarray(bytes([bool(mask)]) * count, bool_)
+    mask = asarray(mask)
+    if mask.dtype is not bool_:
+        mask = not_equal(mask, 0)
+    flags, a, b = mask.data, _operand(one), _operand(other)
+    if isinstance(a, ndarray) and isinstance(b, ndarray):
+        common = promoted(a.dtype, b.dtype)
+    elif isinstance(a, ndarray) or isinstance(b, ndarray):
+        common = with_scalar(a.dtype, b) if isinstance(a, ndarray) else with_scalar(b.dtype, a)
+    else:
+        common = promoted(scalar_type(a), scalar_type(b))
+    for each in (a, b):
+        if isinstance(each, ndarray) and len(each) != len(flags):
+            raise ValueError(f"{len(flags)} conditions for {len(each)} values")
+    ones = flags.count(1)
+    for each, is_all in ((a, ones == len(flags)), (b, not ones)):
+        if is_all and len(flags):
+            if isinstance(each, ndarray):
+                return each.astype(common)
+            return ndarray(_repeated(common(each), len(flags), common), common)
+    (x, xs), (y, ys) = _values(a, common), _values(b, common)
+    found = kernels.chosen(flags, xs, ys, x, y)
+    return ndarray(bytes(found) if common is bool_ else found, common)
+
+
+def _repeated(value: Any, count: int, of: dtype) -> Any:  # noqa: ANN401  (values as kept)
+    return bytes([value]) * count if of is bool_ else [value] * count
+
+
+def _values(operand: Any, common: dtype) -> tuple[Any, Any]:  # noqa: ANN401  (a number, or values)
+    if not isinstance(operand, ndarray):
+        return common(operand), None
+    return None, operand.astype(common).data if operand.dtype is not common else operand.data
+
+
+def clip(values: Any, least: Any, most: Any) -> Any:  # noqa: ANN401  (numbers and arrays)
+    """Return the values, none below `least` or above `most`."""
+    return minimum(maximum(values, least), most)
+
+
+class vectorized:  # noqa: N801  (as `ufunc`)
+    """A function for numbers, applied to arrays: `np.frompyfunc` with two operands."""
+
+    def __init__(self, function: Callable[[Any, Any], Any]) -> None:
+        self._function = function
+
+    def __call__(self, one: Any, other: Any) -> Any:  # noqa: ANN401  (numbers and arrays)
+        """Return the results as objects; a number for two numbers."""
+        a, b, function = _operand(one), _operand(other), self._function
+        if not isinstance(a, ndarray) and not isinstance(b, ndarray):
+            return function(a, b)
+        count = len(a) if isinstance(a, ndarray) else len(b)
+        xs = a.data if isinstance(a, ndarray) else [a] * count
+        ys = b.data if isinstance(b, ndarray) else [b] * count
+        found = [function(x, y) for x, y in zip(xs, ys, strict=True)]
+        return ndarray(found, object_)
+
+
+def frompyfunc(function: Callable[[Any, Any], Any], operands: int, results: int) -> vectorized:
+    """Return a function for numbers as one for arrays."""
+    if (operands, results) != (2, 1):
+        outside("such functions")
+    return vectorized(function)
+
+
+_OPERATORS: Final = {
+    "add": add, "sub": subtract, "mul": multiply, "truediv": divide,
+    "lt": less, "le": less_equal, "gt": greater, "ge": greater_equal,
+    "eq": equal, "ne": not_equal, "mod": remainder,
+}  # fmt: skip
+_OUTSIDE: Final = ("floordiv", "pow", "matmul", "lshift", "rshift", "divmod")
+_IN_PLACE: Final = ("add", "sub", "mul", "truediv")
+
+
+def _put_operators() -> None:
+    def refused(*_: object) -> Any:  # noqa: ANN401  (it never returns)
+        return outside("such an operator")
+
+    for name, operation in _OPERATORS.items():
+        setattr(ndarray, f"__{name}__", lambda a, b, f=operation: f(a, b))
+        if name in _IN_PLACE:
+            setattr(ndarray, f"__r{name}__", lambda a, b, f=operation: f(b, a))
+            setattr(ndarray, f"__i{name}__", lambda a, b, f=operation: a._become(f(a, b)))  # noqa: SLF001
+    for name in _OUTSIDE:
+        for prefix in ("", "r", "i"):
+            setattr(ndarray, f"__{prefix}{name}__", refused)
+    for name in ("and", "or", "xor"):
+        setattr(ndarray, f"__r{name}__", getattr(ndarray, f"__{name}__"))
+    for name, of_one in (("rmod", refused), ("neg", negative), ("abs", absolute)):
+        setattr(ndarray, f"__{name}__", lambda *operands, f=of_one: f(*operands))
+
+
+_put_operators()
