@@ -61,6 +61,9 @@ class ConnectionOptions:
     strict: bool = False
     """Treat a lone escape as damage (D4)."""
 
+    virtual_units: bool | None = None
+    """Whether limits of virtual units are kept; None: in a folder that was named."""
+
     def __post_init__(self) -> None:
         check_choice("echo", self.echo, [echo.value for echo in Echo])
         check_interpretation(self.interpretation)
@@ -94,12 +97,12 @@ class ConnectionOptions:
         )
 
     def _store(self, link: Link) -> LimitsStore | None:
-        if self.state is not None:
-            return LimitsStore(Path(self.state))
-        virtual_units = bool(os.environ.get(STATE_VARIABLE))
-        if link.is_virtual and not virtual_units:
+        kept = self.virtual_units
+        if kept is None:
+            kept = self.state is not None or bool(os.environ.get(STATE_VARIABLE))
+        if link.is_virtual and not kept:
             return None
-        return LimitsStore(state_folder() / "units", virtual_units=virtual_units)
+        return LimitsStore(Path(self.state or state_folder() / "units"), virtual_units=kept)
 
 
 def state_folder() -> Path:

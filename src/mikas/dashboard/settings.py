@@ -92,6 +92,8 @@ class Settings:
     own: OwnCatalog | None = None
     tests: Path | None = None
     """The folder of the user's guided tests; None: only the shipped ones."""
+    made_again: Path | None = None
+    """The folder of what can be made again; None: that of the state."""
 
     @property
     def _state(self) -> Path:
@@ -130,7 +132,7 @@ class Settings:
     @property
     def virtual_recordings(self) -> Path:
         """The folder of recordings of the virtual car."""
-        return self._state / "virtual"
+        return (self.made_again or self._state) / "virtual"
 
     @property
     def test_results(self) -> Path:
@@ -139,7 +141,9 @@ class Settings:
 
     @property
     def virtual_units(self) -> bool:
-        """Whether data of virtual units are kept: in a folder that was named only."""
+        """Whether data of virtual units are kept."""
+        if (chosen := self.connection.virtual_units) is not None:
+            return chosen
         return self.state is not None or bool(os.environ.get(STATE_VARIABLE))
 
     @property

@@ -91,7 +91,8 @@ class RecordingService:
         self.catalog: Catalog = options.catalog
         self.interpretation = options.interpretation
         self.views, self.files = Lane(VIEWS), Lane(FILES)
-        self._clock, self._in_progress = clock, in_progress
+        self._clock = clock
+        self.in_progress = in_progress
         self._summaries: dict[str, _Kept] = {}
         self._open: dict[str, _Open] = {}  # the latest used last
         self._changing = threading.Lock()  # of `_open`
@@ -104,7 +105,7 @@ class RecordingService:
 
     def is_growing(self, file: RecordingFile) -> bool:
         """Whether the recording is in progress."""
-        return self._in_progress() == file.id
+        return self.in_progress() == file.id
 
     async def view(
         self, identity: str, look: Callable[[RecordingFile], T], address: str | None

@@ -25,6 +25,7 @@ export async function startPython(onProgress: OnProgress): Promise<PyodideAPI> {
     const { loadPyodide } = (await import(/* @vite-ignore */ new URL("pyodide.mjs", folder).href)) as typeof import("pyodide");
     return await loadPyodide({
       indexURL: folder.href,
+      convertNullToNone: true,
       stdLibURL: new URL("stdlib.zip", folder).href,
       lockFileContents: __PROGRAM__.lock,
       packageBaseUrl: folder.href,

@@ -1,13 +1,44 @@
-// A worker that runs the program: the line's, or the reader's.
-import type { FromWorker } from "../program/messages";
+// A worker that runs the program: the line's, which has the cable and writes what is kept, or the reader's. Its name says which.
+import type { FromWorker, Role, ToWorker } from "../program/messages";
+import { opfsFolder } from "../storage/folder";
+import { Pool } from "../storage/pool";
+import { PoolView } from "../storage/view";
+import { startProgram } from "./program";
 import { startPython } from "./python";
+import { SerialHost } from "./serial";
+import type { Serial } from "./webSerial";
 
-const tell = (message: FromWorker): void => self.postMessage(message);
+const role = self.name as Role;
+const post = (message: FromWorker, transfer: Transferable[] = []): void => self.postMessage(message, { transfer });
 
-try {
-  const python = await startPython((loaded, total) => tell({ kind: "progress", loaded, total, stage: "program" }));
-  python.pyimport("mikas.dashboard.app");
-  tell({ kind: "ready" });
-} catch (error) {
-  tell({ kind: "broken", message: String(error) });
+async function begin(): Promise<void> {
+  const progress = (loaded: number, total: number) => post({ kind: "progress", loaded, total, stage: "program" });
+  const [python, files] = await Promise.all([startPython(progress), keptFiles()]);
+  const serial = new SerialHost(role === "line" ? (navigator as { serial?: Serial }).serial : undefined);
+  const take = await startProgram(python, role, files, post, { serial });
+  closeTheDoors();
+  // One after the other: a request must not overtake the message before it while the view is refreshed.
+  let before = Promise.resolve();
+  self.onmessage = ({ data }: MessageEvent<ToWorker>) => {
+    if (!(files instanceof PoolView)) return take(data);
+    before = before.then(() => (data.kind === "request" ? files.refresh() : undefined)).then(() => take(data));
+  };
+  post({ kind: "ready" });
 }
+
+/** Null: this browser keeps nothing here (a private window), so all is in memory. */
+async function keptFiles(): Promise<Pool | PoolView | null> {
+  if (!navigator.storage?.getDirectory) return null;
+  const folder = await opfsFolder().catch(() => null);
+  if (folder === null) return null;
+  return role === "line" ? Pool.open(folder) : PoolView.open(folder);
+}
+
+/** All is loaded. From here on nothing in this worker can reach the network, whatever its code does. */
+function closeTheDoors(): void {
+  for (const door of ["fetch", "XMLHttpRequest", "WebSocket", "WebSocketStream", "WebTransport", "EventSource", "Worker", "importScripts"]) {
+    Object.defineProperty(self, door, { value: undefined, configurable: false, writable: false });
+  }
+}
+
+begin().catch((error: unknown) => post({ kind: "broken", message: error instanceof Error ? error.message : String(error) }));

@@ -1,0 +1,145 @@
+"""The program in a browser's worker: what `mikas dash` composes, over what JavaScript hands in.
+
+There are two workers, each with the whole program. The line's has the cable and writes what is
+kept. The reader's opens recordings, makes exports and reports, so that sampling never waits for
+them; it only reads what is kept, and is kept informed of what the line's does.
+
+What is kept is in the storage that JavaScript mounts at `/kept`.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import gc
+import threading
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final, Literal, Protocol
+
+from mikas.browser import arrays, green_threads
+from mikas.browser.event_loop import EventLoop
+
+if TYPE_CHECKING:
+    from mikas.browser.asgi import Page, PageServer
+    from mikas.dashboard.dashboard import Dashboard
+
+Role = Literal["line", "reader"]
+Take = Callable[[Mapping[str, Any]], None]
+"""Takes a message of the page."""
+
+KEPT: Final = Path("/kept")
+_MADE_AGAIN: Final = Path("/tmp/mikas")  # in memory, of this worker alone
+_YOUNG: Final = 1.0  # s between two looks for garbage among new objects
+_ALL: Final = 60  # such looks; then among all objects since the start
+
+
+class Host(green_threads.Waits, Protocol):
+    """The module `mikas_host`: what JavaScript hands in."""
+
+    page: Page
+
+
+def prepare(host: Host, run_sync: Callable[..., Any]) -> None:
+    """Put threads and arrays in place, before anything of the program is imported."""
+    # Python's own collection, in steps, looks into the frames of all stacks, and those of suspended
+    # ones are elsewhere meanwhile: it would crash. See `_collect`.
+    gc.disable()
+    green_threads.install(host, run_sync)
+    arrays.install()
+
+
+def begin(host: Host, role: Role) -> Take:
+    """Start the program; return what takes the messages of the page once it runs.
+
+    Raises what the start of the program raises.
+    """
+    started = threading.Event()
+    result: list[Take | BaseException] = []
+
+    def run() -> None:
+        loop = EventLoop()
+        try:
+            loop.run_until_complete(_run(host.page, role, result, started))
+        except BaseException as error:  # any: raised where the program is started
+            result.append(error)
+        finally:
+            started.set()
+
+    threading.Thread(target=run, name="mikas event loop").start()
+    started.wait()
+    if isinstance(result[0], BaseException):
+        raise result[0]
+    return result[0]
+
+
+async def _run(
+    page: Page, role: Role, result: list[Take | BaseException], started: threading.Event
+) -> None:
+    from mikas.browser.asgi import PORT, PageServer
+    from mikas.dashboard.app import create_app
+    from mikas.dashboard.security.access import Access
+
+    dashboard = _compose()
+    app = create_app(dashboard, Access(PORT))
+    async with app.router.lifespan_context(app):
+        server = PageServer(app, page)
+        result.append(server.take if role == "line" else _Reader(dashboard, server).take)
+        started.set()
+        await _collect()
+
+
+def _compose() -> Dashboard:
+    from mikas.browser.web_serial import find_web_ports
+    from mikas.catalog.own.file import OwnCatalog
+    from mikas.client.connecting import ConnectionOptions
+    from mikas.dashboard.dashboard import Dashboard
+    from mikas.dashboard.settings import Settings, VirtualCars
+
+    own = OwnCatalog(KEPT / "catalog.toml")
+    return Dashboard(
+        Settings(
+            KEPT / "recordings",
+            state=KEPT / "state",
+            connection=ConnectionOptions(catalog=own.load().catalog, virtual_units=False),
+            find=find_web_ports,
+            open_port=VirtualCars().open,
+            addresses=tuple,
+            own=own,
+            tests=KEPT / "tests",
+            made_again=_MADE_AGAIN,
+        )
+    )
+
+
+class _Reader:
+    """The reader's program. `situation`: messages of what the line's worker does."""
+
+    def __init__(self, dashboard: Dashboard, server: PageServer) -> None:
+        self._dashboard, self._server = dashboard, server
+        self._recording: str | None = None
+        dashboard.library.in_progress = lambda: self._recording
+
+    def take(self, message: Mapping[str, Any]) -> None:
+        """Take a message of the page."""
+        if message["kind"] != "situation":
+            return self._server.take(message)
+        self._recording = message["recording"]
+        catalogs = self._dashboard.catalogs
+        if message["catalog"] not in (None, catalogs.catalog.version):
+            from mikas.errors import CatalogError
+
+            with suppress(CatalogError):  # the one in use stays
+                catalogs.change(None, lambda own, _: own.load().catalog)
+        return None
+
+
+async def _collect() -> None:
+    """Collect garbage for ever; what the start has made stays."""
+    gc.collect()
+    gc.freeze()
+    while True:
+        for _ in range(_ALL):
+            await asyncio.sleep(_YOUNG)
+            gc.collect(0)
+        gc.collect()

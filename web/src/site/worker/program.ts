@@ -1,0 +1,58 @@
+// The program on a Python that has started: what it is handed, and its messages. Of the browser it needs nothing but timers, so tests run
+// it under Node.
+import type { PyodideAPI } from "pyodide";
+import type { PyCallable, PyProxy } from "pyodide/ffi";
+import type { FromWorker, Headers, Role, ToWorker } from "../program/messages";
+import { mount, type EmscriptenFs } from "../storage/mount";
+import type { Pool } from "../storage/pool";
+import type { PoolView } from "../storage/view";
+import { waits } from "./waits";
+
+/** Where the kept files are; `browser/start.py` has the same path. */
+const KEPT = "/kept";
+
+type Post = (message: FromWorker, transfer?: Transferable[]) => void;
+
+/** Bytes and lists of Python, which are gone when the call returns. */
+interface Lent<T> {
+  toJs(): T;
+}
+
+/** What Python calls to answer: each is a message. */
+const pageOf = (post: Post) => ({
+  head: (id: number, status: number, headers: Lent<Headers>) => post({ kind: "head", id, status, headers: headers.toJs() }),
+  body(id: number, bytes: Lent<Uint8Array<ArrayBuffer>>) {
+    const data = bytes.toJs();
+    post({ kind: "body", id, data }, [data.buffer]);
+  },
+  end: (id: number) => post({ kind: "end", id }),
+  failed: (id: number, message: string) => post({ kind: "failed", id, message }),
+  opened: (id: number) => post({ kind: "opened", id }),
+  message: (id: number, data: string) => post({ kind: "message", id, data }),
+  closed: (id: number, code: number, reason: string) => post({ kind: "closed", id, code, reason }),
+});
+
+/**
+ * Start the program, and return what takes the messages of the page. `files`: what is kept; null: in memory, gone with the tab. `more`: for
+ * the module `mikas_host`, the adapters.
+ */
+export async function startProgram(
+  python: PyodideAPI,
+  role: Role,
+  files: Pool | PoolView | null,
+  post: Post,
+  more: object = {},
+): Promise<(message: ToWorker) => void> {
+  if (files) mount(python.FS as unknown as EmscriptenFs, KEPT, files);
+  else python.FS.mkdirTree(KEPT);
+  const host = { ...waits, ...more, page: pageOf(post) };
+  python.registerJsModule("mikas_host", host);
+  const start = python.pyimport("mikas.browser.start") as PyProxy & Record<"prepare" | "begin", PyCallable>;
+  start.prepare(host, python.pyimport("pyodide.ffi.run_sync"));
+  const take = (await start.begin.callPromising(host, role)) as PyCallable;
+  return (message) => {
+    const taken = python.toPy(message) as PyProxy;
+    take(taken);
+    taken.destroy();
+  };
+}
