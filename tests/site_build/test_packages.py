@@ -5,7 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 
-from site_build import packages
+from site_build import licences, packages
 
 # Not for browsers, or not needed in one.
 ABSENT = ("click", "cryptography", "h11", "platformdirs", "pygments", "rich", "serial", "uvicorn",
@@ -49,3 +49,13 @@ def test_it_has_the_packages_as_they_were_installed():
     assert {"fastapi/applications.py", "pydantic/main.py", "typing_extensions.py"} <= {*files}
     assert "opentelemetry_api-" in next(name for name in files if name.endswith("METADATA"))
     assert not [name for name in files if name.endswith((".so", ".pyi", ".pyd"))]
+
+
+def test_every_package_has_its_licence(tmp_path):
+    for name in ("pyodide", "svelte", "uplot"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "package.json").write_text('{"version": "1.2.3"}')
+        (tmp_path / name / "LICENSE").write_text("Permission is hereby granted")
+    text = licences.text(tmp_path)
+    for name in ("mikas", "Pyodide 1.2.3", "svelte 1.2.3", *packages.PURE, packages.BUILT):
+        assert f"\n{name}" in f"\n{text}", name
