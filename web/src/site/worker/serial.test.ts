@@ -156,6 +156,9 @@ describe("bytes that come", () => {
     port.send(7);
     await link.arrival(now() - 60)?.promise;
     expect([...link.take()!]).toEqual([7]);
+    expect(link.arrival(now() - 60)).toBeUndefined(); // just now
+    vi.spyOn(performance, "now").mockReturnValue(performance.now() + 5);
+    expect(link.arrival(now() - 60)).toBeDefined();
   });
 
   it("gather until a time", async () => {

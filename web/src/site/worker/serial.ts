@@ -8,6 +8,9 @@ const BUFFER = 1 << 16;
 /** ms; the longest that a timer takes: it has 32 bits. */
 const LONGEST = 0x7fffffff;
 
+/** s; whoever has looked for bytes so recently need not let the browser do what it has waiting: to wait is the dear part of an exchange. */
+const RECENTLY = 0.003;
+
 /** Bytes of Python. */
 interface PyBytes {
   toJs(): Uint8Array;
@@ -95,6 +98,7 @@ export class OpenPort {
 
   private readonly chunks: Uint8Array[] = [];
   private arrivedAt = 0;
+  private lookedAt = 0;
   private wake: () => void = () => undefined;
   private written: () => void = () => undefined;
   private reader: ReadableStreamDefaultReader<Uint8Array> | undefined;
@@ -109,9 +113,10 @@ export class OpenPort {
     void this.listen();
   }
 
-  /** Kept when bytes have come, the port is gone, or `deadline` (as `now`) is over; undefined: one of the first two is so. */
+  /** Kept when bytes have come, the port is gone, or `deadline` (as `now`) is over; undefined: it is so. */
   arrival(deadline: number): Pending<void> | undefined {
-    return this.hasNews ? undefined : this.until(deadline, () => this.hasNews);
+    const isOver = deadline <= now() && now() < this.lookedAt + RECENTLY;
+    return this.hasNews || isOver ? undefined : this.until(deadline, () => this.hasNews);
   }
 
   /** Kept when the port is gone or `time` is over; bytes come together meanwhile. */
@@ -158,6 +163,7 @@ export class OpenPort {
       let timer: ReturnType<typeof setTimeout> | undefined;
       const look = () => {
         if (this.wake !== look) return;
+        this.lookedAt = now();
         if (!isOver() && now() < time) {
           clearTimeout(timer);
           timer = setTimeout(lookAfterOthers, Math.min((time - now()) * 1000, LONGEST));
