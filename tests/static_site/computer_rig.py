@@ -29,6 +29,8 @@ ORIGIN = f"http://localhost:{PORT}"
 """Where a page may use every adapter unasked, by the browser's policy. The network is the rig's
 own, so the port is always free.
 """
+CHOOSING = f"http://127.0.0.2:{PORT}"
+"""The same host, where a page may use an adapter once it was chosen (`Computer.choose`)."""
 _POLICIES = Path("/etc/chromium")
 _SETUP = """\
 set -e
@@ -98,9 +100,7 @@ class Computer:
         self._messages = self._inside(
             lambda: socket.socket(socket.AF_NETLINK, socket.SOCK_RAW, _KOBJECT_UEVENT)
         )
-        policy = {"SerialAllowAllPortsForUrls": [ORIGIN]}
-        managed = self._root / "etc/chromium/policies/managed/serial.json"
-        managed.write_text(json.dumps(policy), "ascii")
+        self._grant(ORIGIN)
 
     def wrapper(self, program: str, folder: Path) -> str:
         """Write a program into `folder` that starts `program` in here; return its path."""
@@ -115,8 +115,25 @@ class Computer:
         return str(file)
 
     def listen(self, port: int = PORT) -> socket.socket:
-        """Make a socket that listens at `localhost:port` of this computer's network."""
-        return self._inside(lambda: socket.create_server(("127.0.0.1", port)))
+        """Make a socket that listens at `port` of this computer's network."""
+        return self._inside(lambda: socket.create_server(("", port)))
+
+    def choose(self) -> None:
+        """Do as the user who chooses all adapters for `CHOOSING` in the browser's list.
+
+        No test can click there. The browser needs about five seconds to note it.
+        """
+        self._grant(ORIGIN, CHOOSING)
+
+    def forget_choice(self) -> None:
+        """Do as the user who takes that back in the browser's settings; it needs the same time."""
+        self._grant(ORIGIN)
+
+    def _grant(self, *origins: str) -> None:
+        policy = json.dumps({"SerialAllowAllPortsForUrls": origins})
+        managed = self._root / "etc/chromium/policies/managed/serial.json"
+        if not managed.exists() or managed.read_text("ascii") != policy:
+            managed.write_text(policy, "ascii")
 
     def plug(self, adapter: Adapter, pty: str) -> int:
         """Plug `adapter` in, whose line is `pty`; return the number of its ttyUSB."""

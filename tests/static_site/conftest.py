@@ -39,6 +39,7 @@ def computer(whole_computer):
     """The computer that the browser runs on, with nothing plugged in."""
     yield whole_computer
     whole_computer.unplug_all()
+    whole_computer.forget_choice()
 
 
 @pytest.fixture
