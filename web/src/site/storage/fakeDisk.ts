@@ -53,10 +53,12 @@ export class FakeDisk implements Folder {
 
   /** Return what a power failure after `count` steps leaves: of each file all up to its last flush, and some steps more. */
   afterPowerFailure(count: number, random: () => number): FakeDisk {
-    const done = this.steps.slice(0, count);
     const kept: Step[] = [];
-    for (const name of new Set(done.map((step) => step.name))) {
-      const own = done.filter((step) => step.name === name);
+    const byName = new Map<string, Step[]>();
+    for (const step of this.steps.slice(0, count)) {
+      byName.set(step.name, [...(byName.get(step.name) ?? []), step]);
+    }
+    for (const own of byName.values()) {
       const sure = own.findLastIndex((step) => step.kind === "flush") + 1;
       kept.push(...own.slice(0, Math.max(1, sure + Math.floor(random() * (own.length - sure + 1)))));
     }
@@ -74,7 +76,8 @@ export class FakeDisk implements Folder {
     if (step.kind === "make") this.files.set(step.name, file);
     if (step.kind === "truncate") this.files.set(step.name, resized(file, step.size));
     if (step.kind === "write") {
-      const longer = resized(file, Math.max(file.length, step.at + step.bytes.length));
+      const end = step.at + step.bytes.length;
+      const longer = end > file.length ? resized(file, end) : file;
       longer.set(step.bytes, step.at);
       this.files.set(step.name, longer);
     }
@@ -98,11 +101,10 @@ class FakeHandle implements Handle {
 
   write(bytes: Uint8Array, { at }: { at: number }): number {
     if (this.disk.failure) throw this.disk.failure;
-    const size = this.#content.length;
-    const grown = at + bytes.length - size;
-    const missing = Math.max(0, this.disk.used + Math.max(0, grown) - this.disk.room);
-    if (missing && this.disk.full === "throws") throw quotaExceeded();
-    const taken = bytes.slice(0, Math.max(0, bytes.length - missing));
+    const grown = at + bytes.length - this.#content.length;
+    const missing = Math.min(grown, bytes.length, this.disk.used + grown - this.disk.room);
+    if (missing > 0 && this.disk.full === "throws") throw quotaExceeded();
+    const taken = bytes.slice(0, bytes.length - Math.max(0, missing));
     if (taken.length) this.disk.take({ kind: "write", name: this.name, at, bytes: taken });
     return taken.length;
   }

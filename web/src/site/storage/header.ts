@@ -7,7 +7,7 @@
 // A copy, little-endian:
 //     0  8  "mikaskpt"
 //     8  4  version of this format; a reader refuses a higher one whatever follows
-//    12  4  CRC-32 of the other bytes up to 4096
+//    12  4  CRC-32 of what comes before and after it, to the end of the path
 //    16  8  generation: one more for each header written anywhere in the pool
 //    24  8  id of the file, the generation in which it was made: st_ino; 0: the pool file is free
 //    32  8  time of the last change, ms since 1970 (a float)
@@ -18,7 +18,9 @@ export const DATA = 2 * COPY;
 const PATH = 42;
 export const LONGEST_PATH = 3000;
 export const VERSION = 1;
-const MAGIC = new TextEncoder().encode("mikaskpt");
+const encoder = new TextEncoder();
+const decoder = new TextDecoder();
+const MAGIC = encoder.encode("mikaskpt");
 
 export interface Header {
   generation: number;
@@ -31,7 +33,7 @@ export interface Header {
 export function encode(header: Header): Uint8Array<ArrayBuffer> {
   const bytes = new Uint8Array(COPY);
   const view = new DataView(bytes.buffer);
-  const path = new TextEncoder().encode(header.path);
+  const path = encoder.encode(header.path);
   bytes.set(MAGIC);
   view.setUint32(8, VERSION, true);
   view.setBigUint64(16, BigInt(header.generation), true);
@@ -39,7 +41,7 @@ export function encode(header: Header): Uint8Array<ArrayBuffer> {
   view.setFloat64(32, header.mtime, true);
   view.setUint16(40, path.length, true);
   bytes.set(path, PATH);
-  view.setUint32(12, checksum(bytes), true);
+  view.setUint32(12, checksum(bytes, PATH + path.length), true);
   return bytes;
 }
 
@@ -49,13 +51,14 @@ export function decode(bytes: Uint8Array): Header | "newer" | null {
   const view = new DataView(bytes.buffer, bytes.byteOffset, COPY);
   const version = view.getUint32(8, true);
   if (version > VERSION) return "newer";
-  if (version !== VERSION || view.getUint32(12, true) !== checksum(bytes.subarray(0, COPY))) return null;
-  const length = Math.min(view.getUint16(40, true), LONGEST_PATH);
+  const length = view.getUint16(40, true);
+  if (version !== VERSION || length > LONGEST_PATH) return null;
+  if (view.getUint32(12, true) !== checksum(bytes, PATH + length)) return null;
   return {
     generation: Number(view.getBigUint64(16, true)),
     id: Number(view.getBigUint64(24, true)),
     mtime: view.getFloat64(32, true),
-    path: new TextDecoder().decode(bytes.subarray(PATH, PATH + length)),
+    path: decoder.decode(bytes.subarray(PATH, PATH + length)),
   };
 }
 
@@ -65,9 +68,9 @@ const TABLE = Uint32Array.from({ length: 256 }, (_, byte) => {
   return value;
 });
 
-function checksum(bytes: Uint8Array): number {
+function checksum(bytes: Uint8Array, end: number): number {
   let value = -1;
-  for (let at = 0; at < COPY; at++) {
+  for (let at = 0; at < end; at++) {
     const byte = at >= 12 && at < 16 ? 0 : bytes[at]!; // its own place
     value = (value >>> 8) ^ TABLE[(value ^ byte) & 255]!;
   }

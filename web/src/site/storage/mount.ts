@@ -80,15 +80,21 @@ class Mount {
   /** Have the nodes of all files. Nodes of before serve who has them open. */
   fill(): void {
     this.root.entries!.clear();
-    for (const file of this.files.all()) {
-      const names = file.path!.split("/");
+    const path = (file: KeptFile) => file.path!;
+    // A file comes before those below a folder of its name, which a power failure may leave.
+    const files = [...this.files.all()].sort((one, other) => (path(one) < path(other) ? -1 : 1));
+    for (const file of files) {
+      const names = path(file).split("/");
       const last = names.pop()!;
-      let folder = this.root;
-      for (const name of names) {
-        folder = folder.entries!.get(name) ?? this.#folder(folder, name);
-      }
-      this.#file(folder, last, file);
+      this.#file(names.reduce((folder, name) => this.#folderIn(folder, name), this.root), last, file);
     }
+  }
+
+  /** Return the folder of that name, or of `name~` if there is a file of that name. */
+  #folderIn(parent: Node, name: string): Node {
+    const node = parent.entries!.get(name);
+    if (node?.file) return this.#folderIn(parent, `${name}~`);
+    return node ?? this.#folder(parent, name);
   }
 
   // Not by FS.createNode: Emscripten would remember nodes by name, and a view's names change.

@@ -40,6 +40,7 @@ export class Pool {
   readonly #files = new Set<KeptFile>();
   readonly #slots: Slot[] = [];
   readonly #free: Slot[] = []; // the first is used first, so a reader has time to see that a file is gone
+  readonly #empty: Slot[] = []; // there was no room yet to prepare them
   #generation = 0;
   #growing: Promise<void> | null = null;
   #closed = false;
@@ -176,9 +177,8 @@ export class Pool {
     this.#generation = Math.max(0, ...this.#slots.map((slot) => slot.header.generation));
     const { used, replaced } = winners(slots("used"));
     for (const slot of used) this.#files.add(new KeptFile(slot));
-    for (const slot of replaced) slot.save(this.#freed());
-    for (const slot of slots("empty")) slot.prepare();
-    for (const slot of [...slots("free"), ...slots("empty"), ...replaced]) this.#release(slot);
+    for (const slot of [...slots("free"), ...replaced]) this.#release(slot);
+    this.#empty.push(...slots("empty"));
   }
 
   async #openSlot(name: string): Promise<Slot> {
@@ -200,18 +200,23 @@ export class Pool {
   async #grow(): Promise<void> {
     try {
       while (this.#free.length < ENOUGH) {
-        const last = Math.max(-1, ...this.#slots.map((slot) => Number(slot.name)));
-        const slot = await this.#openSlot(String(last + 1).padStart(3, "0"));
-        slot.prepare();
-        this.#free.push(slot);
+        if (!this.#empty.length) this.#empty.push(await this.#openSlot(this.#nextName()));
+        this.#empty[0]!.prepare();
+        this.#free.push(this.#empty.shift()!);
       }
     } catch {
       // No room, for one. What there is can be used, and the next file that is made tries it again.
     }
   }
 
+  #nextName(): string {
+    const last = Math.max(-1, ...this.#slots.map((slot) => Number(slot.name)));
+    return String(last + 1).padStart(3, "0");
+  }
+
   #release(slot: Slot): void {
     try {
+      if (slot.header.id) slot.save(this.#freed());
       if (slot.size) {
         slot.flush();
         slot.truncate(0);

@@ -8,6 +8,7 @@ import { COPY, DATA, decode, encode, type Header } from "./header";
 export type State = "used" | "free" | "empty" | "torn" | "newer";
 
 const FREE: Header = { generation: 0, id: 0, mtime: 0, path: "" };
+const both = new Uint8Array(DATA); // copies as they are read
 
 export class Slot {
   /** The header that counts. */
@@ -26,10 +27,9 @@ export class Slot {
 
   /** Read the header. */
   load(): State {
-    const bytes = new Uint8Array(DATA);
-    const length = guarded(() => this.handle.read(bytes, { at: 0 }));
-    const first = decode(bytes.subarray(0, Math.min(COPY, length)));
-    const second = decode(bytes.subarray(COPY, Math.max(COPY, length)));
+    const length = this.#read(both, 0);
+    const first = decode(both.subarray(0, Math.min(COPY, length)));
+    const second = decode(both.subarray(COPY, Math.max(COPY, length)));
     if (first === "newer" || second === "newer") return "newer";
     if (!first && !second) return this.size ? "torn" : "empty";
     const later = (second?.generation ?? -1) > (first?.generation ?? -1);
@@ -42,25 +42,24 @@ export class Slot {
   prepare(): void {
     const bytes = new Uint8Array(DATA);
     bytes.set(encode(FREE));
-    if (guarded(() => this.handle.write(bytes, { at: 0 })) < DATA) throw new FileError(errno.NOSPC);
+    if (this.#write(bytes, 0) < DATA) throw new FileError(errno.NOSPC);
     this.#next = 1;
   }
 
   /** Write the header: wholly, or the former one still counts. */
   save(header: Header): void {
-    const written = guarded(() => this.handle.write(encode(header), { at: this.#next * COPY }));
-    if (written < COPY) throw new FileError(errno.NOSPC);
+    if (this.#write(encode(header), this.#next * COPY) < COPY) throw new FileError(errno.NOSPC);
     this.header = header;
     this.#next = 1 - this.#next;
   }
 
   read(into: Uint8Array, at: number): number {
-    return guarded(() => this.handle.read(into, { at: DATA + at }));
+    return this.#read(into, DATA + at);
   }
 
   /** Write what there is room for, at least a byte. */
   write(bytes: Uint8Array, at: number): number {
-    const written = guarded(() => this.handle.write(bytes, { at: DATA + at }));
+    const written = this.#write(bytes, DATA + at);
     if (bytes.length && !written) throw new FileError(errno.NOSPC);
     return written;
   }
@@ -71,6 +70,14 @@ export class Slot {
 
   flush(): void {
     guarded(() => this.handle.flush());
+  }
+
+  #read(into: Uint8Array, at: number): number {
+    return guarded(() => this.handle.read(into, { at }));
+  }
+
+  #write(bytes: Uint8Array, at: number): number {
+    return guarded(() => this.handle.write(bytes, { at }));
   }
 }
 

@@ -15,10 +15,12 @@ import { isSlotName, KeptFile, Slot, winners } from "./slot";
 const MOST_PASSES = 8;
 
 export class PoolView {
-  /** Called after the files have changed. */
+  /** Called after files were made, renamed or deleted. */
   onChange = (): void => {};
   readonly #slots = new Map<string, Slot>();
-  #files = new Map<string, ViewedFile>(); // by slot and id
+  #files = new Map<string, ViewedFile>(); // by slot, id and path
+  #seen = ""; // the same, of the last look
+  #last = Promise.resolve();
 
   private constructor(private readonly folder: Folder) {}
 
@@ -34,18 +36,10 @@ export class PoolView {
   }
 
   /** See what the writer has changed. */
-  async refresh(): Promise<void> {
-    const names = (await this.folder.names()).filter(isSlotName);
-    await Promise.all(
-      names
-        .filter((name) => !this.#slots.has(name))
-        .map(async (name) => {
-          const slot = new Slot(name, await this.folder.open(name, "shared"));
-          this.#slots.set(name, slot);
-        }),
-    );
-    this.#look();
-    this.onChange();
+  refresh(): Promise<void> {
+    // One after another: each slot is opened once.
+    this.#last = this.#last.catch(() => {}).then(() => this.#refresh());
+    return this.#last;
   }
 
   close(): void {
@@ -53,20 +47,35 @@ export class PoolView {
     this.#slots.clear();
   }
 
-  /** Find the files, by headers of one moment: a file that is renamed meanwhile is not missed. */
-  #look(): void {
-    let used = this.#used();
-    for (let pass = 1; pass < MOST_PASSES; pass++) {
-      const before = used.map(identity).join();
-      used = this.#used();
-      if (used.map(identity).join() === before) break;
-    }
+  async #refresh(): Promise<void> {
+    const names = (await this.folder.names()).filter(isSlotName);
+    const added = names.filter((name) => !this.#slots.has(name));
+    await Promise.all(
+      added.map(async (name) => {
+        this.#slots.set(name, new Slot(name, await this.folder.open(name, "shared")));
+      }),
+    );
+    const former = this.#seen;
+    const used = this.#look();
+    for (const file of this.#files.values()) file.update();
+    if (this.#seen === former) return;
     const files = used.map((slot) => {
-      const file = this.#files.get(identity(slot));
-      file?.update();
-      return [identity(slot), file ?? new ViewedFile(slot)] as const;
+      const file = this.#files.get(identity(slot)) ?? new ViewedFile(slot);
+      return [identity(slot), file] as const;
     });
     this.#files = new Map(files);
+    this.onChange();
+  }
+
+  /** Read the headers until they stay, so that a file that is renamed meanwhile is not missed. */
+  #look(): Slot[] {
+    let used: Slot[] = [];
+    for (let pass = 0, before; before !== this.#seen && pass < MOST_PASSES; pass++) {
+      before = this.#seen;
+      used = this.#used();
+      this.#seen = used.map(identity).join();
+    }
+    return used;
   }
 
   #used(): Slot[] {
@@ -81,7 +90,7 @@ function identity(slot: Slot): string {
 
 class ViewedFile extends KeptFile {
   update(): void {
-    this.mtime = this.slot.header.mtime;
+    if (this.slot.header.id === this.id) this.mtime = this.slot.header.mtime;
   }
 
   /** Read; `ESTALE`: the file was deleted, and the bytes may be of another. */
