@@ -56,6 +56,22 @@ def test_r_records_m_marks_r_ends(own, visitor):
     expect(tab.find("tbody tr")).to_contain_text("M71 PROG")
 
 
+def test_recordings_from_elsewhere_are_added(own, recorded, visitor, tmp_path):
+    sent = tmp_path / "sent.pcapng"
+    sent.write_bytes(recorded.api.get("/api/recordings/drive.pcapng/file").content)
+    (tmp_path / "photo.pcapng").write_bytes(b"GIF89a")
+    tab = visitor(own.url).show("recordings")
+    files = [sent, tmp_path / "photo.pcapng"]
+    with tab.page.expect_file_chooser() as chooser:
+        tab.page.get_by_role("button", name="Add…").click()
+    chooser.value.set_files(files)
+    expect(tab.find("tbody tr")).to_have_count(1)
+    expect(tab.find("tbody tr")).to_contain_text("sent.pcapng")
+    expect(tab.find(".toasts")).to_contain_text("1 recording added.")
+    expect(tab.find(".toasts")).to_contain_text("photo.pcapng")
+    tab.complaints.clear()  # of the refused one
+
+
 def test_it_is_played_in_the_same_screens(recorded, visitor):
     tab = visitor(recorded.url).show("live")
     expect(tab.value("TWAT")).to_have_text("55")

@@ -35,6 +35,7 @@ from mikas.dashboard.api.library import (
     cars,
     dumps,
     exports,
+    foreign,
     recorded_faults,
     recorded_tests,
     recordings,
@@ -60,7 +61,8 @@ Live data: WebSocket `/api/live?client=…`, described in docs/api.md.
 
 _PARTS = (catalog, editing, values, connection, diagnosis, live, network, unit,
           freeze_frames, guided_tests, memory, dumps, changes, recordings,
-          references, cars, exports, recorded_faults, recorded_tests, report, search)  # fmt: skip
+          foreign, references, cars, exports, recorded_faults, recorded_tests, report,
+          search)  # fmt: skip
 
 # Of all applications of the process: FastAPI analyses the routes of a router when it is first asked
 # for one, which takes longer than any request.

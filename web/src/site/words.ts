@@ -23,7 +23,6 @@ export const words: Host["words"] = {
     en: "kept in this browser; download what matters",
     ru: "хранятся в этом браузере; важное скачайте",
   },
-  foreign: { en: "", ru: "" },
   otherExports: {
     en: "MDF4 (.mf4) and Parquet are made by mikas installed on a computer: take the .pcapng there.",
     ru: "MDF4 (.mf4) и Parquet делает mikas, установленный на компьютере: перенесите туда .pcapng.",

@@ -33,7 +33,7 @@ from mikas.i18n import Text
 
 T = TypeVar("T")
 
-_GONE = 499  # the usual status for logs; no client receives it
+GONE = 499  # the usual status for logs; no client receives it
 _ID = re.compile(r"[A-Za-z0-9-]{8,64}")
 _MAX_NAME = 40
 _UNUSED = (400, 403, 404, 410, 413)  # statuses of invalid or refused requests
@@ -113,7 +113,7 @@ class Requester:
             await asyncio.wait({working, leaving}, return_when=asyncio.FIRST_COMPLETED)
             if not working.done():
                 leaving.result()  # it may have sent too long a body
-                raise HTTPException(_GONE, "the client has disconnected")
+                raise HTTPException(GONE, "the client has disconnected")
             return working.result()
         finally:
             working.cancel()

@@ -21,6 +21,7 @@ from mikas.i18n import Text
 
 MAX_BODY = 1 << 16
 MAX_LONG_BODY = 1 << 20
+MAX_RECORDING = 1 << 28
 _LONG = re.compile(r"/api/(presets|dumps/[^/]+/compare)")
 POLICY = (
     "default-src 'self'; img-src 'self' data: blob:; object-src 'none'; base-uri 'none'; "
@@ -86,8 +87,14 @@ class AccessMiddleware:
         )
         return response
 
+    def _most(self, scope: Scope) -> int:
+        """Return how long the body may be; only this computer adds recordings."""
+        if scope["path"] == "/api/recordings" and self.access.is_local(scope):
+            return MAX_RECORDING
+        return MAX_LONG_BODY if _LONG.fullmatch(scope["path"]) else MAX_BODY
+
     async def _limited(self, scope: Scope, receive: Receive, send: Send) -> None:
-        most = MAX_LONG_BODY if _LONG.fullmatch(scope["path"]) else MAX_BODY
+        most = self._most(scope)
         too_large = TooLarge(
             problem=Text(f"more than {most >> 10} KiB", f"больше {most >> 10} КиБ")
         )

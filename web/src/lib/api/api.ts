@@ -96,6 +96,7 @@ export const api = {
   removeMarker: (time: number) => json<Api.Marker>("DELETE", "/recording/marker", { query: { time } }),
   note: (text: string) => post<unknown>("/recording/note", { text }),
   recordings: () => get<Api.Recordings>("/recordings"),
+  addRecording: (name: string, file: Blob) => json<Api.AddedRecording>("POST", "/recordings", { query: { name }, bytes: file }),
   recording: (id: string) => get<Api.RecordingDetail>(`/recordings/${part(id)}`),
   rows: (
     id: string,

@@ -52,6 +52,11 @@ export interface components {
             port: string;
             before: string;
         };
+        /** @description The recording that was added. */
+        AddedRecording: {
+            /** @description the file's name: another than asked for if that was in use */
+            id: string;
+        };
         /** @description The alarm of the channel `name` changed from the level `before` to `level`. */
         AlarmEvent: {
             /**

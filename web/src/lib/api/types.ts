@@ -80,6 +80,7 @@ export type Searches = Schemas["SearchList"];
 export type Recording = Schemas["RecordingInfo"];
 export type Recordings = Schemas["RecordingsResponse"];
 export type References = Schemas["ReferencesResponse"];
+export type AddedRecording = Schemas["AddedRecording"];
 export type VirtualReference = References["virtual"][number];
 export type RecordingRows = Schemas["RowsResponse"];
 export type RecordingDetail = Schemas["RecordingDetail"];

@@ -36,8 +36,6 @@ export interface Host {
     otherPort: Text;
     /** Where the recordings are; null: in the folder that the program names. */
     kept: Text | null;
-    /** How recordings from elsewhere get into the list. */
-    foreign: Text;
     /** What to do for a format that is not among the `exports`. */
     otherExports: Text | null;
   };
@@ -76,10 +74,6 @@ export const host: Host = {
       ru: "например socket://192.168.1.5:2000, /dev/ttyUSB0, COM3, sim:",
     },
     kept: null,
-    foreign: {
-      en: "Recordings from elsewhere: copy the .pcapng files into this folder and press Refresh.",
-      ru: "Чужие записи: скопируйте файлы .pcapng в эту папку и нажмите «Обновить».",
-    },
     otherExports: null,
   },
 };

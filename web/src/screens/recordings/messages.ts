@@ -4,6 +4,11 @@ import type { Recording } from "../../lib/api/types";
 export const t = dictionary({
   loading: { en: "Loading the recordings…", ru: "Загружаем записи…" },
   refresh: { en: "Refresh", ru: "Обновить" },
+  add: { en: "Add…", ru: "Добавить…" },
+  added: {
+    en: { one: "{n} recording added.", other: "{n} recordings added." },
+    ru: { one: "Добавлена {n} запись.", few: "Добавлены {n} записи.", many: "Добавлено {n} записей." },
+  },
   search: { en: "Search: car, plate, note, fault", ru: "Машина, номер, заметка, ошибка" },
   count: {
     en: { one: "{n} recording", other: "{n} recordings" },
@@ -12,8 +17,8 @@ export const t = dictionary({
   folder: { en: "in {folder}", ru: "в папке {folder}" },
   none: { en: "No recordings yet", ru: "Записей пока нет" },
   none_more: {
-    en: "Press R or the Record button at the top while the ECU answers. Every byte on the line is stored, so corrected formulas also correct old recordings.",
-    ru: "Нажмите R или кнопку «Запись» вверху, когда блок отвечает. Сохраняется каждый байт линии, поэтому исправленные формулы исправят и старые записи.",
+    en: "Press R or the Record button at the top while the ECU answers. Every byte on the line is stored, so corrected formulas also correct old recordings. Recordings from elsewhere: press “Add…”.",
+    ru: "Нажмите R или кнопку «Запись» вверху, когда блок отвечает. Сохраняется каждый байт линии, поэтому исправленные формулы исправят и старые записи. Чужие записи: нажмите «Добавить…».",
   },
   none_watching: {
     en: "Recordings are made at the computer with the cable and then appear here.",

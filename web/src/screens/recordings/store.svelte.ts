@@ -2,7 +2,8 @@
 import { untrack } from "svelte";
 import { api } from "../../lib/api/api";
 import { ApiRequest } from "../../lib/api/request.svelte";
-import { attempt } from "../../lib/frame/toasts.svelte";
+import { attempt, toasts } from "../../lib/frame/toasts.svelte";
+import { t } from "./messages";
 import type { About, LeftOutFile, Recording, References, Text } from "../../lib/api/types";
 
 class RecordingStore {
@@ -24,6 +25,14 @@ class RecordingStore {
       this.leftOut = answer.left_out;
       return answer.recordings;
     });
+  }
+
+  /** Add recordings made elsewhere, one after the other; those that can't be are said. */
+  async add(files: readonly File[]): Promise<void> {
+    let added = 0;
+    for (const file of files) if (await attempt(() => api.addRecording(file.name, file))) added += 1;
+    if (added > 0) toasts.success(() => t("added", { n: added }));
+    await this.refresh();
   }
 
   /** Mark a recording as a reference, or remove its mark. */

@@ -9,8 +9,8 @@ export const t = dictionary({
   },
   no_serial: { en: "This browser can't use the cable", ru: "Этот браузер не умеет работать с кабелем" },
   no_serial_do: {
-    en: "It has no Web Serial. On a computer open this page in Chrome, Edge, Opera or Yandex Browser. Safari, iPhones and iPads don't have it. Here the virtual car works.",
-    ru: "В нём нет Web Serial. Откройте эту страницу на компьютере в Chrome, Edge, Opera или Яндекс Браузере. В Safari, на iPhone и iPad этого нет. Здесь работает виртуальный автомобиль.",
+    en: "It has no Web Serial. On a computer open this page in Chrome, Edge, Opera or Yandex Browser. Safari, iPhones and iPads don't have it. Here the virtual car works, and recordings from elsewhere can be opened (Recordings, Add…).",
+    ru: "В нём нет Web Serial. Откройте эту страницу на компьютере в Chrome, Edge, Opera или Яндекс Браузере. В Safari, на iPhone и iPad этого нет. Здесь работает виртуальный автомобиль и открываются чужие записи («Записи», «Добавить…»).",
   },
   no_storage: { en: "This browser keeps no recordings", ru: "Этот браузер не хранит записи" },
   no_storage_do: {

@@ -1,0 +1,86 @@
+"""Recordings from elsewhere: added whole or not at all, never over another file."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+
+import httpx
+import pytest
+
+from dashboard.recordings_rig import record
+from dashboard.rig import ME, rig
+from mikas.dashboard.security import middleware
+from mikas.dashboard.security.middleware import MAX_BODY
+
+LAN = {"lan": True, "lan_control": True, "hosts": ("garage",), "token": "a-token-of-the-test"}
+ELSEWHERE = {"Host": "garage:{port}", "Authorization": f"Bearer {LAN['token']}"}
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    return record(tmp_path_factory.mktemp("made") / "drive.pcapng").read_bytes()
+
+
+@pytest.fixture
+def desk(tmp_path):
+    with rig(tmp_path, None) as it:
+        yield it
+
+
+def add(desk, content, name="drive.pcapng", headers=ME):
+    url = "/api/recordings"
+    return desk.client.post(url, params={"name": name}, content=content, headers=headers)
+
+
+def kept(tmp_path):
+    folder = tmp_path / "recordings"
+    return sorted(each.name for each in folder.iterdir()) if folder.exists() else []
+
+
+def test_a_recording_from_elsewhere_is_one_like_any_other(desk, made, tmp_path):
+    answer = add(desk, made)
+    assert (answer.status_code, answer.json()) == (200, {"id": "drive.pcapng"})
+    assert desk.get("/recordings/drive.pcapng/file").content == made
+    assert desk.get("/recordings/drive.pcapng")["markers"] == 1
+    assert kept(tmp_path) == ["drive.pcapng"]
+
+
+def test_no_file_is_replaced_and_no_name_is_a_path(desk, made, tmp_path):
+    names = ["drive.pcapng", "drive", "../../drive.pcapng", "C:\\Users\\a.pcapng", "con.pcapng"]
+    given = [add(desk, made, name).json()["id"] for name in names]
+    assert given[:2] == ["drive.pcapng", "drive (2).pcapng"]
+    assert sorted(given) == kept(tmp_path)
+    assert len(set(given)) == len(names)
+
+
+def test_another_file_is_refused_with_its_name(desk, made, tmp_path):
+    for content in (b"", b"GIF89a", made[4:20]):
+        answer = add(desk, content, "photo.pcapng")
+        assert answer.status_code == 400
+        assert "photo.pcapng" in answer.json()["error"]["en"]
+    assert kept(tmp_path) == []
+
+
+def test_what_does_not_come_whole_is_not_kept(desk, made, tmp_path):
+    def cut():
+        yield made[:1000]
+        raise KeyboardInterrupt
+
+    with suppress(KeyboardInterrupt, httpx.HTTPError):
+        add(desk, cut())
+    with desk.live() as live:
+        live.until(lambda _: kept(tmp_path) == [])
+    assert add(desk, made).json() == {"id": "drive.pcapng"}
+    assert kept(tmp_path) == ["drive.pcapng"]
+
+
+def test_only_this_computer_fills_its_disk_and_not_all_of_it(tmp_path, made, monkeypatch):
+    with rig(tmp_path, None, **LAN) as it:
+        headers = ME | {name: value.format(port=it.port) for name, value in ELSEWHERE.items()}
+        answer = add(it, made, headers=headers)
+        assert (answer.status_code, answer.json()["error"]["code"]) == (403, "OnlyHere")
+        answer = add(it, b"x" * (MAX_BODY + 1), headers=headers)
+        assert answer.status_code == 413
+        monkeypatch.setattr(middleware, "MAX_RECORDING", 1000)
+        assert add(it, made[:1001]).status_code == 413
+    assert kept(tmp_path) == []
