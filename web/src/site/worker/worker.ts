@@ -21,7 +21,8 @@ async function begin(): Promise<void> {
   let before = Promise.resolve();
   self.onmessage = ({ data }: MessageEvent<ToWorker>) => {
     if (!(files instanceof PoolView)) return take(data);
-    before = before.then(() => (data.kind === "request" ? files.refresh() : undefined)).then(() => take(data));
+    const seen = before.then(() => (data.kind === "request" ? files.refresh() : undefined));
+    before = seen.catch(() => {}).then(() => take(data)); // a view that can't be refreshed still answers, of what it saw
   };
   post({ kind: "ready" });
 }
