@@ -11,6 +11,7 @@ import os
 from collections.abc import AsyncIterator
 from contextlib import suppress
 from pathlib import Path
+from secrets import token_hex
 from typing import Annotated, Final
 
 from fastapi import APIRouter, Query, Request
@@ -45,7 +46,7 @@ async def add(
     """Add a recording made elsewhere, a .pcapng; the body is the file."""
     await asyncio.to_thread(ensure_folder, library.folder.folder)
     path = library.folder.new_path(name)
-    new = path.with_name(f"{path.name}.new")
+    new = path.with_name(f"{path.name}.{token_hex(4)}.new")  # of this request alone
 
     def keep() -> Path:
         CaptureReader(new)  # raises for other files
@@ -67,7 +68,6 @@ async def add(
 
 
 async def _write(path: Path, parts: AsyncIterator[bytes]) -> None:
-    await asyncio.to_thread(path.unlink, missing_ok=True)  # of a killed program
     with await asyncio.to_thread(path.open, "xb") as file:
         async for part in parts:
             await asyncio.to_thread(file.write, part)
