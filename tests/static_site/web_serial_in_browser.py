@@ -6,6 +6,7 @@ requests that block this worker: what the browser has to do for a link is done w
 
 from __future__ import annotations
 
+import gc
 import io
 from contextlib import redirect_stdout
 
@@ -17,9 +18,10 @@ from pyodide.ffi import run_sync, to_js
 
 from mikas.browser import green_threads
 
-green_threads.install(mikas_host.waits, run_sync)
+gc.disable()  # as `mikas.browser.start`
+green_threads.install(mikas_host, run_sync)
 
-from mikas.browser.web_serial import find_web_ports  # noqa: E402  (makes no lock before)
+from mikas.browser.web_serial import find_web_ports  # noqa: E402  (as the program: no lock before)
 from mikas.errors import BadPortUrl, LinkLost, NoPortGiven, PortBusy, PortNotFound  # noqa: E402
 from mikas.link import open_link  # noqa: E402
 from mikas.link.reconnecting import ReconnectingPort  # noqa: E402
