@@ -71,7 +71,8 @@ class TestContract(contract.RealTimeContract):
 
 def test_a_port_is_described_by_its_chip():
     [port] = find_web_ports()
-    assert (port.chip, port.description, port.likely) == ("FT232R", "FT232R (USB 0403:6001)", True)
+    assert (port.chip, port.description, port.likely) == ("FT232R", "FT232R", True)
+    assert ["browser can't lower it" in quirk.en for quirk in port.quirks] == [True]
     assert (port.vid, port.pid, port.serial_number) == (0x0403, 0x6001, None)
     with open_link(FT232) as link:
         assert link.description == port.description

@@ -37,7 +37,7 @@ from mikas.link.base import (
     Chunk,
     Link,
 )
-from mikas.link.chips import chip_of
+from mikas.link.chips import LATENCY, chip_of
 from mikas.link.ports import Port, by_likelihood, listed, named
 from mikas.link.urls import parse
 from mikas.options import OptionParser, check_names
@@ -60,6 +60,14 @@ _BUSY = Text(
     "программе диагностики, в терминале или у ModemManager — закройте их. В Linux без прав: "
     "sudo usermod -aG dialout $USER, затем выйти из системы и войти снова. Если порт никем не "
     "открыт, отключите адаптер и подключите снова.",
+)
+_LATENCY = Text(
+    "hands over received bytes after up to 16 ms (its latency timer), which slows single readings "
+    "down; a browser can't lower it, on Windows you can: Device Manager, the port, Port Settings, "
+    "Advanced",
+    "отдаёт принятое с задержкой до 16 мс (latency timer), от этого медленнее одиночные чтения; "
+    "браузер её уменьшить не может, в Windows можно вручную: Диспетчер устройств, порт, Параметры "
+    "порта, Дополнительно",
 )
 _WHY_LOST = {"closed": CLOSED_HERE, "stuck": TAKES_NO_BYTES, "unplugged": UNPLUGGED}
 
@@ -234,9 +242,9 @@ def _port(it: Granted) -> Port:
     chip, quirks = chip_of(it.vid, it.pid)
     return Port(
         url=f"webserial:{kind}" + (f":{it.nth}" if it.nth > 1 else ""),
-        description=f"{chip} (USB {kind})".lstrip() if is_usb else "serial port",
+        description=chip or (f"USB {kind}" if is_usb else "serial port"),
         chip=chip,
-        quirks=quirks,
+        quirks=tuple(_LATENCY if quirk is LATENCY else quirk for quirk in quirks),
         likely=bool(chip),
         vid=it.vid,
         pid=it.pid,

@@ -9,7 +9,7 @@ from typing import Final
 
 from mikas.i18n import Text
 
-_LATENCY = Text(
+LATENCY = Text(
     "hands over received bytes after up to 16 ms (its latency timer); that is lowered to 1 ms "
     "where the system lets a program do it, on Windows by hand: Device Manager, the port, "
     "Port Settings, Advanced",
@@ -35,7 +35,7 @@ _UNKNOWN = Text(
     "неизвестное устройство USB: возможно, адаптер; работает ли он, покажет проверка связи",
 )
 
-_FTDI, _CH340, _PROLIFIC = (_LATENCY,), (_LUMPS, _CLONES), (_COUNTERFEIT,)
+_FTDI, _CH340, _PROLIFIC = (LATENCY,), (_LUMPS, _CLONES), (_COUNTERFEIT,)
 
 CHIPS: Final[dict[tuple[int, int], tuple[str, tuple[Text, ...]]]] = {
     (0x0403, 0x6001): ("FT232R", _FTDI),

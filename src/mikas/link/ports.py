@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 _SYSFS = Path("/sys/bus/usb-serial/devices")  # Linux
 _LONGEST = 300  # characters; USB has at most 126 in each text of a device
 _LISTINGS = 5  # attempts; two adapters on one hub come and go at once
-_RANK = {chip: rank for rank, chip in enumerate(CHIPS.values())}
+_RANK = {chip: rank for rank, (chip, _) in enumerate(CHIPS.values())}
 
 
 Lister = Callable[[], "Iterable[ListPortInfo]"]
@@ -148,7 +148,7 @@ def _latency(device: str, sysfs: Path) -> int | None:
 
 
 def _order(port: Port) -> tuple[bool, int, list[tuple[int, str]]]:
-    rank = _RANK.get((port.chip, port.quirks), len(_RANK)) - (port.vid is not None)
+    rank = _RANK.get(port.chip, len(_RANK)) - (port.vid is not None)
     pieces = re.findall(r"\d+|\D+", port.url)  # COM10 follows COM9
     return not port.likely, rank, [(int(it), "") if it.isdigit() else (0, it) for it in pieces]
 
