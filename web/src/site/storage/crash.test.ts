@@ -46,7 +46,8 @@ function fits(files: Files, before: Files, after: Files): boolean {
   if (same(files, before) || same(files, after)) return true;
   const changed = Object.keys(after).filter((name) => before[name] !== after[name]);
   const [name] = changed;
-  if (changed.length !== 1 || name === undefined || before[name] === undefined) return false;
+  const renamed = Object.keys(before).some((it) => after[it] === undefined);
+  if (renamed || changed.length !== 1 || name === undefined || before[name] === undefined) return false;
   const [old, now, found] = [before[name], after[name]!, files[name]];
   if (found === undefined || !same({ ...files, [name]: now }, after)) return false;
   // Some of the new bytes, then what was there before.
@@ -97,6 +98,7 @@ test("a power failure leaves the old file or the new one, each whole", async () 
   const disk = new FakeDisk();
   const pool = await Pool.open(disk);
   const done: number[] = [];
+  const deleted: { from: number; to: number }[] = [];
   const text = (version: number) => `version ${version} `.repeat(version % 5 + 1);
   for (let version = 0; version < 30; version++) {
     // As mikas.saving.save, beside a file that is recorded and one that is deleted.
@@ -108,16 +110,24 @@ test("a power failure leaves the old file or the new one, each whole", async () 
     done.push(disk.steps.length);
     const recorded = version ? find(pool, "r") : pool.create("r");
     pool.write(recorded, bytes("."), version);
-    pool.remove(pool.create("brief"));
+    const brief = pool.create("brief");
+    pool.write(brief, bytes("brief"), 0);
+    pool.flush(brief);
+    const flushed = disk.steps.length;
+    pool.remove(brief);
+    deleted.push({ from: flushed, to: disk.steps.length });
   }
   const random = randoms(4);
   for (let n = 0; n < 200; n++) {
     const steps = done[0]! + Math.floor(random() * (disk.steps.length - done[0]!));
     const version = done.findLastIndex((it) => it <= steps);
     const opened = await Pool.open(disk.afterPowerFailure(steps, random));
-    const { x } = content(opened);
+    const { x, brief } = content(opened);
     if (x !== text(version) && x !== text(version + 1)) {
       expect.fail(`step ${steps}: version ${version}, found ${x}`);
+    }
+    if (deleted.some(({ from, to }) => from <= steps && steps <= to)) {
+      expect(["brief", undefined], `step ${steps}`).toContain(brief);
     }
     expect(opened.damaged).toEqual([]);
   }

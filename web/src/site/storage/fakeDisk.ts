@@ -51,7 +51,7 @@ export class FakeDisk implements Folder {
     return FakeDisk.of([...this.steps.slice(0, count), ...part]);
   }
 
-  /** Return what a power failure after `count` steps leaves: of each file all up to its last flush, and some steps more. */
+  /** Return what a power failure after `count` steps leaves: of each file all up to its last flush, and any steps after it. */
   afterPowerFailure(count: number, random: () => number): FakeDisk {
     const kept: Step[] = [];
     const byName = new Map<string, Step[]>();
@@ -60,7 +60,7 @@ export class FakeDisk implements Folder {
     }
     for (const own of byName.values()) {
       const sure = own.findLastIndex((step) => step.kind === "flush") + 1;
-      kept.push(...own.slice(0, Math.max(1, sure + Math.floor(random() * (own.length - sure + 1)))));
+      kept.push(...own.filter((step, at) => at < sure || step.kind === "make" || random() < 0.5));
     }
     return FakeDisk.of(kept);
   }
