@@ -109,7 +109,7 @@ test("a power failure leaves the old file or the new one, each whole", async () 
     pool.rename(made, "x", former ?? null);
     done.push(disk.steps.length);
     const recorded = version ? find(pool, "r") : pool.create("r");
-    pool.write(recorded, bytes("."), version);
+    pool.write(recorded, bytes("."), version); // never flushed, but found: no data without their name
     const brief = pool.create("brief");
     pool.write(brief, bytes("brief"), 0);
     pool.flush(brief);
@@ -122,13 +122,14 @@ test("a power failure leaves the old file or the new one, each whole", async () 
     const steps = done[0]! + Math.floor(random() * (disk.steps.length - done[0]!));
     const version = done.findLastIndex((it) => it <= steps);
     const opened = await Pool.open(disk.afterPowerFailure(steps, random));
-    const { x, brief } = content(opened);
+    const { x, r, brief } = content(opened);
     if (x !== text(version) && x !== text(version + 1)) {
       expect.fail(`step ${steps}: version ${version}, found ${x}`);
     }
     if (deleted.some(({ from, to }) => from <= steps && steps <= to)) {
       expect(["brief", undefined], `step ${steps}`).toContain(brief);
     }
+    if (steps >= done[1]!) expect(r, `step ${steps}`).toBeDefined();
     expect(opened.damaged).toEqual([]);
   }
 });

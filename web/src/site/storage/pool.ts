@@ -12,11 +12,11 @@
 //
 // Every write goes to the handle at once. What is on the disk after each single step, and what the
 // next start makes of it:
-//   make      header in a free slot                   before: no file; after: an empty one
+//   make      header in a free slot, flush            before: no file; after: an empty one
 //   rename    header with the new path, flush         before: the old name; after: the new one. If there
 //             header of the replaced file is freed    was a file of that name the higher generation wins
 //   delete    header freed, flush, data cut off       before: the file; after: none
-// The flush in between holds the order on the disk, too, if the power fails.
+// A flush holds this order on the disk, too, if the power fails: data that got there have their name.
 //
 // The pool has one writer. `view.ts` reads it in another worker meanwhile.
 
@@ -82,9 +82,15 @@ export class Pool {
     this.#growSoon();
     if (!slot) throw new FileError(errno.NFILE); // a moment later there are some
     if (slot.size) slot.truncate(0);
-    const generation = ++this.#generation;
-    slot.save({ generation, id: generation, mtime: this.now(), path });
     this.#free.shift();
+    const generation = ++this.#generation;
+    try {
+      slot.save({ generation, id: generation, mtime: this.now(), path });
+      slot.flush();
+    } catch (error) {
+      this.#release(slot);
+      throw error;
+    }
     const file = new KeptFile(slot);
     this.#files.add(file);
     return file;
