@@ -126,6 +126,11 @@ class Decoder:
         return bytes(self._buffer)
 
     @property
+    def is_between_frames(self) -> bool:
+        """Whether the next byte begins a frame."""
+        return not self._buffer and not self._overflowed
+
+    @property
     def offset(self) -> int:
         """The number of bytes fed."""
         return self._offset + len(self._buffer)

@@ -11,6 +11,7 @@ import mikas
 from mikas.catalog import shipped
 from mikas.errors import UnknownParameter, UsageError
 from mikas.recording import CaptureWriter
+from mikas.recording.table import window as table_window
 from mikas.recording.table.channels import Rows
 from mikas.recording.table.window import Windows
 from protocol_codes import NAMES
@@ -20,13 +21,25 @@ PORT = "sim:?clock=simulated&scenario=city"
 CONVERSIONS = {p.name: p.interpretation("corrected") for p in shipped().parameters}
 
 
+@pytest.fixture(params=["as it is", "packed"], autouse=True)
+def kept(request, monkeypatch):
+    """A recording of any length is kept like a short one, and like one of ten hours."""
+    if request.param == "packed":
+        monkeypatch.setattr(table_window, "_SHORT", 100)
+
+
+@pytest.fixture
+def drive(recorded_drive):
+    return mikas.open(recorded_drive)
+
+
 @pytest.fixture(scope="module")
-def drive(tmp_path_factory):
+def recorded_drive(tmp_path_factory):
     path = tmp_path_factory.mktemp("drive") / "a.pcapng"
     with CaptureWriter(path, url=PORT) as sink, mikas.connect(PORT, sink=sink) as ecu:
         for _ in ecu.watch(*NAMES, method="list", count=300):
             pass
-    return mikas.open(path)
+    return path
 
 
 def test_few_rows_are_given_as_they_are_to_the_bit(drive):

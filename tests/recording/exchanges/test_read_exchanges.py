@@ -18,6 +18,7 @@ from mikas.recording.exchanges.groups import RefusalColumns, ResponseClassifier
 from mikas.recording.exchanges.layouts import READ_LIST, Layouts
 from mikas.recording.exchanges.refusals import RefusalResolver
 from mikas.recording.exchanges.scalar import scalar_exchanges
+from mikas.recording.exchanges.turns import quick_exchanges
 from mikas.virtual.fault_injector import FaultInjector, LineFault
 
 LAYOUTS = Layouts(shipped().size_of)
@@ -45,7 +46,9 @@ def joined(items):
 
 
 def same(path):
-    assert joined(column_exchanges(path)) == joined(scalar_exchanges(path))
+    reference = joined(scalar_exchanges(path))
+    assert joined(column_exchanges(path)) == reference
+    assert joined(quick_exchanges(path)) == reference
 
 
 @settings(max_examples=15)

@@ -1,13 +1,14 @@
 """Recorded exchanges: one interpretation of the traffic in a capture.
 
-All that reads exchanges chooses here, once: arrays (`exchanges.columnar`), or the scalar reference
-where numpy is missing, or, as in a browser, has not all that the arrays of bytes need.
+All that reads exchanges chooses here, once: arrays (`exchanges.columnar`), or turn by turn
+(`exchanges.turns`) where numpy is missing, or, as in a browser, has not all that is needed.
 """
 
 from __future__ import annotations
 
 import os
 from collections.abc import Iterator
+from functools import cache
 from typing import TYPE_CHECKING, BinaryIO
 
 from mikas.recording.capture.blocks import Order
@@ -23,15 +24,15 @@ _NUMPY = ("numpy", "numpy.lib")
 def read_exchanges(path: str | os.PathLike[str]) -> Iterator[Exchanges | Problem]:
     """Yield the exchanges of a capture, a stretch of a port at a time, and problems in between.
 
-    They come as arrays or from the scalar reference. Raise as `CaptureReader` does.
+    They come as arrays, or without numpy. Raise as `CaptureReader` does.
     """
-    if _has_arrays_of_bytes():
+    if has_whole_numpy():
         from mikas.recording.exchanges.columnar import column_exchanges
 
         return column_exchanges(path)
-    from mikas.recording.exchanges.scalar import scalar_exchanges
+    from mikas.recording.exchanges.turns import quick_exchanges
 
-    return scalar_exchanges(path)
+    return quick_exchanges(path)
 
 
 def read_columns(path: str | os.PathLike[str]) -> Iterator[ExchangeColumns | Problem]:
@@ -47,16 +48,18 @@ def count_responses(file: BinaryIO, piece: range, order: Order, blocks: Blocks) 
 
     `blocks`: as before the piece, which begins with a block.
     """
-    if _has_arrays_of_bytes():
+    if has_whole_numpy():
         from mikas.recording.exchanges import columnar
 
         return columnar.responses_in(file, piece, order, blocks)
-    from mikas.recording.exchanges import scalar
+    from mikas.recording.exchanges import turns
 
-    return scalar.responses_in(file, piece, order, blocks)
+    return turns.responses_in(file, piece, order, blocks)
 
 
-def _has_arrays_of_bytes() -> bool:
+@cache
+def has_whole_numpy() -> bool:
+    """Return whether numpy is there, and not only what stands in for it in a browser."""
     try:
         import mikas.recording.exchanges.pieces  # noqa: F401  (whether it can be)
     except ModuleNotFoundError as error:

@@ -1,4 +1,4 @@
-"""Exchanges as arrays: their types, and how those of the scalar reference become such.
+"""Exchanges as arrays: their types, and how columns made without numpy become such.
 
 Whatever works with arrays of exchanges imports this. The stages that make them from the bytes of a
 file (`exchanges.columnar`) need more of numpy than there is in a browser (`exchanges.pieces`).

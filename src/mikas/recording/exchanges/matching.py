@@ -104,6 +104,17 @@ class Matching:
         self.count += 1
         self._unechoed.append(wire)
 
+    def follow(self, count: int, before: bytes | None, body: bytes, wire: bytes) -> None:
+        """Follow `count` requests, each one with its echo, if the line echoes, and no other frames
+        but responses. `before`, `body`, `wire`: of the last two, and of the last one on the wire.
+        """
+        self.count += count
+        self._before = SentRequest(self.count - 2, before) if count > 1 else self.request
+        self.request = SentRequest(self.count - 1, body)
+        self._unechoed.clear()
+        if not self.echoes:
+            self._unechoed.append(wire)
+
     def received(self, wire: bytes, body: bytes | None) -> bool:
         """Take a received frame, or damage; return whether it is an echo."""
         if body is None:

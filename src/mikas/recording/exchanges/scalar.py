@@ -10,15 +10,13 @@ from array import array
 from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any, BinaryIO, Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 from mikas.commands import COMMANDS_BY_CODE
 from mikas.framing import DamageReason, Decoder, Event, Frame
 from mikas.i18n import Text
 from mikas.link.base import Direction
-from mikas.recording.capture.blocks import Order
-from mikas.recording.capture.reader import Blocks, CaptureReader, Packet, Problem, Source
-from mikas.recording.capture.scan import RawBlock, scan
+from mikas.recording.capture.reader import CaptureReader, Packet, Problem, Source
 from mikas.recording.exchanges.matching import (
     NO_REQUEST,
     SILENCE,
@@ -114,6 +112,11 @@ class _Direction:
         self._decoder = Decoder()
         self._packets: deque[_PacketEnd] = deque()
 
+    @property
+    def is_between_frames(self) -> bool:
+        """Whether the next byte begins a frame."""
+        return self._decoder.is_between_frames
+
     def feed(self, packet: Packet) -> Iterator[tuple[Event, _Place]]:
         """Yield the events that the packet completes."""
         self.last_time = packet.time
@@ -183,6 +186,18 @@ class PortDecoder:
                 yield DecodedDamage(*where, event.data, event.reason.value)
         self._sent_last = is_sent
 
+    @property
+    def is_between_frames(self) -> bool:
+        """Whether no direction is inside a frame."""
+        return all(each.is_between_frames for each in self._directions.values())
+
+    def pass_over(self, sent: float | None, received: float | None) -> None:
+        """Pass over packets of whole frames, matched without this; the times of the last ones."""
+        for direction, time in ((Direction.SENT, sent), (Direction.RECEIVED, received)):
+            if time is not None:
+                self._directions[direction].last_time = time
+        self._sent_last = received is None
+
     def finish(self) -> Iterator[DecodedDamage]:
         """Yield the unfinished frames."""
         for direction in Direction:
@@ -205,6 +220,62 @@ class PortDecoder:
             yield DecodedDamage(*where, data, reason, abandoned=True)
 
 
+class Found:
+    """The exchanges of one stretch, as they are found, column by column.
+
+    `requests`: number, time, length. `responses`: time, serial and number of the request, serial of
+    the last request before, start and length of the body, length on the wire.
+    """
+
+    def __init__(self, matching: Matching) -> None:
+        self._matching = matching
+        self._first = matching.count
+        self.requests: tuple[array[Any], ...] = (array("q"), array("d"), array("q"))
+        self.responses: tuple[array[Any], ...] = (array("d"), *(array("q") for _ in range(6)))
+        self.bodies = bytearray()
+        self.echoes = 0
+        self._damaged = array("q")
+        self._raw_checksum = False
+
+    def take(self, item: DecodedFrame | DecodedDamage) -> None:
+        """Take the next part of the line."""
+        is_sent, number = item.direction is Direction.SENT, self._matching.number
+        match item:
+            case DecodedDamage(abandoned=True):
+                pass
+            case _ if item.echo:
+                self.echoes += 1
+            case DecodedDamage(data=wire) if is_sent:
+                _append(self.requests, NO_REQUEST, item.begin, len(wire))
+            case DecodedDamage():
+                self._damaged.append(item.after)
+            case DecodedFrame(frame=frame) if is_sent:
+                _append(self.requests, number(frame.body), item.begin, len(frame.wire))
+            case DecodedFrame(frame=frame, answers=(serial, request)):
+                self._raw_checksum |= frame.raw_checksum
+                place = len(self.bodies), len(frame.body), len(frame.wire)
+                answered = serial, number(request), item.after
+                _append(self.responses, item.wire_time, *answered, *place)
+                self.bodies += frame.body
+
+    def exchanges(self, source: Source, times: Sequence[float], last: float | None) -> Exchanges:
+        """Return all of it. `times`: of the stretch's packets; `last`: of the one before them."""
+        before = [times[0] if last is None else last, *times[:-1]]
+        pairs = zip(before, times, strict=True)
+        return ExchangesOf(
+            source=source,
+            bodies=self._matching.bodies,
+            requests=Requests(self._first, *self.requests),
+            responses=Responses(bytes(self.bodies), *self.responses),
+            damaged=self._damaged,
+            echoes=self.echoes,
+            raw_checksum=self._raw_checksum,
+            gaps=[(begin, end) for begin, end in pairs if end - begin > GAP],
+            begin=times[0],
+            end=times[-1],
+        )
+
+
 class ScalarMatcher:
     """The exchanges of one port of one recording."""
 
@@ -216,47 +287,14 @@ class ScalarMatcher:
 
     def feed(self, packets: Sequence[Packet]) -> Exchanges:
         """Return the exchanges that these packets complete."""
-        first, number = self.matching.count, self.matching.number
-        sent = array("q"), array("d"), array("q")
-        received: list[array[Any]] = [array("d"), *(array("q") for _ in range(6))]
-        bodies, damaged = bytearray(), array("q")
-        gaps: list[tuple[float, float]] = []
-        echoes, raw_checksum = 0, False
+        found = Found(self.matching)
         for packet in packets:
-            if self._last is not None and packet.time - self._last > GAP:
-                gaps.append((self._last, packet.time))
-            self._last = packet.time
             for item in self._port.feed(packet):
-                is_sent = item.direction is Direction.SENT
-                match item:
-                    case DecodedDamage(abandoned=True):
-                        pass
-                    case _ if item.echo:
-                        echoes += 1
-                    case DecodedDamage(data=wire) if is_sent:
-                        _append(sent, NO_REQUEST, item.begin, len(wire))
-                    case DecodedDamage():
-                        damaged.append(item.after)
-                    case DecodedFrame(frame=frame) if is_sent:
-                        _append(sent, number(frame.body), item.begin, len(frame.wire))
-                    case DecodedFrame(frame=frame, answers=(serial, request)):
-                        raw_checksum |= frame.raw_checksum
-                        place = len(bodies), len(frame.body), len(frame.wire)
-                        answered = serial, number(request), item.after
-                        _append(received, item.wire_time, *answered, *place)
-                        bodies += frame.body
-        return ExchangesOf(
-            source=self._source,
-            bodies=self.matching.bodies,
-            requests=Requests(first, *sent),
-            responses=Responses(bytes(bodies), *received),
-            damaged=damaged,
-            echoes=echoes,
-            raw_checksum=raw_checksum,
-            gaps=gaps,
-            begin=packets[0].time,
-            end=packets[-1].time,
-        )
+                found.take(item)
+        times = [packet.time for packet in packets]
+        exchanges = found.exchanges(self._source, times, self._last)
+        self._last = times[-1]
+        return exchanges
 
 
 def _append(columns: Iterable[array[Any]], *row: float) -> None:
@@ -267,18 +305,6 @@ def _append(columns: Iterable[array[Any]], *row: float) -> None:
 def scalar_exchanges(path: str | os.PathLike[str]) -> Iterator[Exchanges | Problem]:
     """Yield the exchanges without numpy."""
     return matched(_stretches(CaptureReader(path)), lambda it: it[0].source, ScalarMatcher)
-
-
-def responses_in(file: BinaryIO, piece: range, order: Order, blocks: Blocks) -> tuple[int, int]:
-    """Return what `columnar.responses_in` does; here the run ends with the piece."""
-    end, packets = piece.start, list[Packet | Problem]()
-    for item in scan(file, piece.start, order, piece.stop):
-        if isinstance(item, RawBlock):
-            packets += blocks.read(item)
-            end = item.end
-    stretches = matched(_stretches(packets), lambda it: it[0].source, ScalarMatcher)
-    found = (len(it.responses.times) for it in stretches if not isinstance(it, Problem))
-    return sum(found), end - piece.start
 
 
 def _stretches(items: Iterable[Packet | Problem]) -> Iterator[Sequence[Packet] | Problem]:

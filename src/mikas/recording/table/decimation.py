@@ -11,11 +11,12 @@ from __future__ import annotations
 
 from array import array
 from bisect import bisect_left
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from itertools import pairwise
 from math import isnan, nan
 from typing import TYPE_CHECKING, cast
 
+from mikas.recording.exchanges import has_whole_numpy
 from mikas.recording.table.channels import Rows
 
 if TYPE_CHECKING:
@@ -26,10 +27,10 @@ def decimated(rows: Rows, points: int) -> Rows:
     """Return at most about `points` rows; `rows` itself, if there are no more."""
     if len(rows.times) <= max(2, points):
         return rows
-    try:
-        import numpy as np
-    except ImportError:
+    if not has_whole_numpy():
         return decimated_scalar(rows, points)
+    import numpy as np
+
     times = np.asarray(rows.times)
     pieces = Pieces(float(times[0]), float(times[-1]), max(1, points // 2))
     starts = pieces.starts(times)
@@ -57,13 +58,15 @@ def decimated_scalar(rows: Rows, points: int) -> Rows:
     return Rows(cast("Floats", kept), cast("dict[str, Floats]", values))
 
 
-def _ends(piece: Sequence[float]) -> tuple[float, float]:
+def _ends(piece: list[float]) -> tuple[float, float]:
     """Return the least and the greatest value, the earlier one first; NaN without values."""
-    present = [value for value in piece if not isnan(value)]
-    if not present:
+    total = sum(piece)
+    if total - total:  # a value is NaN or infinite
+        piece = [value for value in piece if not isnan(value)]
+    if not piece:
         return nan, nan
-    least, greatest = min(present), max(present)
-    if present.index(least) > present.index(greatest):
+    least, greatest = min(piece), max(piece)
+    if least < greatest and piece.index(least) > piece.index(greatest):
         return greatest, least
     return least, greatest
 
@@ -117,6 +120,11 @@ class Pieces:
 def extremes(values: Floats, starts: Index) -> tuple[Floats, Floats]:
     """Return the least and the greatest of each piece of `values`, the earlier one first."""
     import numpy as np
+
+    if not has_whole_numpy():
+        every, edges = values.tolist(), [*starts.tolist(), values.size]
+        ends = [_ends(every[start:stop]) for start, stop in pairwise(edges)]
+        return np.array([end[0] for end in ends]), np.array([end[1] for end in ends])
 
     least, greatest = np.fmin.reduceat(values, starts), np.fmax.reduceat(values, starts)
     lengths = np.diff(np.append(starts, values.size))

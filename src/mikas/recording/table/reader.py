@@ -188,8 +188,12 @@ class _PortRows:
         row_of[rows] = np.arange(rows.size)
         columns = {name: np.full(rows.size, np.nan) for name in self._names}
         for group in groups:
+            at = row_of[group.fitting]
             for name, values in converted(group, responses, self._definitions, self._names):
-                columns[name][row_of[group.fitting]] = values
+                if at.size == rows.size:
+                    columns[name] = values
+                else:
+                    columns[name][at] = values
         return responses.times[rows], columns
 
 

@@ -1,17 +1,17 @@
 """Any window of a recording, for scrubbing through it: the columns in memory, packed.
 
-Ten hours by list are a million rows. Parameters are stored as the whole numbers of their raw data
-(one to two bytes each, two to four here), so values equal those of `rows()` bit for bit; ten hours
-of all channels take about 130 MB.
+Ten hours by list are a million rows. Of such a recording parameters are stored as the whole numbers
+of their raw data (one to two bytes each, two to four here), so values equal those of `rows()` bit
+for bit; ten hours of all channels take about 130 MB. A short recording is kept as it is.
 
 More rows than a picture has points are decimated (`decimation.py`), wide windows by blocks of rows
-whose extremes are computed once.
+whose extremes are computed once, when they are first needed.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -22,26 +22,33 @@ from mikas.recording.exchanges.arrays import Floats, Index
 from mikas.recording.table.channels import Rows
 from mikas.recording.table.decimation import Pieces, extremes
 
+_SHORT: Final = 1 << 18  # rows of a recording that is not packed: 60 MB of all channels
 _BLOCK: Final = 64  # rows
 _ENOUGH: Final = 4  # blocks in a piece of time
 _MISSING: Final = {2: np.iinfo(np.int16).min, 4: np.iinfo(np.int32).min}
 
 
-@dataclass(frozen=True, slots=True)
 class _Packed:
-    """A column as whole numbers, or as floats if these would not restore every value.
+    """A column as whole numbers, or as floats if these would not restore every value."""
 
-    `first`, `second`: the extremes of each block of rows, in their order.
-    """
-
-    numbers: NDArray[np.int16] | NDArray[np.int32] | Floats
-    conversion: Conversion | None
-    first: Floats
-    second: Floats
+    def __init__(self, numbers: NDArray[np.generic], conversion: Conversion | None) -> None:
+        self._numbers = numbers
+        self._conversion = conversion
 
     def values(self, chosen: slice | Index) -> Floats:
         """Return the values of the rows `chosen`."""
-        return _unpacked(self.numbers[chosen], self.conversion)
+        return _unpacked(self._numbers[chosen], self._conversion)
+
+    @cached_property
+    def ends(self) -> tuple[Floats, Floats]:
+        """The extremes of each block of rows, in their order."""
+        blocks = len(self._numbers) // _BLOCK
+        first, second = np.empty(blocks), np.empty(blocks)
+        for at in range(0, blocks, 1024):
+            stop = min(blocks, at + 1024)
+            values = self.values(slice(at * _BLOCK, stop * _BLOCK))
+            first[at:stop], second[at:stop] = extremes(values, _BLOCK * np.arange(stop - at))
+        return first, second
 
 
 class Windows:
@@ -53,10 +60,19 @@ class Windows:
     def __init__(self, rows: Iterable[Rows], conversions: Mapping[str, Conversion]) -> None:
         times: list[Floats] = []
         pieces: dict[str, list[tuple[Conversion | None, NDArray[np.generic]]]] = {}
+        count = 0
         for stretch in rows:
             times.append(stretch.times)
+            is_long, count = count > _SHORT, count + len(stretch.times)
             for name, column in stretch.values.items():
-                pieces.setdefault(name, []).append(_packed(column, conversions.get(name)))
+                parts = pieces.setdefault(name, [])
+                if count > _SHORT:
+                    conversion = conversions.get(name)
+                    if not is_long:
+                        parts[:] = [_packed(np.asarray(part), conversion) for _, part in parts]
+                    parts.append(_packed(column, conversion))
+                else:
+                    parts.append((None, column))
         self.times: Floats = np.concatenate([np.empty(0), *times])
         order: Index | None = None
         if (np.diff(self.times) < 0).any():
@@ -110,7 +126,7 @@ class _Extracted:
         """Return the column's values at `times`."""
         if self._blocks is None:
             return column.values(slice(self._first, self._last))
-        both = _alternating(column.first[self._blocks], column.second[self._blocks])
+        both = _alternating(*(ends[self._blocks] for ends in column.ends))
         before = column.values(slice(self._first, self._inner[0]))
         after = column.values(slice(self._inner[1], self._last))
         return np.concatenate((before, both, after))
@@ -163,10 +179,4 @@ def _joined(
     numbers = np.concatenate([numbers for _, numbers in pieces])
     if order is not None:
         numbers = numbers[order]
-    blocks = len(numbers) // _BLOCK
-    first, second = np.empty(blocks), np.empty(blocks)
-    for at in range(0, blocks, 1024):
-        stop = min(blocks, at + 1024)
-        values = _unpacked(numbers[at * _BLOCK : stop * _BLOCK], conversion)
-        first[at:stop], second[at:stop] = extremes(values, _BLOCK * np.arange(stop - at))
-    return _Packed(numbers, conversion, first, second)
+    return _Packed(numbers, conversion)
