@@ -245,11 +245,11 @@ class ndarray:  # noqa: N801  (numpy's name; it has no hash; many operators)
 
     def min(self) -> Any:  # noqa: ANN401  (a number)
         """Return the least value; NaN if there is one."""
-        return self[self.argmin()]
+        return self._extreme(min)
 
     def max(self) -> Any:  # noqa: ANN401  (a number)
         """Return the greatest value; NaN if there is one."""
-        return self[self.argmax()]
+        return self._extreme(max)
 
     def argmin(self) -> int:
         """Return the place of the least value, or of the first NaN."""
@@ -258,6 +258,13 @@ class ndarray:  # noqa: N801  (numpy's name; it has no hash; many operators)
     def argmax(self) -> int:
         """Return the place of the greatest value, or of the first NaN."""
         return self._place_of(max)
+
+    def _extreme(self, extreme: Any) -> Any:  # noqa: ANN401  (min or max; a number)
+        if self.dtype.kind == "f" and not kernels.all_finite(self.data):
+            return self[self._place_of(extreme)]
+        if not len(self.data):
+            raise ValueError("no extreme of no values")
+        return extreme(self.tolist() if self.dtype is bool_ else self.data)
 
     def _place_of(self, extreme: Any) -> int:  # noqa: ANN401  (min or max)
         if not len(self.data):

@@ -47,11 +47,9 @@ class ValueCounts:
 
     def add(self, column: Column) -> None:
         """Add values; NaN means missing."""
-        values, counts = np.unique(
-            np.round(column[np.isfinite(column)], self._places), return_counts=True
-        )
+        values, counts = np.unique(column[np.isfinite(column)], return_counts=True)
         if values.size:
-            both = np.concatenate((self._values, values))
+            both = np.concatenate((self._values, np.round(values, self._places)))
             self._values, place = np.unique(both, return_inverse=True)
             weights = np.concatenate((self._counts, counts))
             self._counts = np.bincount(place, weights).astype(np.int64)
