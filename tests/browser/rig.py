@@ -326,12 +326,25 @@ class Tab:
         self.until(asked, name)
 
     def until(self, function: str, given: object = None):
-        """Waits for what the function gives to be true in the page; gives that.
+        """Waits for what the function gives to be true in the page; gives that."""
+        return until(self.page, function, given)
 
-        It must be written as a function: an expression would be evaluated again in the page, and
-        the page's security policy forbids that.
-        """
-        return self.page.wait_for_function(function, arg=given).json_value()
+
+def until(page: Page, function: str, given: object = None):
+    """Waits for what the function, which may be async, gives to be true in the page; gives that.
+
+    Playwright's own `wait_for_function` takes a promise for true before it is kept.
+    """
+    waiting = f"""async ([given, until]) => {{
+      while (performance.now() < until) {{
+        const found = await ({function})(given)
+        if (found) return {{ found }}
+        await new Promise(again => setTimeout(again, 10))
+      }}
+    }}"""
+    answer = page.evaluate(waiting, [given, page.evaluate("() => performance.now()") + UNTIL])
+    assert answer, f"it never came: {function}"
+    return answer["found"]
 
 
 @contextmanager

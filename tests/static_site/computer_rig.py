@@ -121,12 +121,13 @@ class Computer:
     def choose(self) -> None:
         """Do as the user who chooses all adapters for `CHOOSING` in the browser's list.
 
-        No test can click there. The browser needs about five seconds to note it.
+        No test can click there. A browser notes it that is started afterwards; one that runs may or
+        may not, after five seconds.
         """
         self._grant(ORIGIN, CHOOSING)
 
     def forget_choice(self) -> None:
-        """Do as the user who takes that back in the browser's settings; it needs the same time."""
+        """Do as the user who takes that back in the browser's settings."""
         self._grant(ORIGIN)
 
     def _grant(self, *origins: str) -> None:

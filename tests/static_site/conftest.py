@@ -9,8 +9,9 @@ from __future__ import annotations
 import sys
 
 import pytest
+from playwright.sync_api import sync_playwright
 
-from browser.chromium_rig import installed, must_not_miss, started, visits
+from browser.chromium_rig import installed, launched, must_not_miss, visits
 
 from . import computer_rig
 from .pages_rig import StaticHost
@@ -28,9 +29,21 @@ def whole_computer():
 
 
 @pytest.fixture(scope="package")
-def chromium(whole_computer, tmp_path_factory):
-    program = whole_computer.wrapper(installed(), tmp_path_factory.mktemp("chromium"))
-    with started(program) as browser:
+def chromium_program(whole_computer, tmp_path_factory):
+    """The browser's program, to be started on that computer."""
+    return whole_computer.wrapper(installed(), tmp_path_factory.mktemp("chromium"))
+
+
+@pytest.fixture(scope="package")
+def driver():
+    """Playwright, to start browsers with."""
+    with sync_playwright() as playwright:
+        yield playwright
+
+
+@pytest.fixture(scope="package")
+def chromium(driver, chromium_program):
+    with launched(driver, chromium_program) as browser:
         yield browser
 
 

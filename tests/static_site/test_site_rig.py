@@ -6,6 +6,8 @@ import json
 
 import pytest
 
+from browser.chromium_rig import launched, visits
+from browser.rig import until
 from mikas.framing import encode
 
 from .computer_rig import CH340, CHOOSING, ORIGIN
@@ -41,8 +43,7 @@ class InWorker:
         """Ask until the worker answers so; fail after the time that pages have."""
         same = f"""async ([source, expected]) =>
           JSON.stringify((await ({ASK})(source)).done) === expected"""
-        expected = json.dumps(expected, separators=(",", ":"))
-        self.page.wait_for_function(same, arg=[source, expected], polling=20)
+        until(self.page, same, [source, json.dumps(expected, separators=(",", ":"))])
 
 
 @pytest.fixture
@@ -112,14 +113,15 @@ def test_two_adapters_are_told_apart(computer, by_hand, worker):
     worker.until(PORTS, [FT232_PID])
 
 
-def test_elsewhere_an_adapter_is_chosen_first(computer, by_hand, page):
+def test_elsewhere_an_adapter_is_chosen_first(computer, by_hand, page, driver, chromium_program):
     page.goto(CHOOSING)
     worker = InWorker(page)
     assert page.evaluate(PORTS) == worker(PORTS) == []
     computer.choose()
-    worker.until(PORTS, [FT232_PID])
-    computer.forget_choice()
-    worker.until(PORTS, [])
+    with launched(driver, chromium_program) as browser, visits(browser) as visit:
+        page = visit(CHOOSING).page
+        page.goto(CHOOSING)
+        assert page.evaluate(PORTS) == InWorker(page)(PORTS) == [FT232_PID]
 
 
 def test_a_unit_answers_with_the_value_that_it_was_set_to(ft232, worker):
