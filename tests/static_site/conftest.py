@@ -13,8 +13,9 @@ from playwright.sync_api import sync_playwright
 
 from browser.chromium_rig import installed, launched, must_not_miss, visits
 
-from . import computer_rig
+from . import computer_rig, site_rig
 from .pages_rig import StaticHost
+from .site_rig import site_tab
 from .wire_rig import cable, wire
 
 collect_ignore_glob = [] if sys.platform == "linux" else ["*"]
@@ -88,3 +89,41 @@ def host(computer):
     yield serve
     for each in hosts:
         each.stop()
+
+
+@pytest.fixture(scope="module")
+def site(chromium, whole_computer):
+    """The built site on a static host."""
+    must_not_miss(site_rig.missing())
+    served = StaticHost(whole_computer, site_rig.BUILT)
+    yield served
+    served.stop()
+
+
+@pytest.fixture(scope="module")
+def car(whole_computer, tmp_path_factory):
+    """An FT232 on the virtual unit, plugged in, for the tests of a module."""
+    with cable(whole_computer, tmp_path_factory.mktemp("car")) as plugged:
+        yield plugged
+
+
+@pytest.fixture(scope="module")
+def profile(chromium):
+    """A profile of the browser for the tests of a module: what is kept stays."""
+    context = chromium.new_context(locale="en-GB", viewport={"width": 1280, "height": 800})
+    yield context
+    context.close()
+
+
+@pytest.fixture(scope="module")
+def visit(site, profile):
+    """The site in a tab, which the tests of a module share: starting the program takes seconds."""
+    with site_tab(profile, site.url) as tab:
+        yield tab.open()
+
+
+@pytest.fixture
+def tab(visit, car):
+    """That tab, connected to the car."""
+    visit.refused = False
+    return visit.connect()
