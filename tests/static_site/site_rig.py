@@ -62,13 +62,17 @@ class SiteTab(Tab):
         self.press("Record")
         self.is_line("recording")
 
-    def recorded(self, seconds: float) -> dict:
-        """Wait until the recording in progress is that long; return what is known of it."""
+    def recorded(self, seconds: float) -> float:
+        """Wait until the recording in progress is that long; return how long it is."""
         long = """async seconds => {
-          const { recording } = await (await fetch("api/state")).json()
-          return recording?.seconds >= seconds && recording
+          const { recording, now } = await (await fetch("api/state")).json()
+          return now - recording?.since >= seconds && now - recording.since
         }"""
         return self.until(long, seconds)
+
+    def stop_recording(self) -> None:
+        self.press("Stop recording")
+        self.is_line("sampling")
 
     def recordings(self) -> list[dict]:
         return self.get("/recordings")["recordings"]
