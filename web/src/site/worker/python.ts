@@ -18,7 +18,9 @@ const SITE = new URL(/* @vite-ignore */ "..", import.meta.url);
 
 export async function startPython(onProgress: OnProgress): Promise<PyodideAPI> {
   const folder = new URL(`${__PROGRAM__.folder}/`, SITE);
-  const sizes = new Map(Object.entries(__PROGRAM__.files).map(([name, size]) => [new URL(name, folder).href, size]));
+  // Modules are imported: nobody sees them come.
+  const fetched = Object.entries(__PROGRAM__.files).filter(([name]) => !name.endsWith(".mjs"));
+  const sizes = new Map(fetched.map(([name, size]) => [new URL(name, folder).href, size]));
   const stop = counted(sizes, onProgress);
   try {
     const program = fetch(new URL("program.pack", folder)).then(unpacked);
