@@ -36,12 +36,24 @@ interface Listed {
   keys(): AsyncIterable<string>;
 }
 
+/** Handles that were asked something. Chromium never answers for one that is collected as garbage meanwhile, as at the start of Python. */
+const asked = new Set<object>();
+
+async function answered<T>(handle: object, answer: Promise<T>): Promise<T> {
+  asked.add(handle);
+  try {
+    return await answer;
+  } finally {
+    asked.delete(handle);
+  }
+}
+
 /** Return the site's folder of that name. Rejects with a `StorageError` if the browser has none. */
 export async function opfsFolder(name = "pool"): Promise<Folder> {
   try {
     if (!("FileSystemSyncAccessHandle" in globalThis)) throw new Error("no sync access handles");
     const root = await navigator.storage.getDirectory();
-    return new Opfs(await root.getDirectoryHandle(name, { create: true }));
+    return new Opfs(await answered(root, root.getDirectoryHandle(name, { create: true })));
   } catch (error) {
     throw new StorageError("missing", error);
   }
@@ -64,7 +76,7 @@ class Opfs implements Folder {
     const mode = holding === "shared" ? "readwrite-unsafe" : "readwrite";
     try {
       const file = await this.directory.getFileHandle(name, { create: true });
-      return await (file as unknown as FileHandle).createSyncAccessHandle({ mode });
+      return await answered(file, (file as unknown as FileHandle).createSyncAccessHandle({ mode }));
     } catch (error) {
       const held = error instanceof DOMException && error.name === "NoModificationAllowedError";
       throw held ? new StorageError("held", error) : error;
