@@ -19,6 +19,7 @@ export default defineConfig({
     reportCompressedSize: false,
     chunkSizeWarningLimit: 1000, // the whole page, as on a desktop
     rolldownOptions: {
+      checks: { pluginTimings: false }, // slow only on a machine that is busy
       input: { site: "site.html", "service-worker": "src/site/serviceWorker.ts" },
       output: {
         entryFileNames: ({ name }) => (name === "service-worker" ? "[name].js" : "assets/[name]-[hash].js"),
