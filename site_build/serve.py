@@ -68,10 +68,10 @@ def main(show: Callable[[str], object] = webbrowser.open) -> int:
         return 1
     with server_of(SITE) as server:
         address = f"http://localhost:{server.server_port}/"
-        print(f"{address}  (Ctrl-C ends it)", flush=True)
-        if not arguments.no_browser:
-            show(address)
         try:
+            print(f"{address}  (Ctrl-C ends it)", flush=True)
+            if not arguments.no_browser:
+                show(address)
             server.serve_forever()
         except KeyboardInterrupt:
             print()
