@@ -147,7 +147,9 @@ def _scope(kind: str, address: str) -> Scope:
     path, _, query = address.partition("?")
     return {
         "type": kind,
-        "asgi": {"version": "3.0", "spec_version": "2.4"},
+        # As uvicorn. With 2.4, Starlette would see by an error of `send` only that a request was
+        # aborted, so an answer that waits for what it sends would never end.
+        "asgi": {"version": "3.0", "spec_version": "2.3"},
         "http_version": "1.1",
         "scheme": "http" if kind == "http" else "ws",
         "path": unquote(path),
