@@ -17,7 +17,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Literal, Protocol
 
-from mikas.browser import arrays, green_threads
+from mikas.browser import arrays, green_threads, shallow_json
 from mikas.browser.event_loop import EventLoop
 
 if TYPE_CHECKING:
@@ -41,12 +41,13 @@ class Host(green_threads.Waits, Protocol):
 
 
 def prepare(host: Host, run_sync: Callable[..., Any]) -> None:
-    """Put threads and arrays in place, before anything of the program is imported."""
+    """Put threads, arrays and a safe JSON in place, before anything of the program is imported."""
     # Python's own collection, in steps, looks into the frames of all stacks, and those of suspended
     # ones are elsewhere meanwhile: it would crash. See `_collect`.
     gc.disable()
     green_threads.install(host, run_sync)
     arrays.install()
+    shallow_json.install()
 
 
 def begin(host: Host, role: Role) -> Take:
