@@ -26,12 +26,14 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 @pytest.hookimpl(wrapper=True)
 def pytest_collection():
     """Look for no garbage in what stays: it was a quarter of the time before the first test."""
+    enabled = gc.isenabled()
     gc.disable()
     try:
         return (yield)
     finally:
         gc.freeze()
-        gc.enable()
+        if enabled:  # not in Pyodide (mikas.browser.start)
+            gc.enable()
 
 
 def pytest_unconfigure():

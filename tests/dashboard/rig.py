@@ -1,28 +1,28 @@
 """The whole program, as `mikas dash` runs it, over a virtual car whose time runs fast: a real
-server on a real socket, real threads. Tests wait for what comes, never for time to pass.
+server on a real socket, real threads. In Pyodide, as the site runs it (tests/on_pyodide): answered
+by messages, on the site's threads. Tests wait for what comes, never for time to pass.
 """
 
 from __future__ import annotations
 
 import json
+import sys
 import threading
 import time
 from contextlib import contextmanager
 from urllib.parse import parse_qsl
 
-import httpx
-from websockets.sync.client import connect
-
-from mikas.dashboard.app import create_app
 from mikas.dashboard.dashboard import Dashboard
-from mikas.dashboard.listening import listen
-from mikas.dashboard.security.access import Access
-from mikas.dashboard.server import Server
 from mikas.dashboard.settings import PlanSettings, Settings
 from mikas.errors import PortNotFound
 from mikas.link.ports import Port
 from mikas.link.virtual import RealTimeVirtualLink
 from mikas.virtual.build import build_bus
+
+if sys.platform == "emscripten":
+    from dashboard.page_rig import served
+else:
+    from dashboard.server_rig import served
 
 SPEED = 20
 STALL = 0.5  # s of the fast time
@@ -109,10 +109,11 @@ class Cars:
 
 
 class Rig:
-    def __init__(self, dashboard, access, client, cars, server):
-        self.dashboard, self.access, self.client, self.cars = dashboard, access, client, cars
-        self.server = server
-        self.port = access.port
+    def __init__(self, dashboard, cars, reached):
+        self.dashboard, self.cars = dashboard, cars
+        self.access, self.client, self.server = reached.access, reached.client, reached.server
+        self.port = self.access.port
+        self._open = reached.open
 
     def get(self, path, status=200, headers=ME, **params):
         return self._checked(self.client.get(f"/api{path}", headers=headers, params=params), status)
@@ -138,8 +139,7 @@ class Rig:
     @contextmanager
     def live(self, client="watcher-0001", headers=None, **extra):
         query = "&".join(f"{name}={value}" for name, value in {"client": client, **extra}.items())
-        url = f"ws://127.0.0.1:{self.port}/api/live?{query}"
-        with connect(url, additional_headers=headers, open_timeout=60) as socket:
+        with self._open(f"/api/live?{query}", headers) as socket:
             yield Live(socket)
 
     def until(self, accepted):
@@ -205,19 +205,5 @@ def rig(
     )
     dashboard = Dashboard(settings, port=begin, lan=access.get("lan", False))
     dashboard.plan.request = PlanSettings(dict.fromkeys(names, 1), method, rate)
-    with listen(0, lan=False) as own:
-        rules = Access(own.getsockname()[1], **access)
-        ready = threading.Event()
-        app = create_app(dashboard, rules, folder=page or tmp_path / "page")
-        server = Server(app, ready=ready.set, tls=tls)
-        thread = threading.Thread(target=server.run, kwargs={"sockets": [own]})
-        thread.start()
-        try:
-            assert ready.wait(60)
-            url = f"http://127.0.0.1:{rules.port}"
-            # Without TLS: to load the system's certificates takes as long as to start the server.
-            with httpx.Client(base_url=url, timeout=60, verify=False) as client:
-                yield Rig(dashboard, rules, client, cars, server)
-        finally:
-            server.should_exit = True
-            thread.join()
+    with served(dashboard, page or tmp_path / "page", tls, access) as reached:
+        yield Rig(dashboard, cars, reached)

@@ -1,0 +1,49 @@
+"""The application behind its own server, on a socket."""
+
+from __future__ import annotations
+
+import threading
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+import httpx
+from websockets.sync.client import connect
+
+from mikas.dashboard.app import create_app
+from mikas.dashboard.listening import listen
+from mikas.dashboard.security.access import Access
+from mikas.dashboard.server import Server
+
+
+@dataclass
+class Reached:
+    """How the application is reached."""
+
+    access: Access
+    client: httpx.Client
+    server: Server
+
+    def open(self, address, headers):
+        """A WebSocket."""
+        url = f"ws://127.0.0.1:{self.access.port}{address}"
+        return connect(url, additional_headers=headers, open_timeout=60)
+
+
+@contextmanager
+def served(dashboard, page, tls, access):
+    """`page`: the folder of the built page; `access`: settings of `Access`."""
+    with listen(0, lan=False) as own:
+        rules = Access(own.getsockname()[1], **access)
+        ready = threading.Event()
+        server = Server(create_app(dashboard, rules, folder=page), ready=ready.set, tls=tls)
+        thread = threading.Thread(target=server.run, kwargs={"sockets": [own]})
+        thread.start()
+        try:
+            assert ready.wait(60)
+            url = f"http://127.0.0.1:{rules.port}"
+            # Without TLS: to load the system's certificates takes as long as to start the server.
+            with httpx.Client(base_url=url, timeout=60, verify=False) as client:
+                yield Reached(rules, client, server)
+        finally:
+            server.should_exit = True
+            thread.join()
