@@ -3,6 +3,7 @@ import { mount, unmount } from "svelte";
 import "../lib/platform/theme.svelte";
 import Boot from "./boot/Boot.svelte";
 import { hindrance } from "./boot/hindrance";
+import { keepsFiles } from "./boot/keepsFiles";
 import { shown } from "./boot/start.svelte";
 import type { Port } from "./program/endpoint";
 import type { Role } from "./program/messages";
@@ -50,7 +51,7 @@ async function start(): Promise<void> {
   const why = hindrance();
   if (why !== null) return void (shown.start = { kind: "impossible", why });
   await alone();
-  program = new Program(worker);
+  program = new Program(worker, keepsFiles());
   program.line.onprogress = (progress) => (shown.start = { kind: "loading", progress });
   // The page itself comes along while the program starts.
   const [{ run }] = await Promise.all([import("./run"), program.line.ready]);

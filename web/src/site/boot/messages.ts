@@ -28,8 +28,8 @@ export const t = dictionary({
 
   broken: { en: "mikas could not start", ru: "mikas не запустился" },
   broken_do: {
-    en: "Reload the page. If it happens again: close other tabs and programs (mikas needs some hundreds of MB of memory) and update the browser. Recordings that were made are kept.",
-    ru: "Обновите страницу. Если повторится: закройте другие вкладки и программы (mikas нужно несколько сотен МБ памяти) и обновите браузер. Сделанные записи сохранены.",
+    en: "Check the network, from which the first visit loads the program, and reload the page. If it happens again: close other tabs and programs (mikas needs some hundreds of MB of memory) and update the browser. Recordings that were made are kept.",
+    ru: "Проверьте сеть (в первый раз программа загружается из неё) и обновите страницу. Если повторится: закройте другие вкладки и программы (mikas нужно несколько сотен МБ памяти) и обновите браузер. Сделанные записи сохранены.",
   },
   offline: { en: "There is no network, and mikas is not kept in this browser yet", ru: "Сети нет, а в этом браузере mikas ещё не сохранён" },
   offline_do: {

@@ -1,4 +1,5 @@
 // The room for recordings in this browser.
+import { keepsFiles } from "../boot/keepsFiles";
 import { live } from "../../lib/live/live.svelte";
 
 /** Bytes: below that little is left; hours of recording are some ten million. */
@@ -12,13 +13,10 @@ class Storage {
   private asked = false;
 
   async look(): Promise<void> {
-    try {
-      await navigator.storage.getDirectory();
-      const { quota = Infinity, usage = 0 } = await navigator.storage.estimate();
-      this.left = quota - usage < LITTLE ? quota - usage : null;
-    } catch {
-      this.kept = false;
-    }
+    this.kept = await keepsFiles();
+    if (!this.kept) return;
+    const { quota = Infinity, usage = 0 } = await navigator.storage.estimate();
+    this.left = quota - usage < LITTLE ? quota - usage : null;
   }
 
   /** Ask the browser not to clear the recordings when the disk fills: when the first one is made, not before. Inside an effect. */

@@ -55,6 +55,11 @@ const reader = async (): Promise<FakeWorker> => {
   return workers[1]!;
 };
 
+const make = (role: Role) => {
+  workers.push(new FakeWorker(role));
+  return workers.at(-1)!;
+};
+
 beforeEach(() => {
   workers = [];
   vi.stubGlobal("CloseEvent", class extends Event {
@@ -65,10 +70,7 @@ beforeEach(() => {
       return this.init.code;
     }
   });
-  program = new Program((role) => {
-    workers.push(new FakeWorker(role));
-    return workers.at(-1)!;
-  });
+  program = new Program(make, Promise.resolve(true));
 });
 
 describe("a request", () => {
@@ -237,6 +239,16 @@ describe("the reader", () => {
     void program.fetch("api/recordings/a");
     await line().request(1);
     expect(workers.length).toBe(2);
+  });
+
+  it("is not asked for recordings that are in the memory of the line's worker", async () => {
+    workers = [];
+    program = new Program(make, Promise.resolve(false));
+    line().say({ kind: "ready" });
+    const asked = program.fetch("api/recordings");
+    await line().answer("[]");
+    expect(await (await asked).json()).toEqual([]);
+    expect(workers.length).toBe(1);
   });
 
   it("that ends amid its work does not take the line's worker along, and is started again", async () => {

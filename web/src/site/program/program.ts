@@ -16,7 +16,11 @@ export class Program {
   private reader: Endpoint | null = null;
   private situation: Situation = { recording: null, catalog: null };
 
-  constructor(private readonly make: (role: Role) => Port) {
+  /** `shared`: whether both workers see the same files; else there is nothing that a reader could read. */
+  constructor(
+    private readonly make: (role: Role) => Port,
+    private readonly shared: Promise<boolean>,
+  ) {
     this.line = new Endpoint(make("line"));
   }
 
@@ -50,7 +54,7 @@ export class Program {
   /** Null: it can't be had. */
   private async startedReader(): Promise<Endpoint | null> {
     await this.line.ready;
-    if (this.line.ended !== null) return null;
+    if (this.line.ended !== null || !(await this.shared)) return null;
     const gone = this.reader?.ended != null && this.reader.started;
     if (this.reader === null || gone) {
       this.reader = new Endpoint(this.make("reader"));
