@@ -14,8 +14,8 @@ export class FakeDisk implements Folder {
   readonly steps: Step[] = [];
   /** Bytes that the files may have together. */
   room = Infinity;
-  /** A full disk takes what there is room for, or throws. */
-  full: "short" | "throws" = "short";
+  /** A full disk takes what there is room for, or throws, or gives a number that is no number of bytes (Chromium). */
+  full: "short" | "throws" | "number" = "short";
   /** What every write throws. */
   failure: Error | null = null;
   readonly #open = new Map<string, { holding: Holding; times: number }>();
@@ -104,6 +104,7 @@ class FakeHandle implements Handle {
     const grown = at + bytes.length - this.#content.length;
     const missing = Math.min(grown, bytes.length, this.disk.used + grown - this.disk.room);
     if (missing > 0 && this.disk.full === "throws") throw quotaExceeded();
+    if (missing > 0 && this.disk.full === "number") return 2 ** 32 - 8;
     const taken = bytes.slice(0, bytes.length - Math.max(0, missing));
     if (taken.length) this.disk.take({ kind: "write", name: this.name, at, bytes: taken });
     return taken.length;

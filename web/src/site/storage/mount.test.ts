@@ -192,7 +192,7 @@ assert sorted(str(path.relative_to(top)) for path in top.rglob("*")) == ["a", "a
 });
 
 test("a full disk is ENOSPC, and what was written is there", async () => {
-  for (const full of ["short", "throws"] as const) {
+  for (const full of ["short", "throws", "number"] as const) {
     disk.full = full;
     python.globals.set("name", full);
     await run(`

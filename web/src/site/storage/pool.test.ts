@@ -114,8 +114,9 @@ test("slots of deleted files are used again, after all others", async () => {
   expect(disk.used).toBe(32 * DATA);
 });
 
-test("on a full disk the pool opens, renames and deletes", async () => {
+test.each(["short", "throws", "number"] as const)("on a full disk (%s) the pool opens, renames and deletes", async (full) => {
   const disk = new FakeDisk();
+  disk.full = full;
   let pool = await Pool.open(disk);
   for (const name of ["a", "b", "c"]) pool.write(pool.create(name), bytes(name), 0);
   for (let n = 0; n < 29; n++) pool.create(`${n}`);

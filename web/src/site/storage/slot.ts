@@ -73,12 +73,21 @@ export class Slot {
   }
 
   #read(into: Uint8Array, at: number): number {
-    return guarded(() => this.handle.read(into, { at }));
+    return counted(guarded(() => this.handle.read(into, { at })), into);
   }
 
   #write(bytes: Uint8Array, at: number): number {
-    return guarded(() => this.handle.write(bytes, { at }));
+    return counted(guarded(() => this.handle.write(bytes, { at })), bytes);
   }
+}
+
+/** Chromium's own number for a full disk. */
+const NO_SPACE = -8;
+
+/** Return the number of bytes done. Where it should throw, Chromium may return the number of its own error, without its sign. */
+function counted(done: number, bytes: Uint8Array): number {
+  if (done <= bytes.length) return done;
+  throw new FileError((done | 0) === NO_SPACE ? errno.NOSPC : errno.IO);
 }
 
 /** A file of the user's, in the slot that holds its data. */
