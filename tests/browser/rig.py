@@ -266,10 +266,15 @@ class Tab:
     """A tab of the browser. `complaints`: what the browser's console has against the page."""
 
     def __init__(self, page: Page, url: str) -> None:
-        self.page, self.url = page, url.rstrip("/")
+        self.url = url.rstrip("/")
         self.complaints: list[str] = []
         self.refused = False
         """Whether the program is expected to refuse something: the console reports that, too."""
+        self.attend(page)
+
+    def attend(self, page: Page) -> None:
+        """Go on in this page."""
+        self.page = page
         page.set_default_timeout(UNTIL)
         page.on("pageerror", lambda error: self.complaints.append(str(error)))
         page.on("console", self._heard)

@@ -39,6 +39,13 @@ class SiteTab(Tab):
         self.runs()
         return self
 
+    def renew(self) -> SiteTab:
+        """Open the site in a new tab; this one is gone."""
+        context = self.page.context
+        self.page.close()
+        self.attend(context.new_page())
+        return self.open()
+
     def runs(self) -> None:
         expect(self.page.locator("header[data-line]")).to_be_visible()
         self.until(KEPT)

@@ -1,0 +1,119 @@
+"""What ends a recording in the middle: it is listed on return, and at most a second is missing."""
+
+from __future__ import annotations
+
+import os
+import signal
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+
+from browser.chromium_rig import FLAGS
+
+from .site_rig import SiteTab, site_tab
+
+pytestmark = pytest.mark.realtime
+
+LONG = 3.0  # s
+MISSING = 1.0  # s, at most
+
+
+@pytest.fixture
+def recording(tab):
+    """How long the recording is that goes on."""
+    tab.show("live").record()
+    return tab.recorded(LONG)
+
+
+def is_kept(tab: SiteTab, long: float) -> None:
+    """The latest recording is whole but for the last second."""
+    latest = tab.recordings()[0]
+    assert latest["open"] is False
+    assert latest["problem"] is None
+    assert latest["gaps"] == 0
+    assert latest["length"] > long - MISSING
+    tab.connect()
+
+
+def renderers(browser) -> set[int]:
+    session = browser.new_browser_cdp_session()
+    found = session.send("SystemInfo.getProcessInfo")["processInfo"]
+    session.detach()
+    return {it["id"] for it in found if it["type"] == "renderer"}
+
+
+def kill(*processes: int) -> None:
+    for each in processes:
+        os.kill(each, signal.SIGKILL)
+
+
+def test_a_reload_amid_a_recording_asks_first(tab, recording):
+    asked = []
+    tab.page.on("dialog", lambda dialog: (asked.append(dialog.type), dialog.accept()))
+    long = tab.recorded(recording)
+    tab.again()
+    assert asked == ["beforeunload"]
+    is_kept(tab, long)
+
+
+def test_a_tab_that_is_closed(tab, recording):
+    is_kept(tab.renew(), recording)
+
+
+def test_a_page_whose_process_is_killed(tab, recording, chromium):
+    with tab.page.expect_event("crash"):
+        kill(*renderers(chromium))
+    is_kept(tab.renew(), recording)
+
+
+def test_an_adapter_that_is_pulled_amid_a_recording_leaves_one_gap(tab, car, recording):
+    tab.refused = True
+    car.pull()
+    tab.is_line("no-port")
+    car.put_back()
+    tab.is_line("recording")
+    assert tab.recorded(recording + LONG)
+    tab.stop_recording()
+    assert tab.recordings()[0]["gaps"] == 1
+
+
+def test_a_full_disk(tab, recording):
+    """The quota that the browser allows is a disk, for a page."""
+    disk = tab.page.context.new_cdp_session(tab.page)
+    used = disk.send("Storage.getUsageAndQuota", {"origin": tab.url})["usage"]
+    disk.send("Storage.overrideQuotaForOrigin", {"origin": tab.url, "quotaSize": used + 20000})
+    tab.says("there is no room left; what was recorded so far is whole")
+    disk.send("Storage.overrideQuotaForOrigin", {"origin": tab.url})
+    tab.stop_recording()
+    is_kept(tab, recording)
+
+
+def test_a_browser_that_is_killed(tab, car, driver, chromium_program, site, tmp_path):
+    tab.page.goto("about:blank")  # it leaves the adapter to the other browser
+
+    def start():
+        return driver.chromium.launch_persistent_context(
+            str(tmp_path), executable_path=chromium_program, args=FLAGS, locale="en-GB"
+        )
+
+    killed = start()
+    other = SiteTab(killed.new_page(), site.url).open().connect()
+    other.record()
+    long = other.recorded(LONG)
+    with killed.expect_event("close"):
+        kill(*of_profile(tmp_path))
+    with start() as context, site_tab(context, site.url) as again:
+        is_kept(again.open(), long)
+
+
+def of_profile(folder) -> list[int]:
+    """The browser that has its profile there."""
+    option = f"--user-data-dir={folder}".encode()
+    found = []
+    for line in Path("/proc").glob("[0-9]*/cmdline"):
+        with suppress(OSError):
+            given = line.read_bytes().split(b"\0")
+            if option in given and not any(it.startswith(b"--type=") for it in given):
+                found.append(int(line.parent.name))
+    return found
