@@ -4,9 +4,9 @@ threads and event loop. What tests reach it with is the page's end: `httpx`, and
 
 from __future__ import annotations
 
+import asyncio
 import itertools
 import threading
-from asyncio import Event
 from contextlib import contextmanager
 from queue import Empty, SimpleQueue
 
@@ -72,7 +72,8 @@ class Transport(httpx.BaseTransport):
         stream = Body(self._server, number, answers, request.extensions["timeout"]["read"])
         kind, *head = stream.next()
         assert kind == "head", kind
-        return httpx.Response(head[0], headers=head[1], stream=stream)
+        headers = [(name, value.encode("latin-1")) for name, value in head[1]]
+        return httpx.Response(head[0], headers=headers, stream=stream)
 
 
 class Body(httpx.SyncByteStream):
@@ -131,7 +132,8 @@ class Socket:
     def send(self, data):
         if self._closed is not None:
             raise ConnectionClosed(self._closed, None)
-        self._server.take({"kind": "send", "id": self._number, "data": data})
+        text = data.decode() if isinstance(data, bytes) else data
+        self._server.take({"kind": "send", "id": self._number, "data": text})
 
     def close(self, code=1000):
         if self._closed is None:
@@ -165,21 +167,17 @@ def running(app, end):
 
     async def run():
         async with app.router.lifespan_context(app):
-            stop = Event()
-            server = PageServer(app, end)
-            began.append((server, lambda: loop.call_soon_threadsafe(stop.set)))
+            stop, loop = asyncio.Event(), asyncio.get_running_loop()
+            began.append((PageServer(app, end), lambda: loop.call_soon_threadsafe(stop.set)))
             ready.set()
             await stop.wait()
-            await server.close()
 
     def work():
         try:
-            loop.run_until_complete(run())
+            asyncio.run(run(), loop_factory=EventLoop)
         finally:
             ready.set()
-            loop.close()
 
-    loop = EventLoop()
     thread = threading.Thread(target=work)
     thread.start()
     ready.wait()

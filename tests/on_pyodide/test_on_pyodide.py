@@ -39,6 +39,10 @@ def in_pyodide(tests, left_out=()):
     assert ran.returncode == 0, ran.stdout[-30_000:]
 
 
+def test_of_what_is_of_the_site_alone():
+    in_pyodide(f"tests/on_pyodide/{path.name}" for path in sorted(HERE.glob("*_in_pyodide.py")))
+
+
 @pytest.mark.parametrize("part", chosen.PARTS)
 def test_of_the_dashboard(part):
     files = chosen.PARTS[part]

@@ -18,7 +18,6 @@ PORT: Final = 80
 """The port of the application's own address; there is no such port."""
 _HOST: Final = b"localhost"
 _CLIENT: Final = ("127.0.0.1", 0)
-_GOING_AWAY: Final = 1001
 _BUG: Final = 1011
 _FORBIDDEN: Final = 1008
 
@@ -42,7 +41,7 @@ class Page(Protocol):
 
 
 class PageServer:
-    """Answers the page of this tab by `app`; made and closed in the event loop's thread."""
+    """Answers the page of this tab by `app`; made in the event loop's thread."""
 
     def __init__(self, app: ASGIApp, page: Page) -> None:
         self._app, self._page = app, page
@@ -56,13 +55,6 @@ class PageServer:
         if own.get("body") is not None:
             own["body"] = bytes(own["body"])
         self._loop.call_soon_threadsafe(self._dispatch, own)
-
-    async def close(self) -> None:
-        """End all that is being answered."""
-        for inbox in self._inboxes.values():
-            inbox.put_nowait({"type": "http.disconnect", "code": _GOING_AWAY})
-        if self._tasks:
-            await asyncio.wait(self._tasks, timeout=1)
 
     def _dispatch(self, message: Mapping[str, Any]) -> None:
         number = message["id"]
@@ -121,7 +113,8 @@ class PageServer:
                 case "websocket.accept":
                     self._page.opened(number)
                 case "websocket.send":
-                    self._page.message(number, part.get("text") or part["bytes"].decode())
+                    text = part.get("text")
+                    self._page.message(number, part["bytes"].decode() if text is None else text)
                 case "websocket.close":
                     self._page.closed(number, part.get("code", 1000), part.get("reason") or "")
                 case "websocket.http.response.start":
