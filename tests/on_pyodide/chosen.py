@@ -6,7 +6,8 @@ from __future__ import annotations
 PARTS = {
     "the API": (
         "test_access.py", "test_api_cars.py", "test_api_channels.py", "test_api_connection.py",
-        "test_api_errors.py", "test_api_exports.py", "test_api_guided_tests.py",
+        "test_api_errors.py", "test_api_exports.py", "test_api_foreign.py",
+        "test_api_guided_tests.py",
         "test_api_live.py", "test_api_messages.py", "test_api_recorded_faults.py",
         "test_api_recordings.py", "test_api_references.py", "test_api_report.py",
         "test_api_search.py", "test_api_unit.py",
@@ -47,6 +48,7 @@ LEFT_OUT = {
     "test_access.py::test_no_header_names_the_sender_whatever_the_environment_says": _HEADERS,
     "test_access.py::test_the_link_becomes_a_cookie_and_leaves_the_address_bar": _HEADERS,
     "test_api_exports.py::test_every_format": _TABLES,
+    "test_api_foreign.py::test_only_this_computer_fills_its_disk_and_not_all_of_it": _HEADERS,
     "test_api_live.py::test_a_slow_reader_stops_no_other_and_loses_whole_messages": _SOCKET,
     "test_api_recordings.py::test_a_note_is_kept_in_the_file_itself": _TABLES,
     "test_api_recordings.py::test_all_rows": _TABLES,

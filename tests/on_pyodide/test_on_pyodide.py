@@ -14,7 +14,6 @@ from site_build.__main__ import ROOT, SITE
 from . import chosen
 
 HERE = Path(__file__).parent
-DASHBOARD = HERE.parent / "dashboard"
 CACHE = ROOT / "build" / "on_pyodide"
 LONGEST = 400  # s
 
@@ -51,13 +50,3 @@ def test_of_the_dashboard(part):
         [f"tests/dashboard/{each}" for each in files],
         [f"tests/dashboard/{each}" for each in left_out],
     )
-
-
-def test_every_test_is_run_or_left_out_for_a_reason():
-    files = {path.name for path in DASHBOARD.glob("test_*.py")}
-    run = [each for part in chosen.PARTS.values() for each in part]
-    left_out = [each for each in chosen.LEFT_OUT if "::" not in each]
-    assert sorted([*run, *left_out]) == sorted(files)
-    for each in chosen.LEFT_OUT:
-        file, _, name = each.partition("::")
-        assert not name or f"\ndef {name}(" in (DASHBOARD / file).read_text("utf-8"), each
