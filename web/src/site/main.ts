@@ -10,6 +10,7 @@ import type { Role } from "./program/messages";
 import { installing } from "./offline/installing.svelte";
 import { Program } from "./program/program";
 import { OneTab, type Owner } from "./tabs/oneTab";
+import workerScript from "./worker/worker.ts?worker&url";
 
 installing.watch();
 
@@ -17,11 +18,15 @@ const target = document.getElementById("page")!;
 target.replaceChildren();
 const boot = mount(Boot, { target });
 
-// Vite finds a worker's file only where it is written out.
-const worker = (name: Role): Port =>
-  name === "line"
-    ? new Worker(new URL("./worker/worker.ts", import.meta.url), { type: "module", name: "line" })
-    : new Worker(new URL("./worker/worker.ts", import.meta.url), { type: "module", name: "reader" });
+/**
+ * A worker has the policy of its own script's headers, which a static host does not send. One whose script is a blob has this page's: no
+ * code in it can ask another host, on the first visit either.
+ */
+const worker = (name: Role): Port => {
+  const script = `import ${JSON.stringify(new URL(workerScript, location.href).href)}`;
+  const url = URL.createObjectURL(new Blob([script], { type: "text/javascript" }));
+  return new Worker(url, { type: "module", name });
+};
 
 let program: Program | null = null;
 const owner: Owner = {

@@ -8,7 +8,7 @@ export interface SiteFiles {
 
 /** As the desktop's server says it for each of its pages, and for workers, which a page's own policy does not reach; site.html has the same. */
 export const POLICY =
-  "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; connect-src 'self'; worker-src 'self'; img-src 'self' data: blob:; " +
+  "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; connect-src 'self'; worker-src 'self' blob:; img-src 'self' data: blob:; " +
   "object-src 'none'; base-uri 'none'; form-action 'self'";
 
 const LIST = "files.json";
