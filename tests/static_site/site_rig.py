@@ -51,11 +51,15 @@ class SiteTab(Tab):
         self.until(KEPT)
 
     def connect(self) -> SiteTab:
-        """Connect to the adapter; nothing happens if that is done."""
+        """Connect to the adapter, if that is not done; wait until the unit is known.
+
+        Values come before: before that nothing can be recorded.
+        """
         self.show("connection")
         if self.state()["line"] != "sampling":
             self.press(f"Connect to {PORT}")
         self.is_line("sampling")
+        expect(self.page.locator("header[data-line]")).to_contain_text("Mikas 7.1")
         return self
 
     def get(self, path: str) -> dict:

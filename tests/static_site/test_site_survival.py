@@ -90,7 +90,8 @@ def test_a_full_disk(tab, recording):
 
 
 def test_a_browser_that_is_killed(tab, car, driver, chromium_program, site, tmp_path):
-    tab.page.goto("about:blank")  # it leaves the adapter to the other browser
+    tab.show("connection").press("Disconnect")  # it leaves the adapter to the other browser
+    tab.is_line("off")
 
     def start():
         return driver.chromium.launch_persistent_context(

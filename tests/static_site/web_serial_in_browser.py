@@ -17,7 +17,6 @@ from js import XMLHttpRequest
 from pyodide.ffi import run_sync, to_js
 
 from mikas.browser import green_threads
-from mikas.browser.suspension import yield_turn
 
 gc.disable()  # as `mikas.browser.start`
 green_threads.install(mikas_host, run_sync)
@@ -43,7 +42,7 @@ def command(what: str, *ports: str) -> None:
     """Plug or unplug; wait until the browser has these `ports`."""
     ask(what)
     while {port.url for port in find_web_ports()} != set(ports):
-        yield_turn()
+        green_threads.yield_turn()
 
 
 class FarEnd:
