@@ -14,7 +14,7 @@ import pytest
 
 from mikas.browser import event_loop
 from mikas.browser.event_loop import EventLoop
-from mikas.browser.green_threads import yield_turn
+from mikas.browser.suspension import yield_turn
 
 SHORT = 0.01
 LONG = 60

@@ -17,7 +17,7 @@ import pytest
 from pyodide.code import run_js
 from pyodide.ffi import JsException
 
-from mikas.browser.green_threads import get_ident, suspend, yield_turn
+from mikas.browser.suspension import get_ident, suspend, yield_turn
 
 SHORT = 0.01  # s; what is waited for never comes
 LONG = 60

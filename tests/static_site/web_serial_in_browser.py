@@ -17,6 +17,7 @@ from js import XMLHttpRequest
 from pyodide.ffi import run_sync, to_js
 
 from mikas.browser import green_threads
+from mikas.browser.suspension import yield_turn
 
 gc.disable()  # as `mikas.browser.start`
 green_threads.install(mikas_host, run_sync)
@@ -42,7 +43,7 @@ def command(what: str, *ports: str) -> None:
     """Plug or unplug; wait until the browser has these `ports`."""
     ask(what)
     while {port.url for port in find_web_ports()} != set(ports):
-        green_threads.yield_turn()
+        yield_turn()
 
 
 class FarEnd:

@@ -11,7 +11,7 @@ import threading
 import time
 from typing import Any, Final
 
-from mikas.browser.green_threads import yield_turn
+from mikas.browser.suspension import yield_turn
 
 _LONGEST_RUN: Final = 0.008  # s; then the bytes of the port and other threads get their turn
 

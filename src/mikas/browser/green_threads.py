@@ -1,12 +1,9 @@
-"""Threads in a browser's worker, which has one: blocking code suspends its own stack (JSPI).
+"""Threads in a browser's worker, which has one: blocking code suspends its own stack.
 
 `install` replaces what `threading` is made of, the lock and the start of a thread. Everything above
 (`Condition`, `Event`, `queue`, executors, asyncio's and anyio's threads) is Python's own. Each
-thread is a call from JavaScript on a stack of its own, with a thread state of its own in Pyodide.
-A thread runs until it waits, so two never run at once, and one that computes for long holds up all
-others: the reader worker exists for such work.
-
-The waits are JavaScript's (`web/src/site/worker/waits.ts`).
+thread is a call from JavaScript on a stack of its own. It runs until it waits, so two never run at
+once, and one that computes for long holds up all others: the reader worker exists for such work.
 """
 
 from __future__ import annotations
@@ -18,74 +15,30 @@ import sys
 import threading
 import time
 from _threading_local import local
-from asyncio.events import _get_running_loop, _set_running_loop
-from asyncio.tasks import _swap_current_task  # type: ignore[attr-defined]
-from collections import deque
-from collections.abc import Awaitable, Callable
-from typing import TYPE_CHECKING, Any, Final, Protocol, SupportsIndex
+from collections.abc import Callable
+from typing import Any, Final, Protocol, SupportsIndex
 
-if TYPE_CHECKING:
-    import asyncio
+from mikas.browser.suspension import (
+    MAIN,
+    Promises,
+    Wait,
+    begin_thread,
+    end_thread,
+    get_ident,
+    use,
+)
 
-_MAIN: Final = _thread.get_ident()
-_idents = itertools.count(_MAIN + 1)
-_ident = _MAIN
-"""Of the running thread."""
-
-
-class Wait(Protocol):
-    """A promise that `wake` keeps with true, and a time limit with false."""
-
-    promise: Awaitable[bool]
-
-    def wake(self) -> None: ...
+_idents: Final = itertools.count(MAIN + 1)
 
 
-class Waits(Protocol):
+class Stacks(Promises, Protocol):
     """What JavaScript hands in."""
 
-    def wait(self, milliseconds: float | None, /) -> Wait: ...
-
-    def turn(self) -> Wait:
-        """Return a wait that is over after all that the browser has waiting."""
-
     def start(self, run: Callable[[], None], /) -> None:
-        """Call `run` soon, on a stack of its own."""
+        """Call `run` soon, on a stack of its own that can be suspended."""
 
 
-_waits: Waits
-_pyodide_loop: asyncio.AbstractEventLoop | None = None
-_run_sync: Callable[[Awaitable[Any]], Any]
-
-
-def suspend(promise: Awaitable[Any]) -> Any:  # noqa: ANN401  (what JavaScript's promise holds)
-    """Wait for a promise of JavaScript; other threads run meanwhile. Raises its rejection.
-
-    Pyodide waits by a task of its own event loop, and its thread states share what a thread has for
-    itself. So the running loop, its task and the number of this thread are put back afterwards.
-    """
-    global _ident
-    ident, _ident = _ident, _MAIN
-    loop = _get_running_loop()
-    task = _swap_current_task(loop, None) if loop is not None else None
-    _set_running_loop(_pyodide_loop)
-    try:
-        return _run_sync(promise)
-    finally:
-        _ident = ident
-        _set_running_loop(loop)
-        if loop is not None:
-            _swap_current_task(loop, task)
-
-
-def yield_turn() -> None:
-    """Let everything run that the browser has waiting: messages, bytes of the port, timers."""
-    suspend(_waits.turn().promise)
-
-
-def get_ident() -> int:
-    """Return the number of the running thread."""
-    return _ident
+_stacks: Stacks
 
 
 class Lock:
@@ -95,7 +48,7 @@ class Lock:
 
     def __init__(self) -> None:
         self._held = False
-        self._waiting: deque[Wait] | None = None
+        self._waiting: list[Wait] = []
 
     def acquire(self, blocking: bool = True, timeout: float = -1) -> bool:
         """Acquire the lock; return whether it was, within `timeout` seconds."""
@@ -104,24 +57,23 @@ class Lock:
             return True
         if not blocking or timeout == 0:
             return False
-        wait = _waits.wait(None if timeout < 0 else timeout * 1000)
-        if self._waiting is None:
-            self._waiting = deque()
+        wait = Wait()
         self._waiting.append(wait)
-        woken: bool = suspend(wait.promise)
-        if not woken and wait in self._waiting:
+        if not wait.hold(None if timeout < 0 else timeout):
             self._waiting.remove(wait)
             return False
-        return True  # perhaps handed over just when the time was up
+        return True
 
     def release(self) -> None:
         """Release the lock. Raises `RuntimeError` if it is not held."""
         if not self._held:
             raise RuntimeError("release unlocked lock")
-        if self._waiting:
-            self._waiting.popleft().wake()  # it stays held, by the other
-        else:
-            self._held = False
+        for wait in self._waiting:
+            if not wait.done():  # else its time is up, and it removes itself
+                self._waiting.remove(wait)
+                wait.wake()
+                return  # it stays held, by the other
+        self._held = False
 
     def locked(self) -> bool:
         """Return whether the lock is held."""
@@ -173,9 +125,7 @@ def _start(
     handle.begin(ident)
 
     def run() -> None:
-        global _ident
-        _ident = ident
-        _set_running_loop(None)
+        begin_thread(ident)
         try:
             function()
         except SystemExit:
@@ -184,10 +134,9 @@ def _start(
             sys.excepthook(type(error), error, error.__traceback__)
         finally:
             handle._set_done()
-            _ident = _MAIN
-            _set_running_loop(_pyodide_loop)
+            end_thread()
 
-    _waits.start(run)
+    _stacks.start(run)
     return handle
 
 
@@ -200,17 +149,16 @@ def _start_new(function: Callable[..., object], args: Any, kwargs: Any = None) -
 
 def sleep(seconds: float | SupportsIndex) -> None:
     """As `time.sleep`."""
-    milliseconds = float(seconds) * 1000
-    if milliseconds < 0:
+    if float(seconds) < 0:
         raise ValueError("sleep length must be non-negative")
-    suspend(_waits.wait(milliseconds).promise)
+    Wait().hold(float(seconds))
 
 
-def install(waits: Waits, run_sync: Callable[[Awaitable[Any]], Any]) -> None:
+def install(stacks: Stacks, run_sync: Callable[[Any], Any]) -> None:
     """Put these threads in place of Python's, before anything starts one or makes a lock."""
-    global _waits, _run_sync, _pyodide_loop
-    _waits, _run_sync = waits, run_sync
-    _pyodide_loop = _get_running_loop()
+    global _stacks
+    _stacks = stacks
+    use(stacks, run_sync)
     module: Any = threading
     module.get_ident = get_ident
     module.Lock = module._allocate_lock = module._LockType = Lock

@@ -34,7 +34,7 @@ _YOUNG: Final = 1.0  # s between two looks for garbage among new objects
 _ALL: Final = 60  # such looks; then among all objects since the start
 
 
-class Host(green_threads.Waits, Protocol):
+class Host(green_threads.Stacks, Protocol):
     """The module `mikas_host`: what JavaScript hands in."""
 
     page: Page

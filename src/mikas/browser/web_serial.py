@@ -231,7 +231,7 @@ def find_web_ports() -> list[Port]:
 
 @cache
 def _here() -> WebSerial:
-    from mikas.browser.green_threads import suspend
+    from mikas.browser.suspension import suspend
 
     return WebSerial(import_module("mikas_host").serial, suspend)
 

@@ -6,7 +6,7 @@ export interface SiteFiles {
   files: { path: string; sha256: string }[];
 }
 
-/** As the desktop's server says it for each of its pages, and for workers, which a page's own policy does not reach; site.html has the same. */
+/** As the desktop's server says it for each of its pages; site.html has the same. */
 export const POLICY =
   "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; connect-src 'self'; worker-src 'self' blob:; img-src 'self' data: blob:; " +
   "object-src 'none'; base-uri 'none'; form-action 'self'";

@@ -1,7 +1,7 @@
 // The adapters on Web Serial, for Python's link (`mikas.browser.web_serial`). Here runs what can't wait for Python: each chunk is stamped when
 // it comes and kept until Python takes it. No promise is rejected: what went wrong is in what it is kept with, or in `lost`.
 import type { Serial, SerialPort } from "./webSerial";
-import { waits } from "./waits";
+import { afterOthers } from "./waits";
 
 /** Of the browser's buffer: a minute of the line, while Python computes. By default it is 255 bytes, a quarter of a second. */
 const BUFFER = 1 << 16;
@@ -175,7 +175,7 @@ export class OpenPort {
       };
       // Others first: while Python computed, bytes may have come that nobody has looked at. And a timer that is set in the turn of a timer waits
       // for 4 ms at least.
-      const lookAfterOthers = () => void waits.turn().promise.then(look);
+      const lookAfterOthers = () => afterOthers(look);
       this.wake = look;
       lookAfterOthers();
     });

@@ -1,47 +1,60 @@
-// What a Python thread of the site waits for: `mikas.browser.green_threads` suspends its stack until the promise is kept (JSPI).
-// Promises are fields: Pyodide makes an asyncio future of one that a function returns, in the event loop of the caller.
+// What Python's stacks wait for, by number: `mikas.browser.suspension` suspends a stack until it is over (JSPI).
 
-/** Kept with true by `wake()`, with false after `milliseconds`; without them, there is no limit. */
-export class Wait {
-  readonly promise: Promise<boolean>;
-  private keep!: (woken: boolean) => void;
-  private timer: ReturnType<typeof setTimeout> | undefined;
-
-  constructor(milliseconds?: number | null) {
-    this.promise = new Promise((resolve) => (this.keep = resolve));
-    // A longer time overflows the timer's 32 bits, and would be over at once.
-    if (milliseconds != null) this.timer = setTimeout(() => this.keep(false), Math.min(milliseconds, 0x7fffffff));
-  }
-
-  wake(): void {
-    clearTimeout(this.timer);
-    this.keep(true);
-  }
-}
-
-const turns = new MessageChannel();
-const waiting: Wait[] = [];
-turns.port1.onmessage = () => waiting.shift()?.wake();
-
-/** Kept after all that the browser has waiting: messages, timers, bytes of the port. A timer would wait for 4 ms. */
-function turn(): Wait {
-  const wait = new Wait();
-  waiting.push(wait);
-  turns.port2.postMessage(null);
-  return wait;
-}
-
-/** A Python function; `callPromising` calls it on a stack of its own that can be suspended. */
+/** A function of Python; `callPromising` calls it on a stack of its own that can be suspended. */
 export interface PythonFunction {
+  (...args: unknown[]): unknown;
   copy(): PythonFunction;
   destroy(): void;
   callPromising(): Promise<unknown>;
 }
 
-function start(run: PythonFunction): void {
-  const kept = run.copy(); // Python drops its own when this returns
-  setTimeout(() => void kept.callPromising().finally(() => kept.destroy()));
+/** What Python says is over, and with what. */
+let kept: (number: number, result: unknown) => unknown = () => undefined;
+let broken: (number: number, error: unknown) => unknown = () => undefined;
+
+const timers = new Map<number, ReturnType<typeof setTimeout>>();
+const turns: (() => unknown)[] = [];
+const channel = new MessageChannel();
+channel.port1.onmessage = () => turns.shift()?.();
+
+/** Call `then` after all that the browser has waiting: messages, timers, bytes of the port. A timer would wait for 4 ms. */
+export function afterOthers(then: () => unknown): void {
+  turns.push(then);
+  channel.port2.postMessage(null);
 }
 
 /** The functions that Python's threads are made of. */
-export const waits = { wait: (milliseconds?: number | null) => new Wait(milliseconds), turn, start };
+export const waits = {
+  answer(whenKept: PythonFunction, whenBroken: PythonFunction): void {
+    // Copies: Python drops its own when this returns.
+    kept = whenKept.copy();
+    broken = whenBroken.copy();
+  },
+
+  follow(number: number, promise: Promise<unknown>): void {
+    promise.then((result) => kept(number, result), (error) => broken(number, error));
+  },
+
+  after(number: number, milliseconds: number): void {
+    const over = () => {
+      timers.delete(number);
+      kept(number, false);
+    };
+    // A longer time overflows the timer's 32 bits, and would be over at once.
+    timers.set(number, setTimeout(over, Math.min(milliseconds, 0x7fffffff)));
+  },
+
+  cancel(number: number): void {
+    clearTimeout(timers.get(number));
+    timers.delete(number);
+  },
+
+  turn(number: number): void {
+    afterOthers(() => kept(number, true));
+  },
+
+  start(run: PythonFunction): void {
+    const own = run.copy();
+    setTimeout(() => void own.callPromising().finally(() => own.destroy()));
+  },
+};
