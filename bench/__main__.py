@@ -15,7 +15,7 @@ from collections.abc import Iterator
 from datetime import UTC, datetime
 from pathlib import Path
 
-from bench import cpu, crash, dash, hostile, memory, reading, stalls, startup, wire
+from bench import cpu, crash, dash, hostile, memory, reading, stalls, startup, static_site, wire
 from bench.rows import Scope
 
 THEMES = {
@@ -26,6 +26,7 @@ THEMES = {
     "reading": reading,
     "startup": startup,
     "dash": dash,
+    "site": static_site,
     "crash": crash,
     "hostile": hostile,
 }
