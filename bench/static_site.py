@@ -26,7 +26,7 @@ from mikas.recording import CaptureReader
 from mikas.recording.capture.reader import Packet
 
 if TYPE_CHECKING:
-    from playwright.sync_api import Browser, Page
+    from playwright.sync_api import Browser, BrowserContext, Page, Playwright
 
 _ROOT = Path(__file__).parent.parent
 _SITE = _ROOT / "build" / "site"
@@ -90,6 +90,8 @@ class _Bench:
     """A computer with fake adapters, its browser, and the site with the pages of the bench."""
 
     computer: Any
+    playwright: Playwright
+    program: str
     browser: Browser
     folder: Path
     url: str
@@ -107,12 +109,24 @@ class _Bench:
     @contextmanager
     def page(self, name: str = "", **options: Any) -> Iterator[Page]:
         context = self.browser.new_context(locale="en-GB", **options)
+        yield self._opened(context, name)
+        context.close()
+
+    @contextmanager
+    def page_of_a_person(self, name: str = "") -> Iterator[Page]:
+        """A page whose files are kept on the disk, not in memory as in the others."""
+        with TemporaryDirectory() as folder:
+            context = self.playwright.chromium.launch_persistent_context(
+                folder, executable_path=self.program, args=list(_FLAGS), locale="en-GB"
+            )
+            yield self._opened(context, name)
+            context.close()
+
+    def _opened(self, context: BrowserContext, name: str) -> Page:
         page = context.new_page()
         page.set_default_timeout(60_000)
-        page.on("console", lambda it: print(it.text[:300], file=sys.stderr))
         page.goto(self.url + name)
-        yield page
-        context.close()
+        return page
 
     @contextmanager
     def worker(self, role: str = "line") -> Iterator[Page]:
@@ -151,12 +165,12 @@ def _computer() -> Iterator[_Bench]:
         program = computer.wrapper(chromium(), folder)
         browser = playwright.chromium.launch(executable_path=program, args=list(_FLAGS))
         stack.callback(browser.close)
-        yield _Bench(computer, browser, site, f"{host.url}/")
+        yield _Bench(computer, playwright, program, browser, site, f"{host.url}/")
 
 
 def _start(bench: _Bench, runs: int) -> list[Row]:
     paints, values, programs = [], [], []
-    with bench.cable(), bench.page() as page:
+    with bench.cable(), bench.page_of_a_person() as page:
         page.wait_for_selector("#screen")
         page.wait_for_function("async () => Boolean((await navigator.serviceWorker.ready).active)")
         for _ in range(runs):
@@ -246,7 +260,7 @@ def _cpu(bench: _Bench, scope: Scope) -> list[Row]:
 def _long(bench: _Bench, scope: Scope) -> list[Row]:
     hours = scope.of(60, 6) / 60
     path = recorded(bench.folder / "hour.pcapng", hours, lap=300, method="stream")
-    with bench.cable(), bench.page("bench.html") as page:
+    with bench.cable(), bench.page_of_a_person("bench.html") as page:
         each = page.evaluate("() => keep('hour.pcapng', 'recordings/hour.pcapng')")
         bench.begin(page, "line")
         _ask(page, "line", "POST", "/api/connect", {"port": "webserial:", "method": "stream"})
@@ -263,7 +277,7 @@ def _long(bench: _Bench, scope: Scope) -> list[Row]:
                 "report": "/api/recordings/hour.pcapng/report",
             }.items()
         }
-        history = json.loads(_ask(page, "line", "GET", "/api/history?seconds=600&points=100000"))
+        history = json.loads(_ask(page, "line", "GET", "/api/history?seconds=600&points=20000"))
     times = history["times"]
     longest = max(after - before for before, after in pairwise(times))
     megabytes = path.stat().st_size / 1e6
