@@ -10,6 +10,8 @@ import type { Program } from "./program/program";
 /** The offer of a new version: its code, and for how many ms it is shown; it stays on the Connection screen. */
 const OFFER = "NewVersion";
 const OFFER_MS = 60_000;
+/** ms of sampling; then the computer has time to start the reader. */
+const SETTLED_MS = 5000;
 
 export function background(program: Program): void {
   $effect.root(() => {
@@ -18,6 +20,14 @@ export function background(program: Program): void {
     const recording = $derived(live.state?.recording?.file ?? null);
     const catalog = $derived(live.state?.catalog ?? null);
     $effect(() => program.follow({ recording, catalog }));
+
+    const line = $derived(live.state?.line);
+    $effect(() => program.lineFree(line === "off"));
+    $effect(() => {
+      if (line !== "sampling") return;
+      const timer = setTimeout(() => program.prepareReader(), SETTLED_MS);
+      return () => clearTimeout(timer);
+    });
 
     $effect(() => {
       if (!updates.offered) return untrack(() => toasts.dismiss(new Set([OFFER])));

@@ -230,6 +230,24 @@ describe("the reader", () => {
     expect(line().requests()).toEqual([]);
   });
 
+  it("is not waited for while the line is free", async () => {
+    line().say({ kind: "ready" });
+    program.lineFree(true);
+    const asked = program.fetch("api/recordings");
+    await line().answer("[]");
+    expect(await (await asked).json()).toEqual([]);
+    (await reader()).say({ kind: "ready" });
+    void program.fetch("api/recordings");
+    await (await reader()).request();
+    expect(line().requests().length).toBe(1);
+  });
+
+  it("can be started before it is needed", async () => {
+    line().say({ kind: "ready" });
+    program.prepareReader();
+    expect((await reader()).requests()).toEqual([]);
+  });
+
   it("is done without where it can't be had", async () => {
     line().say({ kind: "ready" });
     const asked = program.fetch("api/recordings");

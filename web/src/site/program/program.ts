@@ -1,5 +1,5 @@
-// The program in two workers: one holds the line and all that is kept, the other only reads recordings. The reader is started when it is
-// first needed, and not before the first one answers; where it can't be had, the first one does everything.
+// The program in two workers: one holds the line and all that is kept, the other only reads recordings. The reader takes seconds to start: that
+// is done when it is first needed or while values come, and not before the first one answers. Where it can't be had, the first one does everything.
 import type { Text } from "../../lib/api/types";
 import { Endpoint, type Port } from "./endpoint";
 import type { Role, Situation } from "./messages";
@@ -15,6 +15,7 @@ export class Program {
   readonly line: Endpoint;
   private reader: Endpoint | null = null;
   private situation: Situation = { recording: null, catalog: null };
+  private lineIsFree = false;
 
   /** `shared`: whether both workers see the same files; else there is nothing that a reader could read. */
   constructor(
@@ -26,7 +27,7 @@ export class Program {
 
   /** As `fetch`, for addresses of the API relative to the page. */
   readonly fetch = async (address: string, init: RequestInit = {}): Promise<Response> => {
-    const reader = whoAnswers(init.method ?? "GET", address, init.body) === "reader" ? await this.startedReader() : null;
+    const reader = whoAnswers(init.method ?? "GET", address, init.body) === "reader" ? await this.readyReader() : null;
     if (reader === null) return this.line.fetch(address, init);
     try {
       return await reader.fetch(address, init);
@@ -43,6 +44,21 @@ export class Program {
   follow(situation: Situation): void {
     this.situation = situation;
     this.reader?.tell(situation);
+  }
+
+  /** Say whether anything waits for the line's worker: if not, it reads a recording itself until the reader has started. */
+  lineFree(free: boolean): void {
+    this.lineIsFree = free;
+  }
+
+  /** Start the reader before it is needed; it takes seconds. */
+  prepareReader(): void {
+    void this.startedReader();
+  }
+
+  private async readyReader(): Promise<Endpoint | null> {
+    const starting = this.startedReader();
+    return this.lineIsFree && !this.reader?.started ? null : starting;
   }
 
   /** End both workers, so that another tab can have the cable and the storage. */
