@@ -315,15 +315,36 @@ def test_an_exception_is_where_it_was_after_a_wait():
     run(*[lambda number=number: work(number) for number in range(5)])
 
 
+def test_threads_that_wake_each_other_leave_turns_to_the_browser():
+    rung, one, other = threading.Event(), threading.Semaphore(0), threading.Semaphore(0)
+    threading.Thread(target=rung.set).start()
+
+    def answer():
+        while not rung.is_set():
+            one.acquire()
+            other.release()
+
+    thread = threading.Thread(target=answer)
+    thread.start()
+    while not rung.is_set():
+        one.release()
+        other.acquire()
+    one.release()
+    thread.join()
+
+
 def test_what_is_waited_for_may_fail():
     # Fields of an object: of a promise that is returned, Pyodide makes a future of its loop.
     promises = run_js("""
         const failed = Promise.reject(new Error("no port"))
-        failed.catch(() => {})
-        ;({ failed, kept: Promise.resolve(7) })
+        const odd = Promise.reject("no error")
+        for (const it of [failed, odd]) it.catch(() => {})
+        ;({ failed, odd, kept: Promise.resolve(7) })
     """)
     with pytest.raises(JsException, match="no port"):
         suspend(promises.failed)
+    with pytest.raises(RuntimeError, match="no error"):
+        suspend(promises.odd)
     assert run(lambda: suspend(promises.kept)) == [7]
 
 

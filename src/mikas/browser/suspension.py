@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import _thread
 import itertools
+import time
 from asyncio.events import _get_running_loop, _set_running_loop
 from asyncio.tasks import _swap_current_task  # type: ignore[attr-defined]
 from collections.abc import Awaitable, Callable, Generator
@@ -23,19 +24,23 @@ if TYPE_CHECKING:
 MAIN: Final = _thread.get_ident()
 """The number of the thread that runs what JavaScript calls."""
 
+_LONGEST_RUN: Final = 0.008  # s in which stacks wake each other; then the browser has its turn
+
 _numbers = itertools.count()
 _waiting: dict[int, Wait] = {}
 _ident = MAIN
 _promises: Promises
 _run_sync: Callable[[Any], Any]
 _pyodide_loop: asyncio.AbstractEventLoop | None = None
+_turned = 0.0
+"""When JavaScript said last that something is over."""
 
 
 class Promises(Protocol):
     """What JavaScript hands in. Of each `number` it says once that it is over."""
 
     def answer(
-        self, kept: Callable[[int, Any], None], broken: Callable[[int, BaseException], None], /
+        self, kept: Callable[[int, Any], None], broken: Callable[[int, object], None], /
     ) -> None:
         """Say what is over by these."""
 
@@ -69,7 +74,10 @@ class Wait:
         if self._done:
             return self.result()
         if seconds is None:
-            return _hold(self)
+            result = _hold(self)
+            if time.perf_counter() - _turned > _LONGEST_RUN:
+                yield_turn()  # stacks that wake each other would leave the browser no turn
+            return result
         _promises.after(self.listen(), seconds * 1000)
         try:
             return _hold(self)
@@ -132,10 +140,14 @@ def use(promises: Promises, run_sync: Callable[[Any], Any]) -> None:
     _pyodide_loop = _get_running_loop()
 
     def kept(number: int, result: object) -> None:
+        global _turned
+        _turned = time.perf_counter()
         if (wait := _waiting.pop(number, None)) is not None:
             wait.wake(result)
 
-    def broken(number: int, error: BaseException) -> None:
+    def broken(number: int, reason: object) -> None:
+        """JavaScript may break a promise by anything, Python raises exceptions only."""
+        error = reason if isinstance(reason, BaseException) else RuntimeError(str(reason))
         if (wait := _waiting.pop(number, None)) is not None:
             wait.wake(error=error)
 
