@@ -224,6 +224,21 @@ def test_reset_also_forgets_a_terminator_that_waits_for_its_successor():
     assert decoder.feed(b"\x01\xff\x0d\x02") == [Frame(b"\x01", b"\x01\xff\x0d", 2)]
 
 
+def test_a_decoder_knows_whether_the_next_byte_begins_a_frame():
+    decoder = Decoder(limit=8)
+    wire = encode(b"\x61\x1e")
+    assert decoder.is_between_frames
+    for byte in wire[:-1]:
+        list(decoder.feed(bytes([byte])))
+        assert not decoder.is_between_frames
+    list(decoder.feed(wire[-1:]))
+    assert decoder.is_between_frames
+    list(decoder.feed(bytes(20)))  # over-long, and reported: its end is still to come
+    assert not decoder.is_between_frames
+    decoder.reset()
+    assert decoder.is_between_frames
+
+
 def test_a_limit_below_one_is_misuse():
     with pytest.raises(ValueError, match="limit"):
         Decoder(limit=0)
