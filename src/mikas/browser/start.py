@@ -1,8 +1,8 @@
 """The program in a browser's worker: what `mikas dash` composes, over what JavaScript hands in.
 
-There are two workers, each with the whole program. The line's has the cable and writes what is
-kept. The reader's opens recordings, makes exports and reports, so that sampling never waits for
-them; it only reads what is kept, and is kept informed of what the line's does.
+There are two workers, each with the whole program. The line's has the cable and writes the kept
+files. The reader's opens recordings, makes exports and reports, so that sampling never waits for
+them; it only reads the kept files, and learns of the recording and the catalog in use.
 
 What is kept is in the storage that JavaScript mounts at `/kept`.
 """

@@ -42,7 +42,7 @@ class Promises(Protocol):
     def answer(
         self, kept: Callable[[int, Any], None], broken: Callable[[int, object], None], /
     ) -> None:
-        """Say what is over by these."""
+        """Report the end of each number by these."""
 
     def follow(self, number: int, promise: Awaitable[Any], /) -> None:
         """It is over when the promise is kept or broken."""

@@ -6,7 +6,7 @@ until a promise is kept. No promise of it is rejected: what went wrong is text.
 
 A port's name is `webserial:0403:6001`, by USB vendor and product; `webserial:0403:6001:2` is the
 second of that kind, `webserial:other` one that is not on USB. `webserial:` is the only one. A
-browser tells neither an adapter's serial number nor its socket. So of two like adapters that were
+browser shows neither an adapter's serial number nor its socket. So of two like adapters that were
 both unplugged, the first one plugged in again gets the first name, whichever it is.
 """
 

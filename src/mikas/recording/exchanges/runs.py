@@ -45,7 +45,7 @@ _STRETCH: Final = 16384  # packets
 
 
 @dataclass(slots=True)
-class Run:
+class PacketRun:
     """Packets of one port in the order of the file: times, bytes, and 1 for each sent one."""
 
     source: Source
@@ -54,7 +54,7 @@ class Run:
     sent: bytearray = field(default_factory=bytearray)
 
 
-def read(path: str | os.PathLike[str]) -> Iterator[Run | Problem]:
+def read(path: str | os.PathLike[str]) -> Iterator[PacketRun | Problem]:
     """Yield packets and problems in the order of the file. Raise as `CaptureReader` does."""
     checked = CaptureReader(path)
     try:
@@ -70,7 +70,7 @@ def walk(
     order: pcapng.Order | None = None,
     stop: int | None = None,
     blocks: Blocks | None = None,
-) -> Iterator[Run | Problem]:
+) -> Iterator[PacketRun | Problem]:
     """Yield runs, each one packet or more, and problems, of a part of an open file."""
     scanner, blocks = Scanner(file, stop), blocks or Blocks()
     window, begin = b"", 0
@@ -95,7 +95,9 @@ def walk(
             order = item.order
 
 
-def _plain(window: bytes, at: int, order: pcapng.Order, blocks: Blocks) -> tuple[Run | None, int]:
+def _plain(
+    window: bytes, at: int, order: pcapng.Order, blocks: Blocks
+) -> tuple[PacketRun | None, int]:
     """Return the plain packets of one port from `at` on, None if there are none, and their end."""
     head, tails = _HEADS[order].unpack_from, _TAILS[order]
     if at + _HEAD + _TAIL > len(window):
@@ -106,7 +108,7 @@ def _plain(window: bytes, at: int, order: pcapng.Order, blocks: Blocks) -> tuple
     interface, source = blocks.interfaces[port]
     if interface.link_type != pcapng.LINKTYPE_USER0:
         return None, at
-    run, clock = Run(source), blocks.clocks[port]
+    run, clock = PacketRun(source), blocks.clocks[port]
     earliest, latest, per_second = clock.earliest, clock.latest, interface.ticks_per_second
     zero = interface.tsoffset * per_second
     add_time, add_data, add_sent = run.times.append, run.data.append, run.sent.append
@@ -130,16 +132,16 @@ def _plain(window: bytes, at: int, order: pcapng.Order, blocks: Blocks) -> tuple
     return (run if run.times else None), at
 
 
-def _alone(packet: Packet) -> Run:
+def _alone(packet: Packet) -> PacketRun:
     is_sent = packet.direction is Direction.SENT
-    return Run(packet.source, [packet.time], [packet.data], bytearray([is_sent]))
+    return PacketRun(packet.source, [packet.time], [packet.data], bytearray([is_sent]))
 
 
-def stretches(runs: Iterator[Run | Problem]) -> Iterator[Run | Problem]:
+def stretches(runs: Iterator[PacketRun | Problem]) -> Iterator[PacketRun | Problem]:
     """Yield longer runs: they end before a problem, another port, a clock that was set back, and a
     long pause.
     """
-    held: Run | None = None
+    held: PacketRun | None = None
     for run in runs:
         if held is not None and (isinstance(run, Problem) or not _continues(held, run)):
             yield held
@@ -155,7 +157,7 @@ def stretches(runs: Iterator[Run | Problem]) -> Iterator[Run | Problem]:
                 held = None
             part = slice(start, stop)
             if held is None:
-                held = Run(run.source, run.times[part], run.data[part], run.sent[part])
+                held = PacketRun(run.source, run.times[part], run.data[part], run.sent[part])
             else:
                 held.times += run.times[part]
                 held.data += run.data[part]
@@ -164,6 +166,6 @@ def stretches(runs: Iterator[Run | Problem]) -> Iterator[Run | Problem]:
         yield held
 
 
-def _continues(held: Run, run: Run) -> bool:
+def _continues(held: PacketRun, run: PacketRun) -> bool:
     near = -JUMP <= run.times[0] - held.times[-1] <= LONGEST_PAUSE
     return near and run.source == held.source and len(held.times) < _STRETCH

@@ -220,7 +220,7 @@ class PortDecoder:
             yield DecodedDamage(*where, data, reason, abandoned=True)
 
 
-class Found:
+class FoundExchanges:
     """The exchanges of one stretch, as they are found, column by column.
 
     `requests`: number, time, length. `responses`: time, serial and number of the request, serial of
@@ -287,7 +287,7 @@ class ScalarMatcher:
 
     def feed(self, packets: Sequence[Packet]) -> Exchanges:
         """Return the exchanges that these packets complete."""
-        found = Found(self.matching)
+        found = FoundExchanges(self.matching)
         for packet in packets:
             for item in self._port.feed(packet):
                 found.take(item)

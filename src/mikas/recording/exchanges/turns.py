@@ -21,8 +21,8 @@ from mikas.recording.capture.blocks import Order
 from mikas.recording.capture.reader import Blocks, Packet, Problem, Source
 from mikas.recording.exchanges.matching import AVAILABILITY, SILENCE, matched
 from mikas.recording.exchanges.result import Exchanges
-from mikas.recording.exchanges.runs import Run, read, stretches, walk
-from mikas.recording.exchanges.scalar import Found, PortDecoder
+from mikas.recording.exchanges.runs import PacketRun, read, stretches, walk
+from mikas.recording.exchanges.scalar import FoundExchanges, PortDecoder
 
 _LONGEST: Final = 4096  # bytes of a frame: the decoder's limit
 _MOST_REQUESTS: Final = 4096  # that are remembered
@@ -82,9 +82,9 @@ class TurnMatcher:
         self._last: float | None = None
         self._requests: dict[bytes, bytes | None] = {}  # body by packet; None: not regular
 
-    def feed(self, run: Run) -> Exchanges:
+    def feed(self, run: PacketRun) -> Exchanges:
         """Return the exchanges that these packets complete."""
-        found = Found(self.matching)
+        found = FoundExchanges(self.matching)
         sent, count, at = bytes(run.sent), len(run.times), 0
         while at < count:
             done = at
@@ -99,14 +99,14 @@ class TurnMatcher:
         self._last = run.times[-1]
         return exchanges
 
-    def _irregular(self, run: Run, start: int, stop: int, found: Found) -> None:
+    def _irregular(self, run: PacketRun, start: int, stop: int, found: FoundExchanges) -> None:
         for at in range(start, stop):
             way = Direction.SENT if run.sent[at] else Direction.RECEIVED
             packet = Packet(way, run.data[at], run.times[at], 0, source=self._source)
             for item in self._port.feed(packet):
                 found.take(item)
 
-    def _regular(self, run: Run, sent: bytes, start: int, found: Found) -> int:
+    def _regular(self, run: PacketRun, sent: bytes, start: int, found: FoundExchanges) -> int:
         """Take the regular turns from the packet `start` on; return the packet after them."""
         times, data = run.times, run.data
         bodies, number_of, known = found.bodies, self.matching.number, self._requests
@@ -163,7 +163,7 @@ class TurnMatcher:
             self._requests[wire] = body
         return body
 
-    def _received(self, run: Run, start: int, stop: int, echo: bytes) -> _Frames | None:
+    def _received(self, run: PacketRun, start: int, stop: int, echo: bytes) -> _Frames | None:
         """Return the frames after the echo in the packets of a turn, as `_frames` does."""
         data = run.data
         if echo and stop == start + 2 and data[start] == echo:
