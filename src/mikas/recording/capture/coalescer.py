@@ -99,12 +99,13 @@ class Coalescer:
         if length > _MOST_BYTES or time - self._first > _LONGEST:
             return False
         pause = (time - self._last) / self._byte_time - len(data)
-        # How much later the packet would have to begin for the times of this chunk's bytes.
-        late = (time - self._seen_begin) / self._byte_time - length
         if data.find(_TERMINATOR, 0, len(data) - 1) >= 0:
-            early, most = _CLOSE, _CLOSE  # another frame begins here; its time must be right
+            # Another frame begins here; its time must be right, by the begin that will be written.
+            begin, early, most = self._begin, _CLOSE, _CLOSE
         else:
-            early, most = _LATE, _ALL_PAUSES
+            begin, early, most = self._seen_begin, _LATE, _ALL_PAUSES
+        # How much later the packet would have to begin for the times of this chunk's bytes.
+        late = (time - begin) / self._byte_time - length
         return pause <= _PAUSE and -early <= late <= most
 
 
