@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import errno
+import threading
 from itertools import pairwise
 
 import pytest
 
 import mikas
-from dashboard.rig import ADAPTER, ME, OTHER, rig
+from dashboard.rig import ADAPTER, ME, OTHER, Cars, rig
+from mikas.dashboard.session.connection import Connection
+from mikas.sampling import supervisor
 
 
 def test_a_recording_is_made_with_its_markers_and_can_be_read_again(idle):
@@ -186,6 +189,66 @@ def test_nothing_can_be_recorded_before_the_first_answer(tmp_path):
         assert error["code"] == "NotConnected"
         assert "12 V" in error["en"]
         assert not it.dashboard.settings.recordings.exists()
+
+
+class Held:
+    """Something that waits until a request waits for its turn on the line."""
+
+    def __init__(self, monkeypatch):
+        self._asked = threading.Event()
+        ask = Connection.ask
+
+        async def asked(connection, *job, **seconds):
+            self._asked.set()
+            return await ask(connection, *job, **seconds)
+
+        monkeypatch.setattr(Connection, "ask", asked)
+
+    def wait(self):
+        self._asked.wait()
+
+    def go_on(self):
+        self._asked.set()
+
+
+def begins_early(it, held):
+    """Start a recording of what is held; the unit is in it."""
+    try:
+        state = it.post("/recording/start", {"name": "early"})
+    finally:
+        held.go_on()
+    assert state["recording"]["file"] == "early.pcapng"
+    it.until(lambda message: message["state"]["recording"]["samples"] > 3)
+    it.post("/recording/stop")
+    assert it.get("/recordings/early.pcapng")["passport"]
+
+
+def test_while_the_port_is_being_opened_it_begins_with_the_connection(tmp_path, monkeypatch):
+    held, open_port = Held(monkeypatch), Cars.open
+
+    def opened(cars, url):
+        held.wait()
+        return open_port(cars, url)
+
+    monkeypatch.setattr(Cars, "open", opened)
+    with rig(tmp_path) as it:
+        state = it.get("/state")
+        assert (state["line"], state["reason_code"]) == ("no-port", None)
+        begins_early(it, held)
+
+
+def test_while_values_come_and_the_unit_is_not_known_it_begins_when_it_is(tmp_path, monkeypatch):
+    held, in_steps = Held(monkeypatch), supervisor.passport_in_steps
+
+    def steps(ecu):
+        yield
+        held.wait()
+        return (yield from in_steps(ecu))
+
+    monkeypatch.setattr(supervisor, "passport_in_steps", steps)
+    with rig(tmp_path) as it:
+        it.until(lambda message: message["state"]["line"] == "sampling")
+        begins_early(it, held)
 
 
 def _recordings(it):

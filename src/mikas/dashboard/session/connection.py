@@ -45,7 +45,8 @@ T = TypeVar("T")
 
 _FIRST_STATE = 2.0  # s that `connect` waits for the port's first state
 _TURN = 30.0  # s that a job waits for its turn
-_ALIVE = (LineState.ECU_ALIVE, LineState.SAMPLING)
+_MAY_ANSWER = (None, LineState.ECU_ALIVE, LineState.SAMPLING)
+"""States of the line in which a job waits for its turn; None: the port is being opened."""
 CHANGING = Text("the connection is being changed", "соединение как раз меняется")
 _LINE_BUSY = Text("the line is busy; the request was cancelled", "линия занята; запрос отменён")
 
@@ -181,10 +182,11 @@ class Connection:
     async def ask(self, job: Callable[[Ecu], T], *, seconds: float = _TURN) -> T:
         """Return the result of `job(ecu)`, run between two cycles. Raises what `job` raises.
 
-        Raises `NotConnected`, and `Busy` if its turn does not come within `seconds`.
+        While the port is being opened, or the unit identified, the job waits for that. Raises
+        `NotConnected`, what opening raises, and `Busy` if its turn does not come in `seconds`.
         """
         thread = self.thread
-        if thread is None or self._monitor.line not in _ALIVE:
+        if thread is None or thread.ended or self._monitor.line not in _MAY_ANSWER:
             raise self.not_connected()
 
         def in_turn(ecu: Ecu) -> T:

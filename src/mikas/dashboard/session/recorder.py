@@ -67,15 +67,13 @@ class SessionRecorder:
         return status.path.name if status is not None and status.failure is None else None
 
     async def start(self, name: str | None) -> None:
-        """Record to a new file; a recording in progress ends.
+        """Record to a new file, as soon as the unit is known; a recording in progress ends.
 
-        Raises `CaptureError`; `NotConnected` if no unit was found on this connection yet.
+        Raises `CaptureError`; as `Connection.ask` if no unit was found on this connection yet.
         """
         thread = self._connection.thread
         if thread is None:
             raise NotConnected
-        if self._monitor.unit is None:
-            raise self._connection.not_connected()
         path = self._folder.new_path(name)
 
         def between_cycles(ecu: Ecu) -> None:
@@ -84,7 +82,10 @@ class SessionRecorder:
 
         try:
             await self._connection.ask(between_cycles)
-        except NotConnected:  # the unit is silent: no stream runs that would have to be restarted
+        except NotConnected:
+            if self._monitor.unit is None:
+                raise
+            # The unit is silent: no stream runs that would have to be restarted.
             self._start(path, thread)
         self._name, self._continues = name, False
 

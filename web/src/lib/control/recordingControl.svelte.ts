@@ -3,6 +3,7 @@ import { api } from "../api/api";
 import { dictionary } from "../i18n";
 import { catalog } from "../api/catalog.svelte";
 import { naming } from "./markers.svelte";
+import { opening } from "../live/lineState";
 import { live } from "../live/live.svelte";
 import { supportedNames, subscriptions } from "./subscriptions.svelte";
 import { carDetails } from "../car/carDetails.svelte";
@@ -46,7 +47,8 @@ class RecordingControl {
     const state = live.state;
     if (live.link === "lost" || !state) return t("lost");
     if (state.rights === "view") return t("view");
-    return state.line === "sampling" || state.line === "ecu-alive" ? null : t(state.line);
+    // While the port is being opened the program waits for the unit, and records from its first values on.
+    return state.line === "sampling" || state.line === "ecu-alive" || opening(state) ? null : t(state.line);
   }
 
   async toggle(): Promise<void> {

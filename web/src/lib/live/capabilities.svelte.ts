@@ -1,12 +1,10 @@
 // Whether an ECU can be asked, which one, and whether its adapter was unplugged.
 import type { State } from "../api/types";
+import { answering } from "./lineState";
 import { live } from "./live.svelte";
 
 /** Whether an ECU answers now. */
-export function ecuAnswers(): boolean {
-  const line = live.state?.line;
-  return live.link === "open" && (line === "ecu-alive" || line === "sampling");
-}
+export const ecuAnswers = (): boolean => live.link === "open" && live.state !== null && answering(live.state);
 
 /** A key that changes when another ECU is connected: data read from the previous one is no longer valid. */
 export function ecuKey(): string {

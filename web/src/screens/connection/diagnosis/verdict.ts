@@ -3,6 +3,7 @@
 // than a broken line tells refines it; one that contradicts the line is outdated.
 
 import type { DoctorStep, Port, State } from "../../../lib/api/types";
+import { answering, opening } from "../../../lib/live/lineState";
 import { BY_CODE, SITUATIONS, type Mark, type Situation } from "./situations";
 import { passed } from "./steps";
 
@@ -87,7 +88,7 @@ const hasState = ({ line, reason_code }: LineFacts): boolean => reason_code !== 
 
 /** The situation of the line. The class of the error decides; the line's state alone does not name the cause. */
 export function situationOf(state: LineFacts, { ports, code, worked = null, adapters = "found" }: Circumstances): Situation {
-  if (answering(state.line)) return "ok";
+  if (answering(state)) return "ok";
   const without = ({ found: "no-cable", chosen: "not-chosen", "out-of-reach": "out-of-reach" } as const)[adapters];
   const none = ports !== null && !ports.some((port) => port.likely);
   const known = BY_CODE[state.reason_code ?? (state.line === "off" ? code : null) ?? ""];
@@ -96,12 +97,9 @@ export function situationOf(state: LineFacts, { ports, code, worked = null, adap
   if (known) return remote(known, state.port);
   if (state.line === "echo-only" && state.reason_code !== null) return "damaged";
   if (state.line === "no-echo" || state.line === "echo-only") return state.line;
-  if (state.line === "no-port") return state.reason_code ? remote("not-openable", state.port) : "opening";
+  if (state.line === "no-port") return opening(state) ? "opening" : remote("not-openable", state.port);
   return none ? without : "off";
 }
-
-/** Whether an ECU answers now. */
-export const answering = (line: State["line"]): boolean => line === "ecu-alive" || line === "sampling";
 
 /** Only an adapter that has delivered data counts as unplugged. */
 const wasThere = (state: LineFacts, worked: string | null): boolean =>

@@ -1,0 +1,14 @@
+import { expect, it } from "vitest";
+import type { State } from "../api/types";
+import { live } from "../live/live.svelte";
+import { recordingControl } from "./recordingControl.svelte";
+
+it("a recording can be asked for as soon as the port is being opened, and not while there is none", () => {
+  live.link = "open";
+  const refused = (line: State["line"], reason_code: string | null = null) => {
+    live.state = { line, reason_code, rights: "control" } as State;
+    return recordingControl.refusal !== null;
+  };
+  expect([refused("no-port"), refused("ecu-alive"), refused("sampling")]).toEqual([false, false, false]);
+  expect([refused("off"), refused("no-port", "PortNotFound"), refused("no-echo", "NoEcho"), refused("echo-only", "EchoOnly")]).toEqual([true, true, true, true]);
+});

@@ -1,0 +1,8 @@
+// What the state of the line says, in one word.
+import type { State } from "../api/types";
+
+/** Whether an ECU answers now. */
+export const answering = ({ line }: Pick<State, "line">): boolean => line === "ecu-alive" || line === "sampling";
+
+/** Whether the port is being opened: neither a state nor an error is known yet. */
+export const opening = (state: Pick<State, "line" | "reason_code">): boolean => state.line === "no-port" && state.reason_code === null;
