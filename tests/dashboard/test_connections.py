@@ -7,6 +7,7 @@ import json
 import logging
 import socket
 
+import httpx
 import pytest
 
 from dashboard.rig import ME, rig
@@ -236,6 +237,11 @@ def test_half_open_connections_shut_nobody_out(small, caplog, capfd):
     assert small.client.get("/api/state").status_code == 200
     assert not [record for record in caplog.records if record.levelno >= logging.WARNING]
     assert capfd.readouterr().err == ""
+
+
+def test_no_client_uses_a_connection_again_in_the_moment_of_its_end(small):
+    reused = httpx.Limits().keepalive_expiry
+    assert reused < small.server.config.timeout_keep_alive < HEAD_SECONDS
 
 
 def test_a_request_and_its_body_have_their_time(small):

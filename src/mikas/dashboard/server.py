@@ -42,6 +42,7 @@ _log = logging.getLogger("mikas.dashboard")
 
 _PING = 20.0
 _GRACE = 3
+_IDLE = 8  # seconds; httpx sends a request on a connection that was idle for up to 5
 _BACKLOG = 64  # connections that the system queues, and that are accepted at once
 _TICKS = 10  # of uvicorn's clock, a second
 _INTERRUPTED = 130  # as docs/cli.md has it
@@ -143,6 +144,7 @@ class Server(uvicorn.Server):
                 server_header=False,
                 workers=1,
                 proxy_headers=False,  # else FORWARDED_ALLOW_IPS lets a header name the sender
+                timeout_keep_alive=_IDLE,
                 timeout_graceful_shutdown=_GRACE,
             )
         )
