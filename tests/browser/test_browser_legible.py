@@ -33,8 +33,13 @@ PLACES = """
   const { left, right, top, bottom } = it.getBoundingClientRect();
   return [left, right, top, bottom];
 })"""
+# Playwright's own scripts count as a gesture of the user; the page sees only those of the test.
 SPIES = """
-window.tones = []; window.locks = [];
+window.tones = []; window.locks = []; window.touched = false;
+for (const kind of ["pointerup", "keydown"])
+  addEventListener(kind, () => (window.touched = true), true);
+const userActivation = { get hasBeenActive() { return window.touched; } };
+Object.defineProperty(navigator, "userActivation", { get: () => userActivation });
 const make = AudioContext.prototype.createOscillator;
 AudioContext.prototype.createOscillator = function () {
   const made = make.call(this);
