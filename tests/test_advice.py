@@ -37,7 +37,7 @@ FIELDS = {
 
 
 def example(kind: type[MikasError]) -> MikasError:
-    if kind in (errors.CaptureError, errors.ExportError):
+    if kind in (errors.CaptureError, errors.DiskFull, errors.ExportError):
         return kind("f", Text("p", "п"))
     if kind is errors.CatalogError:
         return kind("f", 1, Text("p", "п"))

@@ -24,6 +24,7 @@ TREE = {
     "CatalogError": ("UsageError", ValueError),
     "FormulaError": ("UsageError", ValueError),
     "CaptureError": ("UsageError", ValueError),
+    "DiskFull": ("CaptureError", ValueError),
     "ExportError": ("UsageError", ValueError),
     "JournalError": ("UsageError", ValueError),
     "MissingExtra": ("UsageError", ImportError),

@@ -9,7 +9,7 @@ from cli_harness import is_one_short_paragraph, is_russian
 
 import mikas as library
 from mikas.recording import CaptureReader
-from mikas.recording.capture.reader import Packet, Problem
+from mikas.recording.capture.reader import Packet, Problem, capture_error
 
 WITH_A_PORT = [
     ["info", "--quick"],
@@ -81,14 +81,14 @@ def test_log_goes_on_when_its_file_can_not_be_written(mikas, monkeypatch, tmp_pa
     def full(self, *args):
         written.append(args)
         if len(written) > 40:
-            raise self._failure(OSError(28, "No space left on device"))
+            raise capture_error(self.path, OSError(28, "No space left on device"))
         record(self, *args)
 
     monkeypatch.setattr(CaptureWriter, "record", full)
     ran = mikas("log", "-o", "drive.pcapng", "TWAT", "--count", "300", "--json")
     *samples, last = ran.objects
     assert (ran.status, len(samples)) == (2, 300)
-    assert last["error"]["code"] == "CaptureError"
+    assert last["error"]["code"] == "DiskFull"
     reported, last = ran.err.splitlines()
     assert reported.startswith("RECORDING STOPPED. drive.pcapng: there is no room left")
     assert last.startswith("NOT RECORDING · drive.pcapng: 300 samples, ")

@@ -8,6 +8,7 @@ import os
 import pytest
 
 from mikas.errors import CaptureError
+from mikas.recording.capture.reader import capture_error
 from mikas.recording.capture.writer import CaptureWriter
 
 
@@ -20,7 +21,7 @@ from mikas.recording.capture.writer import CaptureWriter
         (errno.ENOENT, "folder does not exist; make it"),
         (errno.ENOTDIR, "folder does not exist; make it"),
         (errno.ENAMETOOLONG, "choose a shorter one"),
-        (errno.ENOSPC, "make some"),
+        (errno.ENOSPC, "Make room"),
         (errno.EEXIST, "choose another name"),
         (errno.EIO, os.strerror(errno.EIO)),
     ],
@@ -33,7 +34,7 @@ def test_why_a_capture_can_not_begin_says_what_to_do(tmp_path, monkeypatch, numb
     with pytest.raises(CaptureError, match=what_to_do) as raised:
         CaptureWriter(tmp_path / "a.pcapng", url="sim:")
     assert "so far" not in str(raised.value)  # nothing was recorded
-    if number != errno.EIO:
+    if number not in (errno.ENOSPC, errno.EIO):
         assert "выберите" in raised.value.text.ru
 
 
@@ -41,7 +42,7 @@ def test_a_file_that_was_made_for_nothing_is_taken_away_and_one_that_was_there_i
     tmp_path, monkeypatch
 ):
     def full(self, block):
-        raise self._failure(OSError(errno.ENOSPC, "No space left on device"))
+        raise capture_error(self.path, OSError(errno.ENOSPC, "No space left on device"))
 
     monkeypatch.setattr(CaptureWriter, "_append", full)
     for settings in ({}, {"overwrite": True}):

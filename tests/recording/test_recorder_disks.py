@@ -14,7 +14,7 @@ from recorder_harness import (
     wire,
 )
 
-from mikas.errors import CaptureError
+from mikas.errors import CaptureError, DiskFull
 from mikas.recording.recorder import Recorder
 
 
@@ -92,7 +92,7 @@ def test_a_disk_that_is_full_at_the_start_is_an_error_at_the_start(tmp_path, mon
     disk = SmallDisk(monkeypatch)
     disk.room = 10
     recorder = Recorder()
-    with pytest.raises(CaptureError, match="no room left on that disk"):
+    with pytest.raises(DiskFull, match="there is no room left"):
         recorder.start(tmp_path / "a.pcapng", url="sim:")
     assert recorder.status is None
     assert not list(tmp_path.iterdir())  # the same command works once there is room

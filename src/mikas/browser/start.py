@@ -4,7 +4,8 @@ There are two workers, each with the whole program. The line's has the cable and
 files. The reader's opens recordings, makes exports and reports, so that sampling never waits for
 them; it only reads the kept files, and learns of the recording and the catalog in use.
 
-What is kept is in the storage that JavaScript mounts at `/kept`.
+What is kept is in the present folder, which JavaScript mounts: errors name `recordings/a.pcapng`,
+not a place that no user knows.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ Role = Literal["line", "reader"]
 Take = Callable[[Mapping[str, Any]], None]
 """Takes a message of the page."""
 
-KEPT: Final = Path("/kept")
+KEPT: Final = Path()
 _MADE_AGAIN: Final = Path("/tmp/mikas")  # in memory, of this worker alone
 _YOUNG: Final = 1.0  # s between two looks for garbage among new objects
 _ALL: Final = 60  # such looks; then among all objects since the start

@@ -7,6 +7,7 @@ from typing import Final
 from mikas.errors import (
     AdviceTable,
     AnswersLate,
+    DiskFull,
     EchoDiffers,
     EchoOnly,
     LineError,
@@ -40,6 +41,7 @@ _HINTS = {
         "Например: --port {example}. Список портов: `mikas ports`; без адаптера работает "
         "`--port sim:`.",
     ),
+    DiskFull: Text("Or choose another disk.", "Или выберите другой диск."),
     TakenByBrltty: Text(
         "`mikas ports --install-rules` installs the rules; or: sudo apt remove brltty.",
         "Правила ставит `mikas ports --install-rules`; удалить brltty: sudo apt remove brltty.",

@@ -10,6 +10,7 @@ from typing import ClassVar, Final
 
 from mikas.errors import (
     AdviceTable,
+    DiskFull,
     LinkLost,
     MikasError,
     NoEcho,
@@ -241,6 +242,12 @@ ADVICE: Final = AdviceTable(
         NoPortGiven: Text(
             "Choose an adapter, or a virtual car, on the Connection screen.",
             "Выберите адаптер или виртуальный автомобиль на экране «Связь».",
+        ),
+        DiskFull: Text(
+            "On the Recordings screen old recordings can be downloaded and deleted; other files "
+            "of this computer take room, too.",
+            "Старые записи можно скачать и удалить на экране «Записи»; место занимают и другие "
+            "файлы этого компьютера.",
         ),
         LinkLost: Text(
             "The connection is restored automatically.", "Соединение восстановится автоматически."

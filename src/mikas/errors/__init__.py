@@ -10,6 +10,7 @@
     │   ├── CatalogError               a catalog file is wrong: file, line, what was expected
     │   ├── FormulaError               a formula is wrong: which part of it
     │   ├── CaptureError               a capture file can't be read, or can't be written
+    │   │   └── DiskFull               there is no room for it
     │   ├── ExportError                an export can't be made
     │   ├── JournalError               the journal of changes can't be written
     │   └── MissingExtra               an optional library is not installed
@@ -100,6 +101,7 @@ from mikas.errors.usage import AddressOutOfRange as AddressOutOfRange
 from mikas.errors.usage import BadPortUrl as BadPortUrl
 from mikas.errors.usage import CaptureError as CaptureError
 from mikas.errors.usage import CatalogError as CatalogError
+from mikas.errors.usage import DiskFull as DiskFull
 from mikas.errors.usage import ExportError as ExportError
 from mikas.errors.usage import FormulaError as FormulaError
 from mikas.errors.usage import JournalError as JournalError

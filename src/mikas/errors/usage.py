@@ -114,6 +114,12 @@ class CaptureError(UsageError):
         super().__init__(file=file, problem=problem)
 
 
+class DiskFull(CaptureError):
+    """There is no room for a capture, or for more of it."""
+
+    advice = Text("Make room, then repeat.", "Освободите место и повторите.")
+
+
 class ExportError(UsageError):
     """An export can't be made: its name, an existing file, or the disk. No partial file stays."""
 

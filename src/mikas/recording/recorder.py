@@ -23,7 +23,7 @@ from mikas.recording.annotations.annotator import SessionAnnotator
 from mikas.recording.annotations.events import note_of
 from mikas.recording.capture.coalescer import Coalescer
 from mikas.recording.capture.notes import Note
-from mikas.recording.capture.reader import reason_of
+from mikas.recording.capture.reader import capture_error
 from mikas.recording.capture.writer import CaptureWriter
 from mikas.sampling.events import Event, Marker, TextNote, UnitFound
 
@@ -249,7 +249,7 @@ class Recorder:
         except (CaptureError, OSError) as error:
             if before.failure is None:
                 if not isinstance(error, CaptureError):
-                    error = CaptureError(str(before.named), reason_of(error))
+                    error = capture_error(before.named, error)
                 before.failure, before.written = error, self._annotator.samples
             return
         self._begin(opened)

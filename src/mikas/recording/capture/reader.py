@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, Final
 
 from mikas.cleaning import clean_line
-from mikas.errors import CaptureError, UnfitFile
+from mikas.errors import CaptureError, DiskFull, UnfitFile
 from mikas.errors import reason_of as system_reason_of
 from mikas.files import open_regular
 from mikas.i18n import Text
@@ -119,7 +119,7 @@ class CaptureReader:
             with open_regular(self.path, follow=True, buffering=0) as file:
                 yield file
         except OSError as error:
-            raise CaptureError(str(self.path), reason_of(error)) from error
+            raise capture_error(self.path, error) from error
 
 
 class Blocks:
@@ -286,6 +286,14 @@ def reason_of(error: OSError) -> Text:
     return _REASONS.get(error.errno or 0, system_reason_of(error))
 
 
+def capture_error(
+    path: str | os.PathLike[str], error: OSError, why: Text | None = None
+) -> CaptureError:
+    """Return the error of a capture that could not be read or written. `why`: if not as usual."""
+    kind = DiskFull if error.errno in _FULL else CaptureError
+    return kind(os.fspath(path), why or reason_of(error))
+
+
 _EMPTY = Text("the file is empty", "файл пуст")
 _NOT_PCAPNG = Text(
     "this is not a recording of the line (a capture in pcapng); recordings are made on the Live "
@@ -349,9 +357,10 @@ _PACKET_CUT = Text(
     "the next packet was recorded without its last bytes ({count})",
     "следующий пакет записан без последних байтов ({count})",
 )
+_FULL: Final = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 _REASONS: Final = {
     **dict.fromkeys(
-        (errno.ENOSPC, errno.EDQUOT, errno.EFBIG),
+        _FULL,
         Text(
             "there is no room left; what was recorded so far is whole",
             "места больше нет; записанное до сих пор цело",

@@ -19,12 +19,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, Final, Self
 
 from mikas.errors import CaptureError
-from mikas.errors import reason_of as system_reason_of
 from mikas.files import open_regular
 from mikas.i18n import Text
 from mikas.recording.capture import blocks as pcapng
 from mikas.recording.capture.notes import Note, block_of
-from mikas.recording.capture.reader import FLAGS, CaptureReader, reason_of
+from mikas.recording.capture.reader import FLAGS, CaptureReader, capture_error
 from mikas.saving import write_all
 
 if TYPE_CHECKING:
@@ -69,7 +68,7 @@ class CaptureWriter:
             self._file = self._open(overwrite=overwrite, pipe=pipe)
             self._links = os.fstat(self._file.fileno()).st_nlink
         except OSError as error:
-            raise CaptureError(str(self.path), _why_not_begun(error)) from error
+            raise _not_begun(self.path, error) from error
         try:
             from importlib.metadata import version  # slow to import, and `watch` records nothing
 
@@ -82,7 +81,7 @@ class CaptureWriter:
                 with suppress(OSError):  # else the same command would be refused
                     self.path.unlink()
             if isinstance(cause := error.__cause__, OSError):
-                raise CaptureError(str(self.path), _why_not_begun(cause)) from cause
+                raise _not_begun(self.path, cause) from cause
             raise
 
     @property
@@ -132,7 +131,7 @@ class CaptureWriter:
             with self._lock:
                 self._file.close()
         except OSError as error:
-            raise self._failure(error) from error
+            raise capture_error(self.path, error) from error
 
     def __enter__(self) -> Self:
         return self
@@ -166,7 +165,7 @@ class CaptureWriter:
             except OSError:
                 self._broken = True
             if isinstance(error, OSError):
-                raise self._failure(error) from error
+                raise capture_error(self.path, error) from error
             raise
 
     def _check_writable(self) -> None:
@@ -179,9 +178,6 @@ class CaptureWriter:
             if self._links and not os.fstat(self._file.fileno()).st_nlink:
                 self._broken = self.deleted = True
                 raise CaptureError(str(self.path), _DELETED)
-
-    def _failure(self, error: OSError) -> CaptureError:
-        return CaptureError(str(self.path), reason_of(error))
 
 
 def append_note(path: Path, note: Note) -> None:
@@ -201,12 +197,12 @@ def append_note(path: Path, note: Note) -> None:
                     file.truncate(end)
                 raise
     except OSError as error:
-        raise CaptureError(str(path), system_reason_of(error)) from error
+        raise capture_error(path, error) from error
 
 
-def _why_not_begun(error: OSError) -> Text:
+def _not_begun(path: Path, error: OSError) -> CaptureError:
     """Return why there is no file to record to, and what to do."""
-    return _NOT_BEGUN.get(error.errno or 0) or reason_of(error)
+    return capture_error(path, error, _NOT_BEGUN.get(error.errno or 0))
 
 
 _NOT_BEGUN: Final = {
@@ -225,11 +221,7 @@ _NOT_BEGUN: Final = {
         ),
     ),
     **dict.fromkeys(
-        (errno.ENOSPC, errno.EDQUOT, errno.EFBIG),
-        Text(
-            "there is no room left on that disk; make some, or choose another",
-            "на этом диске нет места; освободите его или выберите другой диск",
-        ),
+        (errno.ENOSPC, errno.EDQUOT, errno.EFBIG), Text("there is no room left", "места больше нет")
     ),
     errno.ENAMETOOLONG: Text(
         "the name is too long; choose a shorter one", "имя длинное; выберите покороче"

@@ -11,14 +11,12 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path
 from typing import BinaryIO, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mikas.cancellation import check_cancelled
-from mikas.errors import CaptureError
 from mikas.files import open_regular
 from mikas.link.base import Direction
 from mikas.recording.capture import blocks as pcapng
@@ -29,7 +27,7 @@ from mikas.recording.capture.reader import (
     Packet,
     Problem,
     Source,
-    reason_of,
+    capture_error,
 )
 from mikas.recording.capture.scan import LARGEST, RawBlock, Scanner, read_whole
 from mikas.recording.exchanges.arrays import Bytes, Floats, Index, Mask
@@ -214,7 +212,7 @@ def read(path: str | os.PathLike[str], window: int = WINDOW) -> Iterator[Packets
         with open_regular(checked.path, follow=True, buffering=0) as file:
             yield from walk(file, window)
     except OSError as error:
-        raise CaptureError(str(Path(path)), reason_of(error)) from error
+        raise capture_error(path, error) from error
 
 
 def walk(file: BinaryIO, window: int = WINDOW) -> Iterator[Packets | Problem]:

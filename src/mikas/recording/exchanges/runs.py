@@ -14,7 +14,6 @@ from itertools import pairwise
 from typing import BinaryIO, Final
 
 from mikas.cancellation import check_cancelled
-from mikas.errors import CaptureError
 from mikas.files import open_regular
 from mikas.link.base import Direction
 from mikas.recording.capture import blocks as pcapng
@@ -25,7 +24,7 @@ from mikas.recording.capture.reader import (
     Packet,
     Problem,
     Source,
-    reason_of,
+    capture_error,
 )
 from mikas.recording.capture.scan import RawBlock, Scanner, read_whole
 from mikas.recording.exchanges.result import JUMP, LONGEST_PAUSE
@@ -61,7 +60,7 @@ def read(path: str | os.PathLike[str]) -> Iterator[PacketRun | Problem]:
         with open_regular(checked.path, follow=True, buffering=0) as file:
             yield from stretches(walk(file))
     except OSError as error:
-        raise CaptureError(str(checked.path), reason_of(error)) from error
+        raise capture_error(path, error) from error
 
 
 def walk(

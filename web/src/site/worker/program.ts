@@ -8,7 +8,7 @@ import type { Pool } from "../storage/pool";
 import type { PoolView } from "../storage/view";
 import { waits } from "./waits";
 
-/** Where the kept files are; `browser/start.py` has the same path. */
+/** Where the kept files are: Python's present folder, so that its errors do not name it. */
 const KEPT = "/kept";
 
 type Post = (message: FromWorker, transfer?: Transferable[]) => void;
@@ -45,6 +45,7 @@ export async function startProgram(
 ): Promise<(message: ToWorker) => void> {
   if (files) mount(python.FS as unknown as EmscriptenFs, KEPT, files);
   else python.FS.mkdirTree(KEPT);
+  python.FS.chdir(KEPT);
   const host = { ...waits, ...more, page: pageOf(post) };
   python.registerJsModule("mikas_host", host);
   const start = python.pyimport("mikas.browser.start") as PyProxy & Record<"prepare" | "begin", PyCallable>;
