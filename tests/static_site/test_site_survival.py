@@ -83,10 +83,8 @@ def test_a_full_disk(tab, recording):
     disk = tab.page.context.new_cdp_session(tab.page)
     used = disk.send("Storage.getUsageAndQuota", {"origin": tab.url})["usage"]
     disk.send("Storage.overrideQuotaForOrigin", {"origin": tab.url, "quotaSize": used + 20000})
-    tab.says(
-        "there is no room left; what was recorded so far is whole. Make some: on the Recordings"
-    )
-    assert "/kept" not in tab.page.content()
+    tab.says("so far is whole. Make room, then repeat. On the Recordings screen")
+    assert "/kept" not in tab.page.inner_text("body")
     disk.send("Storage.overrideQuotaForOrigin", {"origin": tab.url})
     tab.stop_recording()
     is_kept(tab, recording)
