@@ -92,6 +92,7 @@ async def _run(
 
 
 def _compose() -> Dashboard:
+    from mikas.browser.real_time import open_in_real_time
     from mikas.browser.web_serial import find_web_ports
     from mikas.catalog.own.file import OwnCatalog
     from mikas.client.connecting import ConnectionOptions
@@ -105,7 +106,7 @@ def _compose() -> Dashboard:
             state=KEPT / "state",
             connection=ConnectionOptions(catalog=own.load().catalog, virtual_units=False),
             find=find_web_ports,
-            open_port=VirtualCars().open,
+            open_port=VirtualCars(open_in_real_time).open,
             addresses=tuple,
             own=own,
             tests=KEPT / "tests",
