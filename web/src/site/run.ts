@@ -10,7 +10,7 @@ import "uplot/dist/uPlot.min.css";
 import { host } from "../lib/platform/host";
 import { live } from "../lib/live/live.svelte";
 import { connectionParts } from "./notices/parts";
-import { canChoose, choosePort } from "./notices/adapters.svelte";
+import { canChoose, choosePort, findAdapters } from "./notices/adapters.svelte";
 import { storage } from "./notices/storage.svelte";
 import type { Program } from "./program/program";
 import type { Owner } from "./tabs/oneTab";
@@ -34,6 +34,7 @@ export function run(program: Program, owner: Owner, target: Element): void {
   // A recording ends with the tab: ask before.
   window.addEventListener("beforeunload", (event) => live.state?.recording && event.preventDefault());
   void storage.look().then(() => storage.kept || (host.words = { ...words, kept: unkept }));
+  findAdapters();
   answerDownloads(program.fetch);
   void updates.watch();
   background(program);

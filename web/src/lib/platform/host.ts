@@ -13,8 +13,7 @@ export interface Host {
   /** Whether the program runs in this page, and ends when the computer sleeps. */
   runsHere: boolean;
   /**
-   * Let the user choose an adapter in the browser's own list; called in a click. Returns the port, or the first one of its kind; null: none
-   * was chosen. Without this function the program finds all adapters by itself.
+   * Let the user choose an adapter in the browser's own list; called in a click. Returns the port; null: none was chosen. Without this function the program finds all adapters by itself.
    */
   choosePort: (() => Promise<string | null>) | null;
   /** Whether adapters can be used at all. */

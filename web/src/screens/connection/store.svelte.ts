@@ -53,10 +53,8 @@ class ConnectionStore {
   async choose(): Promise<void> {
     const port = await host.choosePort?.();
     if (!port) return;
-    const before = new Set((this.ports.value ?? []).map(({ url }) => url));
     await this.scan();
-    const ofKind = (this.ports.value ?? []).map(({ url }) => url).filter((url) => url === port || url.startsWith(`${port}:`));
-    await this.connect(ofKind.find((url) => !before.has(url)) ?? port);
+    await this.connect(port);
   }
 
   /** Connect; while recording to another port, ask first, because the recording would end. */

@@ -1,10 +1,9 @@
 // The browser's list of adapters (Web Serial).
+import { followAdapters } from "../worker/adapters";
+import type { SerialHost } from "../worker/serial";
+import type { Serial as Adapters, SerialPort } from "../worker/webSerial";
 
-/** What is needed of `navigator.serial`, which TypeScript does not know. */
-interface SerialPort {
-  getInfo(): { usbVendorId?: number; usbProductId?: number };
-}
-interface Serial {
+interface Serial extends Adapters {
   requestPort(): Promise<SerialPort>;
 }
 
@@ -19,14 +18,23 @@ class Choice {
 
 export const choice = new Choice();
 
-/** Show the browser's list; called in a click. Returns the port as `mikas.browser.web_serial` names the first one of its kind; null: none was chosen. */
+let adapters: SerialHost | undefined;
+
+/** Follow the adapters from now on, as the worker does since its start. */
+export function findAdapters(): void {
+  adapters = followAdapters(serial());
+}
+
+/** Show the browser's list; called in a click. Returns the port as `mikas.browser.web_serial` names it; null: none was chosen. */
 export async function choosePort(): Promise<string | null> {
-  const adapters = serial();
-  if (!adapters) return null;
   try {
-    const { usbVendorId, usbProductId } = (await adapters.requestPort()).getInfo();
+    const port = await serial()?.requestPort();
     choice.cancelled = false;
-    return usbVendorId === undefined || usbProductId === undefined ? "webserial:other" : `webserial:${hex(usbVendorId)}:${hex(usbProductId)}`;
+    const granted = await adapters?.ports().promise;
+    const it = granted?.find((known) => known.port === port);
+    if (!it) return null;
+    const kind = it.vid === undefined || it.pid === undefined ? "other" : `${hex(it.vid)}:${hex(it.pid)}`;
+    return `webserial:${kind}${it.nth > 1 ? `:${it.nth}` : ""}`;
   } catch (error) {
     if (!(error instanceof DOMException)) throw error;
     choice.cancelled = true;

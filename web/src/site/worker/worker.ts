@@ -3,9 +3,9 @@ import type { FromWorker, Role, ToWorker } from "../program/messages";
 import { opfsFolder } from "../storage/folder";
 import { Pool } from "../storage/pool";
 import { PoolView } from "../storage/view";
+import { followAdapters } from "./adapters";
 import { startProgram } from "./program";
 import { startPython } from "./python";
-import { SerialHost } from "./serial";
 import type { Serial } from "./webSerial";
 
 const role = self.name as Role;
@@ -14,7 +14,7 @@ const post = (message: FromWorker, transfer: Transferable[] = []): void => self.
 async function begin(): Promise<void> {
   const progress = (loaded: number, total: number) => post({ kind: "progress", loaded, total, stage: "program" });
   const [python, files] = await Promise.all([startPython(progress), keptFiles()]);
-  const serial = new SerialHost(role === "line" ? (navigator as { serial?: Serial }).serial : undefined);
+  const serial = followAdapters(role === "line" ? (navigator as { serial?: Serial }).serial : undefined);
   const take = await startProgram(python, role, files, post, { serial });
   closeTheDoors();
   // One after the other: a request must not overtake the message before it while the view is refreshed.
