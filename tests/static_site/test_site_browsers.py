@@ -60,6 +60,21 @@ def test_without_webassembly_the_page_says_so(lacking):
     has_no_violations(tab, "wasm")
 
 
+@pytest.mark.parametrize("answer", [{"status": 404}, {"status": 200, "body": "damaged"}])
+def test_a_broken_load_says_what_to_do_and_can_be_repeated(chromium, site, answer):
+    with chromium.new_context(locale="en-GB") as context, site_tab(context, site.url) as tab:
+        tab.refused = True
+        context.route("**/program.pack", lambda route: route.fulfill(**answer))
+        tab.page.goto(tab.url)
+        tab.says("mikas could not start")
+        tab.says("load the page anew")
+        expect(tab.page.locator("details p")).to_be_hidden()
+        has_no_violations(tab, "broken")
+        context.unroute_all()
+        tab.press("Load the page anew")
+        tab.runs()
+
+
 def test_without_web_serial_the_virtual_car_works(lacking):
     tab = lacking("serial")
     tab.runs()

@@ -5,14 +5,16 @@ import Boot from "./boot/Boot.svelte";
 import { hindrance } from "./boot/hindrance";
 import { keepsFiles } from "./boot/keepsFiles";
 import { shown } from "./boot/start.svelte";
-import type { Port } from "./program/endpoint";
+import { ProgramEnded, type Port } from "./program/endpoint";
 import type { Role } from "./program/messages";
+import { loadAnew } from "./offline/anew";
 import { installing } from "./offline/installing.svelte";
 import { Program } from "./program/program";
 import { OneTab, type Owner } from "./tabs/oneTab";
 import workerScript from "./worker/worker.ts?worker&url";
 
 installing.watch();
+shown.loadAnew = () => loadAnew(new URL(".", location.href));
 
 const target = document.getElementById("page")!;
 target.replaceChildren();
@@ -65,5 +67,7 @@ async function start(): Promise<void> {
 }
 
 start().catch((error: unknown) => {
-  shown.start = { kind: "broken", message: error instanceof Error ? error.message : String(error), offline: !navigator.onLine };
+  const known = error instanceof ProgramEnded && (error.why === "held" || error.why === "newer") ? error.why : null;
+  const why = known ?? (navigator.onLine ? "broken" : "offline");
+  shown.start = { kind: "broken", message: error instanceof Error ? error.message : String(error), why };
 });

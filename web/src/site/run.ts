@@ -30,9 +30,11 @@ export function run(program: Program, owner: Owner, target: Element): void {
   } satisfies Partial<typeof host>);
   Object.defineProperty(host, "opensAddresses", { get: () => navigator.serviceWorker?.controller != null });
 
-  owner.refusal = () => (live.state?.recording ? "recording" : live.state?.line === "sampling" ? "sampling" : null);
+  /** What the program does; null: it has stopped. */
+  const state = () => (live.link === "lost" ? null : live.state);
+  owner.refusal = () => (state()?.recording ? "recording" : state()?.line === "sampling" ? "sampling" : null);
   // A recording ends with the tab: ask before.
-  window.addEventListener("beforeunload", (event) => live.state?.recording && event.preventDefault());
+  window.addEventListener("beforeunload", (event) => state()?.recording && event.preventDefault());
   void storage.look().then(() => storage.kept || (host.words = { ...words, kept: unkept }));
   findAdapters();
   answerDownloads(program.fetch);

@@ -28,9 +28,22 @@ export const t = dictionary({
 
   broken: { en: "mikas could not start", ru: "mikas не запустился" },
   broken_do: {
-    en: "Check the network, from which the first visit loads the program, and reload the page. If it happens again: close other tabs and programs (mikas needs some hundreds of MB of memory) and update the browser. Recordings that were made are kept.",
-    ru: "Проверьте сеть (в первый раз программа загружается из неё) и обновите страницу. Если повторится: закройте другие вкладки и программы (mikas нужно несколько сотен МБ памяти) и обновите браузер. Сделанные записи сохранены.",
+    en: "Reload the page. If it happens again: load the page anew, for what this browser has of it may be damaged. If that does not help, close other tabs and programs (mikas needs some hundreds of MB of memory) and update the browser. Recordings that were made are kept, unless you clear the browser's data of this page.",
+    ru: "Обновите страницу. Если повторится: загрузите её заново с сервера — её файлы в этом браузере могли повредиться. Не поможет — закройте другие вкладки и программы (mikas нужно несколько сотен МБ памяти) и обновите браузер. Сделанные записи сохранены, если не очищать данные браузера для этой страницы.",
   },
+  held: { en: "The recordings are in use in another tab or window", ru: "Записи заняты другой вкладкой или окном" },
+  held_do: {
+    en: "Only one can have them. Close the other tabs of this page, wait for a few seconds, and reload this one. If that does not help, close all windows of the browser and open it again.",
+    ru: "Они могут быть открыты только в одной вкладке. Закройте другие вкладки этой страницы, подождите несколько секунд и обновите эту. Если не поможет, закройте все окна браузера и откройте его снова.",
+  },
+  newer: { en: "The recordings here are of a newer mikas than this page", ru: "Записи здесь сделаны более новой версией mikas, чем эта страница" },
+  newer_do: {
+    en: "This is an older version of the page. Load the page anew to have the latest one. Nothing was changed.",
+    ru: "Это старая версия страницы. Загрузите её заново с сервера, чтобы получить последнюю. Ничего не изменено.",
+  },
+  anew: { en: "Load the page anew", ru: "Загрузить заново" },
+  unreached: { en: "The server of this page can't be reached now: nothing was changed. Check the network.", ru: "Сервер этой страницы сейчас недоступен: ничего не изменено. Проверьте сеть." },
+  details: { en: "What the browser said", ru: "Что сообщил браузер" },
   offline: { en: "There is no network, and mikas is not kept in this browser yet", ru: "Сети нет, а в этом браузере mikas ещё не сохранён" },
   offline_do: {
     en: "Connect to the Internet and reload the page. After the first visit mikas starts without a network.",

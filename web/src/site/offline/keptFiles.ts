@@ -16,17 +16,20 @@ const INDEX = "index.html";
 /** Requests at the same time. */
 const AT_ONCE = 4;
 
+/** How the names of the caches of the site at `scope` begin. Other sites of the same origin have caches, too. */
+export const kindOf = (scope: URL): string => `mikas ${scope.pathname} `;
+
 export class KeptFiles {
   private readonly prefix: string;
 
-  /** `scope`: the address of the site. Other sites of the same origin have caches, too. */
+  /** `scope`: the address of the site. */
   constructor(
     private readonly version: string,
     private readonly scope: URL,
     private readonly caches: CacheStorage,
     private readonly fetch: typeof globalThis.fetch,
   ) {
-    this.prefix = `mikas ${scope.pathname} `;
+    this.prefix = kindOf(scope);
   }
 
   /** Load all files of this version; what did not change is taken over from the version before. Throws unless all are here and whole. */

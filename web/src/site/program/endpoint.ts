@@ -1,6 +1,6 @@
 // The page's end of one worker: requests and sockets of the page as messages. Nothing is sent before the program has started.
 import { Exchange } from "./exchange";
-import type { FromWorker, Headers as Pairs, Progress, Situation, ToWorker } from "./messages";
+import type { Broken, FromWorker, Headers as Pairs, Progress, Situation, ToWorker } from "./messages";
 import { WorkerSocket } from "./workerSocket";
 
 /** What is needed of a Worker. */
@@ -9,6 +9,16 @@ export interface Port {
   onmessage: ((event: MessageEvent<FromWorker>) => void) | null;
   onerror: ((event: ErrorEvent) => void) | null;
   terminate(): void;
+}
+
+/** There is no program: as without a network, and why. */
+export class ProgramEnded extends TypeError {
+  constructor(
+    message: string,
+    readonly why: Broken["why"],
+  ) {
+    super(message);
+  }
 }
 
 interface Conversation {
@@ -86,14 +96,14 @@ export class Endpoint {
     else if (message.kind === "ready") {
       this.started = true;
       this.start();
-    } else if (message.kind === "broken") this.end(message.message);
+    } else if (message.kind === "broken") this.end(message.message, message.why);
     else this.conversations.get(message.id)?.receive(message);
   }
 
-  private end(message: string): void {
+  private end(message: string, why?: Broken["why"]): void {
     if (this.ended !== null) return;
     this.ended = message;
-    this.fail(new TypeError(message));
+    this.fail(new ProgramEnded(message, why));
     for (const conversation of [...this.conversations.values()]) conversation.lose(message);
     if (this.started) this.onended?.(message);
   }

@@ -1,5 +1,7 @@
 // The messages between the page and a worker that runs the program. `id`: chosen by the page, one for each request or socket.
 
+import type { StorageReason } from "../storage/errors";
+
 export type Headers = [name: string, value: string][];
 
 export type ToWorker =
@@ -23,8 +25,8 @@ export type FromWorker =
   /** The start: bytes of the program that are here, and what is being done. */
   | { kind: "progress"; loaded: number; total: number; stage: string }
   | { kind: "ready" }
-  /** The program could not start, or can't go on. */
-  | { kind: "broken"; message: string }
+  /** The program could not start, or can't go on. `why`: the kept files can't be opened. */
+  | { kind: "broken"; message: string; why?: StorageReason }
   /** The answer to a request: its head, its body in parts, its end; or it failed without one. */
   | { kind: "head"; id: number; status: number; headers: Headers }
   | { kind: "body"; id: number; data: Uint8Array<ArrayBuffer> }
@@ -35,6 +37,7 @@ export type FromWorker =
   | { kind: "message"; id: number; data: string }
   | { kind: "closed"; id: number; code: number; reason: string };
 
+export type Broken = Extract<FromWorker, { kind: "broken" }>;
 export type Progress = Extract<FromWorker, { kind: "progress" }>;
 
 /** The worker's name says what it does: holds the line and the storage, or only reads recordings. */

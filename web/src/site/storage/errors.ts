@@ -1,13 +1,15 @@
 // What can go wrong in the kept files: opening them at the start, and a call of Python's.
 
+export type StorageReason =
+  | "held" // another tab, or another worker, has them open
+  | "newer" // a later version of the site wrote them; nothing was changed
+  | "missing" // this browser, or this private window, gives no files to a page
+  | "alone"; // this browser lets only one worker open a file: there can be no second, reading one
+
 /** Why the kept files can't be opened. The texts for the user are the page's. */
 export class StorageError extends Error {
   constructor(
-    readonly reason:
-      | "held" // another tab, or another worker, has them open
-      | "newer" // a later version of the site wrote them; nothing was changed
-      | "missing" // this browser, or this private window, gives no files to a page
-      | "alone", // this browser lets only one worker open a file: there can be no second, reading one
+    readonly reason: StorageReason,
     cause?: unknown,
   ) {
     super(`kept files: ${reason}`, { cause });

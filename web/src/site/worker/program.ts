@@ -32,6 +32,11 @@ const pageOf = (post: Post) => ({
   closed: (id: number, code: number, reason: string) => post({ kind: "closed", id, code, reason }),
 });
 
+/** Call `then` when Python has failed for good: out of memory, for one. Without that, whoever has asked it would wait for ever. */
+export function endsWith(python: PyodideAPI, then: (error: unknown) => void): void {
+  (python as unknown as { _api: { on_fatal: (error: unknown) => void } })._api.on_fatal = then;
+}
+
 /**
  * Start the program, and return what takes the messages of the page. `files`: what is kept; null: in memory, gone with the tab. `more`: for
  * the module `mikas_host`, the adapters.
@@ -46,6 +51,7 @@ export async function startProgram(
   if (files) mount(python.FS as unknown as EmscriptenFs, KEPT, files);
   else python.FS.mkdirTree(KEPT);
   python.FS.chdir(KEPT);
+  endsWith(python, (error) => post({ kind: "broken", message: String(error) }));
   const host = { ...waits, ...more, page: pageOf(post) };
   python.registerJsModule("mikas_host", host);
   const start = python.pyimport("mikas.browser.start") as PyProxy & Record<"prepare" | "begin", PyCallable>;

@@ -1,5 +1,6 @@
 // A worker that runs the program: the line's, which has the cable and writes what is kept, or the reader's. Its name says which.
 import type { FromWorker, Role, ToWorker } from "../program/messages";
+import { StorageError } from "../storage/errors";
 import { opfsFolder } from "../storage/folder";
 import { Pool } from "../storage/pool";
 import { PoolView } from "../storage/view";
@@ -42,4 +43,7 @@ function closeTheDoors(): void {
   }
 }
 
-begin().catch((error: unknown) => post({ kind: "broken", message: error instanceof Error ? error.message : String(error) }));
+begin().catch((error: unknown) => {
+  const why = error instanceof StorageError ? error.reason : undefined;
+  post({ kind: "broken", message: error instanceof Error ? error.message : String(error), why });
+});
