@@ -46,6 +46,7 @@ export const t = dictionary({
     en: "Recordings are kept in this browser, on this computer. Clearing the browser's data of this page deletes them, and so does closing a private window: download what matters.",
     ru: "Записи хранятся в этом браузере, на этом компьютере. Очистка данных браузера для этой страницы удалит их, закрытие приватного окна тоже: важное скачайте.",
   },
+  left: { en: "Room for recordings: {left}.", ru: "Место для записей: {left}." },
   offline: { en: "mikas is kept in this browser: it starts without a network, too.", ru: "mikas сохранён в этом браузере: запустится и без сети." },
   new_version: {
     en: "It is loaded already. The page reloads; not while the car is connected.",

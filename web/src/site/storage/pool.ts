@@ -2,7 +2,6 @@
 //
 //     const pool = await Pool.open(await opfsFolder());   // in a worker; rejects with a StorageError
 //     mount(pyodide.FS, "/kept", pool);                   // from now on Python's open() and os work there
-//     pool.usage, pool.damaged                            // for the page
 //     pool.close();                                       // not needed: a killed worker loses nothing
 //
 // Opening a file of OPFS is asynchronous, Python's open() is not. So all files of the pool are opened at
@@ -32,11 +31,13 @@ const FEW = 16;
 const ENOUGH = 32;
 /** Between two headers that only say that the file has changed, ms. */
 const NOTED_EVERY = 1000;
+/** How a recording begins. */
+const PCAPNG = [0x0a, 0x0d, 0x0d, 0x0a];
 const LONGEST_NAME = 255; // Emscripten's scandir cuts off the rest
 
 export class Pool {
-  /** Slots with data, but without a whole header: kept as they are, and not used. */
-  readonly damaged: { name: string; bytes: number }[] = [];
+  /** Slots whose data have no whole header, and are no recording: kept as they are, and not used. */
+  readonly damaged: string[] = [];
   readonly #files = new Set<KeptFile>();
   readonly #slots: Slot[] = [];
   readonly #free: Slot[] = []; // the first is used first, so a reader has time to see that a file is gone
@@ -67,12 +68,6 @@ export class Pool {
   /** All files. */
   all(): Iterable<KeptFile> {
     return this.#files;
-  }
-
-  /** Number of files, and bytes in them. */
-  get usage(): { files: number; bytes: number } {
-    const sizes = [...this.#files].map((file) => file.size);
-    return { files: sizes.length, bytes: sizes.reduce((sum, size) => sum + size, 0) };
   }
 
   /** Make an empty file of a name that is free. */
@@ -179,12 +174,31 @@ export class Pool {
     // Not before all were looked at: nothing is written to a pool of a newer format.
     if (states.some(({ state }) => state === "newer")) throw new StorageError("newer");
     const slots = (wanted: State) => states.filter((it) => it.state === wanted).map((it) => it.slot);
-    for (const { name, size } of slots("torn")) this.damaged.push({ name, bytes: size });
     this.#generation = Math.max(0, ...this.#slots.map((slot) => slot.header.generation));
     const { used, replaced } = winners(slots("used"));
     for (const slot of used) this.#files.add(new KeptFile(slot));
     for (const slot of [...slots("free"), ...replaced]) this.#release(slot);
     this.#empty.push(...slots("empty"));
+    for (const slot of slots("torn")) if (!this.#recover(slot)) this.damaged.push(slot.name);
+  }
+
+  /** List a recording that has lost its header, and so its name; return false for other data. */
+  #recover(slot: Slot): boolean {
+    try {
+      const begin = new Uint8Array(PCAPNG.length);
+      slot.read(begin, 0);
+      if (PCAPNG.some((byte, at) => begin[at] !== byte)) return false;
+      const known = new Set([...this.#files].map(({ path }) => path));
+      let path = `recordings/recovered ${slot.name}.pcapng`;
+      for (let n = 2; known.has(path); n++) path = `recordings/recovered ${slot.name} (${n}).pcapng`;
+      const generation = ++this.#generation;
+      slot.save({ generation, id: generation, mtime: this.now(), path });
+      slot.flush();
+      this.#files.add(new KeptFile(slot));
+      return true;
+    } catch {
+      return false; // the next start tries it again
+    }
   }
 
   async #openSlot(name: string): Promise<Slot> {
