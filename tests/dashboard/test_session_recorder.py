@@ -35,7 +35,7 @@ def test_a_recording_is_made_with_its_markers_and_can_be_read_again(idle):
 
 
 def more_samples(idle):
-    """Wait until the recording has more samples than now: a marker has the time of the latest."""
+    """Wait until the recording has more samples than now."""
     before = idle.get("/state")["recording"]["samples"]
     idle.until(lambda it: it["state"]["recording"]["samples"] > before)
 
@@ -96,6 +96,23 @@ def test_a_marker_is_removed_and_brought_back_while_recording_and_afterwards(idl
     assert kept() == [(first, "hot")]
     assert idle.delete("/recording/marker", 404, time=1.5)["ru"]
     assert idle.delete("/recordings/a.pcapng/marker", 404, time=1.5)["ru"]
+
+
+def test_markers_between_two_samples_have_times_of_their_own(idle):
+    idle.post("/recording/start", {"name": "a"})
+    idle.until(lambda it: it["state"]["recording"]["samples"] > 3)
+    idle.cars.pull()
+    idle.until(lambda it: it["state"]["line"] == "no-port")
+    pressed, marked = [], []
+    for label in ("first", "second", "third"):
+        pressed.append(idle.get("/state")["now"])
+        marked.append(idle.post("/recording/marker", {"label": label})["time"])
+    assert all(before <= time for before, time in zip(pressed, marked, strict=True))
+    assert marked == sorted(set(marked))
+    idle.post("/recording/stop")
+    events = idle.get("/recordings/a.pcapng")["events"]
+    kept = {it["label"]: it["time"] for it in events if it["kind"] == "marker"}
+    assert kept == dict(zip(("first", "second", "third"), marked, strict=True))
 
 
 def test_a_name_that_is_taken_gets_a_number(idle):

@@ -146,8 +146,8 @@ class SamplingThread(threading.Thread):
         return link.baud if (link := self._stoppable.link) else 9600
 
     def now(self) -> float:
-        """Return the time of the link's clock, also while no link is open."""
-        return self.port.now() if (link := self._stoppable.link) is None else link.now()
+        """Return the time of the clock of the events, also while no link is open."""
+        return self.port.now()
 
     def call(self, job: Callable[[Ecu], T]) -> Future[T]:
         """Run `job(ecu)` between two cycles, as `Acquisition.call`."""

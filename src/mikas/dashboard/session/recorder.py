@@ -125,8 +125,8 @@ class SessionRecorder:
 
     def marker(self, label: str) -> float:
         """Mark this moment, and return its time. Without a recording it is only shown."""
-        time = self.recorder.marker(label=label)
-        time = self._connection.now() if time is None else time
+        time = self._connection.now()  # not that of the latest sample: several may follow it
+        self.recorder.marker(time, label)
         status = self.recorder.status
         if status is not None and status.failure is None:
             self._marked[time] = status.path
