@@ -14,6 +14,7 @@ import pytest
 import mikas
 from dashboard.recordings_rig import record
 from dashboard.rig import ME, OTHER, rig
+from mikas.dashboard.library import service
 from mikas.recording import CaptureReader
 from mikas.recording.annotations.events import comment_of
 
@@ -149,6 +150,18 @@ def test_one_recording(desk, folder) -> None:
     assert kinds["marker"]["label"] == "here"
     assert kinds["gap"]["reason"] == {"en": "no echo", "ru": "нет эха"}
     assert kinds["unit"]["version_code"] == "0A"
+
+
+def test_a_marker_is_changed_without_reading_the_packets(desk, folder, monkeypatch) -> None:
+    events = desk.get("/recordings/drive.pcapng")["events"]
+    [marker] = [it for it in events if it["kind"] == "marker"]
+    with monkeypatch.context() as patch:
+        patch.setattr(service, "Recording", None)
+        desk.dashboard.library._open.clear()
+        desk.put("/recordings/drive.pcapng/marker", {"time": marker["time"], "label": "there"})
+        desk.put("/recordings/drive.pcapng/marker", {"time": 1.5, "label": "nowhere"}, 404)
+    events = desk.get("/recordings/drive.pcapng")["events"]
+    assert [it["label"] for it in events if it["kind"] == "marker"] == ["there"]
 
 
 def test_two_sessions_in_one_file(desk, folder) -> None:

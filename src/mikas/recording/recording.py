@@ -22,7 +22,6 @@ from mikas.recording.annotations.events import (
     RecordedUnit,
     catalogs_of,
     events_of,
-    had_marker,
     unit_of,
 )
 from mikas.recording.capture.notes import Kind, Note
@@ -124,10 +123,6 @@ class Recording:
     def events(self) -> tuple[Event, ...]:
         """The noted events: markers, gaps, states, alarms …, in the file's order."""
         return tuple(events_of(self.notes, self.catalog))
-
-    def had_marker(self, time: float) -> bool:
-        """Return whether a marker was set at exactly `time`; also one that was removed since."""
-        return had_marker(self.notes, time)
 
     def window(
         self, begin: float, end: float, points: int = 2000, names: Iterable[str] | None = None

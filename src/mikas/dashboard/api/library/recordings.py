@@ -37,9 +37,10 @@ from mikas.dashboard.library.service import RecordingService
 from mikas.dashboard.session.history import json_columns
 from mikas.dashboard.settings import check_folder
 from mikas.errors import UsageError
-from mikas.recording.annotations.events import comment_note, note_of
+from mikas.recording.annotations.events import comment_note, had_marker, note_of
 from mikas.recording.annotations.fields import LONGEST_COMMENT, LONGEST_LINE, LONGEST_TEXT
 from mikas.recording.capture.notes import Note
+from mikas.recording.capture.reader import CaptureReader
 from mikas.recording.capture.writer import append_note
 from mikas.recording.recording import Recording
 from mikas.recording.summary import Summary
@@ -307,7 +308,7 @@ def _marker_changed(
     dashboard: Dashboard, library: RecordingService, marker: Marker
 ) -> Callable[[RecordingFile], MarkerResponse]:
     def write(file: RecordingFile) -> MarkerResponse:
-        if not library.opened(file).had_marker(marker.time):
+        if not had_marker(CaptureReader(file.path).notes(), marker.time):
             raise NotFound(name=file.id)
         _append(dashboard, library, file, note_of(marker))
         return MarkerResponse(time=marker.time)
