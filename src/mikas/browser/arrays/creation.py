@@ -11,13 +11,12 @@ from typing import Any, Final
 
 from mikas.browser.arrays.dtypes import (
     bool_,
-    converted,
-    dtype,
     dtype_of,
     float64,
     int16,
     int32,
     int64,
+    kept,
     object_,
     one,
     promoted,
@@ -51,34 +50,12 @@ def array(given: Any, dtype: object = None) -> ndarray:  # noqa: ANN401  (a sequ
     if isinstance(given, ndarray):
         return given.copy() if wanted is None else given.astype(wanted)
     if isinstance(given, machine_array):
-        kept = _OF_MACHINE[given.typecode]
-        values = ndarray(given.tobytes() if kept is uint8 else given.tolist(), kept)
-        return values if wanted in (None, kept) else values.astype(wanted)
+        of = _OF_MACHINE[given.typecode]
+        values = ndarray(given.tobytes() if of is uint8 else given.tolist(), of)
+        return values if wanted in (None, of) else values.astype(wanted)
     if not isinstance(given, (list, tuple, range)):
         outside(f"array of {type(given).__name__}")
-    if wanted is None:
-        wanted = _common(given)
-    elif wanted is not object_:
-        _common(given)  # a sequence of sequences is an error
-    if wanted is int64 and isinstance(given, range):
-        return ndarray(given, int64)
-    if wanted is int64 and all(type(each) is int for each in given):
-        return ndarray(list(given), int64) if _fit(given) else outside("such long numbers")
-    return ndarray(converted(given, wanted), wanted)
-
-
-def _fit(given: Sequence[int]) -> bool:
-    return not given or (min(given) >= -(1 << 63) and max(given) < 1 << 63)
-
-
-def _common(given: Sequence[Any]) -> dtype:
-    """Return the type of some Python numbers."""
-    found = float64 if not len(given) else None
-    for kind in {type(each) for each in given}:
-        each = scalar_type(kind())
-        found = each if found is None else promoted(found, each)
-    assert found is not None
-    return found
+    return ndarray(*kept(given, wanted))
 
 
 def frombuffer(given: Any, dtype: object) -> ndarray:  # noqa: ANN401  (bytes)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, Final
 
 
@@ -88,6 +89,29 @@ def with_scalar(array: dtype, value: object) -> dtype:
     if array.kind in "iu" and single is int64:
         return array
     return promoted(array, single)
+
+
+def kept(given: Sequence[Any], wanted: dtype | None = None) -> tuple[Any, dtype]:
+    """Return Python's numbers as an array keeps them, and their type: `wanted`, or that of all."""
+    of = object_ if wanted is object_ else _common(given)  # which refuses sequences of sequences
+    of = wanted or of
+    if of is int64 and isinstance(given, range):
+        return given, of
+    if of is not int64 or not all(type(each) is int for each in given):
+        return converted(given, of), of
+    if given and not (min(given) >= -(1 << 63) and max(given) < 1 << 63):
+        raise NotImplementedError("whole numbers of more than 64 bits")
+    return list(given), of
+
+
+def _common(given: Sequence[Any]) -> dtype:
+    """Return the type of some Python numbers."""
+    found = float64 if not len(given) else None
+    for kind in {type(each) for each in given}:
+        each = scalar_type(kind())
+        found = each if found is None else promoted(found, each)
+    assert found is not None
+    return found
 
 
 def whole(number: Any, to: dtype) -> int:  # noqa: ANN401  (a number)

@@ -107,6 +107,13 @@ def all_finite(a: Values) -> bool:
     return total - total == 0
 
 
+def rising(a: Values) -> list[int]:
+    """Return the places of the values, rising, NaN last; equal ones in their order."""
+    if all_finite(a):
+        return sorted(range(len(a)), key=a.__getitem__)
+    return sorted(range(len(a)), key=lambda at: (isnan(a[at]), a[at]))
+
+
 def finite(a: Values) -> bytes:
     """Return which values are finite."""
     return b"\1" * len(a) if all_finite(a) else bytes([x - x == 0 for x in a])

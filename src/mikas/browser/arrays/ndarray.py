@@ -22,6 +22,7 @@ from mikas.browser.arrays.dtypes import (
     dtype_of,
     float64,
     int64,
+    kept,
     object_,
     one,
     uint8,
@@ -199,19 +200,11 @@ class ndarray:  # noqa: N801  (numpy's name; it has no hash; many operators)
             return (ndarray(places, int64),)
         return (ndarray(list(compress(places, mask)), int64),)
 
-    def searchsorted(self, values: Any, side: str = "left") -> Any:  # noqa: ANN401  (as `values`)
-        """Return where values belong in this rising array."""
-        from mikas.browser.arrays.ordering import searchsorted
-
-        return searchsorted(self, values, side)
-
     def argsort(self, *, kind: str) -> ndarray:
         """Return the places of the values, rising; equal ones in their order."""
-        from mikas.browser.arrays.ordering import rising
-
         if kind != "stable":
             outside(f"order {kind!r}")
-        return ndarray(rising(self.data), int64)
+        return ndarray(kernels.rising(self.data), int64)
 
     # One number of all
 
@@ -332,8 +325,6 @@ def _index(key: Any) -> ndarray:  # noqa: ANN401  (what stands in brackets)
 
 
 def _array(values: Any) -> ndarray:  # noqa: ANN401  (a list of numbers)
-    from mikas.browser.arrays.creation import array
-
     if not isinstance(values, (list, tuple)) or (isinstance(values, tuple) and values):
         outside(f"index {values!r}")
-    return array(values)
+    return ndarray(*kept(values))

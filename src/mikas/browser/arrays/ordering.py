@@ -4,30 +4,21 @@ from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
 from collections import Counter
-from collections.abc import Sequence
 from itertools import islice
-from math import isnan, nan
+from math import nan
 from typing import Any
 
 from mikas.browser.arrays import kernels
 from mikas.browser.arrays.creation import asarray, concatenate, is_scalar
 from mikas.browser.arrays.dtypes import bool_, float64, int64, uint8
-from mikas.browser.arrays.elementwise import equal, not_equal, subtract
-from mikas.browser.arrays.elementwise import isnan as _isnan
+from mikas.browser.arrays.elementwise import equal, isnan, not_equal, subtract
 from mikas.browser.arrays.ndarray import ndarray, outside
-
-
-def rising(data: Sequence[Any]) -> list[int]:
-    """Return the places of the values, rising, NaN last; equal ones in their order."""
-    if kernels.all_finite(data):
-        return sorted(range(len(data)), key=data.__getitem__)
-    return sorted(range(len(data)), key=lambda at: (isnan(data[at]), data[at]))
 
 
 def sort(values: Any) -> ndarray:  # noqa: ANN401  (an array)
     """Return the values, rising, NaN last."""
     source = asarray(values)
-    found: ndarray = source.take(ndarray(rising(source.data), int64))
+    found: ndarray = source.take(ndarray(kernels.rising(source.data), int64))
     return found
 
 
@@ -43,9 +34,12 @@ def searchsorted(values: Any, wanted: Any, side: str = "left") -> Any:  # noqa: 
             outside("search for NaN")
         return find(data, wanted)
     others = asarray(wanted)
-    if others.dtype is float64 and _isnan(others).any():
+    if others.dtype is float64 and isnan(others).any():
         outside("search for NaN")
     return ndarray([find(data, each) for each in others.data], int64)
+
+
+ndarray.searchsorted = searchsorted  # type: ignore[attr-defined]
 
 
 def diff(values: Any, prepend: Any = None) -> ndarray:  # noqa: ANN401  (an array, a number)
@@ -168,7 +162,7 @@ def array_equal(one: Any, other: Any, equal_nan: bool = False) -> bool:  # noqa:
     if not equal_nan or a.dtype is not float64 or b.dtype is not float64:
         return bool(equal(a, b).all())
     unequal = not_equal(a, b)
-    return bool((unequal ^ (_isnan(a) & _isnan(b))).any()) is False
+    return bool((unequal ^ (isnan(a) & isnan(b))).any()) is False
 
 
 def split(values: Any, places: Any) -> list[ndarray]:  # noqa: ANN401  (arrays)
