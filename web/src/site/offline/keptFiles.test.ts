@@ -19,10 +19,16 @@ class FakeCache {
 
 class FakeCaches {
   readonly all = new Map<string, FakeCache>();
+  broken = false;
 
   async open(name: string): Promise<FakeCache> {
     if (!this.all.has(name)) this.all.set(name, new FakeCache());
     return this.all.get(name)!;
+  }
+
+  async match(address: string, { cacheName }: { cacheName: string }): Promise<Response | undefined> {
+    if (this.broken) throw new DOMException("the disk is damaged", "UnknownError");
+    return this.all.get(cacheName)?.match(address);
   }
 
   async keys(): Promise<string[]> {
@@ -71,6 +77,14 @@ it("the page starts from what is kept, with the policy that a static host does n
   const script = await found(`${SITE}assets/a-1.js`);
   expect([script.headers.get("Content-Type"), script.headers.get("Content-Security-Policy")]).toEqual(["text/javascript", `${POLICY}; frame-ancestors 'none'`]);
   expect(await site("1").find(`${SITE}assets/b-1.js`)).toBe(undefined);
+});
+
+it("where nothing can be read the network is left", async () => {
+  await site("1").keep();
+  expect(await site("2").find(SITE)).toBe(undefined);
+  expect(await caches.keys()).toEqual(["mikas /tools/mikas/ 1"]);
+  caches.broken = true;
+  expect(await site("1").find(SITE)).toBe(undefined);
 });
 
 it("the policy is the page's own", () => {

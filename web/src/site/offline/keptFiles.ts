@@ -52,12 +52,12 @@ export class KeptFiles {
     for (const name of await this.names()) if (name !== this.prefix + this.version) await this.caches.delete(name);
   }
 
-  /** The kept file at this address, with the headers that a static host does not send; undefined: none. */
+  /** The kept file at this address, with the headers that a static host does not send; undefined: none, or none that can be read. */
   async find(address: string): Promise<Response | undefined> {
     const { pathname } = new URL(address);
     const path = pathname === this.scope.pathname ? INDEX : pathname.slice(this.scope.pathname.length);
-    const cache = await this.caches.open(this.prefix + this.version);
-    const found = await cache.match(this.address(path), { ignoreVary: true });
+    const options = { cacheName: this.prefix + this.version, ignoreVary: true };
+    const found = await this.caches.match(this.address(path), options).catch(() => undefined);
     if (!found) return undefined;
     const headers = new Headers(found.headers);
     headers.set("Content-Security-Policy", `${POLICY}; frame-ancestors 'none'`);

@@ -87,7 +87,6 @@ export class Endpoint {
 
   /** End the program at once; what is kept stays kept. */
   terminate(): void {
-    this.port.terminate();
     this.end("ended by the page");
   }
 
@@ -103,6 +102,7 @@ export class Endpoint {
   private end(message: string, why?: Broken["why"]): void {
     if (this.ended !== null) return;
     this.ended = message;
+    this.port.terminate(); // its memory is needed, and it has the cable
     this.fail(new ProgramEnded(message, why));
     for (const conversation of [...this.conversations.values()]) conversation.lose(message);
     if (this.started) this.onended?.(message);

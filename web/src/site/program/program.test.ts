@@ -280,6 +280,7 @@ describe("the reader", () => {
     void program.fetch("api/recordings/a/rows");
     await vi.waitFor(() => expect(workers.map(({ role }) => role)).toEqual(["line", "reader", "reader"]));
     expect(line().requests()).toEqual([]);
+    expect(workers.map(({ terminated }) => terminated)).toEqual([false, true, false]);
   });
 
   it("ends with the line's worker when another tab takes over", async () => {
