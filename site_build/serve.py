@@ -11,6 +11,7 @@ import sys
 import webbrowser
 from collections.abc import Callable
 from functools import partial
+from http import HTTPStatus
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 
@@ -34,10 +35,14 @@ class Handler(SimpleHTTPRequestHandler):
     extensions_map = _TYPES | {"": "application/octet-stream"}
 
     def end_headers(self) -> None:
-        # Names with a hash in them; a browser asks for all others again.
+        # Names with a hash in them; a browser asks for all others again, and for what is not there.
         hashed = self.path.lstrip("/").startswith(("assets/", "program-"))
-        self.send_header("Cache-Control", _FOREVER if hashed else "no-cache")
+        self.send_header("Cache-Control", _FOREVER if hashed and self._is_here else "no-cache")
         super().end_headers()
+
+    def send_response(self, code: int, message: str | None = None) -> None:
+        self._is_here = code < HTTPStatus.BAD_REQUEST
+        super().send_response(code, message)
 
     def log_message(self, format: str, *args: object) -> None:  # noqa: A002 (its own name)
         pass

@@ -54,6 +54,8 @@ def test_types_and_caching(tmp_path):
             assert (got.status, got.getheader("Content-Type")) == (200, kind), path
             assert caching in got.getheader("Cache-Control"), path
         assert response(port, "/../secret").status == 404
+        missing = response(port, "/program-0123/stdlib.zip")  # it may be there after the next build
+        assert (missing.status, missing.getheader("Cache-Control")) == (404, "no-cache")
 
 
 def test_a_port_that_is_taken_is_no_hindrance(tmp_path):
