@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextvars import ContextVar
-from typing import TypeVar
+from typing import Final, TypeVar
 
 T = TypeVar("T")
 
@@ -45,11 +45,21 @@ class Cancellation:
             _CURRENT.reset(token)
 
 
+_AT_EACH_CHECK: Final[list[Callable[[], object]]] = []
 _CURRENT: ContextVar[Cancellation | None] = ContextVar("cancellation", default=None)
+
+
+def at_each_check(act: Callable[[], object]) -> None:
+    """Call `act` at each check of long work: where threads take turns, it lets the others run."""
+    _AT_EACH_CHECK.append(act)
 
 
 def check_cancelled() -> None:
     """Raise `Cancelled` if the work of this thread is to end."""
     cancellation = _CURRENT.get()
-    if cancellation is not None and cancellation.requested:
+    if cancellation is None:
+        return
+    if cancellation.requested:
         raise Cancelled
+    for act in _AT_EACH_CHECK:
+        act()

@@ -10,6 +10,8 @@ import time
 import pytest
 
 from mikas.browser.suspension import get_ident, yield_turn
+from mikas.cancellation import check_cancelled
+from mikas.dashboard.library.work_thread import WorkThread
 
 from .threads_rig import LONG, SHORT, run
 
@@ -75,6 +77,23 @@ def test_a_bare_thread_says_its_error(monkeypatch):
     assert _thread.start_new_thread(divmod, (1, 0)) != get_ident()
     over.wait()
     assert isinstance(seen[0], ZeroDivisionError)
+
+
+def test_long_work_lets_the_others_run():
+    rung, over, ended = threading.Event(), threading.Event(), []
+
+    def work():
+        while not rung.is_set():
+            check_cancelled()
+
+    def end(result, failure):
+        ended.append((result, failure))
+        over.set()
+
+    WorkThread("long", work, end).start()
+    threading.Timer(0, rung.set).start()
+    over.wait()
+    assert ended == [(None, None)]
 
 
 def test_sleep_sleeps():

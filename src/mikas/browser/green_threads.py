@@ -3,7 +3,8 @@
 `install` replaces what `threading` is made of, the lock and the start of a thread. Everything above
 (`Condition`, `Event`, `queue`, executors, asyncio's and anyio's threads) is Python's own. Each
 thread is a call from JavaScript on a stack of its own. It runs until it waits, so two never run at
-once, and one that computes for long holds up all others: the reader worker exists for such work.
+once, and one that computes for long holds up all others. The reader worker exists for such work,
+which gives way besides, where it looks whether it is cancelled.
 """
 
 from __future__ import annotations
@@ -26,8 +27,11 @@ from mikas.browser.suspension import (
     end_thread,
     get_ident,
     use,
+    yield_turn,
 )
 
+_LONGEST_RUN: Final = 0.008  # s
+_gave_way = 0.0
 _idents: Final = itertools.count(MAIN + 1)
 
 
@@ -152,6 +156,14 @@ def sleep(seconds: float | SupportsIndex) -> None:
     if float(seconds) < 0:
         raise ValueError("sleep length must be non-negative")
     Wait().hold(float(seconds))
+
+
+def give_way() -> None:
+    """Let all others run, if that was not so for some milliseconds."""
+    global _gave_way
+    if time.perf_counter() - _gave_way > _LONGEST_RUN:
+        yield_turn()
+        _gave_way = time.perf_counter()
 
 
 def install(stacks: Stacks, run_sync: Callable[[Any], Any]) -> None:

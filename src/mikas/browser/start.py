@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal, Protocol
 
 from mikas.browser import arrays, green_threads, shallow_json
 from mikas.browser.event_loop import EventLoop
+from mikas.cancellation import at_each_check
 
 if TYPE_CHECKING:
     from mikas.browser.asgi import Page, PageServer
@@ -47,6 +48,7 @@ def prepare(host: Host, run_sync: Callable[..., Any]) -> None:
     # ones are elsewhere meanwhile: it would crash. See `_collect`.
     gc.disable()
     green_threads.install(host, run_sync)
+    at_each_check(green_threads.give_way)
     arrays.install()
     shallow_json.install()
 
