@@ -22,6 +22,7 @@ from typing import Final
 
 import numpy as np
 
+from mikas.cancellation import check_cancelled
 from mikas.catalog import Catalog
 from mikas.catalog.conversion import Conversion
 from mikas.recording.capture.reader import Problem, Source
@@ -116,6 +117,7 @@ class TableReader:
         """Yield the exchanges, with their responses with data."""
         ports: dict[Source, ResponseClassifier] = {}
         for item in read_columns(self.path):
+            check_cancelled()
             if isinstance(item, Problem):
                 note(item)
                 continue
