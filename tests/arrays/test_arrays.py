@@ -222,6 +222,7 @@ def test_parts_reduced(values, data):
         at = at[: array.size]
         np.fmin.at(kept, at, array[: at.size])
         np.fmax.at(kept, at, array[: at.size] + 1)
+        np.fmin.at(kept, at[::-1], array[: at.size])
         return kept
 
     same(put, *two)

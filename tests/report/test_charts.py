@@ -9,12 +9,12 @@ import pytest
 
 from mikas.catalog import shipped
 from mikas.report.charts import chart
-from mikas.report.measurements.statistics import Envelope
+from mikas.report.measurements.statistics import BlockTimes, Envelope
 
 
 def drawn(seconds, values, pauses=()):
-    curve = Envelope(0.0)
-    curve.add(np.linspace(0.0, seconds, len(values)), np.array(values, float))
+    curve = Envelope()
+    curve.add(BlockTimes(np.linspace(0.0, seconds, len(values)), 0.0), np.array(values, float))
     return chart(shipped().channel("TWAT"), curve, seconds, "en", pauses=pauses)
 
 
@@ -40,8 +40,8 @@ def test_many_gaps_are_as_many_bars_as_can_be_seen():
 
 
 def labels(name, values):
-    curve = Envelope(0.0)
-    curve.add(np.linspace(0.0, 60, len(values)), np.array(values, float))
+    curve = Envelope()
+    curve.add(BlockTimes(np.linspace(0.0, 60, len(values)), 0.0), np.array(values, float))
     drawing = chart(shipped().channel(name), curve, 60, "en").replace("−", "-")
     return [float(found) for found in re.findall(r'class="value"[^>]*>([^<]*)<', drawing)]
 

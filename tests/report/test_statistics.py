@@ -7,7 +7,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mikas.report.measurements.statistics import COLUMNS, Envelope, ValueCounts, is_inside
+from mikas.report.measurements.statistics import (
+    COLUMNS,
+    BlockTimes,
+    Envelope,
+    ValueCounts,
+    is_inside,
+)
 
 NAN = float("nan")
 
@@ -63,10 +69,10 @@ def test_a_curve_keeps_every_spike(pieces, step, seed) -> None:
     random = np.random.default_rng(seed)
     values = random.random(pieces * 25)
     times = 1e9 + np.arange(values.size) * step
-    curve = Envelope(1e9)
+    curve = Envelope()
     for piece in range(pieces):
         part = slice(piece * 25, piece * 25 + 25)
-        curve.add(times[part], values[part])
+        curve.add(BlockTimes(times[part], 1e9), values[part])
     assert curve.least.size == curve.most.size == COLUMNS
     assert np.nanmin(curve.least) == values.min()
     assert np.nanmax(curve.most) == values.max()
@@ -78,6 +84,6 @@ def test_a_curve_keeps_every_spike(pieces, step, seed) -> None:
 
 
 def test_a_curve_without_values_stays_empty() -> None:
-    curve = Envelope(0.0)
-    curve.add(np.array([0.0, 1.0, -3.0]), np.array([NAN, NAN, 5.0]))
+    curve = Envelope()
+    curve.add(BlockTimes(np.array([0.0, 1.0, -3.0]), 0.0), np.array([NAN, NAN, 5.0]))
     assert np.isnan(curve.most).all()

@@ -6,7 +6,7 @@ A single number applies to each value of an array; two numbers give a number.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from itertools import accumulate, pairwise
 from typing import Any, Final
 
@@ -141,15 +141,18 @@ class ufunc:  # noqa: N801  (numpy's name)
         if self.__name__ not in ("fmin", "fmax") or target.dtype is not float64:
             outside(f"{self.__name__}.at")
         data = target._writable()  # noqa: SLF001  (its own array)
-        count = len(data)
+        count, extreme = len(data), _LEAST_OR_GREATEST[self.__name__][0]
         if len(places) and not (-count <= places.min() and places.max() < count):
             raise IndexError("a place outside of the array")
-        if self.__name__ == "fmin":
-            for place, value in zip(places.data, values.data, strict=True):
+        pairs: Iterable[tuple[int, float]] = zip(places.data, values.data, strict=True)
+        if kernels.all_finite(values.data) and places.data == sorted(places.data):
+            pairs = kernels.of_runs(places.data, values.data, extreme)
+        if extreme is min:
+            for place, value in pairs:
                 if not data[place] <= value and value == value:  # noqa: PLR0124
                     data[place] = value
         else:
-            for place, value in zip(places.data, values.data, strict=True):
+            for place, value in pairs:
                 if not data[place] >= value and value == value:  # noqa: PLR0124
                     data[place] = value
 

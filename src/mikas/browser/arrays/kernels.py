@@ -6,7 +6,8 @@ in a comprehension. Nothing here knows arrays: values are lists, ranges, or byte
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from bisect import bisect_right
+from collections.abc import Callable, Iterator, Sequence
 from math import ceil, copysign, floor, inf, isnan, nan
 from typing import Any, Final, NamedTuple
 
@@ -112,6 +113,17 @@ def rising(a: Values) -> list[int]:
     if all_finite(a):
         return sorted(range(len(a)), key=a.__getitem__)
     return sorted(range(len(a)), key=lambda at: (isnan(a[at]), a[at]))
+
+
+def of_runs(
+    places: Sequence[int], values: Values, extreme: Callable[[Values], Any]
+) -> Iterator[tuple[int, Any]]:
+    """Yield each of the rising places once, with the extreme of its values."""
+    begin = 0
+    while begin < len(places):
+        end = bisect_right(places, places[begin], begin)
+        yield places[begin], extreme(values[begin:end])
+        begin = end
 
 
 def finite(a: Values) -> bytes:

@@ -13,7 +13,12 @@ import numpy as np
 
 from mikas.catalog import Catalog
 from mikas.report.measurements.alarms import Alarm, AlarmCollector, Channel, limits_of
-from mikas.report.measurements.statistics import ChannelStatistics, Envelope, ValueCounts
+from mikas.report.measurements.statistics import (
+    BlockTimes,
+    ChannelStatistics,
+    Envelope,
+    ValueCounts,
+)
 from mikas.report.measurements.warm_idle import WarmIdle, WarmIdleFinder
 from mikas.sampling.derived import SampleRows
 from mikas.sampling.events import Event
@@ -75,14 +80,15 @@ class MeasurementCollector:
             return
         if self._began is None:
             self._began = float(rows.times[0])
-            self._curves = {each.name: Envelope(self._began) for each in self._channels}
+            self._curves = {each.name: Envelope() for each in self._channels}
+        times = BlockTimes(rows.times, self._began)
         idle = self._finder.find(rows)
         self._alarms.add(rows)
         for channel in self._channels:
             column = rows.values.get(channel.name)
             if column is None:
                 continue
-            self._curves[channel.name].add(rows.times, column)
+            self._curves[channel.name].add(times, column)
             if channel.name in self._whole:
                 self._whole[channel.name].add(column)
                 self._at_idle[channel.name].add(column[idle])

@@ -86,28 +86,44 @@ def is_inside(value: float, band: tuple[float, float]) -> bool:
     return band[0] - _INSIDE <= value <= band[1] + _INSIDE
 
 
+class BlockTimes:
+    """The times of a block of rows, for the envelopes of its channels: since `began`, and the
+    columns that they are in, computed once for a width. Those before it are not `is_inside`.
+    """
+
+    def __init__(self, times: Column, began: float) -> None:
+        self.is_inside = times >= began
+        self.since: Column = np.maximum(times - began, 0.0)
+        self._columns: dict[float, NDArray[np.intp]] = {}
+
+    def columns(self, width: float) -> NDArray[np.intp]:
+        """Return the columns of that width."""
+        if width not in self._columns:
+            place = (self.since / width).astype(np.intp)
+            self._columns[width] = np.minimum(place, COLUMNS - 1)  # rounding
+        return self._columns[width]
+
+
 class Envelope:
-    """Lowest and highest value of one channel per column of time since `began`; NaN: no values.
+    """Lowest and highest value of one channel per column of time; NaN: no values.
 
     A spike of one sample stays visible. When the columns are full, pairs of them are merged.
     """
 
-    def __init__(self, began: float) -> None:
-        self.began = began
+    def __init__(self) -> None:
         self.width = _FIRST_WIDTH
         self.least: Column = np.full(COLUMNS, np.nan)
         self.most: Column = np.full(COLUMNS, np.nan)
 
-    def add(self, times: Column, values: Column) -> None:
-        """Add values; NaN and times before `began` are ignored."""
-        valid = np.isfinite(values) & (times >= self.began)
-        times, values = times[valid], values[valid]
-        if not times.size:
+    def add(self, times: BlockTimes, values: Column) -> None:
+        """Add values; NaN and times before the beginning are ignored."""
+        valid = np.isfinite(values) & times.is_inside
+        if not valid.any():
             return
-        while times.max() - self.began >= COLUMNS * self.width:
+        last = times.since[valid].max()
+        while last >= COLUMNS * self.width:
             self._halve()
-        place = ((times - self.began) / self.width).astype(np.intp)
-        place = np.minimum(place, COLUMNS - 1)  # rounding
+        place, values = times.columns(self.width)[valid], values[valid]
         np.fmin.at(self.least, place, values)
         np.fmax.at(self.most, place, values)
 
@@ -119,5 +135,5 @@ class Envelope:
 
     @property
     def middles(self) -> Column:
-        """The time of each column, in seconds since `began`."""
+        """The time of each column, in seconds since the beginning."""
         return (np.arange(COLUMNS) + 0.5) * np.float64(self.width)
