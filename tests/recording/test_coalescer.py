@@ -77,6 +77,7 @@ def lines(draw):
 @example([(RECEIVED, bytes([value]), index * BYTE) for index, value in enumerate(b"abc\x0d" * 9)])
 @example([(RECEIVED, b"a", index * 0.9) for index in range(5)])
 @example([(RECEIVED, b"\0", BYTE), (RECEIVED, b"\0", BYTE), (RECEIVED, b"\r\0", 4.2 * BYTE)])
+@example([(RECEIVED, b"\0", BYTE), (RECEIVED, b"\0", BYTE), (RECEIVED, b"\r\0", 2.7 * BYTE)])
 def test_same_bytes_same_order_and_frames_begin_when_they_did(chunks):
     packets = coalesced(chunks)
     streams = [

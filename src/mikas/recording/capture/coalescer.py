@@ -99,14 +99,15 @@ class Coalescer:
         if length > _MOST_BYTES or time - self._first > _LONGEST:
             return False
         pause = (time - self._last) / self._byte_time - len(data)
+        # When the packet would begin by the time of this chunk, in byte times after its begin as
+        # the first chunk showed it.
+        begin = (time - self._seen_begin) / self._byte_time - length
+        earliest, latest = -_LATE, float(_ALL_PAUSES)
         if data.find(_TERMINATOR, 0, len(data) - 1) >= 0:
             # Another frame begins here; its time must be right, by the begin that will be written.
-            begin, early, most = self._begin, _CLOSE, _CLOSE
-        else:
-            begin, early, most = self._seen_begin, _LATE, _ALL_PAUSES
-        # How much later the packet would have to begin for the times of this chunk's bytes.
-        late = (time - begin) / self._byte_time - length
-        return pause <= _PAUSE and -early <= late <= most
+            written = (self._begin - self._seen_begin) / self._byte_time
+            earliest, latest = max(earliest, written - _CLOSE), written + _CLOSE
+        return pause <= _PAUSE and earliest <= begin <= latest
 
 
 _TERMINATOR: Final = bytes([TERMINATOR])
