@@ -114,7 +114,9 @@ class _Bench:
 
     @contextmanager
     def page_of_a_person(self, name: str = "") -> Iterator[Page]:
-        """A page whose files are kept on the disk, not in memory as in the others."""
+        """A page whose files are kept on the disk, not in memory as in the others, where each
+        write is another process' work: a millisecond.
+        """
         with TemporaryDirectory() as folder:
             context = self.playwright.chromium.launch_persistent_context(
                 folder, executable_path=self.program, args=list(_FLAGS), locale="en-GB"
@@ -131,7 +133,7 @@ class _Bench:
     @contextmanager
     def worker(self, role: str = "line") -> Iterator[Page]:
         """A page that runs one worker of the site and asks it."""
-        with self.page("bench.html") as page:
+        with self.page_of_a_person("bench.html") as page:
             self.begin(page, role)
             yield page
 

@@ -43,9 +43,9 @@ def ran(monkeypatch):
     numbers: list[int] = []
     through = PlanCycles.run
 
-    def counted(self, number):
+    def counted(self, number, **how):
         numbers.append(number)
-        return through(self, number)
+        return through(self, number, **how)
 
     monkeypatch.setattr(PlanCycles, "run", counted)
     return numbers

@@ -87,9 +87,17 @@ class Line:
         so many can have arrived. `confirms`: a `01` that confirms the synchronization (D13). Raises
         `NoEcho` or a `LineError`.
         """
-        wire, sent_at = self.send(body)
+        return self.finish(
+            self.interject(body), of_many=of_many, min_length=min_length, confirms=confirms
+        )
+
+    def finish(
+        self, wire: bytes, *, of_many: bool = False, min_length: int = 0, confirms: bool = False
+    ) -> Reply:
+        """As `exchange`, for the request `wire`, which `interject` has sent."""
+        self._await_echo(wire)
         return self.receive(
-            wire, sent_at, of_many=of_many, min_length=min_length, confirms=confirms
+            wire, self.sent_until, of_many=of_many, min_length=min_length, confirms=confirms
         )
 
     def send(self, body: bytes, *, hasty: bool = False) -> tuple[bytes, float]:
@@ -98,17 +106,7 @@ class Line:
         `hasty`: read the echo as it arrives, even before the wire can have carried it.
         """
         wire = self.interject(body)
-        if self.echo:
-            if not hasty:  # the whole echo, a little late: the response is later
-                self.link.gather(self.sent_until + self.link.byte_time / 2)
-            try:
-                self.echo_heard = self._check_echo(
-                    wire, self.sent_until + self.timing.response_timeout
-                )
-            except MikasError as error:
-                self._log_error(error)
-                raise
-            self.sent_until = max(self.sent_until, self.echo_heard)
+        self._await_echo(wire, hasty=hasty)
         return wire, self.sent_until
 
     def interject(self, body: bytes) -> bytes:
@@ -119,6 +117,18 @@ class Line:
         self._log_frame(">", wire)
         self.link.write(wire)
         return wire
+
+    def _await_echo(self, wire: bytes, *, hasty: bool = False) -> None:
+        if not self.echo:
+            return
+        if not hasty:  # the whole echo, a little late: the response is later
+            self.link.gather(self.sent_until + self.link.byte_time / 2)
+        try:
+            self.echo_heard = self._check_echo(wire, self.sent_until + self.timing.response_timeout)
+        except MikasError as error:
+            self._log_error(error)
+            raise
+        self.sent_until = max(self.sent_until, self.echo_heard)
 
     def _check_echo(self, wire: bytes, deadline: float) -> float:
         received = bytearray()

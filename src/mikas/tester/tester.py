@@ -10,7 +10,7 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from math import ceil, inf
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 from mikas import commands as c
 from mikas.errors import (
@@ -34,7 +34,16 @@ from mikas.tester.stream import Stream
 
 T = TypeVar("T")
 
+
+class _SentAhead(NamedTuple):
+    """A request that was sent before its exchange began: its body, and as it is on the wire."""
+
+    body: bytes
+    wire: bytes
+
+
 _ATTEMPTS_AT_UNKNOWN = 2  # a unit that does not know a command is silent each time (D10)
+_FORGOTTEN = 0.1  # s after which a request sent ahead is sent anew: its response's time is unknown
 _TURN = 0.02  # s that a waiting thread occupies the line at a time
 _STREAM_CODES = frozenset(c.StreamCyclic.CODES + c.StreamAtStroke.CODES)
 
@@ -65,6 +74,8 @@ class Tester:
         self._lock = threading.Lock()
         self._stream: Stream | None = None
         self._stream_thread: int | None = None
+        self._announced: c.Command[Any] | None = None
+        self._sent_ahead: _SentAhead | None = None
         self._known: set[int] = set()  # command codes that this unit has answered
 
     @property
@@ -107,6 +118,7 @@ class Tester:
         `AnswersLate`, `LinkLost`.
         """
         with self._holding():
+            self._sent_ahead = None  # the handshake waits until its response is over
             for attempt in range(self.retries + 1):
                 self._sync.mark_lost()
                 try:
@@ -179,6 +191,33 @@ class Tester:
             retries = self.retries if retries is None else retries
             return self._exchange(command, retries, trial=trial)
 
+    def announce(self, command: c.Command[Any]) -> None:
+        """Send `command`, which is repeatable, as soon as the next exchange has succeeded.
+
+        So the wire carries it while the caller interprets that response. The next exchange of an
+        equal command finds it sent; before any other one, its response is awaited and dropped.
+        Whoever announces calls `settle` at the end. Nothing is sent ahead on a line without an
+        echo, where a byte that no request caused could pass for the response (D2).
+        """
+        self._announced = command
+
+    def settle(self) -> None:
+        """Await and drop the response to a command that was sent ahead; raises nothing."""
+        self._announced = None
+        if self._sent_ahead is not None:
+            with self._holding():
+                self._settle()
+
+    def _settle(self) -> None:
+        ahead, self._sent_ahead = self._sent_ahead, None
+        if ahead is None:
+            return
+        self.statistics.requests += 1
+        try:
+            self._line.finish(ahead.wire)
+        except MikasError as error:  # the next request meets it
+            self._sync.mark_lost(error)
+
     def in_a_row(self, *commands: c.Command[T]) -> list[T]:
         """As `request` for each of `commands`, without another thread's request between them."""
         with self._holding():
@@ -206,22 +245,43 @@ class Tester:
         if command.code not in self._known:
             attempts = min(attempts, _ATTEMPTS_AT_UNKNOWN)
         while True:
-            self._ensure_in_sync()
+            wire = self._take_sent_ahead(command)
+            if wire is None:
+                self._ensure_in_sync()
             attempts -= 1
             try:
-                return self._once(command)
+                return self._once(command, wire)
             except LineError as error:
                 failed.append(error)
                 if not attempts:
                     raise self._verdict(command, error) from error
                 self.statistics.repeated += 1
 
-    def _once(self, command: c.Command[T]) -> tuple[T, Reply]:
+    def _take_sent_ahead(self, command: c.Command[Any]) -> bytes | None:
+        """Return `command` as it was sent ahead; None: it was not, or too long ago."""
+        ahead = self._sent_ahead
+        if ahead is None or self._sync.lost or ahead.body != command.body():
+            return None
+        if self.link.now() > self._line.sent_until + _FORGOTTEN:
+            return None
+        self._sent_ahead = None
+        return ahead.wire
+
+    def _send_ahead(self) -> None:
+        command, self._announced = self._announced, None
+        if command is not None and self._line.echo:
+            body = command.body()
+            self._sent_ahead = _SentAhead(body, self._line.interject(body))
+
+    def _once(self, command: c.Command[T], wire: bytes | None) -> tuple[T, Reply]:
+        """Exchange `command` once; `wire`: it was sent ahead."""
         self.statistics.requests += 1
         self._sync.mark_lost()  # until the exchange has succeeded; Ctrl-C may end it
         try:
             shortest = min(command.response_lengths(), default=0)
-            reply = self._line.exchange(command.body(), min_length=shortest)
+            if wire is None:
+                wire = self._line.interject(command.body())
+            reply = self._line.finish(wire, min_length=shortest)
             try:
                 value = command.read(reply.body)
             except MikasError as error:
@@ -235,6 +295,7 @@ class Tester:
             self._sync.keep()
             raise
         self._sync.keep()
+        self._send_ahead()
         self._known.add(command.code)
         return value, reply
 
@@ -330,12 +391,14 @@ class Tester:
         """
         while (now := self.link.now()) < until:
             with self._holding():
+                self._settle()
                 if self.link.read(min(until, now + _TURN)).data:
                     self._sync.mark_lost()
 
     def _ensure_in_sync(self) -> None:
         if self.version_code is None:
             raise usage_error("connect() comes first", "сначала нужен connect()")
+        self._settle()
         self._sync.resynchronize(self.version_code)
 
     @contextmanager

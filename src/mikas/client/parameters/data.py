@@ -72,6 +72,14 @@ class DataReader:
             found |= self._read([datum], limits)
         return found
 
+    def request_for(self, wanted: Sequence[Datum]) -> ReadParameters | None:
+        """Return the one request that reads `wanted`; None: it takes more, or is not known yet."""
+        if not self._requests.has_answered(wanted[0].code):
+            return None
+        limits = self._cache.limits()
+        part = self._not_refused(wanted, limits, again=False)
+        return self._requests.of(part) if 0 < len(part) <= limits.max_list else None
+
     def at_once(self, wanted: Sequence[Datum]) -> dict[int, RawDatum]:
         """Read `wanted` by one request that is not repeated; its failure teaches nothing.
 
@@ -205,13 +213,20 @@ class _Requests:
                     self._record([datum], data, reply)
         return bool(self._answered)
 
+    def of(self, part: Sequence[Datum]) -> ReadParameters:
+        """Return the request that `send` would send."""
+        return ReadParameters((part[0], part[0]) if self._is_sent_twice(part) else tuple(part))
+
+    def _is_sent_twice(self, part: Sequence[Datum]) -> bool:
+        return len(part) == 1 and part[0].code in self._ones and self.longest_list > 1
+
     def send(self, part: Sequence[Datum], *, halved: bool = False) -> dict[int, RawDatum]:
         """Request `part`; return its data by code, {} for an ambiguous 01.
 
         `halved`: `part` is half of a list without a response. Raises the tester's errors.
         """
         lone = part[0] if len(part) == 1 else None
-        if lone and lone.code in self._ones and self.longest_list > 1:
+        if lone and self._is_sent_twice(part):
             return self._send_twice(lone)
         retries = None
         if lone and lone.code not in self._answered:

@@ -137,6 +137,16 @@ class Parameters:
         read = self._data.single if method == "single" else self._data.batch
         return read(distinct(wanted), again=again)
 
+    def announce(self, wanted: Sequence[Parameter]) -> None:
+        """Announce (`Tester.announce`) the request that reads `wanted`, if it takes one."""
+        if (command := self._data.request_for(distinct(wanted))) is not None:
+            self.tester.announce(command)
+
+    def announce_list(self, wanted: tuple[Parameter, ...]) -> None:
+        """Announce the request that reads the unit's list, if it is set to `wanted`."""
+        if self._list.current == wanted:
+            self.tester.announce(c.ReadList(list_of(wanted)))
+
     def at_once(self, wanted: Sequence[Parameter]) -> dict[str, Reading]:
         """Read `wanted` by one request; errors and result: `DataReader.at_once`."""
         return self.readings(wanted, self._data.at_once(distinct(wanted)))

@@ -14,7 +14,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from contextlib import suppress
 from math import inf
-from typing import Literal, get_args
+from typing import Literal, NamedTuple, get_args
 
 from mikas.catalog import Parameter
 from mikas.client.parameters.parameters import Parameters, Reading
@@ -50,6 +50,13 @@ Requests = Sequence[Sequence[Parameter]]
 """The parameters of each request of a cycle."""
 
 
+class Turn(NamedTuple):
+    """One request of a cycle: its parameters, by 61, or by 63 if they are `listed`."""
+
+    parameters: Sequence[Parameter]
+    listed: bool = False
+
+
 def fixed_method(method: str) -> FixedMethod | None:
     """Return `method`, None for auto. Raises `UsageError` for any other text."""
     check_choice("method", method, METHODS)
@@ -78,12 +85,16 @@ class Poller(ABC):
 
     @abstractmethod
     def cycle(
-        self, requests: Requests = (), listed: Sequence[Parameter] = ()
+        self,
+        requests: Requests = (),
+        listed: Sequence[Parameter] = (),
+        then: Turn | None = None,
     ) -> dict[str, Reading]:
         """Run one cycle; return its readings by name: by 61 for `requests`, by 63 for `listed`.
 
-        A stream ignores both and returns its next response, or nothing yet. Raises a `LineError`, a
-        `NoConnection`, or an `EcuRefused` if the unit refuses the method.
+        `then`: how the next cycle begins, if it follows at once; it is sent before this returns. A
+        stream ignores all three and returns its next response, or nothing yet. Raises a
+        `LineError`, a `NoConnection`, or an `EcuRefused` if the unit refuses the method.
         """
 
     def refuses(self, parameters: Sequence[Parameter]) -> bool:
@@ -94,7 +105,8 @@ class Poller(ABC):
     def is_refusal(self, error: MikasError) -> bool:
         """Whether `error` of `cycle` may be the unit's refusal of the method or of a parameter."""
 
-    def close(self) -> None:  # noqa: B027  (only streams have to be ended)
+    @abstractmethod
+    def close(self) -> None:
         """Leave the line quiet; `cycle` may be called again. May raise a `LineError`."""
 
 
@@ -109,16 +121,36 @@ class RequestPoller(Poller):
         self._again = again
 
     def cycle(
-        self, requests: Requests = (), listed: Sequence[Parameter] = ()
+        self,
+        requests: Requests = (),
+        listed: Sequence[Parameter] = (),
+        then: Turn | None = None,
     ) -> dict[str, Reading]:
         readings: dict[str, Reading] = {}
-        for request in requests:
-            got = self._parameters.fetch(request, self._method, again=self._again)
-            readings |= self._parameters.readings(request, got)
-        self._again = False
+        turns = [Turn(request) for request in requests]
         if listed:
-            readings |= self._parameters.through_list(tuple(listed))
+            turns.append(Turn(listed, listed=True))
+        for turn, following in zip(turns, [*turns[1:], then], strict=True):
+            if following is not None and not self._again:
+                self._announce(following)
+            readings |= self._read(turn)
+        self._again = False
         return readings
+
+    def _announce(self, turn: Turn) -> None:
+        if turn.listed:
+            self._parameters.announce_list(tuple(turn.parameters))
+        else:
+            self._parameters.announce(turn.parameters)
+
+    def _read(self, turn: Turn) -> dict[str, Reading]:
+        if turn.listed:
+            return self._parameters.through_list(tuple(turn.parameters))
+        got = self._parameters.fetch(turn.parameters, self._method, again=self._again)
+        return self._parameters.readings(turn.parameters, got)
+
+    def close(self) -> None:
+        self._parameters.tester.settle()
 
     def is_refusal(self, error: MikasError) -> bool:
         return isinstance(error, EcuRefused | NoResponse | WrongLength)
@@ -146,6 +178,7 @@ class StreamPoller(Poller):
         self,
         requests: Requests = (),  # noqa: ARG002  (all cycles are equal)
         listed: Sequence[Parameter] = (),  # noqa: ARG002
+        then: Turn | None = None,  # noqa: ARG002
     ) -> dict[str, Reading]:
         """As `Poller.cycle`. A damaged response does not end the stream.
 

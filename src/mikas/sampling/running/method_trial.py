@@ -115,7 +115,7 @@ def run_trial(
                     cycles.poller.close()
                     context.jobs.run(ecu)
                     before, free = None, False
-                fresh = cycles.run(number)
+                fresh = cycles.run(number, goes_on=context.request.rate is None)
             except (NoConnection, SyncLost):
                 raise
             except LineError as error:

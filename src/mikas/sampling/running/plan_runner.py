@@ -8,7 +8,7 @@ from contextlib import suppress
 from mikas.catalog import Parameter
 from mikas.client import Ecu, Reading
 from mikas.client.ecu import poller_of
-from mikas.client.parameters.polling import STREAMS
+from mikas.client.parameters.polling import STREAMS, Turn
 from mikas.commands import Datum
 from mikas.errors import (
     EcuRefused,
@@ -60,16 +60,17 @@ class PlanCycles:
             return len(self._listed(number))
         return len(self._named(self.plan.due(number)))
 
-    def run(self, number: int) -> dict[str, Reading]:
+    def run(self, number: int, *, goes_on: bool = False) -> dict[str, Reading]:
         """Run cycle `number` (from 0) and return its readings by name.
 
-        Empty if none is due, or before a stream's first response. Raises a `LineError`, a
-        `NoConnection`, or an `EcuRefused` if the unit refuses the method; `SyncLost` also if
-        another unit may answer.
+        `goes_on`: the next cycle follows at once, so its first request is sent meanwhile. Empty if
+        none is due, or before a stream's first response. Raises a `LineError`, a `NoConnection`, or
+        an `EcuRefused` if the unit refuses the method; `SyncLost` also if another unit may answer.
         """
         requests = [self._named(request) for request in self.plan.requests(number)]
         try:
-            fresh = self.poller.cycle(requests, self._listed(number))
+            then = self._first_turn(number + 1) if goes_on else None
+            fresh = self.poller.cycle(requests, self._listed(number), then)
         except NoResponse:
             if self._streams:
                 self._identity_check.suspect()
@@ -77,6 +78,13 @@ class PlanCycles:
         if fresh:
             self._identity_check.check(self.ecu, self.poller.close)
         return fresh
+
+    def _first_turn(self, number: int) -> Turn | None:
+        """Return the first request of cycle `number`; None: it has none."""
+        for request in self.plan.requests(number):
+            return Turn(self._named(request))
+        listed = self._listed(number)
+        return Turn(listed, listed=True) if listed else None
 
     def _listed(self, number: int) -> list[Parameter]:
         return self._named(self.plan.fast) if self.plan.reads_list(number) else []
@@ -116,11 +124,12 @@ class PlanRunner:
 
         Raises `NoConnection` and `SyncLost`; with `strict` also the requested method's refusal.
         """
-        number = 0
+        number, goes_on = 0, False
         self._context.unended = None
         try:
             while not self._is_over():
-                if preferring is not None and self._context.first is not first:
+                others = preferring is not None and self._context.first is not first
+                if preferring is not None and others and not goes_on:  # else a cycle has begun
                     first = self._context.first
                     if preferring(first) != self._plan:
                         return True
@@ -131,7 +140,8 @@ class PlanRunner:
                     cycles = self._between
                 if not self._is_time_for(cycles):
                     continue
-                yield from self._cycle(cycles, number)
+                goes_on = cycles is self._cycles and self._goes_on and not others
+                yield from self._cycle(cycles, number, goes_on=goes_on)
                 number += 1
         finally:
             with suppress(LineError):  # the next exchange finds the line's fault
@@ -145,6 +155,12 @@ class PlanRunner:
             or (not self._failures and self._unsupported.dropped.is_due(self._now()))
         )
 
+    @property
+    def _goes_on(self) -> bool:
+        """Whether the next cycle follows at once."""
+        context = self._context
+        return context.request.rate is None and not context.jobs and context.is_current
+
     def _close(self) -> None:
         try:
             self._cycles.poller.close()
@@ -152,14 +168,14 @@ class PlanRunner:
             self._context.unended = error  # there may be no next exchange (D12)
             raise
 
-    def _cycle(self, cycles: PlanCycles, number: int) -> Iterator[Event]:
+    def _cycle(self, cycles: PlanCycles, number: int, *, goes_on: bool) -> Iterator[Event]:
         began = self._now()
         if not cycles.plan.sends_in(number):
             if cycles is self._cycles:
                 self._context.schedule_empty_cycle(began, self._length)
             return
         try:
-            fresh = cycles.run(number)
+            fresh = cycles.run(number, goes_on=goes_on)
         except (NoConnection, SyncLost):
             raise
         except MikasError as error:
