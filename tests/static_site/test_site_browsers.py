@@ -23,6 +23,10 @@ WITHOUT = {
 }
 
 
+ONLINE = "Object.defineProperty(Navigator.prototype, 'onLine', { get: () => true })"
+"""The network of the tests leads nowhere else."""
+
+
 @pytest.fixture
 def lacking(chromium, site):
     """Opens the site in a browser that lacks something: `lacking("serial", locale="ru-RU")`."""
@@ -62,8 +66,9 @@ def test_without_webassembly_the_page_says_so(lacking):
 
 @pytest.mark.parametrize("answer", [{"status": 404}, {"status": 200, "body": "damaged"}])
 def test_a_broken_load_says_what_to_do_and_can_be_repeated(chromium, site, answer):
-    with chromium.new_context(locale="en-GB") as context, site_tab(context, site.url) as tab:
-        tab.refused = True
+    with chromium.new_context(locale="en-GB") as context:
+        context.add_init_script(ONLINE)
+        tab = SiteTab(context.new_page(), site.url)
         context.route("**/program.pack", lambda route: route.fulfill(**answer))
         tab.page.goto(tab.url)
         tab.says("mikas could not start")

@@ -68,6 +68,7 @@ async function start(): Promise<void> {
 
 start().catch((error: unknown) => {
   const known = error instanceof ProgramEnded && (error.why === "held" || error.why === "newer") ? error.why : null;
-  const why = known ?? (navigator.onLine ? "broken" : "offline");
+  const kept = navigator.serviceWorker?.controller != null; // so no network is needed
+  const why = known ?? (navigator.onLine || kept ? "broken" : "offline");
   shown.start = { kind: "broken", message: error instanceof Error ? error.message : String(error), why };
 });
