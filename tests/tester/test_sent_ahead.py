@@ -117,6 +117,20 @@ def test_a_stream_begins_on_a_line_without_a_pending_response():
     right(tester)
 
 
+def test_nothing_follows_a_change_by_itself():
+    """The two writes that erase the faults stay together (§3)."""
+    unit = Watched()
+    tester = unit.connected()
+    heard = Requests(unit)
+    tester.announce(read(17))
+    tester.request(c.WriteParameter(16, DATA[16]))
+    tester.announce(read(17))
+    tester.in_a_row(*c.ERASE_FAULTS)
+    right(tester, 22)
+    writes = [command.body() for command in (c.WriteParameter(16, DATA[16]), *c.ERASE_FAULTS)]
+    assert list(heard) == [*writes, *bodies(22)]
+
+
 def test_without_an_echo_nothing_is_sent_ahead():
     unit = Watched(adapter=SILENT_ADAPTER)
     tester = unit.connected()

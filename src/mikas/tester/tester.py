@@ -118,7 +118,8 @@ class Tester:
         `AnswersLate`, `LinkLost`.
         """
         with self._holding():
-            self._sent_ahead = None  # the handshake waits until its response is over
+            # The handshake waits until the response of what was sent ahead is over.
+            self._announced = self._sent_ahead = None
             for attempt in range(self.retries + 1):
                 self._sync.mark_lost()
                 try:
@@ -189,10 +190,13 @@ class Tester:
         """
         with self._holding():
             retries = self.retries if retries is None else retries
-            return self._exchange(command, retries, trial=trial)
+            try:
+                return self._exchange(command, retries, trial=trial)
+            finally:
+                self._announced = None
 
     def announce(self, command: c.Command[Any]) -> None:
-        """Send `command`, which is repeatable, as soon as the next exchange has succeeded.
+        """Send `command` as soon as the next exchange has succeeded; both must be repeatable.
 
         So the wire carries it while the caller interprets that response. The next exchange of an
         equal command finds it sent; before any other one, its response is awaited and dropped.
@@ -221,6 +225,7 @@ class Tester:
     def in_a_row(self, *commands: c.Command[T]) -> list[T]:
         """As `request` for each of `commands`, without another thread's request between them."""
         with self._holding():
+            self._announced = None
             return [self._exchange(command, self.retries)[0] for command in commands]
 
     def _exchange(
@@ -295,7 +300,8 @@ class Tester:
             self._sync.keep()
             raise
         self._sync.keep()
-        self._send_ahead()
+        if command.repeatable:
+            self._send_ahead()
         self._known.add(command.code)
         return value, reply
 
