@@ -3,8 +3,7 @@
 export type StorageReason =
   | "held" // another tab, or another worker, has them open
   | "newer" // a later version of the site wrote them; nothing was changed
-  | "missing" // this browser, or this private window, gives no files to a page
-  | "alone"; // this browser lets only one worker open a file: there can be no second, reading one
+  | "missing"; // this browser, or this private window, gives no files to a page
 
 /** Why the kept files can't be opened. The texts for the user are the page's. */
 export class StorageError extends Error {

@@ -1,7 +1,7 @@
 // A folder in memory for the tests: it gets full, and it remembers every step, to be cut off anywhere.
 
 import { StorageError } from "./errors";
-import type { Folder, Handle, Holding } from "./folder";
+import type { Folder, Handle, Holding, View } from "./folder";
 
 type Step =
   | { kind: "make" | "flush"; name: string }
@@ -9,6 +9,7 @@ type Step =
   | { kind: "truncate"; name: string; size: number };
 
 export class FakeDisk implements Folder {
+  /** Whether a file can be opened twice. */
   shares = true;
   readonly files = new Map<string, Uint8Array>();
   readonly steps: Step[] = [];
@@ -32,6 +33,13 @@ export class FakeDisk implements Folder {
     this.#open.set(name, { holding: wanted, times: (held?.times ?? 0) + 1 });
     if (!this.files.has(name)) this.take({ kind: "make", name });
     return new FakeHandle(this, name, () => this.#open.get(name)!.times--);
+  }
+
+  async view(name: string): Promise<View> {
+    if (this.shares) return Object.assign(await this.open(name, "shared"), { renew: () => Promise.resolve() });
+    const view = new FakeSnapshot(this, name);
+    await view.renew();
+    return view;
   }
 
   /** Do a step, and remember it. */
@@ -133,6 +141,28 @@ class FakeHandle implements Handle {
   get #content(): Uint8Array {
     if (this.#closed) throw new DOMException("closed", "InvalidStateError");
     return this.disk.files.get(this.name)!;
+  }
+}
+
+/** What is in the file is seen at once, how long it is when it was renewed. */
+class FakeSnapshot extends FakeHandle implements View {
+  #size = 0;
+
+  constructor(disk: FakeDisk, name: string) {
+    super(disk, name, () => {});
+  }
+
+  async renew(): Promise<void> {
+    await Promise.resolve();
+    this.#size = super.getSize();
+  }
+
+  override read(into: Uint8Array, { at }: { at: number }): number {
+    return super.read(into.subarray(0, Math.max(0, this.#size - at)), { at });
+  }
+
+  override getSize(): number {
+    return this.#size;
   }
 }
 

@@ -3,7 +3,7 @@
 // In a dedicated worker only: elsewhere there are no sync access handles. Chromium reserves 1 MB for each
 // open file that has grown, so the usage of `navigator.storage.estimate()` is above what is kept.
 
-import { StorageError } from "./errors";
+import { errno, FileError, StorageError } from "./errors";
 
 /** An open file; a `FileSystemSyncAccessHandle` is one. */
 export interface Handle {
@@ -15,19 +15,28 @@ export interface Handle {
   close(): void;
 }
 
-/** "shared": others may have the file open, too, if they say the same. "alone": nobody else may. */
+/** "shared": others may have the file open, too, if they say the same, where the browser can do that. "alone": nobody else may. */
 export type Holding = "shared" | "alone";
 
+/** A file to read that another may have open, and writes. */
+export interface View extends Handle {
+  /** See how long the file is by now. */
+  renew(): Promise<void>;
+}
+
 export interface Folder {
-  /** Whether a file can be opened twice. Else all are opened alone, whatever was asked. */
-  readonly shares: boolean;
   names(): Promise<string[]>;
   /** Open the file, and make it if it is missing. Rejects with a `StorageError` if another holds it. */
   open(name: string, holding: Holding): Promise<Handle>;
+  /** Look at a file that was made "shared". */
+  view(name: string): Promise<View>;
 }
 
 // What is missing in TypeScript's types, or is there for workers only.
 declare const FileSystemSyncAccessHandle: { prototype: object };
+declare class FileReaderSync {
+  readAsArrayBuffer(part: Blob): ArrayBuffer;
+}
 interface FileHandle {
   createSyncAccessHandle(options: { mode: string }): Promise<Handle>;
 }
@@ -60,9 +69,6 @@ export async function opfsFolder(name = "pool"): Promise<Folder> {
 }
 
 class Opfs implements Folder {
-  // Browsers without the property ignore the mode, and open alone.
-  readonly shares = "mode" in FileSystemSyncAccessHandle.prototype;
-
   constructor(private readonly directory: FileSystemDirectoryHandle) {}
 
   async names(): Promise<string[]> {
@@ -82,4 +88,46 @@ class Opfs implements Folder {
       throw held ? new StorageError("held", error) : error;
     }
   }
+
+  async view(name: string): Promise<View> {
+    // Browsers without the property ignore the mode, and open alone.
+    if ("mode" in FileSystemSyncAccessHandle.prototype) return Object.assign(await this.open(name, "shared"), { renew: () => Promise.resolve() });
+    return Snapshot.of(await this.directory.getFileHandle(name));
+  }
+}
+
+/** A file that another has open alone: what is in it is seen at once, how long it is by `renew`. */
+class Snapshot implements View {
+  private constructor(
+    private readonly handle: FileSystemFileHandle,
+    private file: File,
+  ) {}
+
+  static async of(handle: FileSystemFileHandle): Promise<Snapshot> {
+    return new Snapshot(handle, await handle.getFile());
+  }
+
+  async renew(): Promise<void> {
+    this.file = await this.handle.getFile();
+  }
+
+  read(into: Uint8Array, { at }: { at: number }): number {
+    const bytes = new FileReaderSync().readAsArrayBuffer(this.file.slice(at, at + into.length));
+    into.set(new Uint8Array(bytes));
+    return bytes.byteLength;
+  }
+
+  getSize(): number {
+    return this.file.size;
+  }
+
+  readonly write = refuse;
+  readonly truncate = refuse;
+  readonly flush = refuse;
+
+  close(): void {}
+}
+
+function refuse(): never {
+  throw new FileError(errno.ROFS);
 }

@@ -1,11 +1,16 @@
 import { expect, test } from "vitest";
 import { FakeDisk } from "./fakeDisk";
+import type { Holding } from "./folder";
 import { Pool } from "./pool";
-import { bytes, content, error, find, randoms, textOf } from "./poolRig";
+import { bytes, content, find, randoms, textOf } from "./poolRig";
 import { PoolView } from "./view";
 
-test("a view sees what the pool does", async () => {
-  const disk = new FakeDisk();
+/** How a browser opens the files of the pool. */
+const HOLDINGS = ["shared", "alone"] as const;
+const diskOf = (holding: Holding): FakeDisk => Object.assign(new FakeDisk(), { shares: holding === "shared" });
+
+test.each(HOLDINGS)("a view sees what the pool does, whose files are open %s", async (holding) => {
+  const disk = diskOf(holding);
   const pool = await Pool.open(disk);
   const view = await PoolView.open(disk);
   const random = randoms(3);
@@ -24,8 +29,8 @@ test("a view sees what the pool does", async () => {
   }
 });
 
-test("a file that grows is seen to grow, and stays the same one", async () => {
-  const disk = new FakeDisk();
+test.each(HOLDINGS)("a file that grows is seen to grow, and stays the same one (%s)", async (holding) => {
+  const disk = diskOf(holding);
   let now = 0;
   const pool = await Pool.open(disk, () => now);
   const file = pool.create("x");
@@ -34,8 +39,8 @@ test("a file that grows is seen to grow, and stays the same one", async () => {
   expect(seen.id).toBe(file.id);
   now = 5000;
   pool.write(file, bytes("more"), 0);
-  expect(textOf(seen)).toBe("more");
   await view.refresh();
+  expect(textOf(seen)).toBe("more");
   expect(find(view, "x")).toBe(seen);
   expect(seen.mtime).toBe(5000);
 });
@@ -54,8 +59,8 @@ test("refreshes at the same time open each slot once", async () => {
   await Pool.open(disk);
 });
 
-test("the bytes of another file are never those of a deleted one", async () => {
-  const disk = new FakeDisk();
+test.each(HOLDINGS)("the bytes of another file are never those of a deleted one (%s)", async (holding) => {
+  const disk = diskOf(holding);
   const pool = await Pool.open(disk);
   const file = pool.create("x");
   pool.write(file, bytes("x"), 0);
@@ -78,11 +83,4 @@ test("a view writes nothing, and does not keep the pool from being opened", asyn
   expect(disk.steps.length).toBe(steps);
   await Pool.open(disk);
   view.close();
-});
-
-test("there is no view where files are opened alone", async () => {
-  const disk = new FakeDisk();
-  disk.shares = false;
-  await Pool.open(disk);
-  expect(await error(PoolView.open(disk))).toMatchObject({ reason: "alone" });
 });

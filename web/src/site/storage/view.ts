@@ -1,14 +1,11 @@
-// The kept files as another worker sees them that only reads: what `pool.ts` has open, opened once more.
+// The kept files as another worker sees them that only reads: what `pool.ts` has open, looked at once more.
 //
 //     const view = await PoolView.open(await opfsFolder());   // after the pool was opened there
 //     mount(pyodide.FS, "/kept", view);                       // every change there is refused: EROFS
-//     await view.refresh();                                   // before each request: new, renamed, deleted files
-//
-// Files that grow are seen to grow at once, without `refresh`. It works where a file of OPFS can be opened
-// twice ("readwrite-unsafe", Chromium from 121 on); elsewhere `open` rejects with the reason "alone".
+//     await view.refresh();                                   // before each request: new, renamed, deleted, longer files
 
-import { errno, FileError, StorageError } from "./errors";
-import type { Folder } from "./folder";
+import { errno, FileError } from "./errors";
+import type { Folder, View } from "./folder";
 import { isSlotName, KeptFile, Slot, winners } from "./slot";
 
 /** How often the headers are read again while the writer changes them. */
@@ -18,6 +15,7 @@ export class PoolView {
   /** Called after files were made, renamed or deleted. */
   onChange = (): void => {};
   readonly #slots = new Map<string, Slot>();
+  readonly #views: View[] = []; // of all slots
   #files = new Map<string, ViewedFile>(); // by slot, id and path
   #seen = ""; // the same, of the last look
   #last = Promise.resolve();
@@ -25,7 +23,6 @@ export class PoolView {
   private constructor(private readonly folder: Folder) {}
 
   static async open(folder: Folder): Promise<PoolView> {
-    if (!folder.shares) throw new StorageError("alone");
     const view = new PoolView(folder);
     await view.refresh();
     return view;
@@ -43,16 +40,19 @@ export class PoolView {
   }
 
   close(): void {
-    for (const { handle } of this.#slots.values()) handle.close();
+    for (const view of this.#views.splice(0)) view.close();
     this.#slots.clear();
   }
 
   async #refresh(): Promise<void> {
     const names = (await this.folder.names()).filter(isSlotName);
     const added = names.filter((name) => !this.#slots.has(name));
+    await Promise.all(this.#views.map((view) => view.renew()));
     await Promise.all(
       added.map(async (name) => {
-        this.#slots.set(name, new Slot(name, await this.folder.open(name, "shared")));
+        const view = await this.folder.view(name);
+        this.#views.push(view);
+        this.#slots.set(name, new Slot(name, view));
       }),
     );
     const former = this.#seen;

@@ -14,7 +14,10 @@ const post = (message: FromWorker, transfer: Transferable[] = []): void => self.
 
 async function begin(): Promise<void> {
   const progress = (loaded: number, total: number) => post({ kind: "progress", loaded, total, stage: "program" });
-  const [python, files] = await Promise.all([startPython(progress), keptFiles()]);
+  const kept = keptFiles();
+  // A reader that can read nothing is not worth the start of Python.
+  if (role === "reader") await kept;
+  const [python, files] = await Promise.all([startPython(progress), kept]);
   const serial = followAdapters(role === "line" ? (navigator as { serial?: Serial }).serial : undefined);
   const take = await startProgram(python, role, files, post, { serial });
   closeTheDoors();
