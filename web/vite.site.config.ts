@@ -2,6 +2,7 @@
 // (`make site`): it says where to, and which files the workers will load.
 import { svelte } from "@sveltejs/vite-plugin-svelte";
 import { defineConfig } from "vite";
+import desktop from "./vite.config.ts";
 
 export default defineConfig({
   plugins: [svelte()],
@@ -12,8 +13,8 @@ export default defineConfig({
   build: {
     outDir: process.env.MIKAS_SITE_OUT ?? "../build/site",
     emptyOutDir: true,
-    // The first with JSPI, without which Python's blocking calls can't wait.
-    target: ["chrome137"],
+    // Browsers too old for the program are told so: they have to understand the page that says it.
+    target: desktop.build!.target,
     assetsInlineLimit: 0,
     modulePreload: { polyfill: false },
     reportCompressedSize: false,

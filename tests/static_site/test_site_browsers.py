@@ -53,7 +53,7 @@ def test_without_jspi_the_page_says_which_browsers_have_it(lacking):
     tab = lacking("jspi")
     tab.says("Chrome or Edge 137 or newer")
     tab.press("Русский")
-    tab.says("Нужен Chrome или Edge 137 или новее")
+    tab.says("Chrome или Edge 137 или новее")
     has_no_violations(tab, "jspi")
 
 

@@ -68,8 +68,8 @@ export const t = dictionary({
   choose: { en: "Choose the cable…", ru: "Выбрать кабель…" },
   s_not_chosen: { en: "No cable chosen yet", ru: "Кабель ещё не выбран" },
   s_not_chosen_do: {
-    en: "Plug the KKL cable into USB, press “Choose the cable…” and pick it in the browser's list. The browser asks once for each cable.",
-    ru: "Вставьте кабель KKL в USB, нажмите «Выбрать кабель…» и укажите его в списке браузера. О каждом кабеле браузер спросит один раз.",
+    en: "Plug the KKL cable into USB, press “Choose the cable…” and pick it in the browser's list. The browser asks once for each cable; Firefox at each visit, and at first for an add-on: that is its permission for this page.",
+    ru: "Вставьте кабель KKL в USB, нажмите «Выбрать кабель…» и укажите его в списке браузера. О каждом кабеле браузер спросит один раз; Firefox — при каждом открытии страницы, а в первый раз предложит дополнение: это его разрешение для этой страницы.",
   },
   s_several: { en: "Several adapters found", ru: "Найдено несколько адаптеров" },
   s_several_do: { en: "Choose one below.", ru: "Выберите один ниже." },

@@ -13,13 +13,13 @@ export const t = dictionary({
 
   "no-wasm": { en: "This browser can't run mikas", ru: "В этом браузере mikas не работает" },
   "no-wasm_do": {
-    en: "It has no WebAssembly, or it was switched off (by “enhanced security”, for example). Open this page in Chrome, Edge, Opera or Yandex Browser, version of 2025 or newer.",
-    ru: "В нём нет WebAssembly, или она выключена (например, режимом усиленной защиты). Откройте эту страницу в Chrome, Edge, Opera или Яндекс Браузере 2025 года или новее.",
+    en: "It has no WebAssembly, or it was switched off (by “enhanced security”, for example). Open this page in Chrome, Edge, Firefox, Opera or Yandex Browser, version of August 2026 or newer.",
+    ru: "В нём нет WebAssembly, или она выключена (например, режимом усиленной защиты). Откройте эту страницу в Chrome, Edge, Firefox, Opera или Яндекс Браузере, версии августа 2026 года или новее.",
   },
-  "no-jspi": { en: "mikas does not work in this browser: it is too old, or not made of Chromium", ru: "В этом браузере mikas не работает: он слишком старый или не на основе Chromium" },
+  "no-jspi": { en: "mikas does not work in this browser: it is too old", ru: "В этом браузере mikas не работает: он слишком старый" },
   "no-jspi_do": {
-    en: "mikas needs Chrome or Edge 137 or newer (June 2025), or an Opera or Yandex Browser made of it. Update the browser, or open this page in one of these. In this one neither the cable nor the virtual car works.",
-    ru: "Нужен Chrome или Edge 137 или новее (июнь 2025 года) либо Opera или Яндекс Браузер на его основе. Обновите браузер или откройте эту страницу в одном из них. В этом не работает ни кабель, ни виртуальный автомобиль.",
+    en: "Neither the cable nor the virtual car works here: it has no JSPI, by which the program waits. Update it, or open this page in Chrome or Edge 137 or newer (June 2025), Firefox 153 or newer (July 2026), or an Opera or Yandex Browser of that age. For Windows 7 and 8 there is no such Chrome, Edge or Firefox. On an iPhone, iPad or Mac, Safari 27 (September 2026) should run the virtual car, without the cable.",
+    ru: "Здесь не работает ни кабель, ни виртуальный автомобиль: в браузере нет JSPI, без которого программа не умеет ждать. Обновите его или откройте эту страницу в Chrome или Edge 137 или новее (июнь 2025 года), Firefox 153 или новее (июль 2026 года), Opera или Яндекс Браузере того же времени. Для Windows 7 и 8 таких Chrome, Edge и Firefox нет. На iPhone, iPad и Mac в Safari 27 (сентябрь 2026 года) должен работать виртуальный автомобиль, без кабеля.",
   },
   installed: {
     en: "Installed on a computer, mikas works with any browser.",

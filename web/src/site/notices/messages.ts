@@ -9,8 +9,8 @@ export const t = dictionary({
   },
   no_serial: { en: "This browser can't use the cable", ru: "Этот браузер не умеет работать с кабелем" },
   no_serial_do: {
-    en: "It has no Web Serial. On a computer open this page in Chrome, Edge, Opera or Yandex Browser. Safari, iPhones and iPads don't have it. Here the virtual car works, and recordings from elsewhere can be opened (Recordings, Add…).",
-    ru: "В нём нет Web Serial. Откройте эту страницу на компьютере в Chrome, Edge, Opera или Яндекс Браузере. В Safari, на iPhone и iPad этого нет. Здесь работает виртуальный автомобиль и открываются чужие записи («Записи», «Добавить…»).",
+    en: "It has no Web Serial, or it was switched off. On a computer open this page in Chrome, Edge, Opera, Yandex Browser or Firefox (153 or newer). Safari, iPhones and iPads don't have it. Here the virtual car works, and recordings from elsewhere can be opened (Recordings, Add…).",
+    ru: "В нём нет Web Serial, или он выключен. Откройте эту страницу на компьютере в Chrome, Edge, Opera, Яндекс Браузере или Firefox (153 или новее). В Safari, на iPhone и iPad этого нет. Здесь работает виртуальный автомобиль и открываются чужие записи («Записи», «Добавить…»).",
   },
   no_storage: { en: "This browser keeps no recordings", ru: "Этот браузер не хранит записи" },
   no_storage_do: {
@@ -26,6 +26,10 @@ export const t = dictionary({
   not_listed_plug: {
     en: "Plug it in, wait for a few seconds, and press “Choose the cable…” again. It is called by its chip: FT232R, USB-SERIAL CH340, CP2102. Try another USB socket, without a hub.",
     ru: "Вставьте его, подождите несколько секунд и снова нажмите «Выбрать кабель…». В списке он назван по микросхеме: FT232R, USB-SERIAL CH340, CP2102. Попробуйте другой разъём USB, без хаба.",
+  },
+  not_listed_android: {
+    en: "Android: few phones show USB cables to the browser yet. If the list stays empty, use a computer.",
+    ru: "Android: пока мало телефонов показывают браузеру кабели USB. Если список остаётся пустым, возьмите компьютер.",
   },
   not_listed_windows: {
     en: "Windows: open Device Manager. A yellow mark at “USB Serial”, “USB2.0-Serial” or “FT232R USB UART” means that the driver is missing: FTDI's VCP driver for FT232, WCH's CH341SER for CH340. Windows Update often finds it by itself. Then plug the cable in again.",

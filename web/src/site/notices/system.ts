@@ -1,8 +1,9 @@
 // The operating system, for advice on drivers and rights.
 
-export type System = "windows" | "linux" | "other";
+export type System = "windows" | "linux" | "android" | "other";
 
 export function systemOf(agent: string): System {
   if (/Windows/.test(agent)) return "windows";
-  return /Linux|CrOS/.test(agent) && !/Android/.test(agent) ? "linux" : "other";
+  if (/Android/.test(agent)) return "android";
+  return /Linux|CrOS/.test(agent) ? "linux" : "other";
 }
