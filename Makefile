@@ -33,7 +33,7 @@ gated := tests/test_framing.py tests/commands tests/catalog
 test: .venv/with-test web/node_modules/installed ## all tests but those in a browser and on a cable; framing, commands, catalog: 100 % branches
 	@$(venv_python) -m pytest -n logical --dist worksteal $(gated) --cov=mikas.framing --cov=mikas.commands --cov=mikas.catalog \
 	  --cov-fail-under=100 --cov-report=term-missing:skip-covered
-	@$(venv_python) -m pytest -n auto --dist worksteal $(foreach path,$(gated) tests/browser tests/static_site tests/on_pyodide tests/cable,--ignore=$(path))
+	@$(venv_python) -m pytest -n auto --dist worksteal $(foreach path,$(gated) tests/browser tests/static_site tests/in_firefox tests/on_pyodide tests/cable,--ignore=$(path))
 	@$(npm) test
 
 site: build/site/files.json ## the page without installation into build/site: a folder for any web server (docs/site.md)
@@ -41,8 +41,8 @@ site: build/site/files.json ## the page without installation into build/site: a 
 page: build/site/files.json ## that page on this computer, in a browser
 	@$(venv_python) -m site_build.serve
 
-browser: .venv/with-test build/site/files.json ## the tests that drive the page in Chromium, and those on Pyodide; pictures of all screens in build/screenshots
-	@$(venv_python) -m pytest -n logical --dist loadfile tests/browser tests/static_site tests/on_pyodide
+browser: .venv/with-test build/site/files.json ## the tests that drive the page in Chromium and Firefox, and those on Pyodide; pictures of all screens in build/screenshots
+	@$(venv_python) -m pytest -n logical --dist loadfile tests/browser tests/static_site tests/in_firefox tests/on_pyodide
 
 cable: .venv/with-test build/cable/unpacked ## the program on a cable under Linux' own driver, in QEMU: docs/cable.md
 	@MIKAS_REQUIRE_CABLE=1 $(venv_python) -m pytest -n 2 --dist worksteal tests/cable
