@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 
 import numpy as np
 
+from mikas.cancellation import check_cancelled
 from mikas.catalog import Catalog, Derived, Level, Parameter
 from mikas.errors import MikasError
 from mikas.sampling.alarms import Side
@@ -117,6 +118,7 @@ class AlarmCollector:
         for watch in self._watches:
             column = rows.values.get(watch.limit.name)
             if column is not None:
+                check_cancelled()
                 watch.add(rows.times, column)
 
     @property

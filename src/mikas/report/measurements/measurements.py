@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mikas.cancellation import check_cancelled
 from mikas.catalog import Catalog
 from mikas.report.measurements.alarms import Alarm, AlarmCollector, Channel, limits_of
 from mikas.report.measurements.statistics import (
@@ -88,6 +89,7 @@ class MeasurementCollector:
             column = rows.values.get(channel.name)
             if column is None:
                 continue
+            check_cancelled()
             self._curves[channel.name].add(times, column)
             if channel.name in self._whole:
                 self._whole[channel.name].add(column)

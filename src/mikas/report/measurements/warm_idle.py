@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from mikas.cancellation import check_cancelled
 from mikas.i18n import Text
 from mikas.sampling.derived import SampleRows
 
@@ -131,6 +132,7 @@ class WarmIdleFinder:
         joined = (steps >= 0) & (steps <= PAUSE)
         passed = np.where(joined, steps, 0.0)
         for watch in self._watches:
+            check_cancelled()
             holds &= watch.holds(rows, passed)
         since = self._holding_since(times, holds, joined)
         settled = holds & (times - since >= SETTLING)
