@@ -80,9 +80,14 @@ def test_a_bare_thread_says_its_error(monkeypatch):
 
 
 def test_long_work_lets_the_others_run():
-    rung, over, ended = threading.Event(), threading.Event(), []
+    working, rung, over, ended = threading.Event(), threading.Event(), threading.Event(), []
+
+    def answer():
+        working.wait()
+        rung.set()
 
     def work():
+        working.set()
         while not rung.is_set():
             check_cancelled()
 
@@ -90,8 +95,8 @@ def test_long_work_lets_the_others_run():
         ended.append((result, failure))
         over.set()
 
+    threading.Thread(target=answer).start()
     WorkThread("long", work, end).start()
-    threading.Timer(0, rung.set).start()
     over.wait()
     assert ended == [(None, None)]
 
