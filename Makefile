@@ -37,6 +37,7 @@ test: .venv/with-test web/node_modules/installed ## all tests but those in a bro
 	@$(npm) test
 
 site: build/site/files.json ## the page without installation into build/site: a folder for any web server (docs/site.md)
+	@echo "Put the folder build/site on a web server (https), under any address. On this computer: make page"
 
 page: build/site/files.json ## that page on this computer, in a browser
 	@$(venv_python) -m site_build.serve

@@ -25,6 +25,9 @@ _TYPES = {
     ".svg": "image/svg+xml", ".wasm": "application/wasm",
     ".webmanifest": "application/manifest+json", ".zip": "application/zip",
 }  # fmt: skip
+_ELSEWHERE = """\
+Port {port} is in use, perhaps by another `make page`: then go on at http://localhost:{port}/
+A browser keeps recordings for each address, so this page does not show those made there."""
 _FOREVER = "public, max-age=31536000, immutable"
 
 
@@ -54,7 +57,7 @@ class Server(ThreadingHTTPServer):
     daemon_threads = True
 
 
-def server_of(site: Path, port: int = PORT) -> Server:
+def server_of(site: Path, port: int) -> Server:
     """Return a server of `site` on this computer alone, at `port` or at any that is free."""
     handler = partial(Handler, directory=str(site))
     try:
@@ -71,9 +74,11 @@ def main(show: Callable[[str], object] = webbrowser.open) -> int:
     if not (SITE / "index.html").is_file():
         print("There is no build/site: make site", file=sys.stderr)
         return 1
-    with server_of(SITE) as server:
+    with server_of(SITE, PORT) as server:
         address = f"http://localhost:{server.server_port}/"
         try:
+            if server.server_port != PORT:
+                print(_ELSEWHERE.format(port=PORT))
             print(f"{address}  (Ctrl-C ends it)", flush=True)
             if not arguments.no_browser:
                 show(address)

@@ -7,14 +7,15 @@ from contextlib import contextmanager
 from http.client import HTTPConnection
 
 import pytest
-from site_build.serve import server_of
+
+from site_build import serve
 
 pytestmark = pytest.mark.realtime
 
 
 @contextmanager
 def serving(folder, port=0):
-    with server_of(folder, port) as server:
+    with serve.server_of(folder, port) as server:
         thread = threading.Thread(target=server.serve_forever)
         thread.start()
         try:
@@ -63,3 +64,27 @@ def test_a_port_that_is_taken_is_no_hindrance(tmp_path):
     with serving(tmp_path) as first, serving(tmp_path, first) as second:
         assert first != second
         assert response(second, "/").status == 200
+
+
+@pytest.mark.parametrize("taken", [False, True])
+def test_another_address_does_not_show_the_recordings_of_the_usual_one(
+    tmp_path, monkeypatch, capsys, taken
+):
+    (tmp_path / "index.html").write_text("x")
+    monkeypatch.setattr(serve, "SITE", tmp_path)
+    monkeypatch.setattr("sys.argv", ["serve"])
+    shown = []
+
+    def ctrl_c(address):
+        shown.append(address)
+        raise KeyboardInterrupt
+
+    with serve.server_of(tmp_path, 0) as usual:
+        monkeypatch.setattr(serve, "PORT", usual.server_port)
+        if not taken:
+            usual.server_close()
+        assert serve.main(ctrl_c) == 0
+    said = capsys.readouterr().out
+    assert shown[0] in said
+    assert ("recordings" in said) is taken
+    assert (f":{usual.server_port}/" in shown[0]) is not taken
