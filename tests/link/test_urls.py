@@ -163,12 +163,18 @@ class TestDistributions:
         with pytest.raises(UsageError, match="not installed as it should"):
             open_link("/dev/ttyUSB0")
 
-    def test_where_the_system_has_no_serial_ports_a_path_says_what_there_is(self, monkeypatch):
+    def test_where_the_system_has_no_serial_ports_a_wrong_one_leads_to_the_browsers_list(
+        self, monkeypatch
+    ):
         entries = {"sim": urls._registered()["sim"], "webserial": []}
         monkeypatch.setattr(urls, "_registered", lambda: entries)
-        for url in ("/dev/ttyUSB0", "COM3", "serial:COM3"):
-            with pytest.raises(BadPortUrl, match=r"there is no “serial:”, only: sim:, webserial:"):
+        for url in ("/dev/ttyUSB0", "COM3", "serial:COM3", "socket://a:1", "sim:?scenario=none"):
+            with pytest.raises(BadPortUrl) as caught:
                 open_link(url)
+            text = str(caught.value)
+            assert "Choose the cable…" in text
+            assert "/dev/ttyUSB0" not in text.replace(url, "")
+            assert "COM3" not in text.replace(url, "")
         with open_link("sim:?clock=simulated") as link:
             assert link.is_virtual
 

@@ -114,7 +114,7 @@ def test_an_open_port_is_busy():
 
 def test_without_an_adapter_the_user_is_told_to_choose_one():
     command("vanish")
-    with pytest.raises(PortNotFound, match="choose it in the browser's list"):
+    with pytest.raises(PortNotFound, match="pick it in the browser's list"):
         open_link(FT232)
     command("plug-ch340", CH340)
     with pytest.raises(PortNotFound, match=CH340):

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from typing import Final
 
-from mikas.errors import BadPortUrl
 from mikas.i18n import Text
 from mikas.link import Link, open_link
-from mikas.link.urls import parse
+from mikas.link.urls import bad_port_url, parse
 
 _SIMULATED: Final = Text(
     "clock=simulated runs as fast as the computer can, and the page would stand still; leave it "
@@ -20,5 +19,5 @@ _SIMULATED: Final = Text(
 def open_in_real_time(url: str) -> Link:
     """Open a port, as `open_link`. Raises `BadPortUrl` for a simulated clock, too."""
     if parse(url).options.get("clock") == "simulated":
-        raise BadPortUrl(url=url, problem=_SIMULATED)
+        raise bad_port_url(url, _SIMULATED)
     return open_link(url)

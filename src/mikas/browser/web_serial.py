@@ -44,12 +44,12 @@ from mikas.options import OptionParser, check_names
 
 _OTHER = "other"
 _CHOOSE = Text(
-    "The page may use none of the adapters that are plugged in. Plug it in and choose it in the "
-    "browser's list, which opens when you click to choose it here. Not in the list? Check its plug "
-    "and cable; on Windows its driver may be missing.",
-    "Странице не разрешён ни один из подключённых адаптеров. Подключите его и выберите в списке "
-    "браузера: список открывается здесь по кнопке выбора. Адаптера там нет? Проверьте разъём и "
-    "кабель; в Windows может не быть драйвера.",
+    "The page may use none of the adapters that are plugged in. Plug it in, press “Choose the "
+    "cable…” on the Connection screen and pick it in the browser's list. Not in the list? Check "
+    "its plug and cable; on Windows its driver may be missing.",
+    "Странице не разрешён ни один из подключённых адаптеров. Подключите его, нажмите на экране "
+    "«Связь» кнопку «Выбрать кабель…» и укажите его в списке браузера. Адаптера там нет? Проверьте "
+    "разъём и кабель; в Windows может не быть драйвера.",
 )
 _BUSY = Text(
     "Likely, in order: another tab or window of this page, another diagnostics program, a terminal "

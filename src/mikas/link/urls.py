@@ -34,6 +34,14 @@ link. A plain `UsageError` that it raises becomes a `BadPortUrl`.
 
 GROUP = "mikas.links"
 _OF_ADAPTERS = ("serial", "webserial")
+_NO_NAME = Text("a browser opens no port by its name", "по такому имени браузер порт не открывает")
+_IN_A_BROWSER = Text(
+    "A page reaches only cables that were chosen in the browser's list: press “Choose the cable…”. "
+    "Its ports look like webserial:0403:6001 (the cable's USB vendor and product), sim: or "
+    "replay:FILE.",
+    "Странице доступны только кабели, выбранные в списке браузера: нажмите «Выбрать кабель…». "
+    "Порты здесь пишутся так: webserial:0403:6001 (USB-номера кабеля), sim:, replay:FILE.",
+)
 _SCHEME = re.compile(r"([A-Za-z][A-Za-z0-9+.-]+):")  # two letters at least: C: is a drive
 
 
@@ -68,8 +76,8 @@ def open_link(url: str, /, **options: str | float) -> Link:
         given = {name: _as_text(value) for name, value in options.items()}
         url = f"{url.partition('?')[0]}?{urlencode(parse(url).options | given)}"
     parsed = parse(url)
-    if parsed.scheme not in _registered():  # a name without scheme, in a browser
-        raise BadPortUrl(url=url, problem=_no_such(parsed.scheme))
+    if parsed.scheme not in _registered():  # a name without scheme
+        raise bad_port_url(url, _NO_NAME)
     opener = _opener(parsed.scheme)
     try:
         link = opener(url, parsed.options)
@@ -77,7 +85,7 @@ def open_link(url: str, /, **options: str | float) -> Link:
     except UsageError as error:
         if type(error) is not UsageError:
             raise
-        raise BadPortUrl(url=url, problem=error.reason) from error
+        raise bad_port_url(url, error.reason) from error
 
 
 def parse(url: str) -> PortUrl:
@@ -91,10 +99,16 @@ def parse(url: str) -> PortUrl:
         _refuse_unknown(url, scheme, slashes=bool(match) and "://" in place)
         scheme, address = "serial", place
     if scheme == "serial" and not address.strip():
-        raise BadPortUrl(url=url, problem=Text("it is empty", "он пуст"))
+        raise bad_port_url(url, Text("it is empty", "он пуст"))
     if "\0" in url:
-        raise BadPortUrl(url=url, problem=Text("it holds a zero byte", "в нём нулевой байт"))
+        raise bad_port_url(url, Text("it holds a zero byte", "в нём нулевой байт"))
     return PortUrl(scheme, address, _options(url, query))
+
+
+def bad_port_url(url: str, problem: Text) -> BadPortUrl:
+    """Return the error, with the ports that there are here: a browser has none by name."""
+    advice = None if "serial" in _registered() else _IN_A_BROWSER
+    return BadPortUrl(url=url, problem=problem, advice=advice)
 
 
 def with_name(url: str, name: str) -> str:
@@ -168,7 +182,7 @@ def _options(url: str, query: str) -> dict[str, str]:
     for name, value in parse_qsl(query, keep_blank_values=True):
         if name in options:
             problem = Text(f"{name} is given twice", f"{name} указано дважды")
-            raise BadPortUrl(url=url, problem=problem)
+            raise bad_port_url(url, problem)
         options[name] = value
     return options
 
@@ -177,7 +191,7 @@ def _refuse_unknown(url: str, scheme: str, *, slashes: bool) -> None:
     """Raise `BadPortUrl` for an unknown scheme; a path that contains a colon passes."""
     if slashes or (scheme and nearest(scheme, _registered())):
         problem = with_nearest(_no_such(scheme), f"{scheme}:", _schemes())
-        raise BadPortUrl(url=url, problem=problem)
+        raise bad_port_url(url, problem)
 
 
 def _no_such(scheme: str) -> Text:
