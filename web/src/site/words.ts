@@ -21,7 +21,7 @@ export const words: Host["words"] = {
   },
   kept: {
     en: "kept in this browser; download what matters",
-    ru: "хранятся в этом браузере; важное скачайте",
+    ru: "в этом браузере; важное скачайте",
   },
   otherExports: {
     en: "MDF4 (.mf4) and Parquet are made by mikas installed on a computer: take the .pcapng there.",
@@ -32,5 +32,5 @@ export const words: Host["words"] = {
 /** Where the browser keeps nothing. */
 export const unkept: Text = {
   en: "kept until this page is closed; download what matters",
-  ru: "хранятся, пока открыта эта страница; важное скачайте",
+  ru: "только пока открыта эта страница; важное скачайте",
 };
