@@ -69,6 +69,16 @@ def test_all_of_it(tmp_path):
     assert (it.gaps, it.markers, it.faults, it.note, it.recordings) == (1, 1, (13, 53), "", 1)
 
 
+@pytest.mark.parametrize(("began", "ended"), [(-30.0, 1.5), (1.0, 90.0), (-30.0, -20.0)])
+def test_only_the_part_of_a_gap_in_the_recording_is_no_time_of_its_rate(tmp_path, began, ended):
+    """It may have begun before the recording, and end after its last packet."""
+    path = record(tmp_path / "a.pcapng")
+    append_note(path, note_of(Gap(began, began, ended, WHY)))
+    first, length = summarise(path).first, summarise(path).length
+    inside = max(0.0, min(ended, first + length) - max(began, first)) + 0.5
+    assert summarise(path).rate == pytest.approx(summarise(path).samples / (length - inside))
+
+
 def test_the_last_answer_about_faults_counts(tmp_path):
     assert summarise(record(tmp_path / "a.pcapng", count=1, erase=True)).faults == ()
 

@@ -148,7 +148,12 @@ def _summary(path: Path, sections: _Sections, catalog: Catalog) -> Summary:
     first = spans[0][0] if spans else None
     length = sum(last - begin for begin, last in spans) if spans else None
     samples, is_exact = _samples(path, sections, catalog)
-    silent = sum(max(0.0, gap.ended - gap.began) for gap in gaps if gap.ended is not None)
+    silent = sum(
+        max(0.0, min(gap.ended, last) - max(gap.began, begin))
+        for gap in gaps
+        if gap.ended is not None
+        for begin, last in spans
+    )
     recording = next((note.recording for note in notes if note.kind == Kind.UNIT), 0)
     sampled = (length or 0.0) - silent
     return Summary(
