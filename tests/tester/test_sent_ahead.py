@@ -196,6 +196,43 @@ def test_an_adapter_that_goes_away_with_it_is_reported_once():
         tester.close()
 
 
+class Interrupted(StrikingLink):
+    """Ctrl-C before its operation number `at`, or, once a request is written, `behind` it."""
+
+    def __init__(self, unit: Watched, at: int, *, behind: bool) -> None:
+        super().__init__(unit.bus, at, lambda link: link.interrupt())
+        self._behind = behind
+
+    def interrupt(self) -> None:
+        if not self._behind:
+            raise KeyboardInterrupt
+
+    def write(self, data: bytes) -> None:
+        super().write(data)
+        if self._behind and self.operations == self.at:
+            raise KeyboardInterrupt
+
+
+@pytest.mark.parametrize("behind", [False, True])
+def test_an_interrupt_leaves_no_response_that_passes_for_another(behind):
+    """Both data have one byte, so no length shows whose it is."""
+    for at in range(1, 60):
+        unit = Watched()
+        link = Interrupted(unit, at, behind=behind)
+        tester = unit.tester(link)
+        with case(at):
+            with suppress(KeyboardInterrupt):
+                tester.connect()
+                tester.announce(read(17))
+                right(tester, 16)
+                tester.settle()
+                tester.announce(read(17))
+                right(tester, 16, 17)
+            link.at = 0
+            if tester.version_code is not None:
+                right(tester, 22, 16, 17)
+
+
 @given(
     st.lists(st.tuples(st.sampled_from(CODES), st.sampled_from([None, *CODES])), max_size=12),
     st.lists(st.sampled_from([None, None, None, *LineFault]), max_size=12),

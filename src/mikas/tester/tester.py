@@ -10,7 +10,7 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from math import ceil, inf
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, TypeVar
 
 from mikas import commands as c
 from mikas.errors import (
@@ -26,6 +26,7 @@ from mikas.errors import (
 )
 from mikas.framing import encode
 from mikas.link import Link
+from mikas.tester.ahead import RequestAhead
 from mikas.tester.exchange import Reply, Statistics, Timing
 from mikas.tester.handshake import Echo, handshake, late_answer, refuse_elm
 from mikas.tester.line import Line
@@ -34,16 +35,7 @@ from mikas.tester.stream import Stream
 
 T = TypeVar("T")
 
-
-class _SentAhead(NamedTuple):
-    """A request that was sent before its exchange began: its body, and as it is on the wire."""
-
-    body: bytes
-    wire: bytes
-
-
 _ATTEMPTS_AT_UNKNOWN = 2  # a unit that does not know a command is silent each time (D10)
-_FORGOTTEN = 0.1  # s after which a request sent ahead is sent anew: its response's time is unknown
 _TURN = 0.02  # s that a waiting thread occupies the line at a time
 _STREAM_CODES = frozenset(c.StreamCyclic.CODES + c.StreamAtStroke.CODES)
 
@@ -74,8 +66,7 @@ class Tester:
         self._lock = threading.Lock()
         self._stream: Stream | None = None
         self._stream_thread: int | None = None
-        self._announced: c.Command[Any] | None = None
-        self._sent_ahead: _SentAhead | None = None
+        self._ahead = RequestAhead(self._line, self._sync, self.statistics)
         self._known: set[int] = set()  # command codes that this unit has answered
 
     @property
@@ -118,8 +109,7 @@ class Tester:
         `AnswersLate`, `LinkLost`.
         """
         with self._holding():
-            # The handshake waits until the response of what was sent ahead is over.
-            self._announced = self._sent_ahead = None
+            self._ahead.forget()
             for attempt in range(self.retries + 1):
                 self._sync.mark_lost()
                 try:
@@ -193,7 +183,7 @@ class Tester:
             try:
                 return self._exchange(command, retries, trial=trial)
             finally:
-                self._announced = None
+                self._ahead.announced = None
 
     def announce(self, command: c.Command[Any]) -> None:
         """Send `command` as soon as the next exchange has succeeded; both must be repeatable.
@@ -203,29 +193,19 @@ class Tester:
         Whoever announces calls `settle` at the end. Nothing is sent ahead on a line without an
         echo, where a byte that no request caused could pass for the response (D2).
         """
-        self._announced = command
+        self._ahead.announced = command
 
     def settle(self) -> None:
-        """Await and drop the response to a command that was sent ahead; raises nothing."""
-        self._announced = None
-        if self._sent_ahead is not None:
+        """Await and drop the response to a command sent ahead; raises no `MikasError`."""
+        self._ahead.announced = None
+        if self._ahead.is_under_way:
             with self._holding():
-                self._settle()
-
-    def _settle(self) -> None:
-        ahead, self._sent_ahead = self._sent_ahead, None
-        if ahead is None:
-            return
-        self.statistics.requests += 1
-        try:
-            self._line.finish(ahead.wire)
-        except MikasError as error:  # the next request meets it
-            self._sync.mark_lost(error)
+                self._ahead.settle()
 
     def in_a_row(self, *commands: c.Command[T]) -> list[T]:
         """As `request` for each of `commands`, without another thread's request between them."""
         with self._holding():
-            self._announced = None
+            self._ahead.announced = None
             return [self._exchange(command, self.retries)[0] for command in commands]
 
     def _exchange(
@@ -250,7 +230,7 @@ class Tester:
         if command.code not in self._known:
             attempts = min(attempts, _ATTEMPTS_AT_UNKNOWN)
         while True:
-            wire = self._take_sent_ahead(command)
+            wire = self._ahead.take(command.body())
             if wire is None:
                 self._ensure_in_sync()
             attempts -= 1
@@ -261,22 +241,6 @@ class Tester:
                 if not attempts:
                     raise self._verdict(command, error) from error
                 self.statistics.repeated += 1
-
-    def _take_sent_ahead(self, command: c.Command[Any]) -> bytes | None:
-        """Return `command` as it was sent ahead; None: it was not, or too long ago."""
-        ahead = self._sent_ahead
-        if ahead is None or self._sync.lost or ahead.body != command.body():
-            return None
-        if self.link.now() > self._line.sent_until + _FORGOTTEN:
-            return None
-        self._sent_ahead = None
-        return ahead.wire
-
-    def _send_ahead(self) -> None:
-        command, self._announced = self._announced, None
-        if command is not None and self._line.echo:
-            body = command.body()
-            self._sent_ahead = _SentAhead(body, self._line.interject(body))
 
     def _once(self, command: c.Command[T], wire: bytes | None) -> tuple[T, Reply]:
         """Exchange `command` once; `wire`: it was sent ahead."""
@@ -301,7 +265,7 @@ class Tester:
             raise
         self._sync.keep()
         if command.repeatable:
-            self._send_ahead()
+            self._ahead.send()
         self._known.add(command.code)
         return value, reply
 
@@ -397,14 +361,14 @@ class Tester:
         """
         while (now := self.link.now()) < until:
             with self._holding():
-                self._settle()
+                self._ahead.settle()
                 if self.link.read(min(until, now + _TURN)).data:
                     self._sync.mark_lost()
 
     def _ensure_in_sync(self) -> None:
         if self.version_code is None:
             raise usage_error("connect() comes first", "сначала нужен connect()")
-        self._settle()
+        self._ahead.settle()
         self._sync.resynchronize(self.version_code)
 
     @contextmanager
