@@ -7,7 +7,7 @@ import threading
 import pytest
 from site_build.serve import server_of
 
-from static_site.site_rig import ASK, BUILT, missing
+from static_site.site_rig import ASK, BUILT, KEPT, RECORDED, missing
 
 from .firefox_rig import firefox_tab, installed, must_not_miss
 
@@ -17,7 +17,6 @@ JSPI = "() => 'Suspending' in WebAssembly"
 RUNS = "() => document.querySelector('header[data-line]') !== null"
 LINE = "line => document.querySelector('header[data-line]')?.dataset.line === line"
 KNOWN = "() => document.querySelector('header[data-line]').textContent.includes('Mikas 7.1')"
-KEPT = "() => navigator.serviceWorker?.controller != null"
 COOLANT = "() => document.querySelector('#screen [data-value=TWAT]')?.textContent"
 EXPORTED = """async name => {
   const answer = await fetch(`api/recordings/${encodeURIComponent(name)}/export?format=csv`)
@@ -70,11 +69,7 @@ def recordings(tab) -> list[dict]:
 
 
 def recorded(tab, seconds: float) -> float:
-    long = """async seconds => {
-      const { recording, now } = await (await fetch("api/state")).json()
-      return now - recording?.since >= seconds && now - recording.since
-    }"""
-    return tab.until(long, seconds)
+    return tab.until(RECORDED, seconds)
 
 
 def test_the_virtual_car_is_recorded_and_the_recording_survives(tab, host):

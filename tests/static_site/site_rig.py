@@ -17,6 +17,10 @@ ASK = """async path => {
   if (!response.ok) throw new Error(`${path}: ${response.status} ${await response.text()}`)
   return response.json()
 }"""
+RECORDED = """async seconds => {
+  const { recording, now } = await (await fetch("api/state")).json()
+  return now - recording?.since >= seconds && now - recording.since
+}"""
 KEPT = "() => navigator.serviceWorker?.controller != null"
 
 
@@ -75,11 +79,7 @@ class SiteTab(Tab):
 
     def recorded(self, seconds: float) -> float:
         """Wait until the recording in progress is that long; return how long it is."""
-        long = """async seconds => {
-          const { recording, now } = await (await fetch("api/state")).json()
-          return now - recording?.since >= seconds && now - recording.since
-        }"""
-        return self.until(long, seconds)
+        return self.until(RECORDED, seconds)
 
     def stop_recording(self) -> None:
         self.press("Stop recording")

@@ -14,6 +14,8 @@ import _thread
 import itertools
 import time
 from asyncio.events import _get_running_loop, _set_running_loop
+
+# Not in the type stubs; nothing public puts back the task of a stack that goes on.
 from asyncio.tasks import _swap_current_task  # type: ignore[attr-defined]
 from collections.abc import Awaitable, Callable, Generator
 from typing import TYPE_CHECKING, Any, Final, Protocol, cast
@@ -69,7 +71,7 @@ class Wait:
         self._number = -1
         self._result: Any = None
 
-    def hold(self, seconds: float | None = None) -> Any:  # noqa: ANN401
+    def hold(self, seconds: float | None = None) -> Any:  # noqa: ANN401  (what `wake` got)
         """Suspend this stack until `wake`, and return its result; False after `seconds`."""
         if self._done:
             return self.result()
@@ -99,8 +101,10 @@ class Wait:
         if self._callback is not None:
             self._callback(self)
 
-    def add_done_callback(self, callback: Callable[[Wait], object], *, context: Any = None) -> None:  # noqa: ANN401
-        """As a future."""
+    def add_done_callback(
+        self, callback: Callable[[Wait], object], *, context: object = None
+    ) -> None:
+        """As a future; `context` is asyncio's, and stacks have none."""
         del context
         self._callback = callback
         if self._done:
@@ -118,7 +122,7 @@ class Wait:
         """As a future."""
         return self._error
 
-    def result(self) -> Any:  # noqa: ANN401
+    def result(self) -> Any:  # noqa: ANN401  (what `wake` got)
         """As a future."""
         if self._error is not None:
             raise self._error
@@ -154,7 +158,7 @@ def use(promises: Promises, run_sync: Callable[[Any], Any]) -> None:
     promises.answer(kept, broken)
 
 
-def suspend(promise: Awaitable[Any]) -> Any:  # noqa: ANN401
+def suspend(promise: Awaitable[Any]) -> Any:  # noqa: ANN401  (what the promise holds)
     """Wait for a promise of JavaScript; other threads run meanwhile. Raises its rejection."""
     wait = Wait()
     _promises.follow(wait.listen(), promise)
@@ -187,7 +191,7 @@ def get_ident() -> int:
     return _ident
 
 
-def _hold(wait: Wait) -> Any:  # noqa: ANN401
+def _hold(wait: Wait) -> Any:  # noqa: ANN401  (what `wake` got)
     global _ident
     ident, _ident = _ident, MAIN
     loop = _get_running_loop()

@@ -39,6 +39,7 @@ def searchsorted(values: Any, wanted: Any, side: str = "left") -> Any:  # noqa: 
     return ndarray([find(data, each) for each in others.data], int64)
 
 
+# numpy has it as a method, too; it is joined on here, as this module builds on `ndarray`.
 ndarray.searchsorted = searchsorted  # type: ignore[attr-defined]
 
 

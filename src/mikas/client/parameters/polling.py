@@ -177,8 +177,8 @@ class StreamPoller(Poller):
     def cycle(
         self,
         requests: Requests = (),  # noqa: ARG002  (all cycles are equal)
-        listed: Sequence[Parameter] = (),  # noqa: ARG002
-        then: Turn | None = None,  # noqa: ARG002
+        listed: Sequence[Parameter] = (),  # noqa: ARG002  (a stream has no list)
+        then: Turn | None = None,  # noqa: ARG002  (the unit sends the next one by itself)
     ) -> dict[str, Reading]:
         """As `Poller.cycle`. A damaged response does not end the stream.
 
