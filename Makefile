@@ -36,7 +36,7 @@ test: .venv/with-test web/node_modules/installed ## all tests but those in a bro
 	@$(venv_python) -m pytest -n auto --dist worksteal $(foreach path,$(gated) tests/browser tests/static_site tests/in_firefox tests/on_pyodide tests/cable,--ignore=$(path))
 	@$(npm) test
 
-site: build/site/files.json ## the page without installation into build/site: a folder for any web server (docs/site.md)
+site: build/site/files.json ## the page without installation into build/site: a folder for any web server (docs/development/site.md)
 	@echo "Put the folder build/site on a web server (https), under any address. On this computer: make page"
 
 page: build/site/files.json ## that page on this computer, in a browser
@@ -45,7 +45,7 @@ page: build/site/files.json ## that page on this computer, in a browser
 browser: .venv/with-test build/site/files.json ## the tests that drive the page in Chromium and Firefox, and those on Pyodide; pictures of all screens in build/screenshots
 	@$(venv_python) -m pytest -n logical --dist loadfile tests/browser tests/static_site tests/in_firefox tests/on_pyodide
 
-cable: .venv/with-test build/cable/unpacked ## the program on a cable under Linux' own driver, in QEMU: docs/cable.md
+cable: .venv/with-test build/cable/unpacked ## the program on a cable under Linux' own driver, in QEMU: docs/development/cable.md
 	@MIKAS_REQUIRE_CABLE=1 $(venv_python) -m pytest -n 2 --dist worksteal tests/cable
 
 # Minutes in real time, and the seed of the events: make hour MINUTES=3 SEED=2
@@ -70,7 +70,7 @@ check: .venv/with-check web/node_modules/installed ## lint, format, types, impor
 	@$(venv_python) -m towncrier build --draft --version next >/dev/null
 	@$(npm) run check
 
-bench: .venv/with-test ## rates, times, memory, kills and full disks against their targets, into docs/benchmarks.md: an hour
+bench: .venv/with-test ## rates, times, memory, kills and full disks against their targets, into docs/development/benchmarks.md: an hour
 	@$(venv_python) -m bench
 
 # Exchanges and seed of the campaign; a hundred thousand take a minute or two: make soak EXCHANGES=100000 SEED=2
@@ -97,7 +97,7 @@ UPGRADE ?=
 
 lock: build/audit/installed ## write requirements/lock.txt, after a change of the packages in pyproject.toml
 	@build/audit/bin/uv pip compile pyproject.toml --quiet --universal --python-version 3.11 --generate-hashes --no-header \
-	  --no-emit-index-url --no-emit-find-links --annotation-style line --extra export $(addprefix --group ,$(groups)) \
+	  --no-emit-index-url --no-emit-find-links --annotation-style line --all-extras $(addprefix --group ,$(groups)) \
 	  $(UPGRADE) --output-file requirements/lock.txt
 
 clean: ## remove .venv and everything else that was generated
@@ -105,7 +105,7 @@ clean: ## remove .venv and everything else that was generated
 	  web/node_modules src/mikas/dashboard/page
 	find src tests bench fuzz site_build -name __pycache__ -type d -prune -exec rm -rf {} + 2>/dev/null || true
 
-groups := test check fuzz build audit
+groups := test check docs package fuzz build audit
 
 # The page is built on installation, so its sources count as well; those of the site alone do not.
 page := pyproject.toml requirements/lock.txt hatch_build.py \

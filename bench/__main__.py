@@ -1,4 +1,4 @@
-"""Runs the benchmarks, prints their tables, and writes docs/benchmarks.md: `make bench`.
+"""Run the benchmarks; print their tables and write docs/development/benchmarks.md (`make bench`).
 
 python -m bench                   everything
 python -m bench wire cpu          these themes only; their sections of the document are renewed
@@ -30,14 +30,14 @@ THEMES = {
     "crash": crash,
     "hostile": hostile,
 }
-DOCUMENT = Path(__file__).parent.parent / "docs" / "benchmarks.md"
+DOCUMENT = Path(__file__).parent.parent / "docs" / "development" / "benchmarks.md"
 
 _ABOUT = """\
 # Benchmarks
 
 Made by `make bench`, which takes about an hour; not edited by hand. A figure is the
 median of its runs, lowest and highest stand beside it. A target that was not reached says MISSED.
-The limits of the wire are those of [protocol.md](protocol.md), §5. Under each table stands where
+The limits of the wire are those of [protocol.md](../protocol.md), §5. Under each table stands where
 and when it was measured, and what else the machine was doing."""
 
 

@@ -10,7 +10,7 @@ import pytest
 
 REPOSITORY = Path(__file__).parents[1]
 DOCUMENTS = ("CONTRIBUTING.md", "SECURITY.md", "README.md", *sorted(
-    path.relative_to(REPOSITORY).as_posix() for path in (REPOSITORY / "docs").glob("*.md")
+    path.relative_to(REPOSITORY).as_posix() for path in (REPOSITORY / "docs").rglob("*.md")
 ))  # fmt: skip
 ROOTS = (
     "src/|tests/|docs/|bench/|fuzz/|site_build/|examples/|web/|changes/"

@@ -205,7 +205,8 @@ class Box:
         unit: Responder | None = None,
         **settings: str,
     ) -> Cable:
-        """Return a cable, not plugged in, with `unit` or one by `settings` (docs/simulator.md).
+        """Return a cable, not plugged in, with `unit` or one by `settings`
+        (docs/reference/simulator.md).
 
         The latter's car is that of `still.toml`, if `settings` name no other.
         """

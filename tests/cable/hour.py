@@ -2,9 +2,10 @@
 
     PYTHONPATH=tests python -m cable.hour --minutes 60 --seed 1
 
-In the box (docs/cable.md), for so many minutes: the cable is pulled at a random byte or moment and
-put back after 0.3 to 20 s, sometimes with a stranger beside it or on its name; the ignition goes
-off and on. After a twelfth of the time `log` is killed (-9) and started again, at the end Ctrl-C.
+In the box (docs/development/cable.md), for so many minutes: the cable is pulled at a random byte
+or moment and put back after 0.3 to 20 s, sometimes with a stranger beside it or on its name; the
+ignition goes off and on. After a twelfth of the time `log` is killed (-9) and started again, at
+the end Ctrl-C.
 
 Prints a table of figures. Exit status 1 on a mistake: a value that the unit did not give, a printed
 set that is not recorded, lost bytes, a stranger that was opened, values that do not come back in

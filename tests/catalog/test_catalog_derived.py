@@ -18,7 +18,7 @@ from mikas.errors import UnknownParameter
 from mikas.i18n import Text
 
 NEW = '[derived.D]\nformula = "TWAT + 1"\ntext = "d"\n'
-DOCUMENT = Path(__file__).parents[2] / "docs" / "catalog.md"
+DOCUMENT = Path(__file__).parents[2] / "docs" / "reference" / "catalog.md"
 
 
 def computed(channels: Mapping[str, Derived], **values: float) -> dict[str, float]:

@@ -288,7 +288,9 @@ def test_whole_numbers_are_computed_as_64_bit_floats() -> None:
 
 
 def test_the_longest_that_is_allowed() -> None:
-    document = (Path(__file__).parents[2] / "docs" / "catalog.md").read_text(encoding="utf-8")
+    document = (Path(__file__).parents[2] / "docs" / "reference" / "catalog.md").read_text(
+        encoding="utf-8"
+    )
     assert f"It has at most {LONGEST} characters." in document
     assert parse("x" * LONGEST, {}).inputs == ("X" * LONGEST,)
 

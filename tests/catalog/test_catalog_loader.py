@@ -22,7 +22,9 @@ NEW = f'[parameter.P]\ncode = {FREE}\nsize = 1\ntext = "p"\n'
 
 
 def test_five_lines_add_a_parameter(write: Write) -> None:
-    documented = (Path(__file__).parents[2] / "docs" / "catalog.md").read_text(encoding="utf-8")
+    documented = (Path(__file__).parents[2] / "docs" / "reference" / "catalog.md").read_text(
+        encoding="utf-8"
+    )
     first, second, *_ = re.findall(r"```toml\n(.*?)```", documented, re.DOTALL)
     assert len(first.splitlines()) == 5
     catalog = load(write(first), write(second))
@@ -55,14 +57,18 @@ def test_a_text_of_ones_own_replaces_the_shipped_short_one(write: Write) -> None
 def test_the_docstring_shows_the_same_five_lines() -> None:
     from mikas.catalog.loading import loader
 
-    documented = (Path(__file__).parents[2] / "docs" / "catalog.md").read_text(encoding="utf-8")
+    documented = (Path(__file__).parents[2] / "docs" / "reference" / "catalog.md").read_text(
+        encoding="utf-8"
+    )
     shown = re.findall(r"```toml\n(.*?)```", documented, re.DOTALL)[0]
     assert loader.__doc__ is not None
     assert "".join(f"    {line}\n" for line in shown.splitlines()) in loader.__doc__
 
 
 def test_the_document_names_every_key() -> None:
-    documented = (Path(__file__).parents[2] / "docs" / "catalog.md").read_text(encoding="utf-8")
+    documented = (Path(__file__).parents[2] / "docs" / "reference" / "catalog.md").read_text(
+        encoding="utf-8"
+    )
     for family, rules in FAMILIES.items():
         assert f"### `[{family}." in documented or f", `[{family}." in documented
         for key in rules.schema:

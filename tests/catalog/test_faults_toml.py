@@ -39,7 +39,9 @@ def test_exactly_the_known_numbers() -> None:
 
 
 def test_the_document_of_facts_has_the_same_numbers_with_the_same_confidence() -> None:
-    document = (Path(__file__).parents[2] / "docs" / "facts.md").read_text(encoding="utf-8")
+    document = (Path(__file__).parents[2] / "docs" / "reference" / "facts.md").read_text(
+        encoding="utf-8"
+    )
     rows = re.findall(r"^\| ([0-9–, /]+) \|.*\| (\w+)[^|]*\|$", document, re.MULTILINE)
     documented: dict[int, Confidence] = {}
     for numbers, confidence in rows:

@@ -1,7 +1,8 @@
 """Every command against every manner of a hostile unit, on simulated time.
 
-Each ends by itself or at Ctrl-C, in bounded time, calls and bytes, with a status of docs/cli.md and
-an error of mikas; no change is made that was not confirmed, or twice; recordings can be read.
+Each ends by itself or at Ctrl-C, in bounded time, calls and bytes, with a status of
+docs/reference/cli.md and an error of mikas; no change is made that was not confirmed, or twice;
+recordings can be read.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Exit statuses and the words of each error, in both languages (docs/cli.md, Everywhere)."""
+"""Exit statuses, and the words of each error in both languages (docs/reference/cli.md)."""
 
 from __future__ import annotations
 
@@ -159,7 +159,7 @@ def test_wrong_usage_as_json_leaves_no_file(mikas, bad_files, tmp_path, argv):
 
 
 def is_error(ran, code=None):
-    """The one object on stdout, by the contract of docs/cli.md; nothing on stderr."""
+    """The one object on stdout, by the contract of docs/reference/cli.md; nothing on stderr."""
     assert ran.err == ""
     assert ran.object.keys() == {"schema", "error"}
     error = ran.object["error"]

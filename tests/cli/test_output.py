@@ -1,4 +1,4 @@
-"""`--json`: every command's keys are those of docs/cli.md, every value of the kind it says."""
+"""`--json`: the keys of each command are those of docs/reference/cli.md, values its kinds."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`mikas read`, `write` and `params`: their JSON of docs/cli.md, and their text."""
+"""`mikas read`, `write` and `params`: their JSON of docs/reference/cli.md, and their text."""
 
 from __future__ import annotations
 

@@ -15,7 +15,7 @@ from mikas.guided.build import _FORM, _MEASURE, _RULE, _STEP
 from mikas.guided.definition import Statistic
 from mikas.guided.loading import from_source, load
 
-DOCS = (Path(__file__).parents[2] / "docs" / "guided-tests.md").read_text("utf-8")
+DOCS = (Path(__file__).parents[2] / "docs" / "reference" / "guided-tests.md").read_text("utf-8")
 CAR, EXAMPLE = re.findall(r"```toml\n(.*?)```", DOCS, re.DOTALL)
 
 

@@ -1,4 +1,4 @@
-"""The rules of docs/report.md as functions of the findings, by sentence.
+"""The rules of docs/reference/report.md as functions of the findings, by sentence.
 
 A second implementation: it looks at what was put in, not at what the report's modules made of it,
 wherever that is possible.

@@ -1,6 +1,6 @@
 """Every sentence of the report has a rule: it stands on the page exactly when that holds.
 
-docs/report.md has the rules in words, `sentence_rules` as functions.
+docs/reference/report.md has the rules in words, `sentence_rules` as functions.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from mikas.report.sections.summary import summary_sentence
 from mikas.report.subject import ClearedFaults, UnitIdentity
 from mikas.sampling.events import Gap
 
-DOCUMENT = Path(__file__).parents[2] / "docs" / "report.md"
+DOCUMENT = Path(__file__).parents[2] / "docs" / "reference" / "report.md"
 RULED = (
     "sections/summary", "sections/limitations", "sections/alarm_texts", "sections/conditions",
     "sections/freeze_frames", "labels", "formatting",

@@ -29,7 +29,8 @@ class Cable:
     """An adapter on a virtual unit, that can be pulled out and put back; the unit runs on.
 
     `set`, `car`, `memory`: as `browser.rig.Garage`. The wire is real time's, in a thread of its
-    own; `tune` changes the wire's settings (docs/simulator.md), when the cable is put back.
+    own; `tune` changes the wire's settings (docs/reference/simulator.md), when the cable is
+    put back.
     """
 
     def __init__(self, computer: Computer, adapter: Adapter, settings: dict[str, str]) -> None:
@@ -105,7 +106,8 @@ def cable(
 ) -> Iterator[Cable]:
     """Plug in an adapter on the car of `browser.rig`, whose values stand still.
 
-    `settings`: those of docs/simulator.md, as `latency_ms="16"`; a `scenario` is another car.
+    `settings`: those of docs/reference/simulator.md, as `latency_ms="16"`; a `scenario` is
+    another car.
     """
     file = folder / "car.toml"
     file.write_text(CAR, "utf-8")

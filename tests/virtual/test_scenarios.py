@@ -17,7 +17,7 @@ from mikas.virtual.scenarios.form import CONDITION, START, TIMELINE
 from mikas.virtual.scenarios.scenario import DEFAULT, SCENARIOS, Scenario, find, from_source, load
 from mikas.virtual.scenarios.timeline import ScenarioTimeline, Track
 
-DOCS = Path(__file__).parents[2] / "docs" / "scenarios.md"
+DOCS = Path(__file__).parents[2] / "docs" / "reference" / "scenarios.md"
 KNOWN = ["warm-idle", "cold-start", "city", "highway", "full-load", "key-off", "cranking-dip"]
 
 

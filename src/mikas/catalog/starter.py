@@ -12,7 +12,7 @@ from mikas.catalog.lookup import Catalog
 from mikas.cleaning import clean_line
 from mikas.i18n import Language, Text
 
-_LARGEST = 2  # bytes of a parameter, docs/catalog.md
+_LARGEST = 2  # bytes of a parameter, docs/reference/catalog.md
 _KNOWN = Text("Defined already:", "Уже описаны:")
 _OTHER_SIZE = Text(
     "{code}: {size} bytes here, {defined} in the catalog; it keeps the catalog's definition",

@@ -1,1 +1,1 @@
-"""The command line (docs/cli.md is its contract)."""
+"""The command line (docs/reference/cli.md is its contract)."""

@@ -1,4 +1,4 @@
-"""The options that every command has (docs/cli.md, Everywhere).
+"""The options that every command has (docs/reference/cli.md, Everywhere).
 
 They may stand before or after the command's name: the group and every command have them; the last
 one on the line wins. The config file sets the same, but `capture`, `json` and `verbose`. RELEARN is

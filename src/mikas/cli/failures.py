@@ -1,4 +1,4 @@
-"""The end of a command by an error: its status, and its paragraph or its JSON (docs/cli.md).
+"""The end of a command by an error: status, and paragraph or JSON (docs/reference/cli.md).
 
 A `FailureReport` is made of an error of mikas, a wrong command line (click's errors), or a bug.
 Nothing heavy is imported here.

@@ -67,7 +67,7 @@ cli = LocalizedGroup(
 
 
 def main(argv: Sequence[str] | None = None) -> None:
-    """Run the `mikas` command and end the process with the status of docs/cli.md."""
+    """Run the `mikas` command and end the process with the status of docs/reference/cli.md."""
     gc.set_threshold(_OBJECTS_BEFORE_COLLECTION)
     make_writable()
     with escaping():

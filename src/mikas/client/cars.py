@@ -2,7 +2,7 @@
 
 Kept in one file of the state folder, by the unit's version code and passports; the workshop is
 common to all. A plate is personal data: it stands there, in the recordings and reports made with
-it, and nowhere else (docs/security.md).
+it, and nowhere else (docs/reference/security.md).
 """
 
 from __future__ import annotations

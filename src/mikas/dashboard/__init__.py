@@ -3,6 +3,6 @@
     app ─ api/ ─ dashboard ─ session/ ─ library/ ─ security/ ─ settings, errors
 
 `app.create_app` creates the application of a `Dashboard` (one unit, one sampling thread, one
-recorder) and of an `Access` (the rights of a request). `server.serve` runs it. docs/api.md and, on
-a running program, /api/docs describe the API.
+recorder) and of an `Access` (the rights of a request). `server.serve` runs it.
+docs/reference/api.md and, on a running program, /api/docs describe the API.
 """

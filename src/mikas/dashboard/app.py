@@ -56,7 +56,7 @@ Everything that the page does, a script can do. Every client sends `X-Mikas-Clie
 letters, digits or hyphens, chosen at random and kept secret); requests that control the line need
 the control lease, which the first client gets. Times are UNIX seconds, bytes upper-case hex, texts
 `{"en", "ru"}`.
-Live data: WebSocket `/api/live?client=…`, described in docs/api.md.
+Live data: WebSocket `/api/live?client=…`, described in docs/reference/api.md.
 """
 
 _PARTS = (catalog, editing, values, connection, diagnosis, live, network, unit,

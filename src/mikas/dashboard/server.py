@@ -45,7 +45,7 @@ _GRACE = 3
 _IDLE = 8  # seconds; httpx sends a request on a connection that was idle for up to 5
 _BACKLOG = 64  # connections that the system queues, and that are accepted at once
 _TICKS = 10  # of uvicorn's clock, a second
-_INTERRUPTED = 130  # as docs/cli.md has it
+_INTERRUPTED = 130  # as docs/reference/cli.md has it
 _EXPECTED = (  # messages of uvicorn that report no error
     "ASGI callable returned without completing handshake.",  # a refused WebSocket
     "Cancel %s running task(s), timeout graceful shutdown exceeded",

@@ -5,6 +5,6 @@
                                               ▼
                verdict (rules over measures) ──► TestResult ──► page, report, note of the recording
 
-Tests are data (docs/guided-tests.md); formulas are the catalog's. Nothing here reads a clock or a
-line. A test that lacks data ends with the verdict `unknown`, never with a guess.
+Tests are data (docs/reference/guided-tests.md); formulas are the catalog's. Nothing here reads a
+clock or a line. A test that lacks data ends with the verdict `unknown`, never with a guess.
 """

@@ -27,7 +27,7 @@ SETTINGS = (
     "scenario", "seed", "model", "faults", "baud", "adapter", "echo", "latency_ms", "supplied",
     "stall_every", "stall_ms", "late_by", *QUIRK_NAMES, *_LINE_FAULTS,
 )  # fmt: skip
-"""Names of all settings; docs/simulator.md describes each."""
+"""Names of all settings; docs/reference/simulator.md describes each."""
 CAR_SETTINGS = ("scenario", "model", "faults")
 WIRE_SETTINGS = tuple(name for name in SETTINGS if name not in CAR_SETTINGS)
 """Settings that apply to any source of data."""

@@ -10,7 +10,8 @@ change one text. Adding a parameter takes five lines:
     unit = "kPa"
     text = { en = "Boost pressure", ru = "Давление наддува" }
 
-docs/catalog.md describes all keys. A file with any mistake is refused with the line (CatalogError).
+docs/reference/catalog.md describes all keys. A file with any mistake is refused with the line
+(CatalogError).
 """
 
 from __future__ import annotations

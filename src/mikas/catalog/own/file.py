@@ -31,8 +31,8 @@ LARGEST: Final = 256 * 1024
 """Bytes of a file that is changed by the program; more is left to its author's editor."""
 
 _HEADING: Final = (
-    "# Definitions of your own: docs/catalog.md has the keys. The dashboard changes this file and\n"
-    "# keeps what you write here, comments too.\n"
+    "# Definitions of your own: docs/reference/catalog.md has the keys. The dashboard changes\n"
+    "# this file and keeps what you write here, comments too.\n"
 )
 
 

@@ -236,7 +236,7 @@ async def live(
     name: str = "",
     page: Annotated[str, Query(max_length=64)] = "",
 ) -> None:
-    """Send live data; docs/api.md describes the messages."""
+    """Send live data; docs/reference/api.md describes the messages."""
     broadcaster: Broadcaster = socket.app.state.broadcaster
     try:
         listener = Listener(client_of(socket, client, name), page, address_of(socket))

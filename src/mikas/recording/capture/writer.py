@@ -2,7 +2,7 @@
 
 `CaptureWriter` is the sink of `mikas.link.base`: one packet a chunk of one direction, with the
 link's time in microseconds (`capture.coalescer` joins chunks before). Notes on the session are
-custom blocks in between. `docs/capture.md` has the format field by field.
+custom blocks in between. `docs/reference/capture.md` has the format field by field.
 
 Every packet goes to the operating system at once, unbuffered: the line brings 960 bytes a second
 (§1) and a write takes microseconds. So a `kill -9` loses nothing, and no timer has to flush.

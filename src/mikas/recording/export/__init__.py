@@ -1,4 +1,4 @@
-"""Recordings as files for other programs, a module a format (docs/exports.md)."""
+"""Recordings as files for other programs, a module a format (docs/reference/exports.md)."""
 
 from mikas.recording.export.exporting import (
     DIALECTS,

@@ -1,4 +1,4 @@
-"""The form of a scenario file: its tables, its keys and their allowed values (docs/scenarios.md).
+"""The form of a scenario file: tables, keys, allowed values (docs/reference/scenarios.md).
 
 Reads a file's tables into checked values. An invalid one is a `CatalogError` with file, line and
 the expected form.

@@ -1,8 +1,8 @@
 """Scenarios as data: the car at the start, the driver's actions, and pinned values.
 
 The shipped ones are the files in `scenarios/`; a user's own file has the same form
-(docs/scenarios.md). The engine model does not use the pinned parameters, faults, passports and
-memory cells; the virtual unit does.
+(docs/reference/scenarios.md). The engine model does not use the pinned parameters, faults,
+passports and memory cells; the virtual unit does.
 """
 
 from __future__ import annotations

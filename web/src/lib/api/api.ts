@@ -1,4 +1,4 @@
-// One function for each route of the API (docs/api.md). Each returns the response's JSON or throws an `ApiError`.
+// One function for each route of the API (docs/reference/api.md). Each returns the response's JSON or throws an `ApiError`.
 import { address, json, lines, type Query } from "./http";
 import type * as Api from "./types";
 

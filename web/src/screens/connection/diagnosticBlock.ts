@@ -1,4 +1,4 @@
-// The car's 12-pin block as far as it is known (docs/wiring.md): pins in the order of their numbers, not of their places. Unconfirmed pins
+// The car's 12-pin block as far as it is known (docs/how-to/wiring.md): pins in the order of their numbers, not of their places. Unconfirmed pins
 // are marked wherever they are drawn.
 
 export type Confidence = "reported" | "unconfirmed" | "unknown";

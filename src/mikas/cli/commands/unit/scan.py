@@ -189,8 +189,10 @@ def _heading(ecu: Ecu) -> list[str]:
             "Коды, на которые блок отвечает по команде 61 (найдены `mikas scan`). Дайте каждому",
         ),
         tr(
-            "a unit and a formula once their meaning is known: docs/catalog.md has the keys.",
-            "имя, единицу и формулу, когда узнаете его смысл; ключи описаны в docs/catalog.md.",
+            "a unit and a formula once their meaning is known: "
+            "docs/reference/catalog.md has the keys.",
+            "имя, единицу и формулу, когда узнаете его смысл; ключи описаны в "
+            "docs/reference/catalog.md.",
         ),
         f"{localized(ecu.model.text)}: {pieces or '–'}",
     ]

@@ -1,6 +1,6 @@
-"""Draws docs/live.svg, the picture in docs/cli.md: the live table over a virtual car warming up.
+"""Draw live.svg, the picture in docs/reference/cli.md: the live table of a car that warms up.
 
-Run from the repository's root: python docs/live_picture.py
+Run from the repository's root: python docs/pictures/live_picture.py
 """
 
 from __future__ import annotations
