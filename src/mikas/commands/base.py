@@ -30,6 +30,9 @@ SizeOf = Callable[[int], int | None]  # a parameter's code → bytes of its datu
 
 OK = b"\x00"
 ERROR = b"\x01"
+NO_COMPLETION_CODE = Text(
+    "{code} is no completion code (00 or 01)", "{code} — не код завершения (00 или 01)"
+)
 
 
 class Safety(IntEnum):
@@ -89,13 +92,18 @@ class Command(ABC, Generic[T]):
     @property
     def name(self) -> str:
         """The source's name and the code, `CREADP (61)`."""
-        return f"{self.SOURCE_NAME} ({self.code:02X})"
+        return self.shown_as(self.code).en
 
     @property
     def display_name(self) -> Text:
         """`name` for display; the title in Russian if the source has no mnemonic."""
-        in_russian = self.SOURCE_NAME if self.SOURCE_NAME.isupper() else f"«{self.TITLE.ru}»"
-        return Text(self.name, f"{in_russian} ({self.code:02X})")
+        return self.shown_as(self.code)
+
+    @classmethod
+    def shown_as(cls, code: int) -> Text:
+        """Return the `display_name` of the requests with this one of `CODES`."""
+        in_russian = cls.SOURCE_NAME if cls.SOURCE_NAME.isupper() else f"«{cls.TITLE.ru}»"
+        return Text(f"{cls.SOURCE_NAME} ({code:02X})", f"{in_russian} ({code:02X})")
 
     @abstractmethod
     def body(self) -> bytes:
@@ -178,11 +186,7 @@ class Write(Command[None]):
         if body == ERROR:
             raise WriteRefused
         if body != OK:
-            problem = Text(
-                f"{body.hex().upper()} is no completion code (00 or 01)",
-                f"{body.hex().upper()} — не код завершения (00 или 01)",
-            )
-            raise WrongContent(problem=problem)
+            raise WrongContent(problem=NO_COMPLETION_CODE.filled(code=body.hex().upper()))
 
     def respond(self, value: None = None) -> bytes:  # noqa: ARG002  (same shape as every command)
         return OK

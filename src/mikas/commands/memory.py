@@ -172,6 +172,10 @@ class WriteSfr(_ByteWrite):
 
 
 LARGEST_BLOCK = 0xFF  # the count is one byte
+OTHER_COUNT = Text(
+    "it announces {announced} bytes instead of {asked}",
+    "объявлено байтов {announced} вместо {asked}",
+)
 
 
 def _check_block(space: Space, address: int, count: int) -> None:
@@ -199,10 +203,7 @@ class _ReadBlock(AtAddress[bytes]):
         data = self._data_of(body)
         if len(data) > self.count:
             if data[0] != self.count:
-                problem = Text(
-                    f"it announces {data[0]} bytes instead of {self.count}",
-                    f"объявлено байтов {data[0]} вместо {self.count}",
-                )
+                problem = OTHER_COUNT.filled(announced=data[0], asked=self.count)
                 raise WrongContent(problem=problem)
             data = data[1:]
         return data

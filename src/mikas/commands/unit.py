@@ -24,6 +24,11 @@ from mikas.errors import NotSupported, WrongContent
 from mikas.i18n import Text
 
 SEPARATOR = 0xE0
+OTHER_NUMBER_OF_FAULTS = Text(
+    "it announces {announced} and holds {held} faults",
+    "объявлено ошибок {announced}, а пришло {held}",
+)
+NO_SEPARATOR = Text("a fault is not followed by E0", "за номером ошибки нет E0")
 _MOST = 0xFF
 
 
@@ -47,14 +52,10 @@ class ReadFaults(OnlyCode[tuple[int, ...]]):
             raise NotSupported(command=self.display_name)
         count, numbers, separators = body[0], body[1::2], body[2::2]
         if count != len(numbers):
-            problem = Text(
-                f"it announces {count} and holds {len(numbers)} faults",
-                f"объявлено ошибок {count}, а пришло {len(numbers)}",
-            )
+            problem = OTHER_NUMBER_OF_FAULTS.filled(announced=count, held=len(numbers))
             raise WrongContent(problem=problem)
         if any(byte != SEPARATOR for byte in separators):
-            problem = Text("a fault is not followed by E0", "за номером ошибки нет E0")
-            raise WrongContent(problem=problem)
+            raise WrongContent(problem=NO_SEPARATOR)
         return tuple(numbers)
 
     def respond(self, value: tuple[int, ...]) -> bytes:
