@@ -23,11 +23,12 @@ def test_the_page_begins_in_the_language_of_the_command_line(tmp_path):
 
 
 @pytest.mark.parametrize(("argv", "wished"), [(["dash", "--lang", "ru"], "ru"), (["dash"], None)])
-def test_a_language_that_was_named_reaches_the_page(argv, wished, monkeypatch):
+def test_a_language_that_was_named_reaches_the_page(argv, wished, tmp_path, monkeypatch):
     for name in ("MIKAS_LANG", "LC_ALL", "LC_MESSAGES"):
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setenv("LANG", "ru_RU.UTF-8")
-    set_language(detect_language(argv, lambda: ""))
+    monkeypatch.setenv("MIKAS_CONFIG", str(tmp_path / "none.toml"))
+    set_language(detect_language(argv))
     assert requested_language() == wished
     set_language("en")
 

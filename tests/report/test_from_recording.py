@@ -13,8 +13,8 @@ from mikas.errors import CaptureError
 from mikas.i18n import Text
 from mikas.recording import CaptureWriter
 from mikas.recording.annotations.events import note_of
+from mikas.recording.formatting import date_of
 from mikas.report.findings import BandPosition, Outcome
-from mikas.report.formatting import date_of
 from mikas.report.from_recording import find_in_recording
 from mikas.report.page import render
 from mikas.sampling.events import Gap, Marker, TextNote

@@ -9,13 +9,11 @@ catalog = ["~/my-catalog.toml"]    # a relative path is relative to this file
 
 from __future__ import annotations
 
-import os
-import sys
 from pathlib import Path
 from typing import Any
 
-from mikas.errors import UsageError, reason_of, usage_error
 from mikas.i18n import Text
+from mikas.preferences import config_path, parsed_config, wrong_config
 
 ECHO = ("auto", "on", "off")
 CHECKSUMS = ("stuffed", "raw")
@@ -36,52 +34,31 @@ _SETTINGS = (
 )  # fmt: skip
 
 
-def path() -> Path:
-    """Return the path of the config file, whether or not it exists."""
-    if named := os.environ.get("MIKAS_CONFIG"):
-        return Path(named)
-    if sys.platform not in ("win32", "darwin"):  # as platformdirs, without its import
-        base = os.environ.get("XDG_CONFIG_HOME", "").strip()
-        folder = Path(base) if base else Path("~/.config").expanduser()
-        return folder / "mikas" / "config.toml"
-    from platformdirs import user_config_path
-
-    return user_config_path("mikas", appauthor=False) / "config.toml"
-
-
 def own_catalog() -> Path:
     """Return the path of the user's own catalog, whether or not it exists."""
-    return path().with_name("catalog.toml")
+    return config_path().with_name("catalog.toml")
 
 
 def own_tests() -> Path:
     """Return the folder of the user's guided tests, whether or not it exists."""
-    return path().parent / "tests"
-
-
-def language() -> str:
-    """Return the file's `lang`; empty without one, and for a wrong file, which `load` reports."""
-    try:
-        return str(_parsed(path()).get("lang", ""))
-    except (UsageError, RuntimeError):
-        return ""
+    return config_path().parent / "tests"
 
 
 def load() -> dict[str, Any]:
     """Return the settings in the file, none without a file. Raises `UsageError` if it is wrong."""
-    file = path()
-    settings = _parsed(file)
+    file = config_path()
+    settings = parsed_config(file)
     for name, value in settings.items():
         if name not in _SETTINGS:
             known = ", ".join(_SETTINGS)
-            raise _wrong(
+            raise wrong_config(
                 file,
                 f"there is no setting “{name}”; the settings are {known}",
                 f"настройки «{name}» нет; есть {known}",
             )
         wanted = _expected(name, value)
         if wanted is not None:
-            raise _wrong(file, f"{name} has to be {wanted.en}", f"{name} — это {wanted.ru}")
+            raise wrong_config(file, f"{name} has to be {wanted.en}", f"{name} — это {wanted.ru}")
     settings["catalog"] = [
         str(file.parent / Path(name).expanduser()) for name in settings.get("catalog", ())
     ]
@@ -117,22 +94,3 @@ def _expected(name: str, value: object) -> Text | None:
 
 def _is_path(value: object) -> bool:
     return isinstance(value, str) and bool(value) and "\0" not in value
-
-
-def _parsed(file: Path) -> dict[str, Any]:
-    if not file.is_file():
-        return {}
-    from mikas import toml
-
-    try:
-        return toml.parse(toml.text_of(toml.read_bytes(file)))
-    except OSError as error:
-        reason = reason_of(error)
-        raise _wrong(file, reason.en, reason.ru) from error
-    except toml.TomlError as error:
-        place = f"{file}:{error.line}" if error.line else file
-        raise _wrong(place, error.problem.en, error.problem.ru) from error
-
-
-def _wrong(file: Path | str, en: str, ru: str) -> UsageError:
-    return usage_error(f"The config file {file}: {en}", f"Файл настроек {file}: {ru}")

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import os
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 from mikas.i18n import Language, Text
+from mikas.preferences import language_of, named_language
 
 _chosen: Language = "en"
 _requested = False
@@ -47,15 +47,15 @@ def decimal(text: str) -> str:
     return text.replace(".", ",") if _chosen == "ru" else text
 
 
-def detect_language(argv: Sequence[str], configured: Callable[[], str]) -> Language:
-    """Return the language of `--lang`, else MIKAS_LANG, else `configured()`, else the locale's.
+def detect_language(argv: Sequence[str]) -> Language:
+    """Return the language of `--lang`, else that of the user's settings, else the system's.
 
     The help needs it before the arguments are parsed; an invalid value is reported then.
     """
     global _requested  # noqa: PLW0603  (as `set_language`)
-    named = _in_arguments(argv) or os.environ.get("MIKAS_LANG") or configured()
+    named = _in_arguments(argv) or named_language()
     _requested = bool(named)
-    return "ru" if (named or _of_locale()).lower().startswith("ru") else "en"
+    return language_of(named)
 
 
 def _in_arguments(argv: Sequence[str]) -> str:
@@ -67,14 +67,3 @@ def _in_arguments(argv: Sequence[str]) -> str:
         if wanted != word and wanted.lower() in ("en", "ru"):
             named = wanted
     return named
-
-
-def _of_locale() -> str:
-    for name in ("LC_ALL", "LC_MESSAGES", "LANG"):
-        if value := os.environ.get(name):
-            return value
-    if os.name == "nt":  # Windows has no such variables
-        import locale
-
-        return locale.getlocale()[0] or ""
-    return ""

@@ -13,7 +13,6 @@ from contextlib import suppress
 
 import click
 
-from mikas.cli import config
 from mikas.cli.click_extensions import LocalizedGroup
 from mikas.cli.commands import COMMANDS
 from mikas.cli.common_options import LocalizedOption, common_options
@@ -82,7 +81,7 @@ def run(argv: list[str]) -> int:
 
 def _run(argv: list[str]) -> int:
     try:
-        set_language(detect_language(argv, config.language))
+        set_language(detect_language(argv))
         # `cli.main` would end the process when a pipe's reader is gone. click empties the list.
         with cli.make_context("mikas", [*argv]) as context:
             result = cli.invoke(context)

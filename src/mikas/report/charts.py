@@ -15,7 +15,7 @@ import numpy as np
 from markupsafe import Markup
 
 from mikas.i18n import Language, Text
-from mikas.report.formatting import clock, number
+from mikas.recording.formatting import clock, number
 from mikas.report.measurements.alarms import Channel
 from mikas.report.measurements.statistics import Envelope
 

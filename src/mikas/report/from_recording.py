@@ -23,12 +23,12 @@ from mikas.recording.annotations.events import (
     unit_of,
 )
 from mikas.recording.capture.reader import CaptureReader, Source
+from mikas.recording.formatting import date_of
 from mikas.recording.recorded_faults import FaultReadings, FrameCollector
 from mikas.recording.table.channels import Rows, joined_rows
 from mikas.recording.table.derived import Deriver
 from mikas.recording.table.reader import TableReader
 from mikas.report.findings import Findings, find
-from mikas.report.formatting import date_of
 from mikas.report.measurements.measurements import MeasurementCollector
 from mikas.report.subject import (
     Conditions,

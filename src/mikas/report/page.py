@@ -20,6 +20,7 @@ from mikas.cancellation import check_cancelled
 from mikas.errors import ExportError
 from mikas.i18n import Language, Text
 from mikas.recording.export.exporting import check_free, write_whole
+from mikas.recording.formatting import CONFIDENCE, band, date_of, moment, number, percent, with_unit
 from mikas.report.charts import chart
 from mikas.report.findings import (
     BandPosition,
@@ -29,7 +30,6 @@ from mikas.report.findings import (
     Unrated,
     is_open,
 )
-from mikas.report.formatting import CONFIDENCE, band, date_of, moment, number, percent, with_unit
 from mikas.report.labels import Labels
 from mikas.report.measurements.alarms import Channel
 from mikas.report.sections.alarm_texts import alarm_section

@@ -10,8 +10,8 @@ from __future__ import annotations
 from math import isfinite
 
 from mikas.i18n import Language, Text, counted, joined
+from mikas.recording.formatting import duration, moment, short, with_unit, within
 from mikas.report.findings import Findings
-from mikas.report.formatting import duration, moment, short, with_unit, within
 from mikas.report.labels import Labels
 from mikas.report.measurements.alarms import Alarm, worst
 from mikas.report.sections.section import PageSection, items

@@ -11,8 +11,8 @@ from mikas.errors import UsageError
 from mikas.i18n import Language, Text
 from mikas.link.ports import described
 from mikas.link.urls import parse
+from mikas.recording.formatting import clock, duration, number
 from mikas.report.findings import Findings
-from mikas.report.formatting import clock, duration, number
 from mikas.report.labels import Labels
 from mikas.report.sections.summary import idle_sentence
 from mikas.sampling.events import Gap

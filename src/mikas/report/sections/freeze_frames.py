@@ -14,9 +14,9 @@ from markupsafe import Markup
 
 from mikas.catalog import Derived
 from mikas.i18n import Language, Text
+from mikas.recording.formatting import between, number, with_unit
 from mikas.recording.freeze_frames import AppearedFault, FreezeFrame, ValueThen, shown_first
 from mikas.report.findings import Findings
-from mikas.report.formatting import between, number, with_unit
 from mikas.report.labels import Labels
 from mikas.report.measurements.alarms import Channel
 from mikas.report.sections.section import PageSection, paragraph, table

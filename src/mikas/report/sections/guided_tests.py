@@ -18,9 +18,9 @@ from mikas.guided.result import (
     TestResult,
 )
 from mikas.i18n import Language, Text
+from mikas.recording.formatting import moment, number
 from mikas.report.charts import axis_ends
 from mikas.report.findings import Findings
-from mikas.report.formatting import moment, number
 from mikas.report.measurements.alarms import Channel
 from mikas.report.sections.section import PageSection, items, paragraph, table
 

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 from mikas.catalog import Confidence, Parameter, shipped
 from mikas.i18n import Text, counted, joined
+from mikas.recording.formatting import within
 from mikas.report.findings import Findings
-from mikas.report.formatting import within
 from mikas.report.sections.summary import doubtful_idle
 
 

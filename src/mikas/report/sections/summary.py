@@ -7,8 +7,8 @@ from math import isfinite
 
 from mikas.catalog import Catalog
 from mikas.i18n import Language, Text, counted, joined
+from mikas.recording.formatting import duration, moment, number, within
 from mikas.report.findings import BandPosition, Findings, Outcome, Unrated, is_open
-from mikas.report.formatting import duration, moment, number, within
 from mikas.report.measurements.warm_idle import ENOUGH, SETTLING, RuleResult, WarmIdle
 from mikas.report.sections.alarm_texts import alarm_summary
 from mikas.report.subject import ClearedFaults

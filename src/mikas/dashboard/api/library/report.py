@@ -115,8 +115,8 @@ def _response(page: str, name: str, *, inline: bool) -> Response:
 
 
 def _of_connection(dashboard: Dashboard) -> Findings:
+    from mikas.recording.formatting import date_of
     from mikas.report.findings import find
-    from mikas.report.formatting import date_of
     from mikas.report.measurements.measurements import MeasurementCollector
     from mikas.report.subject import Conditions, ReportSubject, cleared_faults
 

@@ -6,7 +6,7 @@ import pytest
 
 from mikas.catalog import Confidence, shipped
 from mikas.i18n import Text, counted
-from mikas.report.formatting import (
+from mikas.recording.formatting import (
     CONFIDENCE,
     band,
     clock,
