@@ -35,7 +35,7 @@ from mikas.sampling.events import Gap
 DOCUMENT = Path(__file__).parents[2] / "docs" / "reference" / "report.md"
 RULED = (
     "sections/summary", "sections/limitations", "sections/alarm_texts", "sections/conditions",
-    "sections/freeze_frames", "labels", "formatting",
+    "sections/freeze_frames", "labels", "../recording/formatting",
 )  # fmt: skip
 
 WORDS = {
