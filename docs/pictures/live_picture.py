@@ -1,4 +1,4 @@
-"""Draw live.svg, the picture in docs/reference/cli.md: the live table of a car that warms up.
+"""Draw live.svg, the picture in docs/reference/cli.md, in both languages: a car that warms up.
 
 Run from the repository's root: python docs/pictures/live_picture.py
 """
@@ -12,6 +12,7 @@ from pathlib import Path
 from rich.console import Console
 
 from mikas.cli.context import CommandContext
+from mikas.cli.language import set_language
 from mikas.cli.render import table_layout
 from mikas.cli.render.live_table import LiveTable
 from mikas.cli.render.output import Output
@@ -23,7 +24,14 @@ WIDTH = 118
 
 
 def main() -> None:
-    """Write the picture next to this file."""
+    """Write the picture into the folder of each language."""
+    for language in ("en", "ru"):
+        set_language(language)
+        draw(Path(__file__).parent / language / "live.svg")
+
+
+def draw(out: Path) -> None:
+    """Write the picture in the current language."""
     console = Console(record=True, width=WIDTH, height=40, file=io.StringIO(), force_terminal=True)
     run = CommandContext(port="sim:?scenario=cold-start&seed=1&clock=simulated")
     asked = SamplingOptions(duration=SECONDS)
@@ -36,7 +44,7 @@ def main() -> None:
     # The picture must not fetch a font: any monospaced one of the system will do.
     picture = re.sub(r"@font-face \{.*?\}\s*", "", picture, flags=re.DOTALL)
     picture = picture.replace("Fira Code", "DejaVu Sans Mono, Menlo, Consolas")
-    Path(__file__).with_name("live.svg").write_text(picture, "utf-8")
+    out.write_text(picture, "utf-8")
 
 
 main()
