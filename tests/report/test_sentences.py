@@ -1,6 +1,7 @@
 """Every sentence of the report has a rule: it stands on the page exactly when that holds.
 
-docs/reference/report.md has the rules in words, `sentence_rules` as functions.
+docs/reference/report.md and docs/ru/reference/report.md have the rules in words, `sentence_rules`
+as functions.
 """
 
 from __future__ import annotations
@@ -32,7 +33,7 @@ from mikas.report.sections.summary import summary_sentence
 from mikas.report.subject import ClearedFaults, UnitIdentity
 from mikas.sampling.events import Gap
 
-DOCUMENT = Path(__file__).parents[2] / "docs" / "reference" / "report.md"
+DOCS = Path(__file__).parents[2] / "docs"
 RULED = (
     "sections/summary", "sections/limitations", "sections/alarm_texts", "sections/conditions",
     "sections/freeze_frames", "labels", "../recording/formatting",
@@ -61,29 +62,42 @@ WORDS = {
 # The sentences in the code and on the page
 
 
-def english(node: ast.expr) -> str:
+def written(node: ast.expr) -> str:
     if isinstance(node, ast.Constant):
         return re.sub(r"\{\w*\}", "{}", str(node.value))
     if isinstance(node, ast.JoinedStr):
-        return "".join(english(it) if isinstance(it, ast.Constant) else "{}" for it in node.values)
+        return "".join(written(it) if isinstance(it, ast.Constant) else "{}" for it in node.values)
     return ""
 
 
-def sentences() -> set[str]:
-    """The English texts of the report's modules, without mere combinations of parts."""
-    folder, found_ = Path(mikas.report.__file__).parent, set()
+def sentences() -> dict[str, str]:
+    """The texts of the report's modules, Russian by English, without mere combinations of parts."""
+    folder, found_ = Path(mikas.report.__file__).parent, {}
     for name in RULED:
         for node in ast.walk(ast.parse((folder / f"{name}.py").read_text("utf-8"))):
             if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "Text" and node.args:
-                found_.add(english(node.args[0]))
-    return {text for text in found_ if re.search("[A-Za-z]{3}", text)} - WORDS
+                english, *others = map(written, node.args)
+                found_[english] = "".join(others)
+    return {
+        english: russian
+        for english, russian in found_.items()
+        if re.search("[A-Za-z]{3}", english) and english not in WORDS
+    }
+
+
+def documented(page: Path) -> list[tuple[str, str]]:
+    """The rows of the tables: a sentence and its rule."""
+    return re.findall(r"^\| `(.+?)` \| (.+) \|$", page.read_text("utf-8"), re.MULTILINE)
 
 
 def test_every_sentence_has_a_rule_in_words_and_one_that_is_evaluated() -> None:
-    assert sentences() == set(RULES)
-    documented = re.findall(r"^\| `(.+?)` \| (.+) \|$", DOCUMENT.read_text("utf-8"), re.MULTILINE)
-    assert {sentence for sentence, _ in documented} == set(RULES)
-    assert all(rule.strip() for _, rule in documented)
+    said = sentences()
+    assert set(said) == set(RULES)
+    english = documented(DOCS / "reference" / "report.md")
+    russian = documented(DOCS / "ru" / "reference" / "report.md")
+    assert {sentence for sentence, _ in english} == set(RULES)
+    assert [sentence for sentence, _ in russian] == [said[sentence] for sentence, _ in english]
+    assert all(rule.strip() for _, rule in english + russian)
 
 
 def page_of(f: Findings, language="en") -> str:
