@@ -13,7 +13,7 @@ venv_python := .venv/bin/python
 $(shell [ -x $(venv_python) ] && [ "$$(cat .venv/installed 2>/dev/null)" = "$$(pwd -P)" ] || rm -f .venv/installed)
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test site page browser cable hour fuzz soak check bench audit sbom lock clean
+.PHONY: help demo test docs site page browser cable hour fuzz soak check bench audit sbom lock clean
 
 # What was compiled is kept: each worker of the tests, and each program that they start, would compile all again.
 unexport PYTHONDONTWRITEBYTECODE
@@ -35,6 +35,9 @@ test: .venv/with-test web/node_modules/installed ## all tests but those in a bro
 	  --cov-fail-under=100 --cov-report=term-missing:skip-covered
 	@$(venv_python) -m pytest -n auto --dist worksteal $(foreach path,$(gated) tests/browser tests/static_site tests/in_firefox tests/on_pyodide tests/cable,--ignore=$(path))
 	@$(npm) test
+
+docs: build/docs/index.html ## this documentation as a site into build/docs, English and Russian (docs/development/docs.md)
+	@echo "Open build/docs/index.html, or put the folder build/docs on a web server, under any address"
 
 site: build/site/files.json ## the page without installation into build/site: a folder for any web server (docs/development/site.md)
 	@echo "Put the folder build/site on a web server (https), under any address. On this computer: make page"
@@ -103,7 +106,7 @@ lock: build/audit/installed ## write requirements/lock.txt, after a change of th
 clean: ## remove .venv and everything else that was generated
 	rm -rf .venv .coverage .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache build dist htmlcov \
 	  web/node_modules src/mikas/dashboard/page
-	find src tests bench fuzz site_build -name __pycache__ -type d -prune -exec rm -rf {} + 2>/dev/null || true
+	find src tests bench fuzz site_build docs_build -name __pycache__ -type d -prune -exec rm -rf {} + 2>/dev/null || true
 
 groups := test check docs package fuzz build audit
 
@@ -144,6 +147,13 @@ site_sources := $(page) $(shell find web/site.html web/vite.site.config.ts web/s
 build/site/files.json: $(site_sources) web/node_modules/installed
 	@echo "Building the page without installation"
 	@$(venv_python) -m site_build
+
+docs_sources := pyproject.toml requirements/lock.txt web/public/icon.svg $(shell find docs docs_build src/mikas \
+  \( -name __pycache__ -o -path src/mikas/dashboard/page \) -prune -o -type f -print 2>/dev/null)
+
+build/docs/index.html: $(docs_sources) .venv/with-docs
+	@echo "Building the documentation"
+	@$(venv_python) -m docs_build
 
 # Debian's kernel and udev for `make cable`, unpacked here and not installed. Where they can't be had, the tests say so.
 build/cable/unpacked:

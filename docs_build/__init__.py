@@ -1,0 +1,13 @@
+"""Builds the documentation site: docs/** and what is generated from the program, in two languages.
+
+`make docs` runs `python -m docs_build`; `make check` runs `python -m docs_build.check`.
+
+    navigation   the pages of the site, their order and titles
+    waiting      pages whose text or translation is still to come
+    markdown     what a Markdown file consists of: headings, blocks of code, links
+    pages        which file is which page, in each language
+    dialect      Markdown as the web shows it, as Python-Markdown wants it
+    assembling   one language's pages, with links that lead somewhere on the site
+    rendering    Zensical over them
+    offline      what a browser would load from elsewhere
+"""
