@@ -74,13 +74,13 @@ def test_events() -> None:
     ]
     assert [each.text for each in events[1:5]] == [
         Text("Battery voltage 16.5 V is above 16 V: danger",
-             "Напряжение бортсети 16.5 В выше 16 В: опасность"),
+             "Напряжение бортсети 16,5 В выше 16 В: опасность"),
         Text("Battery voltage 15.2 V: no longer danger, still warning",
-             "Напряжение бортсети 15.2 В: уже не опасность, но ещё предупреждение"),
+             "Напряжение бортсети 15,2 В: уже не опасность, но ещё предупреждение"),
         Text("Battery voltage 14.0 V: back within 15 V",
-             "Напряжение бортсети 14.0 В: снова в пределах 15 В"),
+             "Напряжение бортсети 14,0 В: снова в пределах 15 В"),
         Text("Battery voltage 8.0 V is below 9 V: danger",
-             "Напряжение бортсети 8.0 В ниже 9 В: опасность"),
+             "Напряжение бортсети 8,0 В ниже 9 В: опасность"),
     ]  # fmt: skip
     assert all(each.name == "UACC" for each in events)
 

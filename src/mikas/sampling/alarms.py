@@ -196,21 +196,26 @@ def _sentence(before: Level, now: AlarmState, *, better: bool) -> Text:
             return Text(f"{name.en}: over", f"{name.ru}: прекратилось")
         return Text(f"{name.en}: {level.en}", f"{name.ru}: {level.ru}")
     assert now.side is not None
-    value, limit = f"{now.value:.{now.channel.decimals}f}", f"{now.limit:.10g}"
-    en, ru = f"{name.en} {value} {unit.en}".rstrip(), f"{name.ru} {value} {unit.ru}".rstrip()
-    limit_en, limit_ru = f"{limit} {unit.en}".rstrip(), f"{limit} {unit.ru}".rstrip()
+    value = _with_unit(f"{now.value:.{now.channel.decimals}f}", unit)
+    limit = _with_unit(f"{now.limit:.10g}", unit)
+    en, ru = f"{name.en} {value.en}", f"{name.ru} {value.ru}"
     if not better:
         where = _BEYOND[now.side]
         return Text(
-            f"{en} is {where.en} {limit_en}: {level.en}",
-            f"{ru} {where.ru} {limit_ru}: {level.ru}",
+            f"{en} is {where.en} {limit.en}: {level.en}",
+            f"{ru} {where.ru} {limit.ru}: {level.ru}",
         )
     if now.level is Level.NONE:
-        return Text(f"{en}: back within {limit_en}", f"{ru}: снова в пределах {limit_ru}")
+        return Text(f"{en}: back within {limit.en}", f"{ru}: снова в пределах {limit.ru}")
     return Text(
         f"{en}: no longer {previous.en}, still {level.en}",
         f"{ru}: уже не {previous.ru}, но ещё {level.ru}",
     )
+
+
+def _with_unit(number: str, unit: Text) -> Text:
+    """Return a number with its unit; Russian has a decimal comma."""
+    return Text(f"{number} {unit.en}".rstrip(), f"{number.replace('.', ',')} {unit.ru}".rstrip())
 
 
 def _check(channel: Parameter | Derived, limits: AlarmLimits) -> None:
