@@ -31,10 +31,6 @@ UNTRANSLATED: frozenset[str] = frozenset(
 
 AWAITED: frozenset[str] = frozenset(
     {
-        "tutorials/owner.md",
-        "tutorials/mechanic.md",
-        "tutorials/tuner.md",
-        "tutorials/developer.md",
         "how-to/install.md",
         "how-to/wireshark.md",
         "how-to/sigrok.md",
