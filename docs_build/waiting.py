@@ -4,27 +4,8 @@ from __future__ import annotations
 
 UNTRANSLATED: frozenset[str] = frozenset(
     {
-        "development/architecture.md",
         "development/benchmarks.md",
-        "development/cable.md",
         "development/docs.md",
-        "development/site.md",
-        "development/soak.md",
-        "development/where-do-i.md",
-        "how-to/wiring.md",
-        "protocol.md",
-        "reference/api.md",
-        "reference/capture.md",
-        "reference/catalog.md",
-        "reference/cli.md",
-        "reference/exports.md",
-        "reference/facts.md",
-        "reference/guided-tests.md",
-        "reference/report.md",
-        "reference/scenarios.md",
-        "reference/screens.md",
-        "reference/security.md",
-        "reference/simulator.md",
     }
 )
 """Shown in English on the Russian site, with a note."""
