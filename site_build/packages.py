@@ -48,7 +48,8 @@ _OWN_LINKS = {"webserial": "mikas.browser.web_serial:open_web_serial"}
 # The command line, the server and its page, links and formats of libraries that are not here, and
 # what computes with arrays of bytes by numpy, in place of which there is a scalar reference.
 _NOT_HERE = (
-    "cli", "__main__.py", "py.typed", "dashboard/page", "dashboard/server.py", "link/failures.py",
+    "cli", "__main__.py", "py.typed", "dashboard/page", "dashboard/running.py",
+    "dashboard/server.py", "link/failures.py",
     "link/network.py", "link/serial.py", "recording/exchanges/columnar.py",
     "recording/exchanges/packets.py", "recording/exchanges/stream.py", "recording/export/mdf.py",
     "recording/export/parquet.py", "replay/routine.py",

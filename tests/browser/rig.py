@@ -212,12 +212,13 @@ def dashboard(
     garage: Garage | None = None,
     lan: bool = False,
     lan_control: bool = False,
+    desktop: bool = False,
     **settings: str,
 ) -> Iterator[Dash]:
     """The program with the page that was built; `begin`: connected to the first adapter.
 
     `port` and `garage`: those of a program that has ended, started again. `lan`: for the network,
-    which calls this computer `LAPTOP`.
+    which calls this computer `LAPTOP`. `desktop`: an icon has started it.
     """
     garage = garage or Garage(folder)
     garage.tune(**settings)
@@ -229,6 +230,7 @@ def dashboard(
             open_port=garage.open,
             addresses=lambda: ("127.0.0.2", LAPTOP),
             tests=folder / "tests",
+            desktop=desktop,
         ),
         port=FT232.url if begin else None,
         lan=lan,

@@ -181,3 +181,23 @@ def test_leaving_amid_a_recording_asks(off, visitor):
     sheet.get_by_role("button", name="Disconnect").click()
     tab.is_line("off")
     tab.says("Recording saved")
+
+
+@pytest.mark.parametrize(
+    ("locale", "end", "ended"),
+    [("en-GB", "End mikas", "mikas has ended"), ("ru-RU", "Завершить mikas", "mikas завершён")],
+)
+def test_a_program_on_its_icon_is_ended_by_the_page(visitor, tmp_path, locale, end, ended):
+    with dashboard(tmp_path, begin=False, desktop=True) as dash:
+        tab = visitor(dash.url, locale=locale).show("connection")
+        tab.refused = True
+        tab.press(end)
+        tab.find("dialog").get_by_role("button", name=end).click()
+        tab.says(ended)
+    expect(tab.find("#screen h2").first).to_have_text(ended)
+
+
+def test_a_program_in_a_terminal_has_no_such_button(off, visitor):
+    tab = visitor(off.url).show("connection")
+    tab.says("Phone or tablet")
+    expect(tab.button("End mikas")).to_have_count(0)

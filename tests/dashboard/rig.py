@@ -189,6 +189,7 @@ def rig(
     rate=5,
     page=None,
     language=None,
+    desktop=False,
     tls=None,
     **access,
 ):
@@ -201,6 +202,7 @@ def rig(
         link_clock=cars.clock.now,
         addresses=lambda: ("127.0.0.2", "garage"),
         language=language,
+        desktop=desktop,
         tests=tmp_path / "tests",
     )
     dashboard = Dashboard(settings, port=begin, lan=access.get("lan", False))

@@ -13,6 +13,7 @@ from contextlib import suppress
 
 import click
 
+from mikas.cli import desktop
 from mikas.cli.click_extensions import LocalizedGroup
 from mikas.cli.commands import COMMANDS
 from mikas.cli.common_options import LocalizedOption, common_options
@@ -110,14 +111,21 @@ def _failed(error: Exception, argv: list[str]) -> int:
             Output(json=True).data(failure.as_json())
     else:
         _print_error(cell_text(failure.text))  # a paragraph, whatever lines a file's name has
+    if desktop.FLAG in argv:
+        details = _traceback(error) if failure.status == BUG else ""
+        desktop.show_failure(failure.text, details)
     if any(word in ("-v", "-vv", "--verbose") for word in argv):
         if failure.status == BUG:
-            import traceback
-
-            _print_error("".join(traceback.format_exception(error)).rstrip("\n"))
+            _print_error(_traceback(error))
         elif cause := error.__cause__:
             _print_error(f"  ({type(error).__name__} ← {type(cause).__name__}: {cause})")
     return failure.status
+
+
+def _traceback(error: Exception) -> str:
+    import traceback
+
+    return "".join(traceback.format_exception(error)).rstrip("\n")
 
 
 def _print_error(text: str) -> None:

@@ -44,6 +44,7 @@ from mikas.dashboard.api.library import (
 )
 from mikas.dashboard.api.messages import FieldsMessage, LiveMessage, PingMessage, component_schemas
 from mikas.dashboard.dashboard import Dashboard
+from mikas.dashboard.ending import Ending
 from mikas.dashboard.error_responses import ErrorResponse
 from mikas.dashboard.security.access import Access
 from mikas.dashboard.security.certificate import Certificate
@@ -121,6 +122,7 @@ def create_app(
     app.state.dashboard = dashboard
     app.state.access = access
     app.state.sharing = Sharing(dashboard, access, certificate)
+    app.state.ending = Ending(dashboard)
     app.state.broadcaster = live.Broadcaster(dashboard)
     errors.install(app)
     app.include_router(page.router(folder, dashboard.settings.language))

@@ -208,8 +208,13 @@ class Server(uvicorn.Server):
             for entrance in self._entrances:
                 entrance.open()
         self._app.state.sharing.attach(self._network_entrance, self._entrances)
+        self._app.state.ending.attach(self._end)
         if not self.should_exit:
             self._ready()
+
+    def _end(self) -> None:
+        """Shut down without a signal."""
+        self.should_exit = True
 
     def _network_entrance(self, own: ListeningSocket, context: ssl.SSLContext) -> Entrance:
         """Return an open entrance for the network, which is counted with the others."""
@@ -226,9 +231,10 @@ class Server(uvicorn.Server):
         )
 
     async def on_tick(self, counter: int) -> bool:
-        """End the connections that have waited for too long, once a second."""
+        """End the connections that have waited for too long, once a second; and unused programs."""
         if counter % _TICKS == 0:
             self.guard.sweep()
+            self._app.state.ending.check()
         return await super().on_tick(counter)
 
 

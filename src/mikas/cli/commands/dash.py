@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -11,10 +12,12 @@ from typing import TYPE_CHECKING
 from urllib.parse import urlencode
 
 from mikas.cli.advice import ADVICE
-from mikas.cli.click_extensions import command, grouped, option
+from mikas.cli.click_extensions import command, option
 from mikas.cli.context import CommandContext
+from mikas.cli.dashboard_options import DashboardOptions, dashboard_options
+from mikas.cli.desktop import FLAG, open_page
 from mikas.cli.language import localized, requested_language, tr
-from mikas.cli.parameter_types import existing_file, whole
+from mikas.cli.parameter_types import whole
 from mikas.cli.render.terminal import error_drawing
 from mikas.errors import UsageError, usage_error
 from mikas.i18n import Text
@@ -30,113 +33,13 @@ if TYPE_CHECKING:
 _FAULTS = "17"  # air temperature: a fault to find and to erase, with the engine running well
 
 
-@dataclass(slots=True)
-class DashboardOptions:
-    """Options of the server. `host_port` None: the first free one. `record`: the folder.
+@dataclass(frozen=True, slots=True)
+class Start:
+    """How `dash` was started. `folder`: where it can be found; `begun`: lets the next one start."""
 
-    Raises `UsageError` for a folder that can't be used.
-    """
-
-    host_port: int | None = None
-    lan: bool = False
-    lan_control: bool = False
-    no_browser: bool = False
-    record: Path | None = None
-    tls_cert: Path | None = None
-    tls_key: Path | None = None
-    no_tls: bool = False
-
-    def __post_init__(self) -> None:
-        self.lan = self.lan or self.lan_control
-        self._check_tls()
-        if self.record is not None:
-            from mikas.dashboard.settings import check_folder
-
-            check_folder(self.record)
-
-    def _check_tls(self) -> None:
-        given = (self.tls_cert, self.tls_key)
-        if (given != (None, None) or self.no_tls) and not self.lan:
-            raise usage_error(
-                "--tls-cert, --tls-key and --no-tls apply to the network; add --lan",
-                "--tls-cert, --tls-key и --no-tls относятся к доступу из сети; добавьте --lan",
-            )
-        if (self.tls_cert is None) != (self.tls_key is None):
-            raise usage_error(
-                "--tls-cert and --tls-key belong together; name both files",
-                "--tls-cert и --tls-key нужны вместе; укажите оба файла",
-            )
-        if self.no_tls and self.tls_cert is not None:
-            raise usage_error(
-                "--no-tls excludes --tls-cert and --tls-key",
-                "--no-tls нельзя указать вместе с --tls-cert и --tls-key",
-            )
-
-
-dashboard_options = grouped(
-    DashboardOptions,
-    option(
-        "--host-port",
-        type=whole(1, 65535),
-        metavar="N",
-        text=Text(
-            "TCP port of the page (8071, or the next free one)",
-            "порт TCP для страницы (8071 или следующий свободный)",
-        ),
-    ),
-    option(
-        "--lan",
-        is_flag=True,
-        text=Text(
-            "allow viewing from the network, encrypted, by a link with a key (also a QR code)",
-            "разрешить просмотр из сети, с шифрованием, по ссылке с ключом (есть и QR-код)",
-        ),
-    ),
-    option(
-        "--lan-control",
-        is_flag=True,
-        text=Text(
-            "allow control from the network, not only viewing",
-            "разрешить из сети и управление, не только просмотр",
-        ),
-    ),
-    option(
-        "--tls-cert",
-        type=existing_file,
-        metavar="FILE",
-        text=Text(
-            "certificate of your own for the network (PEM); otherwise mikas makes one",
-            "свой сертификат для доступа из сети (PEM); иначе его сделает mikas",
-        ),
-    ),
-    option(
-        "--tls-key",
-        type=existing_file,
-        metavar="FILE",
-        text=Text("its private key (PEM)", "закрытый ключ к нему (PEM)"),
-    ),
-    option(
-        "--no-tls",
-        is_flag=True,
-        text=Text(
-            "do not encrypt in the network: others there can read the key of the link",
-            "не шифровать в сети: ключ из ссылки смогут прочитать другие в ней",
-        ),
-    ),
-    option(
-        "--no-browser", is_flag=True, text=Text("only print the address", "только напечатать адрес")
-    ),
-    option(
-        "--record",
-        type=Path,
-        metavar="DIR",
-        text=Text(
-            "folder for recordings and dumps (mikas in your documents)",
-            "папка для записей и дампов (mikas в «Документах»)",
-        ),
-    ),
-)
-"""The options that `dash` and `demo` share."""
+    folder: Path
+    desktop: bool
+    begun: ExitStack
 
 
 @command(
@@ -153,9 +56,35 @@ dashboard_options = grouped(
     ),
     examples=("mikas dash", "mikas dash --port /dev/ttyUSB0", "mikas dash --lan --no-browser"),
 )
+@option(
+    FLAG,
+    is_flag=True,
+    text=Text(
+        "as its icon starts it: without a terminal. A second start opens the page of the first; "
+        "the page ends the program",
+        "как запускает её значок: без терминала. Второй запуск открывает страницу первого; "
+        "завершают программу со страницы",
+    ),
+)
 @dashboard_options
-def dash(context: CommandContext, options: DashboardOptions) -> None:
-    show_dashboard(context, options)
+def dash(context: CommandContext, options: DashboardOptions, *, desktop: bool) -> None:
+    if desktop and options.no_browser:
+        raise usage_error(
+            "--desktop opens the browser; omit --no-browser",
+            "--desktop открывает браузер; уберите --no-browser",
+        )
+    from mikas.client.connecting import state_folder
+    from mikas.dashboard.running import RunningDashboard, starting
+
+    folder = state_folder()
+    with ExitStack() as start:
+        if desktop:
+            start.enter_context(starting(folder))
+            if (running := RunningDashboard.find(folder)) is not None:
+                context.output.result({"url": running.url}, running.url)
+                open_page(running.url)
+                return
+        show_dashboard(context, options, Start(folder, desktop, start))
 
 
 @command(
@@ -196,24 +125,32 @@ def demo(
     show_dashboard(context, options)
 
 
-def show_dashboard(context: CommandContext, options: DashboardOptions) -> None:
-    """Print the address, then serve until Ctrl-C."""
+def show_dashboard(
+    context: CommandContext, options: DashboardOptions, start: Start | None = None
+) -> None:
+    """Print the address, then serve until Ctrl-C. `start` None: not to be found by others."""
     if context.capture is not None:
         raise usage_error(
             "The dashboard records itself (--record DIR); omit --capture",
             "Панель записывает сама (--record DIR); уберите --capture",
         )
     if context.port is None:
-        _serve(context, options, None)
+        _serve(context, options, None, start)
         return
     with context.open_ahead() as ahead:  # imports take as long as the handshake listens
-        _serve(context, options, ahead)
+        _serve(context, options, ahead, start)
 
 
-def _serve(context: CommandContext, options: DashboardOptions, ahead: PortAhead | None) -> None:
+def _serve(
+    context: CommandContext,
+    options: DashboardOptions,
+    ahead: PortAhead | None,
+    start: Start | None,
+) -> None:
     from mikas.cli.config import own_tests
     from mikas.dashboard.dashboard import Dashboard
     from mikas.dashboard.listening import listen, own_addresses
+    from mikas.dashboard.running import RunningDashboard
     from mikas.dashboard.security.access import Access
     from mikas.dashboard.settings import Settings, VirtualCars, default_recordings, ensure_folder
 
@@ -226,11 +163,12 @@ def _serve(context: CommandContext, options: DashboardOptions, ahead: PortAhead 
         language=requested_language(),
         own=context.own_catalog,
         tests=own_tests(),
+        desktop=start is not None and start.desktop,
     )
     hosts = own_addresses() if options.lan else ()
     certificate = _certificate(options, settings, hosts)
     own = listen(options.host_port, lan=options.lan)
-    with own:
+    with own, ExitStack() as found:
         access = Access(
             own.getsockname()[1],
             lan=options.lan,
@@ -239,6 +177,9 @@ def _serve(context: CommandContext, options: DashboardOptions, ahead: PortAhead 
             fingerprint=certificate.fingerprint if certificate else None,
         )
         dashboard = Dashboard(settings, port=context.port, lan=options.lan)
+        if start is not None:
+            found.enter_context(RunningDashboard(access.port, access.instance).kept(start.folder))
+            start.begun.close()
         try:
             # The unit is found meanwhile: these imports take as long as the handshake.
             dashboard.connection.begin()
@@ -288,7 +229,7 @@ def _show_address(
         _note_encryption(context, access)
     if not options.no_browser:
         # On some systems opening a browser blocks.
-        threading.Thread(target=_open, args=(access.url,), daemon=True).start()
+        threading.Thread(target=open_page, args=(access.url,), daemon=True).start()
 
 
 def _note_unusable_files(context: CommandContext, dashboard: Dashboard) -> None:
@@ -317,12 +258,6 @@ def _note_encryption(context: CommandContext, access: Access) -> None:
     half = len(access.fingerprint) // 2
     for line in (access.fingerprint[:half], access.fingerprint[half + 1 :]):
         context.output.note(f"  {line}")
-
-
-def _open(url: str) -> None:
-    import webbrowser
-
-    webbrowser.open(url)
 
 
 def _note_recording(context: CommandContext, dashboard: Dashboard) -> None:

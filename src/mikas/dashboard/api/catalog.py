@@ -55,6 +55,10 @@ class AboutResponse(BaseModel):
     lan_url: str | None
     fingerprint: str | None
     recordings_folder: str
+    desktop: bool = Field(
+        description="an icon has started the program: the page ends it (`/api/end`)"
+    )
+    instance: str = Field(description="a mark of this run, new at each start; it gives no rights")
     problems: list[TwoTexts] = Field(
         description="files of the user's that can't be used, and why; empty without control rights"
     )
@@ -133,6 +137,8 @@ def about(request: Request, dashboard: TheDashboard, client: Viewer) -> AboutRes
         lan_url=access.lan_url if client.may_control else None,
         fingerprint=access.fingerprint,
         recordings_folder=str(dashboard.settings.recordings),
+        desktop=dashboard.settings.desktop,
+        instance=access.instance,
         problems=[two(each) for each in unusable] if client.may_control else [],
     )
 

@@ -1,4 +1,4 @@
-"""The route of the switch that opens the dashboard to the network, for this computer only."""
+"""The routes for this computer only: the switch for the network, and the end of the program."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from pydantic import BaseModel, Field
 from mikas.dashboard.api.catalog import AboutResponse, about
 from mikas.dashboard.api.dependencies import LocalClient, TheDashboard
 from mikas.dashboard.api.errors import errors
+from mikas.dashboard.ending import Ending
 from mikas.dashboard.sharing import Sharing
 
 router = APIRouter(tags=["about"])
@@ -33,4 +34,15 @@ async def network(
         await sharing.open(control=body.control)
     else:
         await sharing.close()
+    return about(request, dashboard, client)
+
+
+@router.post("/end", responses=errors(409))
+async def end(request: Request, dashboard: TheDashboard, client: LocalClient) -> AboutResponse:
+    """End a program that an icon has started; the recording in progress is closed and kept.
+
+    For clients on this computer only. 409: the program was started in a terminal.
+    """
+    ending: Ending = request.app.state.ending
+    ending.end()
     return about(request, dashboard, client)

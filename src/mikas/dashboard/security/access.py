@@ -59,6 +59,8 @@ class Access:
     hosts: tuple[str, ...] = ()
     token: str = field(default_factory=lambda: secrets.token_urlsafe(18), repr=False)
     fingerprint: str | None = None
+    instance: str = field(default_factory=lambda: secrets.token_hex(8))
+    """A mark of this run, which gives no rights (`mikas.dashboard.running`)."""
 
     def share(self, hosts: tuple[str, ...], fingerprint: str, *, control: bool) -> None:
         """Let the network in, by a new token."""

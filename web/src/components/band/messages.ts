@@ -4,6 +4,7 @@ import { dictionary } from "../../lib/i18n";
 export const t = dictionary({
   connecting: { en: "Opening…", ru: "Открываем…" },
   lost: { en: "Program does not answer", ru: "Программа не отвечает" },
+  ended: { en: "mikas has ended. You can close this page; it reconnects by itself when mikas runs again.", ru: "mikas завершён. Эту страницу можно закрыть; когда mikas снова заработает, она подключится сама." },
   recording: { en: "Recording", ru: "Идёт запись" },
   sets: { en: "readings/s", ru: "опр/с" },
   rateLong: { en: "Readings of all sampled values a second", ru: "Опросов всех величин в секунду" },

@@ -62,6 +62,7 @@ export const api = {
     put<Api.TestVerdict>(`/tests/results/${part(id)}`, { in_report: wanted }),
 
   network: (on: boolean, control: boolean) => put<Api.About>("/network", { on, control }),
+  end: () => post<Api.About>("/end"),
   networkQr: () => address("/about/qr.svg"),
   freezeFrames: () => get<Api.FreezeFrames>("/freeze-frames"),
   freezeFrame: (id: string) => get<Api.Rows>(`/freeze-frames/${part(id)}`),

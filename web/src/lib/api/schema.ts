@@ -28,6 +28,10 @@ export interface components {
             lan_url: string | null;
             fingerprint: string | null;
             recordings_folder: string;
+            /** @description an icon has started the program: the page ends it (`/api/end`) */
+            desktop: boolean;
+            /** @description a mark of this run, new at each start; it gives no rights */
+            instance: string;
             /** @description files of the user's that can't be used, and why; empty without control rights */
             problems: components["schemas"]["TwoTexts"][];
         };

@@ -23,6 +23,8 @@ export interface Latest {
 class LiveLine {
   /** `lost`: the program does not answer, nothing on the screen is current. */
   link = $state<"connecting" | "open" | "lost">("connecting");
+  /** The user has ended the program from this page; until it runs again. */
+  ended = $state(false);
   state = $state.raw<State | null>(null);
   events = $state.raw<readonly LineEvent[]>([]);
   /** Counts loads of history: a frozen view redraws, too. */
@@ -110,6 +112,7 @@ class LiveLine {
     this.clock = message.now;
     if (this.link !== "open") {
       this.link = "open";
+      this.ended = false;
       this.attempts = 0;
       void this.loadHistory();
     }

@@ -80,8 +80,8 @@ export const t = dictionary({
   },
   s_denied: { en: "No permission to open the port", ru: "Нет прав на открытие порта" },
   s_denied_do: {
-    en: "On Linux: sudo usermod -aG dialout $USER, then log out and in again.",
-    ru: "В Linux: sudo usermod -aG dialout $USER, затем выйти из системы и войти снова.",
+    en: "On Linux: unplug the adapter and plug it in again. If that does not help, once, in a terminal: sudo usermod -aG dialout $USER, then log out and in again.",
+    ru: "В Linux: отключите адаптер и вставьте снова. Если не помогло, один раз в терминале: sudo usermod -aG dialout $USER, затем выйти из системы и войти снова.",
   },
   s_unplugged: { en: "The adapter was unplugged", ru: "Адаптер отключён" },
   s_unplugged_do: {
@@ -248,5 +248,20 @@ export const t = dictionary({
     ru: "Эта страница уже открыта по сети. Ссылка показана на компьютере с кабелем.",
   },
   lan_qr: { en: "QR code of the address", ru: "QR-код адреса" },
+  program: { en: "The program", ru: "Программа" },
+  program_more: {
+    en: "mikas was started by its icon and has no window of its own. It ends with this button, or by itself ten minutes after its last page was closed; not while it records or reads a dump.",
+    ru: "mikas запущен значком, своего окна у него нет. Его завершает эта кнопка; сам он завершается через десять минут после закрытия последней страницы, если не идёт запись или чтение дампа.",
+  },
+  program_end: { en: "End mikas", ru: "Завершить mikas" },
+  program_ask: { en: "End mikas?", ru: "Завершить mikas?" },
+  program_lost: {
+    en: "The connection to the car ends, on all pages and phones. To start again, click the icon.",
+    ru: "Связь с машиной прекратится — на всех страницах и телефонах. Чтобы запустить снова, нажмите значок.",
+  },
+  program_recording: {
+    en: "The recording {file} ends and is kept.",
+    ru: "Запись {file} закончится и сохранится.",
+  },
   lan_copy: { en: "Copy the link", ru: "Скопировать ссылку" },
 });

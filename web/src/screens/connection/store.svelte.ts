@@ -13,6 +13,7 @@ class ConnectionStore {
   readonly network = new ApiRequest<About>();
   /** Counts the answers of the switch: each has another link. */
   shares = $state(0);
+  readonly ending = new ApiRequest<About>();
   readonly connecting = new ApiRequest<State>();
   /** The port being connected to; "" for the most likely one. */
   wanted = $state<string | null>(null);
@@ -43,6 +44,13 @@ class ConnectionStore {
     if (!about) return void (await this.about.run(() => api.about()));
     if (about.lan) this.shares += 1;
     this.about.value = about;
+  }
+
+  /** End a program that an icon has started; its end closes the recording. */
+  async end(): Promise<void> {
+    const file = running();
+    live.ended = (await this.ending.run(() => api.end())) !== undefined;
+    if (live.ended && file) announceSaved(file);
   }
 
   async scan(): Promise<void> {

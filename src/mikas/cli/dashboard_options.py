@@ -1,0 +1,120 @@
+"""The options that `mikas dash` and `mikas demo` share, checked before anything is opened."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from mikas.cli.click_extensions import grouped, option
+from mikas.cli.parameter_types import existing_file, whole
+from mikas.errors import usage_error
+from mikas.i18n import Text
+
+
+@dataclass(slots=True)
+class DashboardOptions:
+    """Options of the server. `host_port` None: the first free one. `record`: the folder.
+
+    Raises `UsageError` for a folder that can't be used.
+    """
+
+    host_port: int | None = None
+    lan: bool = False
+    lan_control: bool = False
+    no_browser: bool = False
+    record: Path | None = None
+    tls_cert: Path | None = None
+    tls_key: Path | None = None
+    no_tls: bool = False
+
+    def __post_init__(self) -> None:
+        self.lan = self.lan or self.lan_control
+        self._check_tls()
+        if self.record is not None:
+            from mikas.dashboard.settings import check_folder
+
+            check_folder(self.record)
+
+    def _check_tls(self) -> None:
+        given = (self.tls_cert, self.tls_key)
+        if (given != (None, None) or self.no_tls) and not self.lan:
+            raise usage_error(
+                "--tls-cert, --tls-key and --no-tls apply to the network; add --lan",
+                "--tls-cert, --tls-key и --no-tls относятся к доступу из сети; добавьте --lan",
+            )
+        if (self.tls_cert is None) != (self.tls_key is None):
+            raise usage_error(
+                "--tls-cert and --tls-key belong together; name both files",
+                "--tls-cert и --tls-key нужны вместе; укажите оба файла",
+            )
+        if self.no_tls and self.tls_cert is not None:
+            raise usage_error(
+                "--no-tls excludes --tls-cert and --tls-key",
+                "--no-tls нельзя указать вместе с --tls-cert и --tls-key",
+            )
+
+
+dashboard_options = grouped(
+    DashboardOptions,
+    option(
+        "--host-port",
+        type=whole(1, 65535),
+        metavar="N",
+        text=Text(
+            "TCP port of the page (8071, or the next free one)",
+            "порт TCP для страницы (8071 или следующий свободный)",
+        ),
+    ),
+    option(
+        "--lan",
+        is_flag=True,
+        text=Text(
+            "allow viewing from the network, encrypted, by a link with a key (also a QR code)",
+            "разрешить просмотр из сети, с шифрованием, по ссылке с ключом (есть и QR-код)",
+        ),
+    ),
+    option(
+        "--lan-control",
+        is_flag=True,
+        text=Text(
+            "allow control from the network, not only viewing",
+            "разрешить из сети и управление, не только просмотр",
+        ),
+    ),
+    option(
+        "--tls-cert",
+        type=existing_file,
+        metavar="FILE",
+        text=Text(
+            "certificate of your own for the network (PEM); otherwise mikas makes one",
+            "свой сертификат для доступа из сети (PEM); иначе его сделает mikas",
+        ),
+    ),
+    option(
+        "--tls-key",
+        type=existing_file,
+        metavar="FILE",
+        text=Text("its private key (PEM)", "закрытый ключ к нему (PEM)"),
+    ),
+    option(
+        "--no-tls",
+        is_flag=True,
+        text=Text(
+            "do not encrypt in the network: others there can read the key of the link",
+            "не шифровать в сети: ключ из ссылки смогут прочитать другие в ней",
+        ),
+    ),
+    option(
+        "--no-browser", is_flag=True, text=Text("only print the address", "только напечатать адрес")
+    ),
+    option(
+        "--record",
+        type=Path,
+        metavar="DIR",
+        text=Text(
+            "folder for recordings and dumps (mikas in your documents)",
+            "папка для записей и дампов (mikas в «Документах»)",
+        ),
+    ),
+)
+"""The options that `dash` and `demo` share."""
