@@ -15,6 +15,7 @@ from contextlib import redirect_stderr, redirect_stdout, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
+from xml.etree import ElementTree as ET
 
 import mikas
 from fuzz.recordings import dashboard
@@ -25,11 +26,16 @@ from mikas.cleaning import terminal_text
 from mikas.cli.failures import BUG
 from mikas.cli.main import run
 from mikas.errors import MikasError, UsageError
+from mikas.i18n import Language
 from mikas.recording.annotations.events import comment_note
 from mikas.recording.capture.reader import CaptureReader, Problem
 from mikas.recording.capture.writer import append_note
 from mikas.recording.export import DIALECTS, export
 from mikas.recording.inspect import Describer, decode, to_json
+from mikas.recording.notebook.display import as_html
+from mikas.recording.notebook.panes import coloured
+from mikas.recording.notebook.picture import picture_of
+from mikas.recording.notebook.plot import chosen_panes
 from mikas.recording.recorded_faults import faults_in
 from mikas.recording.search import SearchCondition, search
 from mikas.recording.summary import summarise
@@ -119,6 +125,19 @@ def _as_frames(path: Path) -> None:
     recording.to_arrow()
 
 
+def _in_a_notebook(path: Path) -> None:
+    """All that it shows of itself and draws, in both languages; HTML that is well-formed."""
+    languages: tuple[Language, ...] = ("en", "ru")
+    for language in languages:
+        recording = mikas.open(path, language=language)
+        ET.fromstring(as_html(recording, language))
+        str(recording).encode()
+    panes = coloured(chosen_panes(recording, (), group_by_unit=True))
+    for stacked in (False, True):
+        with suppress(UsageError):  # it has no values
+            picture_of(recording, panes, stacked=stacked, reference=True)
+
+
 def _exported(suffix: str, dialect: str = "plain") -> Callable[[Path], None]:
     def write(path: Path) -> None:
         with tempfile.TemporaryDirectory(prefix="mikas-fuzz-") as folder:
@@ -202,6 +221,7 @@ READERS: Final = (
     Reader("faults", _with_faults, _USUAL, each=3),
     Reader("replay", _replayed, _USUAL, each=2),
     Reader("window", _in_windows, _USUAL, each=2),
+    Reader("notebook", _in_a_notebook, _SEVERAL, each=4),
     Reader("csv", _exported(".csv"), _USUAL, each=2),
     Reader("msl", _exported(".msl"), _USUAL, each=3),
     Reader("mlg", _exported(".mlg"), _USUAL, each=3),

@@ -16,7 +16,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from math import inf
 from pathlib import Path
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -27,10 +27,12 @@ from mikas.recording.capture.notes import Note
 from mikas.recording.capture.reader import Problem, Source
 from mikas.recording.exchanges import read_exchanges
 from mikas.recording.freeze_frames import AROUND, LONGEST, AppearedFault, frame_of, new_faults
-from mikas.recording.recording import Recording
 from mikas.recording.table.channels import Rows, joined_rows
 from mikas.sampling.events import Event, FaultReading, UnitFound
 from mikas.sampling.fault_watch import MINERR, appeared
+
+if TYPE_CHECKING:
+    from mikas.recording.recording import Recording
 
 _MOST: Final = 30  # frames of a recording
 

@@ -2,15 +2,17 @@
 
     recording = mikas.open("drive.pcapng")
     frame = recording.to_pandas()          # or to_polars(), to_arrow(), rows()
+    recording.plot("FREQ", ["INJ", "JAIR"])
 
-Parameters are decoded from the raw bytes by the present catalog, derived channels computed from
-them. numpy and the data frames' libraries are imported on use.
+As the last line of a notebook's cell it shows its car, faults, gaps and channels; `print` shows the
+same as text. Parameters are decoded from the raw bytes by the present catalog, derived channels
+computed from them. numpy, matplotlib and the data frames' libraries are imported on use.
 """
 
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -30,6 +32,12 @@ from mikas.recording.table.channels import Rows, all_channels, calendar, is_reco
 from mikas.sampling.events import Event, MethodChosen
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from mikas.i18n import Language
+    from mikas.recording.notebook.drawing import Plot
+    from mikas.recording.notebook.overview import Overview
+    from mikas.recording.notebook.picture import Moment
     from mikas.recording.table.window import Windows
 
 
@@ -39,17 +47,19 @@ def open(  # noqa: A001  (read as `mikas.open`)
     interpretation: str = "corrected",
     catalogs: Iterable[str | os.PathLike[str]] = (),
     names: Iterable[str] = (),
+    language: Language | None = None,
 ) -> Recording:
     """Read a recording (.pcapng) and return it as a table.
 
     `interpretation`: corrected, literal or alternative (errata). `catalogs`: your own files, which
     add to and override the shipped definitions. `names`: the wanted channels in their order; by
-    default all recorded ones.
+    default all recorded ones. `language`: `en` or `ru`, for what a notebook shows; by default that
+    of MIKAS_LANG, of the config file, or of the system.
 
     Raises `CaptureError` for a file that is no capture, `UsageError` for an invalid name or
     setting. `problems` lists damage in the file.
     """
-    return Recording(path, load(*map(Path, catalogs)), interpretation, names)
+    return Recording(path, load(*map(Path, catalogs)), interpretation, names, language)
 
 
 class Recording:
@@ -67,6 +77,7 @@ class Recording:
         catalog: Catalog,
         interpretation: str = "corrected",
         names: Iterable[str] = (),
+        language: Language | None = None,
     ) -> None:
         from mikas.recording.table.reader import TableReader
 
@@ -77,6 +88,7 @@ class Recording:
         self.path = capture.path
         self.catalog = catalog
         self.interpretation = interpretation
+        self._language = language
         self._reader = TableReader(self.path, catalog, interpretation)
         self._corrected = self._reader
         recorded = {channel.name: channel for channel in self._reader.channels}
@@ -149,6 +161,11 @@ class Recording:
         times = self._windows.times
         return (float(times[0]), float(times[-1])) if times.size else None
 
+    @property
+    def row_count(self) -> int:
+        """The number of its rows."""
+        return int(self._windows.times.size)
+
     @cached_property
     def notes(self) -> list[Note]:
         """The notes of all its sessions."""
@@ -174,7 +191,79 @@ class Recording:
         return self._reader.problem_count
 
     def __repr__(self) -> str:
-        return f"<Recording {str(self.path)!r}: {len(self.channels)} channels>"
+        names = " ".join(channel.name for channel in self.channels)
+        return f"<Recording {str(self.path)!r}: {len(self.channels)} channels: {names}>"
+
+    @property
+    def language(self) -> Language:
+        """The language of what it shows."""
+        from mikas.preferences import user_language
+
+        return self._language or user_language()
+
+    @cached_property
+    def overview(self) -> Overview:
+        """What it shows of itself: car, faults, gaps, markers, each channel's range and rate.
+
+        Raises `CaptureError` if the file can't be read any more.
+        """
+        from mikas.recording.notebook.overview import overview_of
+
+        return overview_of(self)
+
+    def __str__(self) -> str:
+        from mikas.recording.notebook.display import as_text
+
+        return as_text(self, self.language)
+
+    def _repr_html_(self) -> str:
+        """Return the same for a notebook."""
+        from mikas.recording.notebook.display import as_html
+
+        return as_html(self, self.language)
+
+    def _repr_pretty_(self, printer: Any, cycle: bool) -> None:  # noqa: ANN401, ARG002  (IPython's)
+        """Show the same on IPython's console."""
+        printer.text(str(self))
+
+    def plot(
+        self,
+        *panes: str | Sequence[str],
+        start: Moment | None = None,
+        end: Moment | None = None,
+        by_unit: bool = False,
+        stacked: bool = False,
+        reference: bool = False,
+        points: int = 2000,
+        figsize: tuple[float, float] | None = None,
+        ax: Axes | None = None,
+    ) -> Plot:
+        """Draw channels over time with matplotlib, as the dashboard's chart; return the drawing.
+
+        `panes`: from top to bottom, each a channel or a list of channels; the chart's own by
+        default. `start`, `end`: seconds from the first row, as tables count, or a `datetime`.
+        `by_unit`: the named channels, or all, in a pane for each unit. `stacked`: each channel in a
+        lane of its own. `reference`: the catalog's range at warm idle behind each line. `points`:
+        of a line at most; its extremes are kept. `ax`: draw one pane there.
+
+        The result's `figure` and its `axes` by channel are matplotlib's, to go on with; their time
+        is in seconds from the first row. Raises `MissingExtra` without matplotlib, `UsageError` for
+        an unknown channel or if there is nothing to draw.
+        """
+        from mikas.recording.notebook.plot import drawn
+
+        return drawn(
+            self,
+            panes,
+            start=start,
+            end=end,
+            group_by_unit=by_unit,
+            stacked=stacked,
+            reference=reference,
+            points=points,
+            figsize=figsize,
+            ax=ax,
+        )
 
     def rows(self) -> Iterator[Rows]:
         """Yield the recording in stretches, read from the file at each call.

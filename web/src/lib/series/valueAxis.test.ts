@@ -1,3 +1,4 @@
+import { readFileSync } from "node:fs";
 import { describe, expect, it } from "vitest";
 import type { Channel } from "../api/types";
 import { axesOf, axisAlone, fitted, leastSpan, neverNegative, type Line } from "./valueAxis";
@@ -132,5 +133,30 @@ describe("the axes of a pane", () => {
       if (nearest * HEIGHT <= 1.9) tooNear.push(seed);
     }
     expect(tooNear).toEqual([]);
+  });
+});
+
+describe("the cases that a plot in a notebook is held to as well (tests/recording/notebook)", () => {
+  interface Case {
+    lines: { name: string; flag: boolean; unit: string; span_least: number | null; lowest: number | null; seen: Line["seen"]; band: [number, number] | null }[];
+    axes: { low: number; high: number; floor: boolean }[];
+  }
+  const cases = JSON.parse(readFileSync(new URL("./valueAxis.test.json", import.meta.url), "utf8")) as Case[];
+
+  it("have these axes", () => {
+    for (const { lines, axes } of cases) {
+      const found = axesOf(
+        lines.map(({ name, flag, unit, span_least, lowest, seen, band }) => {
+          const channel = { flag, unit: { en: unit, ru: unit }, span_least, decimals: 0, range: lowest === null ? null : [lowest, 9999] };
+          return { name, channel: channel as unknown as Channel, seen, band: band ?? undefined };
+        }),
+        400,
+      );
+      found.forEach(({ low, high, floor }, line) => {
+        expect(low).toBeCloseTo(axes[line]!.low, 9);
+        expect(high).toBeCloseTo(axes[line]!.high, 9);
+        expect(floor).toBe(axes[line]!.floor);
+      });
+    }
   });
 });

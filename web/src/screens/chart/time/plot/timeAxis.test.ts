@@ -1,3 +1,4 @@
+import { readFileSync } from "node:fs";
 import { describe, expect, it } from "vitest";
 import { language } from "../../../../lib/i18n";
 import { axisTimes, counted, elapsed, timesOfDay } from "./timeAxis";
@@ -39,4 +40,9 @@ describe("the labels of a picture's axis", () => {
     }
     expect(axisTimes(99, 161, 100).map(({ text }) => text)).toEqual(["0:00", "0:10", "0:20", "0:30", "0:40", "0:50", "1:00"]);
   });
+});
+
+it("has the labels that a plot in a notebook is held to as well (tests/recording/notebook)", () => {
+  const cases = JSON.parse(readFileSync(new URL("./timeAxis.test.json", import.meta.url), "utf8")) as { from: number; to: number; zero: number; labels: unknown }[];
+  for (const { from, to, zero, labels } of cases) expect(axisTimes(from, to, zero)).toEqual(labels);
 });
