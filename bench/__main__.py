@@ -1,4 +1,4 @@
-"""Run the benchmarks; print their tables and write docs/development/benchmarks.md (`make bench`).
+"""Run the benchmarks; print their tables and write the pages of both languages (`make bench`).
 
 python -m bench                   everything
 python -m bench wire cpu          these themes only; their sections of the document are renewed
@@ -15,7 +15,19 @@ from collections.abc import Iterator
 from datetime import UTC, datetime
 from pathlib import Path
 
-from bench import cpu, crash, dash, hostile, memory, reading, stalls, startup, static_site, wire
+from bench import (
+    cpu,
+    crash,
+    dash,
+    hostile,
+    memory,
+    reading,
+    russian,
+    stalls,
+    startup,
+    static_site,
+    wire,
+)
 from bench.rows import Scope
 
 THEMES = {
@@ -74,6 +86,7 @@ def _write(title: str, section: str) -> None:
     about = f"{_ABOUT}\n\n{met} of {met + missed} targets met."
     text = "\n\n## ".join([about, *sections.values()])
     DOCUMENT.write_text(text + "\n", encoding="utf-8", newline="\n")
+    russian.write()
 
 
 def _machine(load: str) -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 UNTRANSLATED: frozenset[str] = frozenset(
     {
-        "development/benchmarks.md",
         "development/docs.md",
     }
 )

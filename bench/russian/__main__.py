@@ -1,0 +1,5 @@
+"""python -m bench.russian: writes the Russian page of the benchmarks from the English one."""
+
+from bench.russian import write
+
+write()
