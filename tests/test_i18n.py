@@ -32,8 +32,8 @@ def test_changes_have_the_right_ending() -> None:
         "erase 2 stored faults",
     ]
     assert [erasing(count).ru for count in (1, 2, 5)] == [
-        "стереть 1 ошибку",
-        "стереть 2 ошибки",
-        "стереть 5 ошибок",
+        "сбросить 1 ошибку",
+        "сбросить 2 ошибки",
+        "сбросить 5 ошибок",
     ]
     assert writing(1, "ram 0042") == ("write 1 byte to ram 0042", "записать 1 байт, ram 0042")

@@ -60,7 +60,7 @@ def test_faults_are_erased_in_two_steps_and_stand_in_the_journal(faulty):
     assert [entry["state"] for entry in done] == ["done", "started"]
     assert done[0]["change"] == {
         "en": "erase 2 stored faults",
-        "ru": "стереть 2 ошибки",
+        "ru": "сбросить 2 ошибки",
     }
 
 

@@ -47,7 +47,7 @@ class Erased:
 def erasing(count: int) -> Text:
     """Return the text for erasing `count` faults."""
     faults = counted(count, ("stored fault", "stored faults"), ("ошибку", "ошибки", "ошибок"))
-    return Text("erase {faults}", "стереть {faults}").filled(faults=faults)
+    return Text("erase {faults}", "сбросить {faults}").filled(faults=faults)
 
 
 class Ecu:

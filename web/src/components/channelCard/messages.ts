@@ -15,7 +15,7 @@ export const t = dictionary({
   refused: { en: "This unit does not have it", ru: "В этом блоке его нет" },
   watch: { en: "Read it", ru: "Опрашивать" },
 
-  virtual: { en: "Virtual car, warm idle", ru: "Виртуальная машина, прогрета, холостой ход" },
+  virtual: { en: "Virtual car, warm idle", ru: "Виртуальный автомобиль, прогрет, холостой ход" },
   computed: { en: "computed by a model, not measured on an engine", ru: "вычислено моделью, не измерено на двигателе" },
   normal: { en: "Healthy engine, warm idle", ru: "Исправный мотор, прогрет, холостой ход" },
   low: { en: "If it is too low", ru: "Если ниже нормы" },

@@ -6,7 +6,7 @@ import type { Text } from "../api/types";
 import { RecordingData } from "./recordingData.svelte";
 
 const t = dictionary({
-  virtual: { en: "virtual car, not measured on a real engine", ru: "виртуальная машина, не измерено на настоящем двигателе" },
+  virtual: { en: "virtual car, not measured on a real engine", ru: "виртуальный автомобиль, не измерено на настоящем двигателе" },
 });
 
 /** Aligning: first a moment on the dashed line is selected, then the same moment on the solid line. */

@@ -98,7 +98,7 @@ const RUSSIAN: readonly (readonly [RegExp, string])[] = [
   [/^write parameter (.+)$/, "записать параметр $1"],
   [/^write (\w+)$/, "записать $1"],
   [/^set the unit's list to (\d+) code\(s\)$/, "задать список блока, кодов: $1"],
-  [/^erase (\d+) stored fault\(s\)$/, "стереть ошибки, всего: $1"],
+  [/^erase (\d+) stored fault\(s\)$/, "сбросить ошибки, всего: $1"],
   [/^jump to (.+)$/, "перейти на $1"],
   [/^send (.+)$/, "послать $1"],
 ];

@@ -27,7 +27,7 @@ from mikas.i18n import Text
         "Lists every known parameter with its code, unit, formula, limits and errata, then the "
         "derived channels. Needs no port.",
         "Показывает все известные параметры: код, единицу, формулу, пределы, сомнительные места; "
-        "затем расчётные каналы. Порт не нужен.",
+        "затем производные каналы. Порт не нужен.",
     ),
     examples=("mikas params", "mikas params --interpretation literal", "mikas params --json"),
 )

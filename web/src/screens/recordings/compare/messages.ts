@@ -12,7 +12,7 @@ export const t = dictionary({
   },
   references: { en: "References", ru: "Образцы" },
   others: { en: "Other recordings", ru: "Другие записи" },
-  virtual: { en: "virtual car, not measured on a real engine", ru: "виртуальная машина, не измерено на настоящем двигателе" },
+  virtual: { en: "virtual car, not measured on a real engine", ru: "виртуальный автомобиль, не измерено на настоящем двигателе" },
   referencesHint: {
     en: "Mark a recording of a healthy car with the star in Recordings: it comes first here.",
     ru: "Отметьте звездой запись исправной машины на экране «Записи»: она будет здесь первой.",
