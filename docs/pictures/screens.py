@@ -84,19 +84,17 @@ def take(page: Page, language: str, name: str, wanted: list[str]) -> None:
 
 def guided_test(tabs: dict[str, Page], wanted: list[str]) -> None:
     """Take the pictures of a guided test, while the car still idles."""
-    for page in tabs.values():
-        show(page, "test-list")
     first = tabs["en"]
+    show(first, "test-list")
     first.locator("[data-test=idle] button").first.click()
-    for page in tabs.values():
-        page.locator(".todo").wait_for()
+    first.locator(".todo").wait_for()
     first.wait_for_timeout(4000)
     take(first, "en", "tests", wanted)
-    other = tabs["ru"]
-    other.get_by_role("button", name="Взять управление").click()
-    other.get_by_role("button", name="Прервать проверку").and_(other.locator(":enabled")).wait_for()
-    take(other, "ru", "tests", wanted)
-    other.get_by_role("button", name="Прервать проверку").click()
+    first.get_by_role("button", name="RU", exact=True).click()
+    first.get_by_role("button", name="Прервать проверку").wait_for()
+    take(first, "ru", "tests", wanted)
+    first.get_by_role("button", name="EN", exact=True).click()
+    first.get_by_role("button", name="End the test").click()
 
 
 def main(wanted: list[str]) -> None:

@@ -1,0 +1,49 @@
+"""python -m docs_build.check: fails on a stale link, example or translation of the documents.
+
+The site is checked too, as it was built by `make docs`; documents are checked side by side.
+"""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+from concurrent.futures import ProcessPoolExecutor
+from functools import partial
+from pathlib import Path, PurePosixPath
+
+from docs_build.__main__ import BUILT
+from docs_build.checking import built, examples, links, named, structure
+from docs_build.checking.finding import Finding
+from docs_build.pages import LANGUAGES, files
+
+OTHERS = ("CONTRIBUTING.md", "README.md", "SECURITY.md", "examples/README.md", "fuzz/README.md")
+
+
+def main() -> int:
+    """Print all findings; return the exit status."""
+    documents = [PurePosixPath(name) for name in OTHERS]
+    documents += [file for language in LANGUAGES for file in files(language)]
+    with tempfile.TemporaryDirectory() as folder, ProcessPoolExecutor() as side_by_side:
+        drive = Path(folder) / examples.RECORDING
+        side_by_side.submit(examples.recording, drive).result()
+        ran = side_by_side.map(partial(examples.findings, drive=drive), documents)
+        found: list[Finding] = [*structure.findings(), *built.findings(BUILT)]
+        for file in documents:
+            found += [*links.findings(file), *named.findings(file)]
+        for each in ran:
+            found += each
+    for finding in found:
+        print(finding)
+    if not (BUILT / "index.html").is_file():
+        print("build/docs was not built: make docs")
+        return 1
+    print(
+        f"Documents: {len(documents)} checked, {len(found)} findings"
+        if found
+        else f"Documents: {len(documents)} checked"
+    )
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,49 @@
+"""Every path and every name of Python in a document exists."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from functools import cache
+from pathlib import PurePosixPath
+from pkgutil import resolve_name
+
+from docs_build.checking.finding import Finding
+from docs_build.pages import ROOT, document
+
+_ROOTS = (
+    "src/|tests/|docs/|bench/|fuzz/|site_build/|docs_build/|examples/|web/|changes/|requirements/"
+    r"|\.ci/|\.github/|\.importlinter"
+)
+_PATH = re.compile(rf"`((?:{_ROOTS})[^`\s]*)`")
+_NAME = re.compile(r"\bmikas(?:\.[A-Za-z_]\w*)+")
+# The group of entry points; udev's 70-mikas.rules.
+_OTHER_NAMES = frozenset({"mikas.links", "mikas.rules"})
+_PLACEHOLDER = re.compile(r"[A-Z]{3,}|…")  # web/src/screens/NAME/Screen.svelte
+
+
+def findings(file: PurePosixPath) -> Iterator[Finding]:
+    """Yield what `file` names and what does not exist."""
+    for number, line in enumerate(document(file).text.splitlines(), 1):
+        for path in _PATH.findall(line):
+            if not _PLACEHOLDER.search(path) and not exists_in_repository(path):
+                yield Finding(file, number, f"{path}: no such file")
+        for name in _NAME.findall(line):
+            if name not in _OTHER_NAMES and not exists_in_python(name):
+                yield Finding(file, number, f"{name}: no such name")
+
+
+@cache
+def exists_in_repository(path: str) -> bool:
+    """Whether a path, which may be a pattern, names a file or folder."""
+    return any(ROOT.glob(path.rstrip("/")))
+
+
+@cache
+def exists_in_python(name: str) -> bool:
+    """Whether a dotted name is a module, or something in one."""
+    try:
+        resolve_name(name)
+    except (ImportError, AttributeError):
+        return False
+    return True
