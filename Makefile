@@ -64,7 +64,7 @@ SECONDS ?= 45
 fuzz: .venv/with-fuzz ## the parsers under mutated inputs, and all readers under hostile recordings (Linux); fails on a finding
 	@$(venv_python) -m fuzz --seconds $(SECONDS) --seed $(SEED)
 
-check: .venv/with-check web/node_modules/installed ## lint, format, types, import rules, names of changes/
+check: .venv/with-check web/node_modules/installed build/docs/index.html ## lint, format, types, import rules, names of changes/, links and examples of the documents
 	$(venv_python) -m ruff check .
 	$(venv_python) -m ruff format --check .
 	$(venv_python) -m mypy
@@ -72,6 +72,7 @@ check: .venv/with-check web/node_modules/installed ## lint, format, types, impor
 	$(venv_python) web/generate_types.py --check
 	@$(venv_python) -m towncrier build --draft --version next >/dev/null
 	@$(npm) run check
+	@$(venv_python) -m docs_build.check
 
 bench: .venv/with-test ## rates, times, memory, kills and full disks against their targets, into docs/development/benchmarks.md: an hour
 	@$(venv_python) -m bench

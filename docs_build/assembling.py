@@ -49,7 +49,10 @@ def _target(page: Page, place: PurePosixPath, pages: Mapping[str, Page], anchor:
     if place.suffix in _PICTURES:
         return _relative(_picture(place), page.path)
     if place.is_relative_to(DOCS) and (path := path_of(place)) in pages:
-        return _relative(path, page.path) + behind
+        # The words of a heading, and so its anchor, are those of the page's own language.
+        return _relative(path, page.path) + (
+            behind if page.translated == pages[path].translated else ""
+        )
     return web_address(place) + behind
 
 

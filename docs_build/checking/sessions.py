@@ -4,6 +4,8 @@
     TWAT  86 °C  …             `…` stands for anything in a line; alone, for any lines
     $ tshark -r drive.pcapng   a program of somebody else: not run here
 
+As many spaces as one likes stand for the spaces or the tab between two words.
+
 Without `$` a block is a list of commands: they are not run, but each must be one that the program
 has, with options that it has. So are those of a block marked `no-run` (```console no-run), and
 commands that don't end by themselves.
@@ -19,7 +21,7 @@ import sys
 from collections.abc import Iterator, Sequence
 from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import dataclass
-from io import BytesIO, TextIOWrapper
+from io import BytesIO, StringIO, TextIOWrapper
 from itertools import takewhile
 from pathlib import Path
 
@@ -35,7 +37,6 @@ _ENDLESS = frozenset({"dash", "demo", "publish", "sim"})
 _ABSENT = "there is no file"  # only a command that is run needs its files
 _VARIABLE = re.compile(r"\w+=\S*")
 _ENDS = frozenset({"|", ">", "<", "&&", ";"})  # of the program's own arguments, in a shell
-_OF_A_SHELL = re.compile(r"[|<>;&*`$]|\\$")
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,6 +63,12 @@ class Step:
     def ours(self) -> bool:
         """Whether it calls the program."""
         return self.words[:1] == ["mikas"]
+
+    @property
+    def for_shell(self) -> bool:
+        """Whether there is more than one program, a file for the output, or a variable."""
+        parts = shlex.shlex(self.command, posix=True, punctuation_chars=True)
+        return not self.command.startswith("mikas") or not _ENDS.isdisjoint(parts)
 
     @property
     def ends(self) -> bool:
@@ -93,7 +100,7 @@ def steps(text: str) -> Iterator[Step]:
 
 def commands_of(text: str) -> list[str]:
     """Return the commands of a block without comments, which are translated."""
-    return [" ".join(step.words) or step.command for step in steps(text)]
+    return [" ".join(step.words).removesuffix(" --lang ru") or step.command for step in steps(text)]
 
 
 def problems(code: Code) -> Iterator[tuple[int, str]]:
@@ -146,8 +153,8 @@ def matches(shown: Sequence[str], printed: Sequence[str]) -> bool:
 
 
 def without_edges(lines: Sequence[str]) -> list[str]:
-    """Return the lines without spaces at their ends, and without empty ones at both ends."""
-    return "\n".join(line.rstrip() for line in lines).strip("\n").splitlines()
+    """Return the lines with single spaces, and without empty ones at both ends."""
+    return "\n".join(" ".join(line.split()) for line in lines).strip("\n").splitlines()
 
 
 def _not_as_shown(step: Step) -> str:
@@ -163,7 +170,7 @@ def _not_as_shown(step: Step) -> str:
 def _run(step: Step) -> tuple[int, list[str]]:
     """Run a command on the virtual unit, on simulated time; return its status and output."""
     command = on_virtual_unit(step.command)
-    if _OF_A_SHELL.search(step.command) or not step.command.startswith("mikas"):
+    if step.for_shell:
         status, text = _run_by_shell(command)
     else:
         status, text = _run_here(shlex.split(command, comments=True)[1:])
@@ -172,11 +179,13 @@ def _run(step: Step) -> tuple[int, list[str]]:
 
 def _run_here(argv: list[str]) -> tuple[int, str]:
     written = TextIOWrapper(BytesIO(), "utf-8", write_through=True)
+    typed, sys.stdin = sys.stdin, StringIO()  # nobody types here
     with redirect_stdout(written), redirect_stderr(written):
         try:
             status = run(argv)
         finally:
             set_language("en")
+            sys.stdin = typed
     buffer = written.buffer
     assert isinstance(buffer, BytesIO)
     return status, buffer.getvalue().decode()
