@@ -2,11 +2,7 @@
 
 from __future__ import annotations
 
-UNTRANSLATED: frozenset[str] = frozenset(
-    {
-        "development/docs.md",
-    }
-)
+UNTRANSLATED: frozenset[str] = frozenset()
 """Shown in English on the Russian site, with a note."""
 
 AWAITED: frozenset[str] = frozenset(

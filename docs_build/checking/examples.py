@@ -36,7 +36,8 @@ LONGEST = 60  # seconds of a block
 def recording(file: Path) -> None:
     """Record a minute of a drive in town."""
     port = f"{virtual_unit.PORT}&scenario=city&seed=1"
-    status = run(["--port", port, "log", "--duration", "60", "-o", str(file)])
+    with redirect_stderr(StringIO()):
+        status = run(["--port", port, "log", "--duration", "60", "-o", str(file)])
     assert status == 0
 
 
