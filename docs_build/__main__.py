@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import shutil
 import sys
+from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from docs_build import offline, rendering
 from docs_build.assembling import assemble
+from docs_build.generated.writing import of_the_site
 from docs_build.pages import LANGUAGES, ROOT, pages
 from mikas.i18n import Language
 
@@ -27,8 +29,9 @@ def main() -> int:
     """Build the site; return the exit status."""
     shutil.rmtree(BUILT, ignore_errors=True)
     try:
+        made = [of_the_site(language) for language in LANGUAGES]  # one language at a time
         with ThreadPoolExecutor() as both:
-            sites = dict(zip(LANGUAGES, both.map(_site, LANGUAGES), strict=True))
+            sites = dict(zip(LANGUAGES, both.map(_site, LANGUAGES, made), strict=True))
     except rendering.Failed as error:
         print(f"make docs: {error}", file=sys.stderr)
         return 1
@@ -49,10 +52,10 @@ def main() -> int:
     return 0
 
 
-def _site(language: Language) -> Path:
+def _site(language: Language, made: Mapping[str, str]) -> Path:
     """Assemble and render one language; return its folder."""
     folder = WORK / language
-    found = pages(language)
+    found = pages(language, made)
     assemble(found, folder / "pages")
     for file in _OF_EACH_LANGUAGE:
         shutil.copyfile(file, folder / "pages" / file.name)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import sys
 import tempfile
+from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from functools import partial
 from pathlib import Path, PurePosixPath
@@ -14,7 +15,8 @@ from pathlib import Path, PurePosixPath
 from docs_build.__main__ import BUILT
 from docs_build.checking import built, examples, links, named, structure
 from docs_build.checking.finding import Finding
-from docs_build.pages import LANGUAGES, files
+from docs_build.generated.writing import files as generated
+from docs_build.pages import LANGUAGES, ROOT, files
 
 OTHERS = ("CONTRIBUTING.md", "README.md", "SECURITY.md", "examples/README.md", "fuzz/README.md")
 
@@ -27,7 +29,7 @@ def main() -> int:
         drive = Path(folder) / examples.RECORDING
         side_by_side.submit(examples.recording, drive).result()
         ran = side_by_side.map(partial(examples.findings, drive=drive), documents)
-        found: list[Finding] = [*structure.findings(), *built.findings(BUILT)]
+        found: list[Finding] = [*structure.findings(), *stale(), *built.findings(BUILT)]
         for file in documents:
             found += [*links.findings(file), *named.findings(file)]
         for each in ran:
@@ -37,12 +39,16 @@ def main() -> int:
     if not (BUILT / "index.html").is_file():
         print("build/docs was not built: make docs")
         return 1
-    print(
-        f"Documents: {len(documents)} checked, {len(found)} findings"
-        if found
-        else f"Documents: {len(documents)} checked"
-    )
+    print(f"{len(documents)} documents checked: {len(found) or 'no'} findings")
     return 1 if found else 0
+
+
+def stale() -> Iterator[Finding]:
+    """Yield the generated files of the repository that are not what the program is now."""
+    for file, text in generated():
+        path = ROOT / file
+        if not path.is_file() or path.read_text("utf-8") != text:
+            yield Finding(file, 1, "is stale: python -m docs_build.generated")
 
 
 if __name__ == "__main__":

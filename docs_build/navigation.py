@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from docs_build.generated import python_pages as python
 from mikas.i18n import Text
 
 
@@ -60,11 +61,25 @@ NAVIGATION: tuple[Entry | Section, ...] = (
         (
             _page("reference/screens.md", "The dashboard", "Панель в браузере"),
             _page("reference/cli.md", "The command line", "Командная строка"),
+            _page("reference/help.md", "Help of every command", "Справка всех команд"),
             _page("reference/guided-tests.md", "Guided tests", "Проверки"),
             _page("reference/report.md", "The report", "Отчёт"),
             _page("reference/exports.md", "Exports", "Экспорт"),
             _page("reference/capture.md", "Captures", "Файлы записей"),
             _page("reference/catalog.md", "Catalog files", "Файлы каталога"),
+            Section(
+                Text("What the program knows", "Что программа знает"),
+                (
+                    _page("reference/parameters.md", "Parameters", "Параметры"),
+                    _page("reference/faults.md", "Fault numbers", "Коды неисправностей"),
+                    _page("reference/channels.md", "Derived channels", "Расчётные каналы"),
+                    _page("reference/commands.md", "Commands", "Команды"),
+                ),
+            ),
+            Section(
+                Text("Python", "Python"),
+                tuple(_page(python.path_of(each), each.name, each.name) for each in python.PAGES),
+            ),
             _page("reference/simulator.md", "The simulator", "Виртуальный блок"),
             _page("reference/scenarios.md", "Scenarios", "Сценарии"),
             _page("reference/api.md", "The dashboard's interface", "Интерфейс панели"),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path, PurePosixPath
@@ -24,12 +24,13 @@ class Page:
     """A page of the site in one language, from a file of the repository.
 
     `path`: below the site's folder of that language. `file`: below the repository; the English one
-    where there is no translation yet.
+    where there is no translation yet. `made`: the text of a page that is no file.
     """
 
     path: str
     language: Language
     file: PurePosixPath
+    made: str | None = None
 
     @property
     def translated(self) -> bool:
@@ -38,8 +39,8 @@ class Page:
 
     @property
     def document(self) -> Document:
-        """The file's contents."""
-        return document(self.file)
+        """The page's contents."""
+        return document(self.file) if self.made is None else Document(self.made)
 
 
 @cache
@@ -56,12 +57,13 @@ def files(language: Language) -> Iterator[PurePosixPath]:
             yield file
 
 
-def pages(language: Language) -> dict[str, Page]:
-    """Return the pages of a language by their paths: all that exist in English."""
+def pages(language: Language, made: Mapping[str, str]) -> dict[str, Page]:
+    """Return the pages of a language by their paths: all that exist in English, and `made` ones."""
     found = {path_of(file): Page(path_of(file), language, file) for file in files("en")}
     if language == "ru":
         found |= {path_of(file): Page(path_of(file), language, file) for file in files("ru")}
-    return found
+    home = RUSSIAN if language == "ru" else DOCS
+    return found | {path: Page(path, language, home / path, text) for path, text in made.items()}
 
 
 def path_of(file: PurePosixPath) -> str:

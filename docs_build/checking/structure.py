@@ -14,6 +14,7 @@ from urllib.parse import unquote
 
 from docs_build.checking.finding import Finding
 from docs_build.checking.sessions import commands_of
+from docs_build.generated.writing import of_the_site
 from docs_build.markdown import Document, Link
 from docs_build.navigation import entries
 from docs_build.pages import DOCS, ROOT, RUSSIAN, document, files, led_to, path_of
@@ -27,12 +28,13 @@ def findings() -> Iterator[Finding]:
     """Yield what is wrong with the set of pages, and with the translations."""
     english, russian = ({path_of(file) for file in files(language)} for language in ("en", "ru"))
     listed = Counter(entry.path for entry in entries())
-    for path in sorted(english - set(listed)):
+    made = of_the_site("en").keys()
+    for path in sorted((english | made) - set(listed)):
         yield Finding(DOCS / path, 1, f"in no navigation: {_NAVIGATION}")
     for path, times in listed.items():
         if times > 1:
             yield Finding(_NAVIGATION, 1, f"{path} is there {times} times")
-        if path not in english | AWAITED:
+        if path not in english | AWAITED | made:
             yield Finding(_NAVIGATION, 1, f"{path}: no such page")
     for path in sorted(AWAITED & english):
         yield Finding(_WAITING, 1, f"{path} has come: take it out of AWAITED")

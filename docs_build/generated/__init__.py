@@ -1,0 +1,10 @@
+"""Pages and drawings that are made from the program, so that they are never stale.
+
+tables         tables of Markdown, and the words in them
+catalog_pages  parameters, faults, derived channels, models, errata
+command_pages  the commands of the protocol
+frames         frames on the line, drawn
+help_pages     what every command says to --help
+python_pages   the Python interface, from its docstrings
+writing        which of them are files of the repository, and which are on the site only
+"""
