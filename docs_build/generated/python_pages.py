@@ -10,7 +10,7 @@ from mikas.i18n import Language, Text
 
 @dataclass(frozen=True, slots=True)
 class Module:
-    """A module whose names have a page. `names`: its `__all__`, or its classes, if none are given."""
+    """A module with a page. `names`: its `__all__`, or its classes, if none are given."""
 
     name: str
     about: Text

@@ -33,7 +33,7 @@ def files() -> Iterator[tuple[PurePosixPath, str]]:
 
 
 def of_the_site(language: Language) -> dict[str, str]:
-    """Return the pages that are on the site only, by their paths: they change with every command."""
+    """Return the pages that are on the site only, by their paths."""
     python = {
         python_pages.path_of(each): python_pages.python_page(each, language)
         for each in python_pages.PAGES
