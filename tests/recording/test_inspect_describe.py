@@ -76,6 +76,15 @@ def test_a_list_is_remembered():
     assert description("63", None, describe).en == "read the list"
 
 
+def test_a_list_with_an_unknown_code_leaves_none():
+    describe = Describer(shipped())
+    for setting in ("641A29", "6455"):
+        description(setting, None, describe)
+        description(setting, "00", describe)
+    assert description("63", None, describe) is None
+    assert description("63", "7D15", describe) is None
+
+
 def test_while_a_list_is_being_set_the_units_list_is_unknown():
     describe = Describer(shipped())
     description("641A29", None, describe)

@@ -20,7 +20,7 @@ from mikas.errors import MikasError, NotSupported, WrongLength
 from mikas.i18n import Language, Text
 from mikas.link.base import Direction
 from mikas.recording.capture.reader import Packet, Problem, Source
-from mikas.recording.exchanges.layouts import READ_LIST
+from mikas.recording.exchanges.layouts import READ_LIST, WRITE_LIST
 from mikas.recording.exchanges.scalar import UNFINISHED, DecodedDamage, DecodedFrame, PortDecoder
 
 Describe = Callable[[bytes, bytes | None], Text | None]
@@ -163,14 +163,14 @@ class Describer:
 
     def __call__(self, request: bytes, response: bytes | None) -> Text | None:
         """Return the meaning of `request`, or of `response` to it."""
+        if response is None and request[:1] == WRITE_LIST:
+            self._set_list(())  # until its 00 comes, the list of the ECU is not known
         command = self._command(request)
         if command is None:
             return None
         started, self._started = self._started, None
         if response is None:
             self._started = request
-            if isinstance(command, c.WriteList):
-                self._set_list(())  # until its 00 comes, the list of the ECU is not known
             return self._described_request(command)
         length = len(response) if response != ERROR else -1
         if length in self._unfit:
