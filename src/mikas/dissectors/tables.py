@@ -161,11 +161,14 @@ def tables_of(catalog: Catalog) -> Tables:
     )
 
 
-def plain(value: object, language: Language) -> Any:  # noqa: ANN401  (any of JSON's)
-    """Return `value` as dicts, lists, texts and numbers, a `Text` in `language`."""
+def plain(value: object, language: Language | None) -> Any:  # noqa: ANN401  (any of JSON's)
+    """Return `value` as dicts, lists, texts and numbers, a `Text` in `language`.
+
+    None: in both, as a list of the English and the Russian one.
+    """
     match value:
         case Text():
-            return value.to(language)
+            return [value.en, value.ru] if language is None else value.to(language)
         case dict():
             return {key: plain(each, language) for key, each in value.items()}
         case tuple():

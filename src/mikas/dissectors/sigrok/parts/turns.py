@@ -1,0 +1,195 @@
+"""Whose turn it is: which message is a request, and which request a response answers (D13).
+
+Neither is in a message. Where two wires are tapped, the channel tells. One wire carries both
+directions, so `OneWire` follows every course of the exchange that the bytes and the pauses allow. A
+message gets its role as soon as all courses agree about it; one about which they never agree is
+unclear, and so is what it says. So a value is shown under a parameter only if it can be no other's.
+"""
+
+PATIENCE = 0.1  # s: no tester gives a request up earlier, and sends another one
+MOST_HELD = 12  # messages
+
+STOP = b"\x01"  # ends a stream (D12)
+REFUSED = b"\x01"  # D10
+WRITE_LIST = 0x64
+LIST_IS_SET = b"\x00"
+NOISE = b"\xff"  # a start bit in a silent line; no message is so short
+
+FREE, ASKED, STREAM, ENDING = "free", "asked", "stream", "ending"
+
+REQUEST = ("request", None, None)
+UNCLEAR = ("unclear", None, None)
+
+
+def response(request, listed):
+    """Return the role of a response to `request`, whose body is None if it is not known. `listed`:
+    the codes of the unit's list, which a response to 63 consists of; None: not known.
+    """
+    return ("response", request, listed)
+
+
+class OneWire(object):
+    """All courses that the messages on one wire allow.
+
+    A course is (mode, request, listed, size): a request comes next (FREE), or the response to
+    `request` (ASKED), or `request` is a stream (STREAM), or a stream into which 01 was sent
+    (ENDING); `size`: of the bodies of a stream. Each has the roles that it gives to `held`, the
+    messages whose roles are not certain yet.
+    """
+
+    def __init__(self, commands):
+        self._commands = commands
+        self.held = []
+        self._courses = dict((course, ()) for course in unknown(None))
+
+    def take(self, message):
+        """Return the messages whose role is certain now, each with it."""
+        if message.body is None:
+            self._interrupt(message)
+            return self._certain()
+        moves = self._all(self._moves, message) or self._all(self._odd_moves, message)
+        self.held.append(message)
+        self._courses = merged(moves)
+        return self._certain()
+
+    def _all(self, moves_of, message):
+        return [
+            (course, roles + (role,))
+            for before, roles in self._courses.items()
+            for course, role in moves_of(before, message)
+        ]
+
+    def _moves(self, before, message):
+        """Return the courses that regular traffic can take by this message, with its role."""
+        mode, request, listed, size = before
+        body = message.body
+        asks = self._commands.is_request(body) and not self._commands.is_odd_stream(body)
+        gave_up = message.pause >= PATIENCE
+        found = []
+        if mode == FREE:
+            return [asked(body, listed)] if asks else []
+        if mode == ASKED:
+            if self._commands.fits(request, listed, body):
+                found += self._answered(before, body)
+            if asks and (gave_up or self._commands.is_unanswered(request)):
+                found.append(asked(body, listed if request is not None else None))
+            return found
+        if mode == ENDING and len(body) == 1:
+            found.append((free(listed), response(STOP, listed)))
+        if len(body) == size:  # behind a 01: on its way before, or the unit did not hear that
+            found.append((before, response(STOP if mode == ENDING else request, listed)))
+        if body == STOP:
+            found.append(((ENDING, request, listed, size), REQUEST))
+        elif asks and gave_up:
+            found.append(asked(body, listed))
+        return found
+
+    def _answered(self, before, body):
+        """Return the courses behind a response that fits, or may be a refusal."""
+        _, request, listed, _ = before
+        role = response(request, listed)
+        if request is None:
+            # It may have been a 64: then the unit has another list now.
+            return [(free(None if body == LIST_IS_SET else listed), role)]
+        if self._commands.is_stream(request):
+            streams = self._commands.has_data(request, listed, body)
+            found = [((STREAM, request, listed, len(body)), role)] if streams else []
+            return found + ([(free(listed), role)] if body == REFUSED else [])
+        if request[0] == WRITE_LIST and body == LIST_IS_SET:
+            listed = request[1:]
+        return [(free(listed), role)]
+
+    def _odd_moves(self, before, message):
+        """Return courses for a message that regular traffic does not have."""
+        mode, request, listed, _ = before
+        body = message.body
+        found = []
+        if mode in (FREE, ASKED) and self._commands.is_request(body):
+            found.append(asked(body, None if mode == ASKED and request is None else listed))
+        if mode == ASKED and message.pause < PATIENCE:
+            found.append((free(listed), response(request, listed)))
+        if found:
+            return found
+        kept = [before] if mode in (STREAM, ENDING) else []
+        return [(course, UNCLEAR) for course in unknown(listed) + kept]
+
+    def _interrupt(self, damage):
+        """Continue behind damage, which may have been a request, a response, or both."""
+        if damage.reason == "unfinished" and damage.data() == NOISE:
+            return
+        courses = []
+        for before, roles in self._courses.items():
+            mode, _, listed, _ = before
+            if damage.wire[0].value == WRITE_LIST:
+                listed = None
+            courses += [(course, roles) for course in unknown(listed)]
+            if mode in (STREAM, ENDING):
+                courses.append((before, roles))
+        self._courses = merged(courses)
+
+    def _certain(self):
+        """Return the first messages about whose roles all courses agree."""
+        found = []
+        while self.held:
+            roles = set(roles[0] for roles in self._courses.values())
+            if len(roles) > 1 and len(self.held) <= MOST_HELD:
+                break
+            found.append((self.held.pop(0), roles.pop() if len(roles) == 1 else UNCLEAR))
+            self._courses = merged([(each, roles[1:]) for each, roles in self._courses.items()])
+        return found
+
+
+def unknown(listed):
+    """Return the courses where it is not known whose turn it is."""
+    return [free(listed), (ASKED, None, listed, 0)]
+
+
+def free(listed):
+    """Return the course on which a request comes next."""
+    return (FREE, None, listed, 0)
+
+
+def asked(body, listed):
+    """Return the course behind a request, and the request's role."""
+    return ((ASKED, body, None if body[0] == WRITE_LIST else listed, 0), REQUEST)
+
+
+def merged(courses):
+    """Return the roles by course. Where one course gives two roles to a message, it is unclear."""
+    result = {}
+    for course, roles in courses:
+        known = result.get(course, roles)
+        result[course] = tuple(one if one == other else UNCLEAR for one, other in zip(known, roles))
+    return result
+
+
+class TwoWires(object):
+    """The channels of an adapter: what it sends, and what it receives, perhaps with its echo."""
+
+    def __init__(self):
+        self._sent = None
+        self._request = None
+        self._listed = None
+
+    def take(self, message, is_sent):
+        """Return the message with its role."""
+        if is_sent:
+            self._sent = message
+            self._request = message.body
+            # Damage may have been a 64.
+            if message.body is None or message.body[:1] == bytes([WRITE_LIST]):
+                self._listed = None
+            return [] if message.body is None else [(message, REQUEST)]
+        if message.body is None:
+            return []
+        if self.is_echo(message):
+            return [(message, ("echo", self._sent.body, None))]
+        request = self._request
+        if request and request[0] == WRITE_LIST and message.body == LIST_IS_SET:
+            self._listed = request[1:]
+        return [(message, response(request, self._listed))]
+
+    def is_echo(self, message):
+        """Return whether the message was received while another one was sent (D1)."""
+        sent = self._sent
+        return sent is not None and message.ss < sent.es and sent.ss < message.es

@@ -1,0 +1,262 @@
+"""The sigrok decoder's state machine over bytes: equal to the codec and to `mikas decode`."""
+
+from __future__ import annotations
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from command_strategies import exchanges
+from dissectors.sigrok_rig import BYTE, RATE, SimulatedSigrok, loaded
+from mikas import commands as c
+from mikas.catalog import shipped
+from mikas.framing import Damage, Decoder, Frame, encode
+from mikas.recording.inspect import Describer
+
+MODULE = loaded()
+CATALOG = shipped()
+TURN = 0.002  # s
+# Bytes of which frames are made, so that many are whole, damaged, raw or irregular.
+WIRE = st.lists(
+    st.one_of(
+        st.binary(max_size=6).map(encode),
+        st.binary(max_size=4).map(lambda body: encode(body, raw_checksum=True)),
+        st.sampled_from([b"\x0d", b"\x40", b"\xf3\x0d", b"\xf3\x0d\x0d", b"\x40\x40", b"\0\x0d"]),
+        st.binary(max_size=5),
+    ),
+    max_size=12,
+).map(b"".join)  # fmt: skip
+
+
+def messages(data, *, pauses=()):
+    """Return what the decoder's own framing makes of bytes that follow each other."""
+    framer, at, found = MODULE.Framer(), 0, []
+    for number, value in enumerate(data):
+        at += BYTE + (number in pauses) * BYTE
+        pause = float(number in pauses) * BYTE / RATE
+        found += framer.feed(MODULE.Byte(value, at, at + BYTE, True, pause))
+    return found
+
+
+def shown(event):
+    match event:
+        case Frame():
+            return event.body, event.wire, event.raw_checksum, event.irregular
+        case Damage():
+            return event.reason.value, event.data
+    if event.body is None:
+        return event.reason, event.data()
+    return event.body, event.data(), event.raw_checksum, event.irregular
+
+
+@given(WIRE)
+def test_framing_is_that_of_the_codec(data):
+    assert list(map(shown, messages(data))) == list(map(shown, Decoder().feed(data)))
+
+
+@given(st.lists(st.sampled_from([0x0D, 0x40, 0xF3, 0, 1, 0xCD]), max_size=40).map(bytes))
+def test_framing_is_that_of_the_codec_for_any_few_bytes(data):
+    assert list(map(shown, messages(data))) == list(map(shown, Decoder().feed(data)))
+
+
+def test_a_message_without_end_is_reported_once_and_forgotten(monkeypatch):
+    monkeypatch.setitem(vars(MODULE), "LONGEST", 8)
+    for size in range(6, 30):
+        data = b"\x01\xff\x0d" + b"\x07" * size + b"\x0d" + encode(b"\x02")
+        expected = list(map(shown, Decoder(limit=8).feed(data)))
+        if size > 8:  # at once it is cut to the limit; byte by byte that is known sooner
+            assert expected[1] == ("too long", b"\x07" * 8)
+        assert list(map(shown, messages(data))) == expected
+
+
+@given(st.binary(max_size=8), st.binary(min_size=1, max_size=8), st.integers(0, 255))
+def test_a_lost_terminator_costs_its_own_frame_only(first, second, instead):
+    lost = encode(first)[:-1] + (b"" if instead in (0x0D, 0) else bytes([instead]))
+    found = messages(lost + encode(second), pauses={len(lost)})
+    if not lost:
+        return
+    if sum(lost) & 0xFF == 0 and len(found) == 1 and found[0].body is not None:
+        return  # what stands before the pause sums up to nothing: both are one whole frame
+    assert shown(found[-1])[:2] == (second, encode(second))
+
+
+@given(st.binary(max_size=30))
+def test_each_byte_of_a_body_has_its_place_on_the_wire(body):
+    (message,) = messages(encode(body))
+    at = message.ss
+    for value, (ss, es) in zip(body, message.places, strict=True):
+        assert (ss, es) == (at, at + BYTE * (1 + (value in (0x0D, 0x40))))
+        at = es
+
+
+# Turns
+
+
+def conversed(parts, **options):
+    """Return the decoder behind (request, response, pause before the request), one wire."""
+    sigrok = SimulatedSigrok(MODULE, **options)
+    for request, response, pause in parts:
+        sigrok.wait(pause)
+        sigrok.feed(encode(request))
+        if response is not None:
+            sigrok.wait(TURN)
+            sigrok.feed(encode(response))
+    return sigrok
+
+
+def described(parts, language="en", interpretation="corrected"):
+    """Return what `mikas decode` says of each frame."""
+    describe, said = Describer(CATALOG, interpretation), []
+    for request, response, _ in parts:
+        said.append(("request", describe(request, None)))
+        if response is not None:
+            said.append(("response", describe(request, response)))
+    return [(kind, text and text.to(language)) for kind, text in said]
+
+
+def compared(sigrok, said):
+    """Assert that the decoder says the same; without a meaning it may say what it knows."""
+    roles = sorted(sigrok.of("request", "response"), key=lambda each: each.ss)
+    assert [each.kind for each in roles] == [kind for kind, _ in said]
+    for role, (_, meaning) in zip(roles, said, strict=True):
+        assert meaning is None or role.text == meaning
+
+
+START = (b"\x01", b"\x0a", 0.0)
+ANSWERED = st.lists(
+    exchanges.filter(lambda each: not each[0].STREAM and each[0].ANSWERED)
+    .map(lambda each: (each[0].body(), each[0].respond(each[1]), TURN)),
+    max_size=6,
+)  # fmt: skip
+
+
+@given(ANSWERED, st.sampled_from(["en", "ru"]), st.sampled_from(["corrected", "literal"]))
+def test_requests_and_responses_are_those_of_mikas_decode(parts, language, interpretation):
+    parts = [START, *parts]
+    sigrok = conversed(parts, language=language, interpretation=interpretation)
+    compared(sigrok, described(parts, language, interpretation))
+    assert not sigrok.of("unclear", "damage")
+
+
+@given(st.lists(st.sampled_from(CATALOG.codes), min_size=1, max_size=8), st.data())
+def test_a_stream_has_the_values_of_each_response(codes, data):
+    size = sum(size for _, size in codes)
+    asked = bytes([0x71, *(code for code, _ in codes)])
+    responses = data.draw(st.lists(st.binary(min_size=size, max_size=size), min_size=2, max_size=5))
+    if size == 1:
+        responses = [each for each in responses if each != b"\x01"] or [b"\x02"]
+    sigrok = conversed([START, (asked, responses[0], TURN)])
+    for response in responses[1:]:
+        sigrok.wait(0.0005)
+        sigrok.feed(encode(response))
+    describe = Describer(CATALOG)
+    describe(asked, None)
+    expected = [describe(asked, response).en for response in responses]
+    assert sigrok.texts("response")[1:] == expected
+
+
+def test_the_end_of_a_stream_is_its_01_and_the_version():
+    sigrok = conversed([START, (bytes.fromhex("711A29"), bytes.fromhex("7D15"), TURN)])
+    for body in ("7E15", "01", "7F15", "0A", "01", "0A"):
+        sigrok.wait(TURN)
+        sigrok.feed(encode(bytes.fromhex(body)))
+    assert sigrok.texts("response")[1:] == [
+        "TWAT=85°C FREQ=840rpm", "TWAT=86°C FREQ=840rpm",
+        "Bytes in the response: 2; there should be 1 for this request", "Mikas 7.1", "Mikas 7.1",
+    ]  # fmt: skip
+
+
+def test_in_a_stream_of_one_byte_01_may_be_its_value_or_its_end():
+    sigrok = conversed([START, (b"\x71\x29", b"\x15", TURN)])
+    for body in (b"\x16", b"\x01", b"\x0a", b"\x01", b"\x0a"):
+        sigrok.wait(TURN)
+        sigrok.feed(encode(body))
+    sigrok.wait(TURN)
+    sigrok.feed(encode(b"\x61\x1a"))
+    assert sigrok.texts("response")[1:] == ["FREQ=840rpm", "FREQ=880rpm", "Mikas 7.1"]
+    assert len(sigrok.of("unclear")) == 3
+
+
+def test_the_list_of_63_is_that_of_the_last_answered_64():
+    listed = bytes.fromhex("641A29")
+    data = (b"\x63", b"\x7d\x15", TURN)
+    sigrok = conversed([START, data, (listed, b"\0", TURN), data, (listed, b"\x01", TURN), data])
+    unknown = "response, its list (64) is not known"
+    assert sigrok.texts("response") == [
+        "Mikas 7.1", unknown, "done", "TWAT=85°C FREQ=840rpm", "The ECU refused the write", unknown,
+    ]  # fmt: skip
+    assert len(sigrok.of("value")) == 2
+
+
+def test_a_damaged_64_leaves_no_list():
+    set_list, data = (bytes.fromhex("641A29"), b"\0", TURN), (b"\x63", b"\x7d\x15", TURN)
+    for hit in range(3):
+        sigrok = conversed([START, set_list, data])
+        sigrok.wait(TURN)
+        wire = bytearray(encode(bytes.fromhex("642029")))
+        wire[hit] ^= 0x10
+        sigrok.feed(bytes(wire))
+        for body in (b"\0", b"\x63", b"\x7d\x15", b"\x63", b"\x7d\x15", b"\x61\x1a", b"\x7d"):
+            sigrok.wait(TURN)
+            sigrok.feed(encode(body))
+        assert sigrok.texts("value") == [
+            "Coolant temperature: TWAT=85°C", "Crankshaft speed: FREQ=840rpm",
+            "Coolant temperature: TWAT=85°C",
+        ]  # fmt: skip
+
+
+SILENCE = 0.5
+
+
+@given(
+    st.lists(
+        st.tuples(
+            exchanges.filter(lambda each: not each[0].STREAM and each[0].ANSWERED),
+            st.sampled_from(["answered", "silent", "damaged request", "damaged response"]),
+            st.integers(0, 2**16),
+        ),
+        max_size=10,
+    )
+)
+def test_silence_and_damage_invent_nothing(conversation):
+    """A damaged byte may lose a frame; each role that is shown is right, and each value."""
+    sigrok, truth, describe = SimulatedSigrok(MODULE), {}, Describer(CATALOG)
+    conversation = [((c.Availability(), 0x0A), "answered", 0), *conversation]
+    for (command, value), happening, seed in conversation:
+        request, response = command.body(), command.respond(value)
+        sigrok.wait(TURN)
+        truth[sigrok.at] = ("request", request, describe(request, None))
+        wires = [encode(request), encode(response)]
+        if happening.startswith("damaged"):
+            which = happening.endswith("response")
+            wires[which] = damaged(wires[which], seed)
+        sigrok.feed(wires[0])
+        if happening == "silent":
+            sigrok.wait(SILENCE)
+            continue
+        sigrok.wait(TURN)
+        truth[sigrok.at] = ("response", response, describe(request, response))
+        sigrok.feed(wires[1])
+    for role in sigrok.of("request", "response"):
+        if role.ss in truth:
+            kind, _, meaning = truth[role.ss]
+            assert role.kind == kind
+            if kind == "request" or "not known" not in role.text:
+                assert meaning is None or role.text == meaning.en
+    valued = {each.ss for each in sigrok.of("response")}
+    frames = {each.ss: each for each in sigrok.of("frame")}
+    for value in sigrok.of("value", "flag", "fault", "text"):
+        begin = max(ss for ss in frames if ss <= value.ss)
+        assert begin in valued
+        said = value.text.rsplit(": ", 1)[-1]
+        if value.kind in ("value", "flag"):
+            assert said in truth[begin][2].en
+
+
+def damaged(wire, seed):
+    """Return a wire with one byte changed that is neither a terminator nor becomes one."""
+    place, change = seed % max(1, len(wire) - 1), 1 + (seed >> 8) % 255
+    changed = bytearray(wire)
+    changed[place] ^= change
+    if changed[place] == 0x0D:
+        changed[place] ^= 0x80
+    return bytes(changed)
