@@ -72,8 +72,7 @@ def _listed(path: Path) -> None:
 
 
 def _decoded(path: Path) -> None:
-    describe = Describer(shipped())
-    for item in decode(CaptureReader(path), describe):
+    for item in decode(CaptureReader(path), lambda: Describer(shipped())):
         json.dumps(to_json(item), allow_nan=False, ensure_ascii=False).encode()
 
 

@@ -178,7 +178,7 @@ def test_the_list_and_the_page_of_a_hostile_recording(hostile):
     rows, _ = recording.window(-1e300, 1e300)
     assert len(rows.times)
     assert is_clean(
-        [to_json(item) for item in decode(CaptureReader(hostile), Describer(shipped()))]
+        [to_json(item) for item in decode(CaptureReader(hostile), lambda: Describer(shipped()))]
     )
     assert hostile.read_bytes() == before
 

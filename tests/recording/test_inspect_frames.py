@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from mikas import commands as c
 from mikas import tester as tester_module
+from mikas.catalog import shipped
 from mikas.framing import encode
 from mikas.i18n import Text
 from mikas.link.base import CaptureTee, Direction
@@ -17,7 +18,7 @@ from mikas.link.virtual import VirtualLink
 from mikas.recording.capture.reader import CaptureReader, Packet, Problem, Source
 from mikas.recording.capture.writer import CaptureWriter
 from mikas.recording.exchanges.scalar import UNFINISHED, DecodedDamage, DecodedFrame
-from mikas.recording.inspect import decode, to_json, to_text
+from mikas.recording.inspect import Describer, decode, to_json, to_text
 from mikas.virtual.bus import AdapterKind
 from virtual_harness import make_bus
 
@@ -211,11 +212,21 @@ def test_requests_and_responses_are_described_and_echo_is_not():
         asked.append((request, response))
         return None if response is None else Text("Mikas 7.1", "Микас 7.1")
 
-    items = list(decode(packets("< 00000D", "> 01FF0D", "< 01FF0D", "< 0AF60D"), describe))
+    items = list(decode(packets("< 00000D", "> 01FF0D", "< 01FF0D", "< 0AF60D"), lambda: describe))
     assert asked == [(b"\x01", None), (b"\x01", b"\x0a")]
     assert items[-1].meaning == Text("Mikas 7.1", "Микас 7.1")
     assert "Микас 7.1" in to_text(items[-1], "ru")
     assert to_json(items[-1])["meaning"] == {"en": "Mikas 7.1", "ru": "Микас 7.1"}
+
+
+@pytest.mark.parametrize("other", [Source(1), Source(0, "b")], ids=["recording", "port"])
+def test_a_list_belongs_to_the_line_on_which_it_was_set(other):
+    one = packets(f"> {frame('641A')}", f"< {frame('00')}", f"> {frame('63')}", f"< {frame('7D')}")
+    two = packets(f"> {frame('63')}", f"< {frame('7D')}", source=other)
+    items = list(decode(one + two, lambda: Describer(shipped())))
+    assert [item.meaning and item.meaning.en for item in items[-4:]] == [
+        "read the list", "TWAT=85°C", None, None,
+    ]  # fmt: skip
 
 
 def test_problems_pass_through():

@@ -30,7 +30,7 @@ READERS = {
     "scan": lambda path: exhausted(CaptureReader(path)),
     "notes": lambda path: exhausted(CaptureReader(path).notes()),
     "packets": lambda path: exhausted(read(path)),
-    "decode": lambda path: exhausted(decode(CaptureReader(path), Describer(shipped()))),
+    "decode": lambda path: exhausted(decode(CaptureReader(path), lambda: Describer(shipped()))),
     "summary": summarise,
     "table": lambda path: exhausted(mikas.open(path).rows()),
     "window": lambda path: mikas.open(path).span,

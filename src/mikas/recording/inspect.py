@@ -41,9 +41,15 @@ _IRREGULAR = _REASONS["irregular escape"]
 Item = DecodedFrame | DecodedDamage | Problem
 
 
-def decode(items: Iterable[Packet | Problem], describe: Describe | None = None) -> Iterator[Item]:
-    """Yield the frames of `items` as soon as each is whole; pass problems through. Never raise."""
+def decode(
+    items: Iterable[Packet | Problem], describer: Callable[[], Describe] | None = None
+) -> Iterator[Item]:
+    """Yield the frames of `items` as soon as each is whole; pass problems through. Never raise.
+
+    `describer` makes the `Describe` of one line: a list that 64 sets belongs to it alone.
+    """
     ports: dict[Source, PortDecoder] = {}
+    describers: dict[Source, Describe] = {}
     recording = 0
     for item in items:
         if isinstance(item, Problem):
@@ -56,8 +62,12 @@ def decode(items: Iterable[Packet | Problem], describe: Describe | None = None) 
             for port in ports.values():
                 yield from port.finish()
             ports.clear()
+            describers.clear()
         if item.source not in ports:
             ports[item.source] = PortDecoder(item.source)
+            if describer is not None:
+                describers[item.source] = describer()
+        describe = describers.get(item.source)
         for part in ports[item.source].feed(item):
             yield part if describe is None else _described(part, describe)
     for port in ports.values():

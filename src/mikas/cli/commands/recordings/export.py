@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -158,9 +159,9 @@ def _watched(context: CommandContext, stretches: Iterable[Rows]) -> Iterator[Row
 )
 @click.argument("file", metavar="FILE", type=existing_file)
 def decode(context: CommandContext, file: Path) -> None:
-    describe = Describer(context.options.catalog, context.options.interpretation)
+    describer = partial(Describer, context.options.catalog, context.options.interpretation)
     zero: float | None = None
-    for item in decode_frames(CaptureReader(file), describe):
+    for item in decode_frames(CaptureReader(file), describer):
         if context.output.json:
             line = to_json(item)
             line.pop("schema", None)
