@@ -97,6 +97,11 @@ _PICTURES = {code: 0x2400 + code for code in range(0x20)} | {0x7F: 0x2421}
 _CONTROLS = {picture: code for code, picture in _PICTURES.items()}
 
 
+def passport_text(data: bytes) -> str:
+    """Return the characters of a passport's bytes; code page 866 has one for each."""
+    return data.decode(PASSPORT_ENCODING).translate(_PICTURES)
+
+
 @dataclass(frozen=True, slots=True)
 class Availability(ReadNumber):
     """01: `01` → the version code, `09` Mikas 5.4, `0A` Mikas 7.1, or an unknown, usable model.
@@ -130,8 +135,7 @@ class _ReadPassport(OnlyCode[str]):
         return (PASSPORT_LENGTH,)
 
     def _read(self, body: bytes) -> str:
-        # Every byte is a character in code page 866, so this can't fail; only the padding goes.
-        return body.rstrip(b"\x00").decode(PASSPORT_ENCODING).translate(_PICTURES)
+        return passport_text(body.rstrip(b"\x00"))  # only the padding goes
 
     def respond(self, value: str) -> bytes:
         body = value.translate(_CONTROLS).encode(PASSPORT_ENCODING, "replace")

@@ -1,0 +1,132 @@
+-- Bytes to frames (protocol.md §2): checksum, byte stuffing, terminator.
+--
+-- A frame on the wire is body, checksum, 0D; body and checksum are stuffed. Stuffing does not
+-- change the sum, so the bytes before a 0D are checked as they are (D3): sum 0 is a whole frame;
+-- sum F3 and a second 0D is a frame whose checksum 0D was sent raw; all else is damage.
+
+local TERMINATOR, ESCAPE = 0x0D, 0x40
+local RAW_TERMINATOR_SUM = 0xF3
+local LIMIT = 4096 -- bytes of the longest frame, without its terminator
+
+local function sum_of(bytes)
+  local sum = 0
+  for at = 1, #bytes do
+    sum = sum + bytes:byte(at)
+  end
+  return sum % 256
+end
+
+-- Returns the bytes without stuffing, whether a pair was neither 40 CD nor 40 00 (D4), and whether
+-- a lone 40 is left at the end.
+local function unstuffed(bytes)
+  if not bytes:find("@", 1, true) then
+    return bytes, false, false
+  end
+  local irregular, left = false, bytes
+  local plain = bytes:gsub("@(.)", function(second)
+    local value = second:byte()
+    irregular = irregular or (value ~= 0xCD and value ~= 0x00)
+    return string.char((ESCAPE + value) % 256)
+  end)
+  left = bytes:gsub("@.", "")
+  return plain, irregular, left:sub(-1) == "@"
+end
+
+-- Returns, for a body of `length` bytes in `wire`, where each byte begins in it, from 0; the last
+-- entry is the place behind the body.
+local function places(wire, length)
+  local found, at = {}, 0
+  for index = 1, length + 1 do
+    found[index] = at
+    at = at + (wire:byte(at + 1) == ESCAPE and 2 or 1)
+  end
+  return found
+end
+
+local Decoder = {}
+Decoder.__index = Decoder
+
+local function new_decoder()
+  -- `searched`: where to look for the next terminator. `offset`: of the buffer in the stream.
+  return setmetatable({ buffer = "", searched = 1, offset = 0, overflowed = false }, Decoder)
+end
+
+function Decoder:drop(count)
+  self.buffer = self.buffer:sub(count + 1)
+  self.offset = self.offset + count
+  self.searched = math.max(1, self.searched - count)
+end
+
+-- Drops the unfinished frame and returns its bytes.
+function Decoder:reset()
+  local dropped = self.buffer
+  self:drop(#dropped)
+  self.overflowed = false
+  return dropped
+end
+
+local function sound_frame(part, offset)
+  local plain, irregular, lone = unstuffed(part)
+  -- A lone 40 at the end is a raw checksum, and no irregularity.
+  return {
+    body = plain:sub(1, -2), wire = part .. "\r", offset = offset,
+    checksum = plain:byte(-1), raw = lone, irregular = irregular,
+  }
+end
+
+local function frame_with_raw_terminator(part, offset)
+  local plain, irregular, lone = unstuffed(part)
+  return {
+    body = plain, wire = part .. "\r\r", offset = offset,
+    checksum = TERMINATOR, raw = true, irregular = irregular or lone,
+  }
+end
+
+local function damaged(reason, bytes, offset)
+  return { reason = reason, wire = bytes, offset = offset }
+end
+
+-- Returns the frames and the damage that these bytes complete, in order.
+function Decoder:feed(bytes)
+  self.buffer = self.buffer .. bytes
+  local buffer, events, start = self.buffer, {}, 1
+  while true do
+    local stop = buffer:find("\r", self.searched, true)
+    if not stop then
+      self.searched = #buffer + 1
+      break
+    end
+    local next_start = stop + 1
+    if self.overflowed then
+      self.overflowed = false
+    else
+      local part, offset = buffer:sub(start, stop - 1), self.offset + start - 1
+      local sum = sum_of(part)
+      if #part > LIMIT then
+        events[#events + 1] = damaged("too long", part:sub(1, LIMIT), offset)
+      elseif part == "" then
+        -- A bare terminator is line noise (D5).
+      elseif sum == 0 then
+        events[#events + 1] = sound_frame(part, offset)
+      elseif sum == RAW_TERMINATOR_SUM and next_start > #buffer then
+        self.searched = stop -- the next byte decides
+        break
+      elseif sum == RAW_TERMINATOR_SUM and buffer:byte(next_start) == TERMINATOR then
+        events[#events + 1] = frame_with_raw_terminator(part, offset)
+        next_start = next_start + 1
+      else
+        events[#events + 1] = damaged("checksum", part, offset)
+      end
+    end
+    start, self.searched = next_start, next_start
+  end
+  self:drop(start - 1)
+  if self.overflowed then
+    self:drop(#self.buffer)
+  elseif self.searched > LIMIT + 1 then
+    events[#events + 1] = damaged("too long", self.buffer:sub(1, LIMIT), self.offset)
+    self:drop(#self.buffer)
+    self.overflowed = true
+  end
+  return events
+end

@@ -1,0 +1,67 @@
+"""One Lua file: the tables and words, then the hand-written parts, which share one scope."""
+
+from __future__ import annotations
+
+from importlib.resources import files
+from typing import Final
+
+from mikas.catalog import Catalog
+from mikas.commands.unit import passport_text
+from mikas.dissectors.tables import plain, tables_of
+from mikas.dissectors.wireshark.labels import LABELS
+from mikas.i18n import Language
+
+MARK: Final = "-- Mikas K-Line dissector for Wireshark, written by `mikas wireshark`"
+"""The beginning of the first line, by which the file is known as its own."""
+
+_PARTS: Final = ("fields", "framing", "meaning", "matching", "words", "tree", "dissector")
+_HEAD: Final = """\
+{mark}
+-- (version {version}, catalog {catalog}). Do not edit: run the command again, also after a change
+-- of your own catalog.
+"""
+
+
+def source(catalog: Catalog, language: Language, interpretation: str, version: str) -> str:
+    """Return the dissector. `interpretation`: the one by default; `version`: the program's."""
+    tables = tables_of(catalog)
+    given = {
+        "INTERPRETATION": interpretation,
+        "LABELS": {key: text.to(language) for key, text in LABELS.items()},
+        "CODE_PAGE": [passport_text(bytes([code])) for code in range(256)],
+        "TABLES": plain(tables, language),
+    }
+    head = _HEAD.format(mark=MARK, version=version, catalog=tables.version)
+    data = [f"local {name} = {lua(value)}\n" for name, value in given.items()]
+    parts = [files(__package__).joinpath(f"{part}.lua").read_text("utf-8") for part in _PARTS]
+    return "\n".join([head, *data, *parts])
+
+
+def lua(value: object, indent: str = "") -> str:
+    """Return `value` as a Lua literal: what `plain` gives."""
+    deeper = f"{indent}  "
+    match value:
+        case None:
+            return "nil"
+        case bool():
+            return "true" if value else "false"
+        case str():
+            return _text(value)
+        case dict():
+            entries = [f"[{lua(key)}] = {lua(each, deeper)}" for key, each in value.items()]
+        case list():
+            entries = [lua(each, deeper) for each in value]
+        case _:
+            return repr(value)
+    if not entries:
+        return "{}"
+    line = f"{{ {', '.join(entries)} }}"
+    if len(line) <= 100 and "\n" not in line:
+        return line
+    return f"{{\n{deeper}" + f",\n{deeper}".join(entries) + f",\n{indent}}}"
+
+
+def _text(text: str) -> str:
+    """Return a quoted text; a text of a user's file can't end it."""
+    quoted = text.replace("\\", "\\\\").replace('"', '\\"')
+    return '"' + "".join(f"\\{ord(each):03d}" if ord(each) < 32 else each for each in quoted) + '"'

@@ -1,0 +1,129 @@
+"""The dissector in Wireshark's own engine says what `mikas decode` says, frame by frame.
+
+Skipped where there is no tshark, unless `MIKAS_REQUIRE_TSHARK` is set: then that is a failure.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+
+import pytest
+
+from dissectors import oracle_harness as oracle
+from dissectors.sessions_harness import crafted, hostile, sessions_of_program, vectors
+from dissectors.tshark_harness import TSHARK, decoded, shown
+from mikas.catalog import shipped
+from mikas.dissectors.wireshark import source
+
+pytestmark = pytest.mark.skipif(
+    shutil.which(TSHARK) is None and not os.environ.get("MIKAS_REQUIRE_TSHARK"),
+    reason="tshark is not installed",
+)
+HOSTILE = 400 if os.environ.get("HYPOTHESIS_PROFILE") == "ci" else 16  # lines
+
+
+def plugin(path, catalog=None, language="en", interpretation="corrected"):
+    text = source(catalog or shipped(), language, interpretation, "0")
+    path.write_text(text, "utf-8")
+    return path
+
+
+@pytest.fixture(scope="module")
+def script(tmp_path_factory):
+    return plugin(tmp_path_factory.mktemp("wireshark") / "mikas.lua")
+
+
+@pytest.fixture(scope="module")
+def capture(tmp_path_factory):
+    """All kinds of recordings as the sections of one file."""
+    folder = tmp_path_factory.mktemp("captures")
+    path = folder / "all.pcapng"
+    path.write_bytes(crafted() + vectors() + hostile(range(HOSTILE)) + sessions_of_program(folder))
+    return path
+
+
+@pytest.fixture(scope="module")
+def packets(capture, script):
+    return shown(capture, script)
+
+
+@pytest.fixture(scope="module")
+def twice(capture, script):
+    return shown(capture, script, "-2")
+
+
+@pytest.fixture(scope="module")
+def parts(capture):
+    return oracle.parts(capture)
+
+
+def in_order(lines):
+    return sorted(json.dumps(line, ensure_ascii=False) for line in lines)
+
+
+def test_one_pass_shows_every_frame_and_damage(capture, packets, parts):
+    expected = [oracle.line(part) for part in oracle.without_ends(capture, parts)]
+    for line, wanted in zip(decoded(packets), expected, strict=True):
+        assert line == wanted
+
+
+def test_two_passes_show_the_frames_in_which_a_recording_ends_too(twice, parts):
+    assert in_order(decoded(twice)) == in_order(map(oracle.line, parts))
+
+
+def test_the_second_pass_shows_what_the_first_one_showed(packets, twice):
+    first, second = decoded(packets), decoded(twice)
+    assert len(second) > len(first)
+    rest = iter(second)
+    assert all(line in rest for line in first)
+
+
+def test_every_value_is_the_catalogs(capture, packets, parts):
+    found = oracle.values(oracle.without_ends(capture, parts), shipped())
+    items = [item for packet in packets for item in packet.items]
+    assert sum(map(len, found)) > 1000
+    for item, values in zip(items, found, strict=True):
+        names = [name for name, _ in item if name.startswith("param.")]
+        assert names == [f"param.{name}" for name, _ in values]
+        texts = [text for name, text in item if name.startswith("param.")]
+        for text, (_, value) in zip(texts, values, strict=True):
+            assert text == f"{value:.15g}" if value is not True else "1"
+
+
+def test_requests_responses_and_echoes_refer_to_each_other(twice, packets, capture, parts):
+    number_of, response_of = {}, {}
+    counts: dict[tuple, int] = {}
+    for packet in packets:
+        for item in map(dict, packet.items):
+            line = packet.recording, packet.port
+            if item["direction"] == "sent" and item.get("damage") != "unfinished":
+                counts[line] = serial = counts.get(line, -1) + 1
+                number_of[*line, serial] = packet.number
+    whole = oracle.without_ends(capture, parts)
+    times = {packet.number: packet.time for packet in packets}
+    shown_items = [(packet, dict(item)) for packet in packets for item in packet.items]
+    answered = 0
+    for (packet, item), part in zip(shown_items, whole, strict=True):
+        serial = getattr(part, "answers", None) and part.answers.serial
+        if serial is None or serial < 0:
+            assert "request_in" not in item
+            continue
+        key = packet.recording, packet.port, serial
+        assert int(item["request_in"]) == number_of[key]
+        between = packet.time - times[number_of[key]]
+        assert float(item["response_time"]) == pytest.approx(between, abs=1e-6)
+        response_of.setdefault(number_of[key], packet.number)
+        answered += 1
+    assert answered > 500
+    later = {packet.number: packet for packet in twice}
+    for request, response in response_of.items():
+        links = [dict(item).get("response_in") for item in later[request].items]
+        assert str(response) in links
+    for packet in packets:
+        for item in map(dict, packet.items):
+            if "echo" in item:
+                sent = [dict(each) for each in later[int(item["echo_of"])].items]
+                wires = [each.get("wire", each.get("damage.data")) for each in sent]
+                assert item.get("wire", item.get("damage.data")) in wires
