@@ -216,12 +216,18 @@ def crafted() -> bytes:
     ]  # fmt: skip
     cut = pcapng.EnhancedPacket(0, 1_100_000, answer[:1], INBOUND, cut=2)
     is_cut = [(OUTBOUND, request, 1.0), cut, (INBOUND, answer, 1.2), (OUTBOUND, request, 1.3)]
+    every_kind = [  # flags, a stored fault, an irregular escape, a response of another length
+        (OUTBOUND, encode(b"\x61\x07"), 1.0), (INBOUND, encode(b"\x24"), 1.1),
+        (OUTBOUND, encode(b"\x02"), 1.2), (INBOUND, encode(b"\x01\x0d\xe0"), 1.3),
+        (INBOUND, b"\x40\x01\xbf\r", 1.4), (INBOUND, encode(b"\x01\x02"), 1.5),
+    ]  # fmt: skip
     list_set = [(OUTBOUND, encode(b"\x64\x1a"), 1.0), (INBOUND, encode(b"\0"), 1.1)]
     list_read = [(OUTBOUND, encode(b"\x63"), 2.0), (INBOUND, answer, 2.1)]
     return (
         section(mixed + below_zero, one, two, one)
         + section(no_direction)
         + section(is_cut)
+        + section(every_kind)
         + section(list_set + list_read)
         + section(list_read)
     )

@@ -12,10 +12,17 @@ import shutil
 import pytest
 
 from dissectors import oracle_harness as oracle
-from dissectors.sessions_harness import crafted, hostile, sessions_of_program, vectors
-from dissectors.tshark_harness import TSHARK, decoded, shown
-from mikas.catalog import shipped
+from dissectors.sessions_harness import (
+    crafted,
+    hostile,
+    section,
+    sessions_of_program,
+    vectors,
+)
+from dissectors.tshark_harness import TSHARK, decoded, run, shown
+from mikas.catalog import load, shipped
 from mikas.dissectors.wireshark import source
+from mikas.framing import encode
 
 pytestmark = pytest.mark.skipif(
     shutil.which(TSHARK) is None and not os.environ.get("MIKAS_REQUIRE_TSHARK"),
@@ -42,6 +49,18 @@ def capture(tmp_path_factory):
     path = folder / "all.pcapng"
     path.write_bytes(crafted() + vectors() + hostile(range(HOSTILE)) + sessions_of_program(folder))
     return path
+
+
+@pytest.fixture(scope="module")
+def small(tmp_path_factory):
+    path = tmp_path_factory.mktemp("captures") / "small.pcapng"
+    path.write_bytes(crafted() + hostile(range(1000, 1006)))
+    return path
+
+
+@pytest.fixture(scope="module")
+def few(small, script):
+    return shown(small, script)
 
 
 @pytest.fixture(scope="module")
@@ -127,3 +146,90 @@ def test_requests_responses_and_echoes_refer_to_each_other(twice, packets, captu
                 sent = [dict(each) for each in later[int(item["echo_of"])].items]
                 wires = [each.get("wire", each.get("damage.data")) for each in sent]
                 assert item.get("wire", item.get("damage.data")) in wires
+
+
+# As a user has it: installed, with filters, another language, a file that is cut off
+
+
+def numbers(home, capture, *arguments):
+    result = run(home, "-r", str(capture), "-T", "fields", "-e", "frame.number", *arguments)
+    return [int(number) for number in result.stdout.split()]
+
+
+@pytest.fixture
+def installed(tmp_path):
+    """A home folder with nothing but the plugin."""
+    folder = tmp_path / "home/.local/lib/wireshark/plugins"
+    folder.mkdir(parents=True)
+    return plugin(folder / "mikas.lua").parents[4]
+
+
+def test_installed_it_takes_recordings_without_any_setting(installed, small, few):
+    assert numbers(installed, small, "-Y", "mikas") == [packet.number for packet in few]
+
+
+def test_parameters_and_marks_are_fields_to_filter_by(installed, small, few):
+    found = oracle.values(oracle.without_ends(small, oracle.parts(small)), shipped())
+    items = [packet.number for packet in few for _ in packet.items]
+    warm, idle = set(), set()
+    for number, values in zip(items, found, strict=True):
+        if any(name == "TWAT" and value > 85.5 for name, value in values):
+            warm.add(number)
+        if ("RXX", True) in values:
+            idle.add(number)
+    assert warm
+    assert idle
+    assert set(numbers(installed, small, "-Y", "mikas.param.TWAT > 85.5")) == warm
+    assert set(numbers(installed, small, "-Y", "mikas.param.RXX == 1")) == idle
+    echoes = {each.number for each in few for item in each.items if "echo" in dict(item)}
+    assert set(numbers(installed, small, "-Y", "mikas.echo")) == echoes != set()
+
+
+def test_a_read_filter_gives_the_number_of_a_refused_packet_to_the_next(installed, small, few):
+    chosen = ("-2", "-R", "mikas.request", "-T", "fields", "-e", "mikas.meaning")
+    lines = run(installed, "-r", str(small), *chosen).stdout.splitlines()
+    expected = [
+        [text for item in packet.items for name, text in item if name == "meaning"]
+        for packet in few
+        if any(name == "request" for item in packet.items for name, _ in item)
+    ]
+    assert lines == [",".join(texts) for texts in expected]
+
+
+def test_damage_and_faults_are_expert_information(installed, small):
+    told = run(installed, "-r", str(small), "-q", "-z", "expert").stdout
+    for text in ("wrong checksum", "irregular escape", "Bytes in the response", "unknown request"):
+        assert text in told
+    assert "Air mass signal low" in told  # a stored fault
+    assert "not said whether it was sent or received" in told
+
+
+@pytest.mark.parametrize("interpretation", ["literal", "alternative"])
+def test_russian_and_another_interpretation(tmp_path, small, interpretation):
+    script = plugin(tmp_path / "mikas.lua", language="ru", interpretation="literal")
+    found = shown(small, script, "-o", f"mikas.interpretation:{interpretation}")
+    meanings = [dict(item).get("meaning") for packet in found for item in packet.items]
+    expected = oracle.without_ends(small, oracle.parts(small, interpretation=interpretation))
+    assert meanings == [getattr(part, "meaning", None) and part.meaning.ru for part in expected]
+
+
+def test_the_users_own_parameter_is_a_field(tmp_path):
+    own = tmp_path / "own.toml"
+    own.write_text(
+        '[parameter.BOOST]\ncode = 0x33\nsize = 2\nunit = "kPa"\nsigned = true\nscale = "1/8"\n'
+        'text = { en = "Boost", ru = "Наддув" }\n',
+        "utf-8",
+    )
+    capture = tmp_path / "boost.pcapng"
+    capture.write_bytes(section([(2, encode(b"\x61\x33"), 1.0), (1, encode(b"\xfc\xff"), 1.1)]))
+    script = plugin(tmp_path / "mikas.lua", load(own))
+    _, response = shown(capture, script)
+    assert dict(response.items[0])["param.BOOST"] == "-0.5"
+
+
+def test_a_file_that_is_cut_off_shows_all_before_the_cut(tmp_path, small, script, few):
+    cut = tmp_path / "cut.pcapng"
+    cut.write_bytes(small.read_bytes()[:-7])
+    found = shown(cut, script, check=False)
+    assert len(found) == len(few) - 1
+    assert decoded(found) == decoded(few[:-1])

@@ -65,6 +65,11 @@ COMMANDS: dict[str, tuple[str, Text]] = {
         "a report on the car, from a recording or measured now",
         "отчёт о машине: по записи или по измерению сейчас",
     ),
+    "wireshark": _command(
+        "recordings.wireshark",
+        "a plugin that shows recordings in Wireshark (needs no port)",
+        "плагин Wireshark: записи по кадрам (порт не нужен)",
+    ),
     "test": _command(
         "guided_test",
         "a guided test, step by step, with a verdict",

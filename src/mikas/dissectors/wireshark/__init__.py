@@ -1,8 +1,9 @@
 """The Wireshark dissector: hand-written Lua files behind generated tables.
 
-`source` is the whole dissector as one file, as Wireshark loads it.
+`source` is the whole dissector as one file, as Wireshark loads it from `plugin_file`.
 """
 
-from mikas.dissectors.wireshark.generator import source
+from mikas.dissectors.wireshark.generator import MARK, source
+from mikas.dissectors.wireshark.plugin import plugin_file
 
-__all__ = ["source"]
+__all__ = ["MARK", "plugin_file", "source"]

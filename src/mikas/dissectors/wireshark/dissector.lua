@@ -137,7 +137,8 @@ end
 function mikas.dissector(tvb, pinfo, root)
   -- Microseconds, as recorded: the exact times decide over a silence.
   local time = math.floor(pinfo.abs_ts * 1e6 + 0.5) / 1e6
-  local found = packets[pinfo.number] or first_pass(tvb, pinfo, time)
+  -- A read filter gives the number of a packet that it refuses to the next one.
+  local found = pinfo.visited and packets[pinfo.number] or first_pass(tvb, pinfo, time)
   local tree, texts = root:add(mikas, tvb()), {}
   for _, item in ipairs(found.items) do
     texts[#texts + 1] = show(tree, tvb, item, pinfo.number, time)

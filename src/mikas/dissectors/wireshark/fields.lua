@@ -120,7 +120,7 @@ mikas.experts = all_experts
 local INTERPRETATIONS = { "corrected", "literal", "alternative" }
 local choices = {}
 for index, name in ipairs(INTERPRETATIONS) do
-  choices[index] = { index, LABELS["interpretation_" .. name], index }
+  choices[index] = { index, name, index }
   if name == INTERPRETATION then
     INTERPRETATION = index
   end

@@ -73,9 +73,6 @@ LABELS: Final[dict[str, Text]] = {
         "How the doubtful places of the protocol's source are interpreted",
         "Как толковать сомнительные места описания протокола",
     ),
-    "interpretation_corrected": Text("corrected", "исправленное"),
-    "interpretation_literal": Text("literal", "буквальное"),
-    "interpretation_alternative": Text("alternative", "иное"),
     "baud": Text("Bit rate", "Скорость, бит/с"),
     "baud_help": Text(
         "Bits a second on the line: how long a byte lasts decides over a silence",

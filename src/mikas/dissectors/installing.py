@@ -1,0 +1,77 @@
+"""Putting a decoder into the folder in which a user's program looks for it.
+
+Only a file of our own is replaced: its first line says so.
+"""
+
+from __future__ import annotations
+
+import csv
+import subprocess
+import sys
+from pathlib import Path
+
+from mikas.errors import UsageError, reason_at
+from mikas.i18n import Text
+from mikas.saving import save
+
+_PROC = Path("/proc")
+_PATIENCE = 10  # s for the list of programs
+_NOT_OURS = Text(
+    "{file} was not written by mikas, so it is left as it is",
+    "{file} создан не программой mikas, поэтому остаётся как есть",
+)
+_MOVE_IT = Text(
+    "Move or remove that file, then try again.",
+    "Переместите или удалите этот файл и повторите.",
+)
+
+
+def install(file: Path, text: str, mark: str) -> bool:
+    """Write `text`, which begins with `mark`, to `file`; return whether it differed.
+
+    UsageError: another file of that name, which does not begin with `mark`; or the system's reason.
+    """
+    try:
+        present = file.read_text("utf-8", "replace") if file.exists() else None
+        if present == text:
+            return False
+        if present is not None and not present.startswith(mark):
+            raise UsageError(problem=_NOT_OURS.filled(file=file), advice=_MOVE_IT)
+        file.parent.mkdir(parents=True, exist_ok=True)
+        save(file, text)
+    except OSError as error:
+        raise UsageError(problem=reason_at(file, error)) from error
+    return True
+
+
+def is_running(program: str) -> bool:
+    """Return whether a program of this name runs; False where the system does not tell."""
+    wanted = program.lower()
+    return any(name.lower().removesuffix(".exe") == wanted for name in _running())
+
+
+def _running() -> list[str]:
+    """Return the names of the programs that run."""
+    try:
+        if _PROC.is_dir():
+            return [_name(each) for each in _PROC.iterdir() if each.name.isdecimal()]
+        if sys.platform == "win32":
+            rows = csv.reader(_printed("tasklist", "/fo", "csv", "/nh").splitlines())
+            return [row[0] for row in rows if row]
+        return [Path(each).name for each in _printed("ps", "-A", "-o", "comm=").splitlines()]
+    except (OSError, subprocess.SubprocessError):
+        return []
+
+
+def _name(process: Path) -> str:
+    try:
+        return (process / "comm").read_text("utf-8", "replace").strip()
+    except OSError:  # it has ended
+        return ""
+
+
+def _printed(*command: str) -> str:
+    result = subprocess.run(
+        command, capture_output=True, check=True, text=True, errors="replace", timeout=_PATIENCE
+    )
+    return result.stdout
