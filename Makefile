@@ -13,7 +13,7 @@ venv_python := .venv/bin/python
 $(shell [ -x $(venv_python) ] && [ "$$(cat .venv/installed 2>/dev/null)" = "$$(pwd -P)" ] || rm -f .venv/installed)
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test docs site page browser cable hour fuzz soak check bench audit sbom lock clean
+.PHONY: help demo test notebooks docs site page browser cable hour fuzz soak check bench audit sbom lock clean
 
 # What was compiled is kept: each worker of the tests, and each program that they start, would compile all again.
 unexport PYTHONDONTWRITEBYTECODE
@@ -33,8 +33,11 @@ gated := tests/test_framing.py tests/commands tests/catalog
 test: .venv/with-test web/node_modules/installed ## all tests but those in a browser and on a cable; framing, commands, catalog: 100 % branches
 	@$(venv_python) -m pytest -n logical --dist worksteal $(gated) --cov=mikas.framing --cov=mikas.commands --cov=mikas.catalog \
 	  --cov-fail-under=100 --cov-report=term-missing:skip-covered
-	@$(venv_python) -m pytest -n auto --dist worksteal $(foreach path,$(gated) tests/browser tests/static_site tests/in_firefox tests/on_pyodide tests/cable,--ignore=$(path))
+	@$(venv_python) -m pytest -n auto --dist worksteal $(foreach path,$(gated) tests/browser tests/static_site tests/in_firefox tests/on_pyodide tests/cable tests/notebooks,--ignore=$(path))
 	@$(npm) test
+
+notebooks: .venv/with-test ## the example notebooks in a real kernel: each cell, and whether the results in them are stale
+	@$(venv_python) -m pytest -n logical tests/notebooks
 
 docs: build/docs/index.html ## this documentation as a site into build/docs, English and Russian (docs/development/docs.md)
 	@echo "Open build/docs/index.html, or put the folder build/docs on a web server, under any address"
