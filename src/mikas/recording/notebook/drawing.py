@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 _WIDTH: Final = 10.0  # inches; of the figure
 _PANE: Final = 1.5  # the height of a pane's plot
 _LEGEND: Final = 0.28  # above each pane
-_HEAD: Final = 0.3  # the title; as much again for flags
+_HEAD: Final = 0.25  # the title; as much again for flags
 _FOOT: Final = 0.35
 _SIDE: Final = 0.65  # an axis with labels
 _MARGIN: Final = 0.3
@@ -97,8 +97,9 @@ def _figure(
 ) -> tuple[FigureBase, tuple[Axes, ...]]:
     count = len(picture.panes)
     head = _HEAD * (2 if picture.flags else 1) + _LEGEND
-    height = head + count * _PANE + (count - 1) * _LEGEND + _FOOT
-    width, height = figsize or (_WIDTH, height)
+    whole = head + count * _PANE + (count - 1) * _LEGEND + _FOOT
+    width, height = figsize or (_WIDTH, whole)
+    pane = max(0.3, (height - head - _FOOT - (count - 1) * _LEGEND) / count)
     is_right = not picture.stacked and any(len(_keys(lines)) > 1 for lines in picture.panes)
     figure, axes = plt.subplots(
         count,
@@ -110,7 +111,7 @@ def _figure(
             "right": 1 - (_SIDE if is_right else _MARGIN) / width,
             "top": max(0.3, 1 - head / height),
             "bottom": min(0.2, _FOOT / height),
-            "hspace": _LEGEND / _PANE,
+            "hspace": _LEGEND / pane,
         },
     )
     figure.text(

@@ -26,12 +26,12 @@ _STYLE: Final = Markup("""<style>
 .mikas-recording .title { font-size: 1.15em; font-weight: 600; margin: 0 0 0.3em; }
 .mikas-recording .list { margin: 0.4em 0 0; }
 .mikas-recording ul { margin: 0; padding-left: 1.4em; }
-.mikas-recording table { border-collapse: collapse; margin: 0.4em 0 0; font-size: inherit; }
-.mikas-recording table th, .mikas-recording table td { text-align: left; padding: 0.1em 0.9em 0.1em 0; vertical-align: top; border: 0; background: none; white-space: normal; max-width: 34em; overflow-wrap: anywhere; }
-.mikas-recording table tr { background: none; }
-.mikas-recording table.facts th { font-weight: normal; opacity: 0.75; white-space: nowrap; }
-.mikas-recording table.channels th { border-bottom: 1px solid; }
-.mikas-recording table.channels .number { text-align: right; white-space: nowrap; font-variant-numeric: tabular-nums; }
+.mikas-recording.mikas-recording table { border-collapse: collapse; margin: 0.4em 0 0; font-size: inherit; }
+.mikas-recording.mikas-recording table th, .mikas-recording.mikas-recording table td { text-align: left; padding: 0.1em 0.9em 0.1em 0; vertical-align: top; border: 0; background: none; white-space: normal; max-width: 34em; overflow-wrap: anywhere; }
+.mikas-recording.mikas-recording table tr { background: none; }
+.mikas-recording.mikas-recording table.facts th { font-weight: normal; opacity: 0.75; white-space: nowrap; }
+.mikas-recording.mikas-recording table.channels th { border-bottom: 1px solid; }
+.mikas-recording.mikas-recording table.channels .number { text-align: right; white-space: nowrap; font-variant-numeric: tabular-nums; }
 .mikas-recording svg { display: block; width: 120px; height: 18px; }
 .mikas-recording svg path { fill: none; stroke: currentColor; stroke-width: 1.2; }
 </style>""")  # noqa: E501  (a rule a line)

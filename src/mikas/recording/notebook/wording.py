@@ -98,7 +98,7 @@ def worded(recording: Recording, overview: Overview, language: Language) -> Word
     lists = [words.faults(), words.gone(), words.gaps(), words.markers(), words.problems(recording)]
     return Wording(
         language,
-        " · ".join(filter(None, (clean_line(recording.path.name), overview.summary.car.name))),
+        clean_line(recording.path.name),
         [(_FACTS[key].to(language), text) for key, text in words.facts(recording) if text],
         [each for each in lists if each is not None],
         tuple(heading.to(language) for heading in HEADINGS),
