@@ -9,7 +9,6 @@ AWAITED: frozenset[str] = frozenset(
     {
         "how-to/install.md",
         "how-to/sigrok.md",
-        "how-to/notebooks.md",
         "how-to/fleet.md",
         "how-to/mqtt.md",
     }

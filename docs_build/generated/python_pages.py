@@ -63,6 +63,11 @@ PAGES = (
         ("Channel", "Rows"),
     ),
     Module(
+        "mikas.recording.notebook.drawing",
+        Text("What `Recording.plot` returns.", "То, что возвращает `Recording.plot`."),
+        ("Plot",),
+    ),
+    Module(
         "mikas.link",
         Text(
             "The line: what carries bytes, and whose clock it is.",
