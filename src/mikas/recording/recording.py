@@ -59,6 +59,11 @@ def open(  # noqa: A001  (read as `mikas.open`)
     Raises `CaptureError` for a file that is no capture, `UsageError` for an invalid name or
     setting. `problems` lists damage in the file.
     """
+    if language not in (None, "en", "ru"):
+        raise usage_error(
+            f"There is no language “{language}”; there are: en, ru",
+            f"Языка «{language}» нет; есть: en, ru",
+        )
     return Recording(path, load(*map(Path, catalogs)), interpretation, names, language)
 
 

@@ -17,6 +17,7 @@ from notebook_harness import NOON, of_a_car, of_values
 import mikas
 from mikas.catalog import shipped
 from mikas.client.cars import CarDetails
+from mikas.errors import UsageError
 from mikas.i18n import Text
 from mikas.recording.annotations.events import comment_note
 from mikas.recording.capture.reader import Problem
@@ -236,3 +237,8 @@ def test_problems_have_their_offsets(car):
     wording = worded(shown, recording.overview, "ru")
     assert wording.lists[-1] == List("Повреждения файла", ["4711: блок <x>"], "… и ещё 13")
     assert ("Толкование", "literal") in wording.facts
+
+
+def test_a_language_that_there_is_not_is_refused(car):
+    with pytest.raises(UsageError, match="There is no language “de”"):
+        mikas.open(car, language="de")

@@ -6,6 +6,7 @@ import io
 import subprocess
 import sys
 from datetime import datetime
+from itertools import pairwise
 
 import matplotlib as mpl
 import numpy as np
@@ -270,3 +271,27 @@ def test_a_figure_is_shown_once(car, monkeypatch):
     plt.close(plot.figure)
     plot._ipython_display_()
     assert shown == [plot.figure]
+
+
+def test_flags_that_stand_close_have_no_more_text_than_room(tmp_path):
+    values = [(n * 2.0, 20 + n % 3) for n in range(1000)]
+    for distance in (10, 60, 150, 400):
+        times = range(0, 2000, distance)
+        markers = [Marker(NOON + time, f"a marker at {time} s") for time in times]
+        path = of_values(tmp_path / f"{distance}.pcapng", values, *markers)
+        plot = mikas.open(path).plot("FREQ")
+        plot.figure.canvas.draw()
+        boxes = [text.get_window_extent() for text in plot.panes[0].texts]
+        assert bool(boxes) == (distance > 10)
+        assert all(one.x1 <= two.x0 + 12 for one, two in pairwise(boxes))
+        assert all(box.x1 <= plot.panes[0].get_window_extent().x1 + 12 for box in boxes)
+        lines = [it for it in plot.panes[0].lines if len(it.get_xdata()) == 2]
+        assert len(lines) == min(100, len(times))
+    (at_the_end,) = (
+        mikas.open(of_values(tmp_path / "b.pcapng", values, Marker(NOON + 1990, "the end of it")))
+        .plot("FREQ")
+        .panes[0]
+        .texts
+    )
+    assert at_the_end.get_text() == "⚑ the end of it"
+    assert at_the_end.get_ha() == "right"

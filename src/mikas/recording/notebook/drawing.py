@@ -8,7 +8,7 @@ from a recording is never taken for mathematics between two `$`.
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Final
 
@@ -19,6 +19,7 @@ from matplotlib.transforms import ScaledTranslation
 
 from mikas.i18n import Language
 from mikas.recording.formatting import short
+from mikas.recording.notebook.interruptions import united
 from mikas.recording.notebook.panes import DAY, NIGHT, Palette
 from mikas.recording.notebook.picture import Picture, PlottedLine
 from mikas.recording.notebook.time_axis import (
@@ -48,7 +49,7 @@ _BESIDE: Final = 0.03  # inches between two lines that would cover each other
 _STRIPE, _EDGE = 0.13, 0.5  # how opaque a reference's range and its edges are
 _MOST_GAPS: Final = 500  # hatched one by one
 _SHORTEST_REASON: Final = 0.7  # inches of a gap that has room for its reason
-_LONGEST_FLAG: Final = 30  # characters
+_SHORTEST_FLAG, _LONGEST_FLAG = 4, 30  # characters
 
 
 @dataclass(frozen=True, eq=False)
@@ -219,12 +220,12 @@ class _Pane:
 
     def _gaps(self) -> None:
         picture = self._picture
-        spans = [
-            (begin, end - begin)
-            for begin, end in _distinct([span for span, _ in picture.gaps], picture)
-        ]
+        # Many are hatched as one where they touch in the picture.
+        many = len(picture.gaps) > _MOST_GAPS
+        near = (picture.end - picture.begin) / _MOST_GAPS if many else 0.0
+        spans = united((span for span, _ in picture.gaps), near)
         self._ax.broken_barh(
-            spans,
+            [(begin, end - begin) for begin, end in spans],
             (0, 1),
             transform=self._ax.get_xaxis_transform(),
             facecolor="none",
@@ -233,20 +234,6 @@ class _Pane:
             linewidth=0,
             zorder=0.5,
         )
-
-
-def _distinct(
-    spans: Sequence[tuple[float, float]], picture: Picture
-) -> Iterator[tuple[float, float]]:
-    """Yield the spans; if there are many, those that touch in the picture as one."""
-    least = (picture.end - picture.begin) / _MOST_GAPS if len(spans) > _MOST_GAPS else 0.0
-    joined: list[tuple[float, float]] = []
-    for begin, end in sorted(spans):
-        if joined and begin <= joined[-1][1] + least:
-            joined[-1] = joined[-1][0], max(joined[-1][1], end)
-        else:
-            joined.append((begin, end))
-    return iter(joined)
 
 
 def _reasons(foot: Axes, picture: Picture, palette: Palette) -> None:
@@ -278,25 +265,27 @@ def _flags(panes: Sequence[Axes], picture: Picture, palette: Palette) -> None:
     length = picture.end - picture.begin
     inches = panes[0].get_window_extent().width / panes[0].figure.dpi
     flags = sorted(picture.flags, key=lambda flag: flag.time)
-    following = [*(flag.time for flag in flags[1:]), picture.end + length]
-    for flag, after in zip(flags, following, strict=False):
-        colour = colours.get(flag.level, palette.text)
+    places = [int((flag.time - picture.begin) / length * inches / _LETTER) for flag in flags]
+    last, taken = int(inches / _LETTER), 0
+    for flag, place, after in zip(flags, places, [*places[1:], last], strict=False):
+        colour = colours.get(flag.kind, palette.text)
         for pane in panes:
             pane.axvline(flag.time, color=colour, linewidth=0.9, linestyle=(0, (4, 3)))
-        sign = "▲" if flag.level else "⚑"
-        words = f"{sign} {flag.text.to(picture.language)}".rstrip()
-        words = f"{words} ×{flag.count}" if flag.count > 1 else words
-        room = int((after - flag.time) / length * inches / _LETTER)
-        at_right = flag.time > picture.begin + 0.8 * length
+        count = f" ×{flag.count}" if flag.count > 1 else ""
+        sign = "⚑" if flag.kind == "marker" else "▲"
+        words = f"{sign} {flag.text.to(picture.language)}{count}"
+        at_left = after == last and after - place < min(len(words), place - taken)
+        room = min((place - taken) if at_left else (after - place), _LONGEST_FLAG)
+        taken = place + max(0, min(after - place, len(words)))
+        if room < _SHORTEST_FLAG:
+            continue
         panes[0].annotate(
-            textwrap.shorten(words, max(1, min(room, _LONGEST_FLAG)), placeholder="…")
-            if room > 2 and not at_right
-            else words[:_LONGEST_FLAG],
+            words if len(words) <= room else f"{words[: room - 1]}…",
             (flag.time, 1),
             xycoords=("data", "axes fraction"),
             xytext=(0, 72 * _LEGEND - 2),
             textcoords="offset points",
-            ha="right" if at_right else "left",
+            ha="right" if at_left else "left",
             size=_SMALL,
             color=colour,
             annotation_clip=True,

@@ -61,13 +61,18 @@ def interruptions(times: Floats, gaps: Iterable[Span] = ()) -> list[Span]:
     """Return where a line with values at `times` is interrupted, those that overlap as one."""
     wide = np.flatnonzero(np.diff(times) > longest_interval(times))
     found = [*zip(times[wide].tolist(), times[wide + 1].tolist(), strict=True), *gaps]
-    united: list[Span] = []
-    for begin, end in sorted(found):
-        if united and begin <= united[-1][1]:
-            united[-1] = united[-1][0], max(united[-1][1], end)
+    return united(found)
+
+
+def united(spans: Iterable[Span], distance: float = 0.0) -> list[Span]:
+    """Return the spans in their order; those that overlap, or are so near, as one."""
+    joined: list[Span] = []
+    for begin, end in sorted(spans):
+        if joined and begin <= joined[-1][1] + distance:
+            joined[-1] = joined[-1][0], max(joined[-1][1], end)
         else:
-            united.append((begin, end))
-    return united
+            joined.append((begin, end))
+    return joined
 
 
 def broken(times: Floats, values: Floats, spans: Sequence[Span]) -> tuple[Floats, Floats]:

@@ -19,6 +19,7 @@ from mikas.catalog import Derived
 from mikas.cleaning import clean_line
 from mikas.errors import UsageError, usage_error
 from mikas.i18n import Text
+from mikas.recording.annotations.car import car_of
 from mikas.recording.formatting import date_of
 from mikas.recording.notebook.interruptions import Span, broken, interruptions, reasons_of_gaps
 from mikas.recording.notebook.panes import Pane, Trace, axis_key
@@ -59,14 +60,15 @@ class PlottedLine:
 
 @dataclass(frozen=True, slots=True)
 class Flag:
-    """A moment marked over the panes; `count`: with how many others of its kind near to it.
+    """A moment marked over the panes.
 
-    `level`: `warning` or `danger` of an alarm.
+    `kind`: `marker`, `unit`, or an alarm's `warning` or `danger`. `count`: how many of its kind are
+    so near that they are one flag.
     """
 
     time: float
+    kind: str
     text: Text
-    level: str = ""
     count: int = 1
 
 
@@ -115,7 +117,7 @@ def picture_of(
     gaps = list(_gaps(recording.events, begin, last))
     window = _Window(recording, begin, last, [span for span, _ in gaps], points)
     bands = _references(recording) if reference else {}
-    car = recording.overview.summary.car.name
+    car = car_of(recording.notes).name
     date = date_of(zero)
     titles = (car, clean_line(recording.path.name), f"{date:%d.%m.%Y}" if date else "")
     return Picture(
@@ -184,8 +186,7 @@ def _flags(events: Iterable[Event], begin: float, end: float, zero: float) -> It
         latest[kind] = [event.time, 1]
         found.append((kind, text, latest[kind]))
     for kind, text, (time, count) in found:
-        level = kind if kind in ("warning", "danger") else ""
-        yield Flag(time - zero, text, level, int(count))
+        yield Flag(time - zero, kind, text, int(count))
 
 
 def _references(recording: Recording) -> dict[str, Span]:
