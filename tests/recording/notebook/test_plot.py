@@ -159,7 +159,7 @@ def test_a_window_is_given_in_seconds_or_dates(hill):
     )
     assert two.panes[0].get_xlim() == pytest.approx((2, 3), abs=1e-5)
     assert two.lines["FREQ"].get_ydata().max() == 8000
-    assert hill.plot("FREQ", start=8).panes[0].get_xlim()[1] == pytest.approx(9.9)
+    assert hill.plot("FREQ", start=8).panes[0].get_xlim()[1] == pytest.approx(9.9 + 0.099)
 
 
 def test_the_time_axis_has_times_of_day_or_seconds_since_the_start(hill, car):
@@ -167,7 +167,7 @@ def test_the_time_axis_has_times_of_day_or_seconds_since_the_start(hill, car):
         plot.figure.canvas.draw()
         return [it.get_text() for it in plot.panes[-1].get_xticklabels()]
 
-    assert ticks(hill.plot("FREQ"))[0].endswith(":22")
+    assert [it[-3:] for it in ticks(hill.plot("FREQ"))[:2]] == [":20", ":22"]
     assert ticks(hill.plot("FREQ", start=2, end=2.5))[0][-3:] == "2.1"
     assert ticks(car.plot("FREQ"))[0] == "0:00.0"
 
@@ -286,7 +286,7 @@ def test_flags_that_stand_close_have_no_more_text_than_room(tmp_path):
         assert all(one.x1 <= two.x0 + 12 for one, two in pairwise(boxes))
         assert all(box.x1 <= plot.panes[0].get_window_extent().x1 + 12 for box in boxes)
         lines = [it for it in plot.panes[0].lines if len(it.get_xdata()) == 2]
-        assert len(lines) == min(100, len(times))
+        assert len(lines) == (67 if distance == 10 else len(times))  # three of 10 s are one
     (at_the_end,) = (
         mikas.open(of_values(tmp_path / "b.pcapng", values, Marker(NOON + 1990, "the end of it")))
         .plot("FREQ")

@@ -38,7 +38,8 @@ Moment = float | datetime
 """Seconds from the first row, or a date."""
 
 _BESIDE: Final = 0.02  # of the window, drawn on both sides, so that lines go on to the edge
-_SHORTEST: Final = 1e-3  # s; the window of a recording with one row
+_ROOM: Final = 0.01  # of a whole recording, on both sides of it; at least so many seconds
+_SHORTEST: Final = 1e-3
 _MOST_FLAGS: Final = 100  # flags that are nearer are one, with a count
 
 
@@ -106,8 +107,9 @@ def picture_of(
             f"{clean_line(recording.path.name)}: рисовать нечего, значений нет",
         )
     zero = span[0]
-    begin = zero if start is None else _time(start, zero)
-    last = max(span[1], zero + _SHORTEST) if end is None else _time(end, zero)
+    room = max(_SHORTEST, (span[1] - zero) * _ROOM)
+    begin = zero - room if start is None else _time(start, zero)
+    last = span[1] + room if end is None else _time(end, zero)
     if not begin < last:
         raise usage_error(
             "The plot ends before it begins: start has to be before end and before the last row",
