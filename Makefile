@@ -33,7 +33,7 @@ gated := tests/test_framing.py tests/commands tests/catalog
 test: .venv/with-test web/node_modules/installed ## all tests but those in a browser and on a cable; framing, commands, catalog: 100 % branches
 	@$(venv_python) -m pytest -n logical --dist worksteal $(gated) --cov=mikas.framing --cov=mikas.commands --cov=mikas.catalog \
 	  --cov-fail-under=100 --cov-report=term-missing:skip-covered
-	@$(venv_python) -m pytest -n auto --dist worksteal $(foreach path,$(gated) tests/browser tests/static_site tests/in_firefox tests/on_pyodide tests/cable tests/notebooks,--ignore=$(path))
+	@$(venv_python) -m pytest -n auto --dist worksteal $(foreach path,$(gated) tests/browser tests/docs_in_browser tests/static_site tests/in_firefox tests/on_pyodide tests/cable tests/notebooks,--ignore=$(path))
 	@$(npm) test
 
 notebooks: .venv/with-test ## the example notebooks in a real kernel: each cell, and whether the results in them are stale
@@ -42,14 +42,14 @@ notebooks: .venv/with-test ## the example notebooks in a real kernel: each cell,
 docs: build/docs/index.html ## this documentation as a site into build/docs, English and Russian (docs/development/docs.md)
 	@echo "Open build/docs/index.html, or put the folder build/docs on a web server, under any address"
 
-site: build/site/files.json ## the page without installation into build/site: a folder for any web server (docs/development/site.md)
+site: build/site/docs/index.html ## the page without installation and the documentation into build/site: a folder for any web server (docs/development/site.md)
 	@echo "Put the folder build/site on a web server (https), under any address. On this computer: make page"
 
-page: build/site/files.json ## that page on this computer, in a browser
+page: build/site/docs/index.html ## that page on this computer, in a browser
 	@$(venv_python) -m site_build.serve
 
-browser: .venv/with-test build/site/files.json ## the tests that drive the page in Chromium and Firefox, and those on Pyodide; pictures of all screens in build/screenshots
-	@$(venv_python) -m pytest -n logical --dist loadfile tests/browser tests/static_site tests/in_firefox tests/on_pyodide
+browser: .venv/with-test build/site/docs/index.html ## the tests that drive the page in Chromium and Firefox, and those on Pyodide; pictures of all screens in build/screenshots
+	@$(venv_python) -m pytest -n logical --dist loadfile tests/browser tests/docs_in_browser tests/static_site tests/in_firefox tests/on_pyodide
 
 cable: .venv/with-test build/cable/unpacked ## the program on a cable under Linux' own driver, in QEMU: docs/development/cable.md
 	@MIKAS_REQUIRE_CABLE=1 $(venv_python) -m pytest -n 2 --dist worksteal tests/cable
@@ -158,6 +158,10 @@ docs_sources := pyproject.toml requirements/lock.txt web/public/icon.svg $(shell
 build/docs/index.html: $(docs_sources) .venv/with-docs
 	@echo "Building the documentation"
 	@$(venv_python) -m docs_build
+
+# Beside the page, and no part of it: neither in files.json nor in its service worker.
+build/site/docs/index.html: build/site/files.json build/docs/index.html
+	@$(venv_python) -m docs_build.joining
 
 # Debian's kernel and udev for `make cable`, unpacked here and not installed. Where they can't be had, the tests say so.
 build/cable/unpacked:

@@ -24,6 +24,7 @@ _TO_LIGHT = Text("Light", "Светлая тема")
 _ABOUT = Text("The repository", "Репозиторий")
 # Stands in the links to the other languages, for Zensical leads to their front pages only.
 _SAME_PAGE = "SAME-PAGE"
+_COLOURS = re.compile(r"\x1b\[[\d;]*m")
 # The theme asks for a map of the site behind each of these.
 _ALTERNATE = re.compile(r'<link rel="alternate"[^>]*>')
 
@@ -91,7 +92,7 @@ def render(language: Language, paths: Collection[str], folder: Path) -> Path:
         check=False,
     )
     if done.returncode:
-        raise Failed(done.stdout)
+        raise Failed(_COLOURS.sub("", done.stdout))
     for name in ("404.html", "sitemap.xml", "sitemap.xml.gz", "objects.inv"):
         (site / name).unlink(missing_ok=True)  # of a site with an address of its own
     # For pages that are opened as files, which may read no file but scripts.
@@ -137,6 +138,8 @@ def _project(language: Language, paths: Collection[str]) -> dict[str, object]:
             ],
         },
         "markdown_extensions": _EXTENSIONS,
+        # `make check` finds these, and says where in the repository.
+        "validation": {"invalid_links": False, "invalid_link_anchors": False},
         "plugins": {"search": {}, "mkdocstrings": {"handlers": {"python": _PYTHON}}},
     }
 

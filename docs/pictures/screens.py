@@ -90,10 +90,10 @@ def guided_test(tabs: dict[str, Page], wanted: list[str]) -> None:
     first.locator(".todo").wait_for()
     first.wait_for_timeout(4000)
     take(first, "en", "tests", wanted)
-    first.get_by_role("button", name="RU", exact=True).click()
+    first.locator("header button[lang=ru]").click()
     first.get_by_role("button", name="Прервать проверку").wait_for()
     take(first, "ru", "tests", wanted)
-    first.get_by_role("button", name="EN", exact=True).click()
+    first.locator("header button[lang=en]").click()
     first.get_by_role("button", name="End the test").click()
 
 

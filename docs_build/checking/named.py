@@ -10,6 +10,7 @@ from pkgutil import resolve_name
 
 from docs_build.checking.finding import Finding
 from docs_build.pages import ROOT, document
+from mikas.catalog import shipped
 
 _ROOTS = (
     "src/|tests/|docs/|bench/|fuzz/|site_build/|docs_build/|examples/|web/|changes/|requirements/"
@@ -17,8 +18,9 @@ _ROOTS = (
 )
 _PATH = re.compile(rf"`((?:{_ROOTS})[^`\s]*)`")
 _NAME = re.compile(r"\bmikas(?:\.[A-Za-z_]\w*)+")
-# The group of entry points; udev's 70-mikas.rules.
-_OTHER_NAMES = frozenset({"mikas.links", "mikas.rules"})
+# The group of entry points; udev's 70-mikas.rules; Wireshark's plugin.
+_OTHER_NAMES = frozenset({"mikas.links", "mikas.rules", "mikas.lua"})
+_WIRESHARK = "src/mikas/dissectors/wireshark"
 _PLACEHOLDER = re.compile(r"[A-Z]{3,}|…")  # web/src/screens/NAME/Screen.svelte
 
 
@@ -29,7 +31,8 @@ def findings(file: PurePosixPath) -> Iterator[Finding]:
             if not _PLACEHOLDER.search(path) and not exists_in_repository(path):
                 yield Finding(file, number, f"{path}: no such file")
         for name in _NAME.findall(line):
-            if name not in _OTHER_NAMES and not exists_in_python(name):
+            others = _OTHER_NAMES | fields_of_wireshark()
+            if name not in others and not exists_in_python(name):
                 yield Finding(file, number, f"{name}: no such name")
 
 
@@ -47,3 +50,11 @@ def exists_in_python(name: str) -> bool:
     except (ImportError, AttributeError):
         return False
     return True
+
+
+@cache
+def fields_of_wireshark() -> frozenset[str]:
+    """Return the fields of the dissector, which begin with the protocol's name as ours do."""
+    scripts = "".join(path.read_text("utf-8") for path in (ROOT / _WIRESHARK).glob("*.lua"))
+    parameters = (f"mikas.param.{each.name}" for each in shipped().parameters)
+    return frozenset([*re.findall(r'"(mikas\.[\w.]+)"', scripts), *parameters])

@@ -7,20 +7,21 @@ if (location.protocol === "file:")
 
     constructor(script) {
       const { contentWindow: worker, contentDocument: page } = this.#frame;
-      worker.postMessage = (data) => this.onmessage?.({ data });
+      // Later and as a copy, as between threads.
+      worker.postMessage = (data) => setTimeout(() => this.onmessage?.({ data: structuredClone(data) }));
       const element = page.createElement("script");
       element.src = new URL(script, location.href);
       element.onload = () => {
         const waiting = this.#waiting;
         this.#waiting = null;
-        for (const data of waiting) worker.onmessage({ data });
+        for (const data of waiting) this.postMessage(data);
       };
       page.body.append(element);
     }
 
     postMessage(data) {
       if (this.#waiting) this.#waiting.push(data);
-      else this.#frame.contentWindow.onmessage({ data });
+      else setTimeout(() => this.#frame.contentWindow?.onmessage({ data: structuredClone(data) }));
     }
 
     terminate() {

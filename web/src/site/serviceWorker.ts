@@ -40,6 +40,7 @@ scope.addEventListener("fetch", (event) => {
   const { origin, pathname, search } = new URL(request.url);
   if (request.method !== "GET" || origin !== site.origin || !pathname.startsWith(site.pathname)) return;
   const path = pathname.slice(site.pathname.length);
+  if (path.startsWith("docs/")) return; // the documentation beside the page is no part of it
   if (!path.startsWith("api/")) return event.respondWith(kept.find(request.url).then((found) => found ?? fetch(request)));
   const asked = scope.clients.matchAll({ type: "window", includeUncontrolled: true }).then((pages) => askPages(pages, path + search));
   event.respondWith(asked.then(({ response }) => response));

@@ -63,4 +63,5 @@ export const t = dictionary({
     en: "mikas then has an icon and a window of its own. Removed like any program.",
     ru: "У mikas появятся свой значок и своё окно. Удаляется как любая программа.",
   },
+  documentation: { en: "Documentation: first steps, how-tos, the protocol", ru: "Документация: первые шаги, как сделать, протокол" },
 });
