@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import subprocess
 import sys
 import tempfile
@@ -68,8 +69,30 @@ def recordings(scope: Scope) -> Theme:
         rates = [3600 / each for each in seconds]
         aside = f"{seconds[0]:.1f} s"
         rows.append(Row("load for replay", rates, "× real time", 0, aside=aside, how=how))
+        rows += _in_a_notebook(part, runs, scope)
     method = _RECORDING.format(hours=hours, megabytes=size)
     return Theme("Recordings", method, rows)
+
+
+def _in_a_notebook(part: Path, runs: int, scope: Scope) -> Iterator[Row]:
+    """Yield how long an hour takes to show itself and to be drawn, each for the first time."""
+    import matplotlib as mpl
+    from matplotlib import pyplot as plt
+
+    mpl.use("Agg")
+
+    def draw() -> None:
+        mikas.open(part).plot().figure.savefig(io.BytesIO(), format="png")
+        plt.close("all")
+
+    mikas.open(part)._repr_html_()
+    draw()
+    limit = None if scope.quick else 2.0
+    shown = _seconds(lambda: mikas.open(part)._repr_html_(), runs)
+    how = "an hour: `mikas.open` and what a notebook shows of it."
+    yield Row("show in a notebook", shown, "s", 2, at_most=limit, how=how)
+    how = "an hour: `mikas.open` and `plot()`, until the picture is a PNG."
+    yield Row("plot", _seconds(draw, runs), "s", 2, at_most=limit, how=how)
 
 
 def _seconds(work: Callable[[], object], runs: int) -> list[float]:

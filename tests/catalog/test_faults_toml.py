@@ -104,6 +104,8 @@ def test_every_other_number_has_no_text() -> None:
         assert not shipped().fault(code).known
         assert shipped().fault(code).text == Text("", "")
         assert shipped().fault(code).confidence is Confidence.UNKNOWN
+    assert repr(shipped().fault(13)) == "<Fault 13: Air mass signal low (reported)>"
+    assert repr(Fault(99)) == "<Fault 99: no text (unknown)>"
 
 
 def test_models() -> None:

@@ -71,6 +71,7 @@ def test_a_reading_says_all_of_itself():
     assert (reading.value, reading.unit, reading.raw) == (90, "°C", b"\x82")
     assert reading.interpretation == "corrected"
     assert str(reading) == "TWAT 90 °C"
+    assert repr(reading) == f"<Reading TWAT 90 °C: raw 82, {reading.time:.3f} s>"
     # 61 1A 85 0D takes 4 bytes, the unit turns round in 2 ms, then the response begins.
     assert reading.time == pytest.approx(before + 4 / 960 + 0.002, abs=1e-6)
     with pytest.raises(dataclasses.FrozenInstanceError):

@@ -341,6 +341,10 @@ class Fault:
     sources: tuple[str, ...] = ()
     informational: bool = False
 
+    def __repr__(self) -> str:
+        """Return it on one line: a notebook shows a whole list of them."""
+        return f"<Fault {self.code}: {self.text.en or 'no text'} ({self.confidence})>"
+
     @property
     def known(self) -> bool:
         """Whether the number has a text."""

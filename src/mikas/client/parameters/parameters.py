@@ -51,6 +51,11 @@ class Reading:
         """The parameter's mnemonic."""
         return self.parameter.name
 
+    def __repr__(self) -> str:
+        """Return it on one line: a notebook shows a whole dict of them."""
+        used = "" if self.interpretation == "corrected" else f", {self.interpretation}"
+        return f"<Reading {self}: raw {self.raw.hex().upper()}, {self.time:.3f} s{used}>"
+
     def __str__(self) -> str:
         if self.parameter.is_flag:
             return f"{self.name} {'yes' if self.value else 'no'}"

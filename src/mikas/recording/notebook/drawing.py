@@ -33,7 +33,7 @@ from mikas.recording.table.channels import calendar
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import FigureBase
+    from matplotlib.figure import Figure
     from matplotlib.lines import Line2D
 
 _WIDTH: Final = 10.0  # inches; of the figure
@@ -60,7 +60,7 @@ class Plot:
     by channel.
     """
 
-    figure: FigureBase
+    figure: Figure
     panes: tuple[Axes, ...]
     axes: dict[str, Axes] = field(repr=False)
     lines: dict[str, Line2D] = field(repr=False)
@@ -75,11 +75,11 @@ class Plot:
 
 def draw(picture: Picture, figsize: tuple[float, float] | None, ax: Axes | None) -> Plot:
     """Draw the picture in a new figure, or its only pane in `ax`."""
-    figure: FigureBase
+    figure: Figure
     if ax is None:
         figure, panes = _figure(picture, figsize)
     else:
-        figure, panes = ax.figure, (ax,)
+        figure, panes = ax.figure.figure, (ax,)  # not a part of it
     plot = Plot(figure, panes, {}, {})
     palette = NIGHT if _is_dark(panes[0]) else DAY
     for pane, lines in zip(panes, picture.panes, strict=True):
@@ -95,7 +95,7 @@ def draw(picture: Picture, figsize: tuple[float, float] | None, ax: Axes | None)
 
 def _figure(
     picture: Picture, figsize: tuple[float, float] | None
-) -> tuple[FigureBase, tuple[Axes, ...]]:
+) -> tuple[Figure, tuple[Axes, ...]]:
     count = len(picture.panes)
     head = _HEAD * (2 if picture.flags else 1) + _LEGEND
     whole = head + count * _PANE + (count - 1) * _LEGEND + _FOOT
