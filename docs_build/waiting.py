@@ -8,7 +8,6 @@ UNTRANSLATED: frozenset[str] = frozenset()
 AWAITED: frozenset[str] = frozenset(
     {
         "how-to/install.md",
-        "how-to/sigrok.md",
         "how-to/fleet.md",
         "how-to/mqtt.md",
     }

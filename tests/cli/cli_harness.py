@@ -98,7 +98,8 @@ def is_one_short_paragraph(text: str) -> None:
 
 NAMES = re.compile(
     r"`[^`]*`|«[^»]*»|--[\w-]+|\b[A-Z][A-Z0-9]{1,8}\b|0x[0-9A-Fa-f]+|\S*[/\\:.]\S+|\b\w+=\w*|"
-    r"K-Line|VAG-COM|ModemManager|brltty|udev|Linux|Ctrl-C|mikas( [a-z]+){0,3}|pcapng|usermod.*USER"
+    r"K-Line|VAG-COM|PulseView|Wireshark|tshark|Lua|ModemManager|brltty|"
+    r"udev|Linux|Ctrl-C|mikas( [a-z]+){0,3}|pcapng|usermod.*USER"
 )
 LISTS = re.compile(r"([Ее]сть:?|можно:|имена:|виды:|сценарии:|только) [\w, +×°…-]+")
 WORDS = {

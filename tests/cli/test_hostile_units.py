@@ -70,7 +70,9 @@ CASES = {
     "test": Case("test sensors --duration 1"),
     "report": Case("report -o report.html --duration 1"),
 }
-WITHOUT_A_UNIT = {"ports", "params", "decode", "export", "find", "sim", "demo", "mem diff"}
+WITHOUT_A_UNIT = {
+    "ports", "params", "decode", "export", "find", "wireshark", "sigrok", "sim", "demo", "mem diff",
+}  # fmt: skip
 APART = {"dash"}  # below
 
 

@@ -14,7 +14,8 @@ from types import ModuleType
 from unittest.mock import patch
 
 from mikas.catalog import shipped
-from mikas.dissectors.sigrok import decoder_text, install
+from mikas.dissectors.installing import install
+from mikas.dissectors.sigrok import MARK, decoder_file, source
 
 ANNOTATIONS, PYTHON, BINARY = range(3)
 RATE = 1_000_000
@@ -30,7 +31,7 @@ def loaded(text=None, name="mikas_for_sigrok"):
     stand_in.Decoder = type("Decoder", (), {})
     module = ModuleType(name)
     with patch.dict(sys.modules, {"sigrokdecode": stand_in}):
-        exec(compile(decoder_text(shipped()) if text is None else text, name, "exec"), vars(module))
+        exec(compile(source(shipped()) if text is None else text, name, "exec"), vars(module))
     module.srd = stand_in
     return module
 
@@ -119,5 +120,5 @@ def run(folder, arguments):
 
 def installed(folder, **options):
     """Install the decoder into a folder of decoders, and return that."""
-    install(folder, decoder_text(shipped(), **options))
+    install(decoder_file(folder), source(shipped(), **options), MARK)
     return folder

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import ast
+
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -9,6 +11,7 @@ from command_strategies import exchanges
 from dissectors.sigrok_rig import BYTE, RATE, SimulatedSigrok, loaded
 from mikas import commands as c
 from mikas.catalog import shipped
+from mikas.dissectors.sigrok import source
 from mikas.framing import Damage, Decoder, Frame, encode
 from mikas.recording.inspect import Describer
 
@@ -260,3 +263,144 @@ def damaged(wire, seed):
     if changed[place] == 0x0D:
         changed[place] ^= 0x80
     return bytes(changed)
+
+
+# The whole decoder
+
+
+def test_it_is_python_that_old_sigroks_read():
+    text = source(CATALOG)
+    ast.parse(text, feature_version=(3, 4))
+    called = {
+        node.func.attr
+        for node in ast.walk(ast.parse(text))
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute)
+    }
+    assert not called & {"hex", "removeprefix", "removesuffix", "isascii", "fromhex"}
+    imported = [node for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Import)]
+    assert [name.name for node in imported for name in node.names] == ["sigrokdecode"]
+
+
+def test_each_annotation_has_its_row():
+    decoder = MODULE.Decoder
+    rows = [number for _, _, numbers in decoder.annotation_rows for number in numbers]
+    assert sorted(rows) == list(range(len(decoder.annotations)))
+    assert decoder.inputs == ["uart"]
+
+
+def test_its_own_names_are_in_the_language_in_which_it_was_made():
+    russian = loaded(source(CATALOG, language="ru")).Decoder
+    assert "Запросы и ответы" in [row[1] for row in russian.annotation_rows]
+    assert [each["default"] for each in russian.options] == ["corrected", "stuffed", "ru"]
+
+
+def test_stacked_decoders_and_dumps_get_frames_and_values():
+    sigrok = conversed([START, (bytes.fromhex("613F07"), bytes.fromhex("580224"), TURN)])
+    said = [data for _, _, data in sigrok.python]
+    assert said[2:] == [
+        ["REQUEST", b"\x61\x3f\x07", "CREADP (61)"],
+        ["RESPONSE", b"\x58\x02\x24", b"\x61\x3f\x07"],
+        ["VALUE", "INJ", 4.8, "ms"],
+        ["VALUE", "RXX", True, ""],
+        ["VALUE", "BITPOW", True, ""],
+        ["VALUE", "RDET", False, ""],
+    ]
+    assert sigrok.binary[-2:] == [
+        ("frames", encode(b"\x58\x02\x24")), ("responses", encode(b"\x58\x02\x24")),
+    ]  # fmt: skip
+
+
+def test_a_datum_is_shown_over_its_own_bytes():
+    sigrok = conversed([START, (bytes.fromhex("611A3F29"), bytes.fromhex("0D40024C"), TURN)])
+    at = sigrok.of("response")[-1].ss
+    places = [((each.ss - at) // BYTE, (each.es - at) // BYTE) for each in sigrok.of("value")]
+    assert places == [(0, 2), (2, 5), (5, 6)]  # 0D and 40 are stuffed: two bytes each
+
+
+def test_the_other_form_of_a_checksum_and_an_odd_escape_are_named():
+    for raw in (False, True):
+        for expected in ("stuffed", "raw"):
+            sigrok = SimulatedSigrok(MODULE, checksum=expected)
+            sigrok.feed(encode(b"\xf3", raw_checksum=raw))
+            wrong = {(True, "stuffed"): ["raw checksum"], (False, "raw"): ["stuffed checksum"]}
+            found = [each for each in sigrok.texts("warning") if "checksum" in each]
+            assert found == wrong.get((raw, expected), [])
+            assert sigrok.texts("frame")
+    sigrok = SimulatedSigrok(MODULE)
+    sigrok.feed(bytes.fromhex("40057B40050D").replace(b"\x7b\x40\x05", b"\xbb"))
+    assert sigrok.texts("warning")[0] == "irregular escape"
+
+
+def test_the_languages_and_interpretations_are_options():
+    exchange = (bytes.fromhex("611E"), b"\x8e", TURN)
+    sigrok = conversed([START, exchange], interpretation="literal", language="ru")
+    assert sigrok.texts("response") == ["Микас 7.1", "UACC=-11.4В"]
+    assert sigrok.texts("request")[1] == "чтение параметров: UACC"
+    assert conversed([START, exchange]).texts("response")[1] == "UACC=14.2V"
+
+
+def test_a_request_without_a_response_is_named():
+    sigrok = conversed([START, (b"\x61\x1a", None, TURN)])
+    sigrok.wait(SILENCE)
+    sigrok.feed(encode(b"\x01"))
+    sigrok.wait(TURN)
+    sigrok.feed(encode(b"\x0a"))
+    assert sigrok.texts("warning") == ["no response"]
+    assert not sigrok.of("unclear")
+
+
+def test_a_false_start_bit_is_no_byte():
+    sigrok = SimulatedSigrok(MODULE)
+    wire = encode(b"\x01")
+    sigrok.feed(wire[:1])
+    for kind in ("INVALID STARTBIT", "FRAME"):
+        sigrok.decoder.decode(sigrok.at, sigrok.at + 50, [kind, 0, (0, False)])
+    sigrok.feed(wire[1:])
+    assert sigrok.texts("frame") == ["01 FF 0D"]
+    assert sigrok.texts("warning") == ["noise"]
+
+
+def test_a_byte_without_a_stop_bit_damages_its_message_and_ends_none():
+    for place in range(3):
+        sigrok = conversed([START])
+        wire = encode(b"\x61\x1a")
+        for number, value in enumerate(wire):
+            sigrok.feed(bytes([value]), sound=number != place)
+        sigrok.wait(TURN)
+        sigrok.feed(encode(b"\x7d"))
+        assert "a byte without its stop bit" in sigrok.texts("warning")
+        assert not sigrok.of("value")
+
+
+def test_a_long_silence_ends_an_unfinished_message():
+    sigrok = conversed([START])
+    sigrok.feed(b"\x61\x1a")
+    sigrok.wait(0.3)
+    sigrok.feed(encode(b"\x01"))
+    assert sigrok.texts("damage") == ["unfinished: 61 1A"]
+    assert sigrok.texts("frame")[-1] == "01 FF 0D"
+
+
+def test_two_channels_with_an_echo_that_differs():
+    sigrok = SimulatedSigrok(MODULE)
+    for request, echoed in ((b"\x01", b"\x01"), (b"\x61\x1a", b"\x61\x1b")):
+        begin = sigrok.at
+        for number, (sent, heard) in enumerate(zip(encode(request), encode(echoed), strict=True)):
+            at = begin + number * BYTE
+            sigrok.feed(bytes([heard]), channel=0, at=at)
+            sigrok.feed(bytes([sent]), channel=1, at=at)
+        sigrok.wait(TURN)
+        sigrok.feed(encode(b"\x0a"), channel=0)
+        sigrok.wait(TURN)
+    assert len(sigrok.of("echo")) == 2
+    assert sigrok.texts("warning") == ["the echo differs: collision?"]
+    assert sigrok.texts("request") == ["availability, model", "read parameters: TWAT"]
+    assert sigrok.texts("response") == ["Mikas 7.1", "TWAT=-30°C"]
+
+
+@given(st.lists(st.tuples(st.sampled_from([0, 1]), st.binary(max_size=6), st.booleans())))
+def test_arbitrary_bytes_break_nothing(parts):
+    """On one channel or two; the last message may wait for the next."""
+    sigrok = SimulatedSigrok(MODULE)
+    for channel, data, sound in parts:
+        sigrok.feed(data + b"\x0d", channel=channel, sound=sound)

@@ -51,7 +51,7 @@ class Drive:
     """All commands and methods with one virtual unit: its wire, and what `mikas decode` says."""
 
     def __init__(self, folder, settings):
-        link = open_link(f"sim:?clock=simulated&faults=13,53,64&{settings}")
+        link = open_link(f"sim:?clock=simulated&faults=13,64,21&{settings}")
         self.tap = Tap(link.bus)
         self.capture = folder / "drive.pcapng"
         with CaptureWriter(self.capture, url="sim:") as writer:

@@ -70,6 +70,11 @@ COMMANDS: dict[str, tuple[str, Text]] = {
         "a plugin that shows recordings in Wireshark (needs no port)",
         "плагин Wireshark: записи по кадрам (порт не нужен)",
     ),
+    "sigrok": _command(
+        "recordings.sigrok",
+        "the decoder for sigrok and PulseView (needs no port)",
+        "декодер для sigrok и PulseView (порт не нужен)",
+    ),
     "test": _command(
         "guided_test",
         "a guided test, step by step, with a verdict",

@@ -58,7 +58,7 @@ def by_default(english, russian):
 class Decoder(srd.Decoder):
     api_version = 3
     id = "mikas"
-    name = by_default("Mikas", "Микас")
+    name = "Mikas"
     longname = by_default("Mikas 5.4 / 7.1 engine control unit", "Блок управления Микас 5.4 / 7.1")
     desc = by_default(
         "Diagnostics of GAZ engine control units over K-Line.",

@@ -58,7 +58,9 @@ def unstuffed(wire):
     while position < len(wire):
         first = last = wire[position]
         value = first.value
-        if value == ESCAPE and position + 1 < len(wire):
+        if value == ESCAPE and position + 1 == len(wire):
+            irregular = True
+        elif value == ESCAPE:
             position += 1
             last = wire[position]
             irregular = irregular or last.value not in (0xCD, 0x00)
@@ -150,6 +152,8 @@ def frame(wire, end):
     plain, irregular = unstuffed(wire)
     # A lone 40 at the end is a raw checksum (D3); in `40 40` the first escapes the second.
     raw = wire[-1].value == ESCAPE and plain[-1][0] == ESCAPE
+    if raw:
+        irregular = unstuffed(wire[:-1])[1]
     return Message(wire + [end], None, plain, raw, irregular)
 
 
