@@ -13,7 +13,7 @@ venv_python := .venv/bin/python
 $(shell [ -x $(venv_python) ] && [ "$$(cat .venv/installed 2>/dev/null)" = "$$(pwd -P)" ] || rm -f .venv/installed)
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test notebooks docs site page browser cable hour fuzz soak check bench audit sbom lock clean
+.PHONY: help demo test notebooks docs site page package browser cable hour fuzz soak check bench audit sbom lock clean
 
 # What was compiled is kept: each worker of the tests, and each program that they start, would compile all again.
 unexport PYTHONDONTWRITEBYTECODE
@@ -33,7 +33,7 @@ gated := tests/test_framing.py tests/commands tests/catalog
 test: .venv/with-test web/node_modules/installed ## all tests but those in a browser and on a cable; framing, commands, catalog: 100 % branches
 	@$(venv_python) -m pytest -n logical --dist worksteal $(gated) --cov=mikas.framing --cov=mikas.commands --cov=mikas.catalog \
 	  --cov-fail-under=100 --cov-report=term-missing:skip-covered
-	@$(venv_python) -m pytest -n auto --dist worksteal $(foreach path,$(gated) tests/browser tests/docs_in_browser tests/static_site tests/in_firefox tests/on_pyodide tests/cable tests/notebooks,--ignore=$(path))
+	@$(venv_python) -m pytest -n auto --dist worksteal $(foreach path,$(gated) tests/browser tests/docs_in_browser tests/static_site tests/in_firefox tests/on_pyodide tests/cable tests/notebooks tests/installing,--ignore=$(path))
 	@$(npm) test
 
 notebooks: .venv/with-test ## the example notebooks in a real kernel: each cell, and whether the results in them are stale
@@ -47,6 +47,10 @@ site: build/site/docs/index.html ## the page without installation and the docume
 
 page: build/site/docs/index.html ## that page on this computer, in a browser
 	@$(venv_python) -m site_build.serve
+
+package: .venv/with-test ## what people install, into dist/: wheel, sdist, one-folder program, .deb; installed and tried (docs/how-to/install.md)
+	@$(venv_python) -m package
+	@MIKAS_REQUIRE_PACKAGE=1 $(venv_python) -m pytest -n 2 --dist loadfile tests/installing
 
 browser: .venv/with-test build/site/docs/index.html ## the tests that drive the page in Chromium and Firefox, and those on Pyodide; pictures of all screens in build/screenshots
 	@$(venv_python) -m pytest -n logical --dist loadfile tests/browser tests/docs_in_browser tests/static_site tests/in_firefox tests/on_pyodide
@@ -92,7 +96,7 @@ audit: build/audit/installed .venv/installed ## the locked packages against the 
 
 sbom: build/audit/installed .venv/installed ## the parts of a release (CycloneDX) into build/sbom
 	@rm -rf build/sbom && $(venv_python) -m venv build/sbom/venv
-	@build/sbom/venv/bin/python $(install) export
+	@build/sbom/venv/bin/python $(install) extras
 	@build/sbom/venv/bin/python -m pip uninstall --quiet --yes pip setuptools  # no parts of ours
 	@build/audit/bin/cyclonedx-py environment --pyproject pyproject.toml --output-reproducible -o build/sbom/mikas.cdx.json build/sbom/venv
 	@$(npm) sbom --sbom-format cyclonedx --package-lock-only > build/sbom/page.cdx.json
@@ -110,7 +114,7 @@ lock: build/audit/installed ## write requirements/lock.txt, after a change of th
 clean: ## remove .venv and everything else that was generated
 	rm -rf .venv .coverage .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache build dist htmlcov \
 	  web/node_modules src/mikas/dashboard/page
-	find src tests bench fuzz site_build docs_build -name __pycache__ -type d -prune -exec rm -rf {} + 2>/dev/null || true
+	find src tests bench fuzz package site_build docs_build -name __pycache__ -type d -prune -exec rm -rf {} + 2>/dev/null || true
 
 groups := test check docs package fuzz build audit
 

@@ -35,6 +35,10 @@ SOURCES = (
     "src",
 )
 
+# What is inside the built page, and their licences beside it, as they ask for.
+INSIDE = ("svelte", "uplot")
+LICENCES = "licences.txt"
+
 # The page without installation (site_build/), which is no part of the package.
 SITE = "src/site"
 
@@ -95,7 +99,7 @@ class PageHook(BuildHookInterface[Any]):
     def _wanted(self) -> bool:
         if _skipped():
             return False
-        if not (self._page / "index.html").is_file():
+        if not all((self._page / name).is_file() for name in ("index.html", LICENCES)):
             return True
         stamp = self._page / STAMP
         built_from = stamp.read_text("ascii").strip() if stamp.is_file() else ""
@@ -120,6 +124,8 @@ class PageHook(BuildHookInterface[Any]):
         )
         vite = str(sources / "node_modules" / "vite" / "bin" / "vite.js")
         self._node("node", vite, "build", env=environment, cwd=sources, advice=NOT_BUILT)
+        licences = [_licence(sources / "node_modules" / name) for name in INSIDE]
+        (folder / "page" / LICENCES).write_text("\n\n".join(licences), "utf-8")
         (folder / "page" / STAMP).write_text(hash_of(self._web) + "\n", "ascii")
         shutil.rmtree(self._page, ignore_errors=True)
         shutil.copytree(folder / "page", self._page)
@@ -144,6 +150,11 @@ class PageHook(BuildHookInterface[Any]):
         if done.returncode != 0:
             self.app.display_error(done.stdout.decode(errors="replace"))
             self.app.abort(advice)
+
+
+def _licence(package: Path) -> str:
+    (text,) = package.glob("LICENSE*")
+    return f"{package.name}\n\n{text.read_text('utf-8').strip()}\n"
 
 
 def _skipped() -> bool:

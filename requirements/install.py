@@ -4,6 +4,8 @@ python requirements/install.py mikas test    the project (editable), and the gro
 python requirements/install.py check         a group of pyproject.toml alone
 python requirements/install.py export        the requirements of the project with this extra, and
                                              not the project: for a list of parts
+python requirements/install.py extras        the same with all extras
+python requirements/install.py --download=FOLDER export    the same, only downloaded
 
 pip can't hold the lock against a project that it builds, so the project's requirements and what
 builds it are installed first, and then the project without them.
@@ -23,20 +25,25 @@ from typing import Final
 HERE: Final = Path(__file__).resolve().parent
 LOCK: Final = HERE / "lock.txt"
 _PROJECT: Final = "mikas"
-_INSTALL: Final = (
-    sys.executable, "-m", "pip", "install", "--quiet", "--disable-pip-version-check",
-)  # fmt: skip
+_PIP: Final = (sys.executable, "-m", "pip", "--quiet", "--disable-pip-version-check")
+_ALL: Final = "extras"
+_DOWNLOAD: Final = "--download="
 _LOCKED: Final = ("--require-hashes", "--constraint", str(LOCK))
 
 
-def main(parts: Sequence[str]) -> int:
-    """Install `parts`; return the exit status of the first pip that failed, or 0."""
+def main(arguments: Sequence[str]) -> int:
+    """Install the parts; return the exit status of the first pip that failed, or 0."""
+    parts = [each for each in arguments if not each.startswith(_DOWNLOAD)]
+    folders = [each.removeprefix(_DOWNLOAD) for each in arguments if each.startswith(_DOWNLOAD)]
+    do = ["download", f"--dest={folders[-1]}"] if folders else ["install"]
     text = (HERE.parent / "pyproject.toml").read_text(encoding="utf-8")
     pyproject = tomllib.loads(text)
     groups, extras = pyproject["dependency-groups"], pyproject["project"]["optional-dependencies"]
+    if _ALL in parts:
+        parts = [*extras, *(each for each in parts if each != _ALL)]
     unknown = set(parts) - {_PROJECT, *groups, *extras}
     if unknown or not parts:
-        known = ", ".join([_PROJECT, *groups, *extras])
+        known = ", ".join([_PROJECT, _ALL, *groups, *extras])
         print(f"{__doc__}\nUnknown: {', '.join(unknown)}. Known: {known}", file=sys.stderr)
         return 2
     requirements = [r for part in parts if part in extras for r in _of_extra(extras, part)]
@@ -52,7 +59,7 @@ def main(parts: Sequence[str]) -> int:
         if _PROJECT in parts:
             commands.append(["--no-deps", "--no-build-isolation", "--editable", "."])
         for command in commands:
-            done = subprocess.run([*_INSTALL, *command], cwd=HERE.parent, check=False)
+            done = subprocess.run([*_PIP, *do, *command], cwd=HERE.parent, check=False)
             if done.returncode:
                 return done.returncode
     return 0

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
-from importlib.metadata import distribution
+import re
+from collections.abc import Iterable, Iterator
+from importlib.metadata import Distribution, distribution
 from pathlib import Path
 
 from site_build.packages import BUILT, PURE, ROOT
@@ -19,6 +20,7 @@ https://docs.python.org/3/license.html). Source: https://github.com/pyodide/pyod
 """
 _PAGE = ("svelte", "uplot")
 _LINE = "=" * 78
+_NAMED = re.compile(r"(LICEN[CS]E|COPYING|NOTICE)", re.IGNORECASE)
 
 
 def text(modules: Path) -> str:
@@ -26,22 +28,27 @@ def text(modules: Path) -> str:
     parts = [f"mikas\n\n{_read(ROOT / 'LICENSE')}"]
     parts.append(_ELSEWHERE.format(pyodide=_version(modules / "pyodide")).strip())
     for name in sorted((*PURE, BUILT)):
-        parts += [f"{name} {distribution(name).version}\n\n{each}" for each in _of(name)]
+        installed = distribution(name)
+        texts = list(licences_of(installed))
+        assert texts, f"{name} has no licence"
+        parts += [f"{name} {installed.version}\n\n{each}" for each in texts]
     for name in _PAGE:
         (licence,) = (modules / name).glob("LICENSE*")
         parts.append(f"{name} {_version(modules / name)}\n\n{_read(licence)}")
+    return joined(parts)
+
+
+def joined(parts: Iterable[str]) -> str:
+    """Return one text of many."""
     return f"\n\n{_LINE}\n".join(parts) + "\n"
 
 
-def _of(name: str) -> Iterator[str]:
-    installed = distribution(name)
-    found = [
-        Path(str(installed.locate_file(file)))
-        for file in installed.files or ()
-        if file.parent.name == "licenses"
-    ]
-    assert found, f"{name} has no licence"
-    yield from (_read(path) for path in sorted(found))
+def licences_of(installed: Distribution) -> Iterator[str]:
+    """Return the texts in the metadata of an installed package; some packages have none there."""
+    for file in sorted(installed.files or ()):
+        in_metadata = any(folder.endswith(".dist-info") for folder in file.parts[:-1])
+        if in_metadata and (file.parent.name == "licenses" or _NAMED.match(file.name)):
+            yield _read(Path(str(installed.locate_file(file))))
 
 
 def _read(path: Path) -> str:

@@ -13,13 +13,14 @@ from docs_build.pages import ROOT, document
 from mikas.catalog import shipped
 
 _ROOTS = (
-    "src/|tests/|docs/|bench/|fuzz/|site_build/|docs_build/|examples/|web/|changes/|requirements/"
-    r"|\.ci/|\.github/|\.importlinter"
+    "src/|tests/|docs/|bench/|fuzz/|package/|site_build/|docs_build/|examples/|web/|changes/"
+    r"|requirements/|\.ci/|\.github/|\.importlinter"
 )
 _PATH = re.compile(rf"`((?:{_ROOTS})[^`\s]*)`")
 _NAME = re.compile(r"\bmikas(?:\.[A-Za-z_]\w*)+")
-# The group of entry points; udev's 70-mikas.rules; Wireshark's plugin.
-_OTHER_NAMES = frozenset({"mikas.links", "mikas.rules", "mikas.lua"})
+# The group of entry points; udev's 70-mikas.rules; Wireshark's plugin; programs of Windows and
+# macOS.
+_OTHER_NAMES = frozenset({"mikas.app", "mikas.exe", "mikas.links", "mikas.rules", "mikas.lua"})
 _WIRESHARK = "src/mikas/dissectors/wireshark"
 _PLACEHOLDER = re.compile(r"[A-Z]{3,}|…")  # web/src/screens/NAME/Screen.svelte
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Sequence
 
 from mikas.errors.base import MikasError
@@ -156,7 +157,16 @@ class MissingExtra(UsageError, ImportError):
         "{feature} needs a library that is not installed",
         "Для «{feature}» нужна библиотека, которая не установлена",
     )
-    advice = Text(
-        'Install it with: pip install "mikas[{extra}]".',
-        'Установите: pip install "mikas[{extra}]".',
+    advice = (
+        Text(
+            "This program in one folder was built without it. Install mikas with Python: "
+            'pipx install "mikas[{extra}]".',
+            "Эта программа в одной папке собрана без неё. Установите mikas с Python: "
+            'pipx install "mikas[{extra}]".',
+        )
+        if getattr(sys, "frozen", False)  # by PyInstaller: nothing can be added to it
+        else Text(
+            'Install it with: pip install "mikas[{extra}]".',
+            'Установите: pip install "mikas[{extra}]".',
+        )
     )

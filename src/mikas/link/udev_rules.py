@@ -19,10 +19,12 @@ from pathlib import Path
 from mikas.link.chips import known_products
 
 FILE = Path("/etc/udev/rules.d/70-mikas.rules")
+PACKAGED = Path("/usr/lib/udev/rules.d") / FILE.name
+"""Those of the Debian package; udev prefers the other ones."""
 
 _HEAD = """\
-# K-Line adapters, for mikas (written by `mikas ports --install-rules`, and again by the next one).
-# Unplug the adapter and plug it in again; to undo all of this, remove this file.
+# K-Line adapters, for mikas: of its Debian package, or of `mikas ports --install-rules`.
+# Unplug the adapter and plug it in again; to undo all of this, remove the package or this file.
 # A braille display with one of these chips is then no longer started by brltty.
 
 ACTION=="remove", GOTO="mikas_end"

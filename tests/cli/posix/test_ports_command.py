@@ -19,6 +19,7 @@ def file(tmp_path, monkeypatch):
     """Where the rules go; the system is a Linux."""
     file = tmp_path / "etc/udev/rules.d/70-mikas.rules"
     monkeypatch.setattr(command.udev_rules, "FILE", file)
+    monkeypatch.setattr(command.udev_rules, "PACKAGED", tmp_path / "usr/70-mikas.rules")
     monkeypatch.setattr("sys.platform", "linux")
     return file
 
@@ -44,6 +45,19 @@ def test_an_older_file_is_replaced(mikas, file):
     assert ran.object == {"schema": 1, "rules": rules(), "path": str(file), "written": True}
     assert file.read_text() == rules()
     assert mikas("ports", "--install-rules", "--json").object["written"] is False
+
+
+def test_those_of_the_debian_package_are_enough_unless_an_older_file_hides_them(mikas, file):
+    packaged = command.udev_rules.PACKAGED
+    packaged.parent.mkdir()
+    packaged.write_text(rules())
+    ran = mikas("ports", "--install-rules", "--json").object
+    assert (ran["path"], ran["written"]) == (str(packaged), False)
+    assert not file.exists()
+    file.parent.mkdir(parents=True)
+    file.write_text("old")
+    assert mikas("ports", "--install-rules", "--yes", "--json").object["path"] == str(file)
+    assert file.read_text() == rules()
 
 
 @pytest.mark.parametrize("answer", [None, "n", ""])

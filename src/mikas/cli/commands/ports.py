@@ -106,7 +106,10 @@ def _install(context: CommandContext, file: Path, rules: str, *, yes: bool) -> N
     output = context.output
     if not output.json:
         output.line(rules.rstrip("\n"))
-    written = _present(file) != rules
+    used = next((each for each in (file, udev_rules.PACKAGED) if each.exists()), file)
+    written = _present(used) != rules
+    if not written:
+        file = used
     if written:
         _require_root(file)
         what = Text(f"write these rules to {file}", f"записать эти правила в {file}")

@@ -1,0 +1,1 @@
+"""Builds what people install: wheel, source distribution, one-folder program, Debian package."""

@@ -1,0 +1,76 @@
+"""The environment that the program is made of: the wheel, its packages by the lock, PyInstaller.
+
+All packages are downloaded once for a lock, into a wheelhouse; what installs from it needs no
+network.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from typing import Final
+
+from package.project import BUILD, ROOT
+from package.wheel import wheel
+
+WHEELHOUSE: Final = BUILD / "wheelhouse"
+_ENVIRONMENT: Final = BUILD / "environment"
+_INSTALL: Final = ROOT / "requirements" / "install.py"
+
+EXTRAS: Final = ("export", "fleet", "mqtt")
+"""Whoever has the program alone can add nothing to it. What needs a notebook (plot), a cluster
+(dask) or an object store (s3) is for people with a Python, and is left out."""
+
+
+def download() -> Path:
+    """Return the wheelhouse; filled anew when the lock has changed."""
+    if not _is_current(WHEELHOUSE):
+        shutil.rmtree(WHEELHOUSE, ignore_errors=True)
+        WHEELHOUSE.mkdir(parents=True)
+        _run(sys.executable, str(_INSTALL), f"--download={WHEELHOUSE}", *EXTRAS, "package")
+        _mark(WHEELHOUSE)
+    return WHEELHOUSE
+
+
+def python() -> Path:
+    """Return the Python of the environment, with the present wheel."""
+    programs = _ENVIRONMENT / ("Scripts" if sys.platform == "win32" else "bin")
+    found = programs / ("python.exe" if sys.platform == "win32" else "python")
+    if not _is_current(_ENVIRONMENT):
+        house = download()
+        _run(sys.executable, "-m", "venv", "--clear", str(_ENVIRONMENT))
+        _run(str(found), str(_INSTALL), *EXTRAS, "package", house=house)
+        _mark(_ENVIRONMENT)
+    pip = (str(found), "-m", "pip", "install", "--quiet", "--disable-pip-version-check")
+    _run(*pip, "--no-deps", "--no-index", "--force-reinstall", str(wheel()))
+    return found
+
+
+def _run(*command: str, house: Path | None = None) -> None:
+    offline = {"PIP_NO_INDEX": "1", "PIP_FIND_LINKS": str(house)} if house else {}
+    subprocess.run(command, cwd=ROOT, env={**variables(), **offline}, check=True)
+
+
+def variables() -> dict[str, str]:
+    """Return the variables of this process without those that lead to other packages."""
+    return {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+
+
+def _digest() -> str:
+    digest = hashlib.sha256(repr((sys.version, sys.prefix, EXTRAS)).encode())
+    for file in (ROOT / "pyproject.toml", ROOT / "requirements" / "lock.txt"):
+        digest.update(file.read_bytes())
+    return digest.hexdigest()
+
+
+def _is_current(folder: Path) -> bool:
+    mark = folder / "made-for"
+    return mark.is_file() and mark.read_text("ascii") == _digest()
+
+
+def _mark(folder: Path) -> None:
+    (folder / "made-for").write_text(_digest(), "ascii")

@@ -1,0 +1,5 @@
+"""The program `mikas-dashboard` of the one folder: what an icon starts, without a console."""
+
+from mikas.cli.desktop import main
+
+main()

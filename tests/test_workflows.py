@@ -1,0 +1,98 @@
+"""The hosted workflows can't run here: what they call must be there, their rights must be few."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+import yaml
+from package.notes import notes
+from package.project import Failed, check_tag, version
+
+ROOT = Path(__file__).parent.parent
+FILES = sorted((ROOT / ".github" / "workflows").glob("*.yml"))
+MAKEFILE = (ROOT / "Makefile").read_text("utf-8")
+PINNED = re.compile(r"[\w-]+/[\w./-]+@v\d+(\.\d+)*")
+
+
+def workflow(name):
+    text = (ROOT / ".github" / "workflows" / name).read_text("utf-8")
+    return yaml.safe_load(text.replace("\non:", "\n'on':", 1))  # for YAML 1.1, `on` is a truth
+
+
+def steps(file):
+    for job in workflow(file.name)["jobs"].values():
+        yield from job.get("steps", [])
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda file: file.name)
+def test_each_action_has_a_version_and_each_need_is_a_job(file):
+    jobs = workflow(file.name)["jobs"]
+    for job in jobs.values():
+        needed = job.get("needs", [])
+        assert set([needed] if isinstance(needed, str) else needed) <= set(jobs)
+        assert "uses" in job or job["timeout-minutes"]
+        if "uses" in job:
+            assert (ROOT / job["uses"]).is_file()
+    for step in steps(file):
+        assert ("uses" in step) != ("run" in step)
+        assert "uses" not in step or PINNED.fullmatch(step["uses"]), step
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda file: file.name)
+def test_each_command_is_there(file):
+    for line in (line for step in steps(file) for line in step.get("run", "").splitlines()):
+        words = shlex.split(line.replace("&&", " && "))
+        if words[:1] == ["make"]:
+            assert f"\n{words[1]}:" in MAKEFILE, line
+        elif words and words[0].endswith("python") and words[1] == "-m" and words[2] != "pytest":
+            module = ROOT.joinpath(*words[2].split("."))
+            assert module.is_dir() or module.with_suffix(".py").is_file(), line
+            if words[2] == "package":
+                assert re.search(rf"^{words[3]}\b", package_help(), re.MULTILINE), line
+        elif words and words[0].endswith("python"):
+            assert words[1:2] == ["-m"] or (ROOT / words[1]).is_file(), line
+        elif words and words[0].startswith("."):
+            assert (ROOT / words[0]).is_file(), line
+
+
+def package_help():
+    return (ROOT / "package" / "__main__.py").read_text("utf-8").split('"""')[1]
+
+
+def test_a_release_comes_of_a_tag_after_all_tests():
+    release = workflow("release.yml")
+    assert release["on"]["push"] == {"tags": ["v*"]}
+    assert release["permissions"] == {"contents": "read"}
+    rights = {
+        name: job["permissions"] for name, job in release["jobs"].items() if "permissions" in job
+    }
+    assert rights == {
+        "release": {"contents": "write", "id-token": "write", "attestations": "write"},
+        "pypi": {"id-token": "write"},
+        "pages": {"pages": "write", "id-token": "write"},
+    }
+    for name in rights:
+        job = release["jobs"][name]
+        assert job["if"] == "github.ref_type == 'tag'"
+        assert "release" in (name, job["needs"])
+    assert set(release["jobs"]["release"]["needs"]) == {"tests", "packages", "programs"}
+    assert "workflow_call" in workflow("ci.yml")["on"]
+    assert release["jobs"]["pypi"]["environment"]["name"] == "pypi"
+
+
+def test_the_tag_is_that_of_the_version():
+    check_tag(f"v{version()}")
+    for tag in ("v9.9.9", version(), ""):
+        with pytest.raises(Failed, match=re.escape(version())):
+            check_tag(tag)
+
+
+def test_the_notes_are_those_of_the_version(monkeypatch):
+    assert notes().startswith("The first version.")
+    assert "## [" not in notes()
+    monkeypatch.setattr("package.notes.version", lambda: "9.9.9")
+    with pytest.raises(Failed, match=r"towncrier build --version 9\.9\.9"):
+        notes()
