@@ -10,7 +10,7 @@ import shutil
 import sys
 from pathlib import Path
 
-from site_build.__main__ import SITE
+from site_build.serve import SITE
 
 from docs_build.__main__ import BUILT
 from docs_build.pages import LANGUAGES

@@ -10,7 +10,7 @@ from mikas.i18n import Language, Text
 
 @dataclass(frozen=True, slots=True)
 class Module:
-    """A module with a page. `names`: its `__all__`, or its classes, if none are given."""
+    """A module with a page. `names`: its `__all__`, or its errors, if none are given."""
 
     name: str
     about: Text
@@ -24,8 +24,12 @@ class Module:
     @property
     def _public(self) -> list[str]:
         module = import_module(self.name)
-        classes = [name for name, each in vars(module).items() if isinstance(each, type)]
-        return list(getattr(module, "__all__", classes))
+        errors = [
+            name
+            for name, each in vars(module).items()
+            if isinstance(each, type) and issubclass(each, Exception)
+        ]
+        return list(getattr(module, "__all__", errors))
 
 
 PAGES = (

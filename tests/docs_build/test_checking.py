@@ -177,12 +177,14 @@ def ran(repository, text):
     return told(examples.findings(OURS, pages.ROOT / "drive.pcapng"))
 
 
+@pytest.mark.posix  # an alarm clock for each block
 def test_a_session_prints_what_it_shows(repository):
     good = "```console\n$ mikas read TWAT --port /dev/ttyUSB0\nTWAT  86 °C\n```\n"
     ((line, problem),) = ran(repository, good.replace("86 °C", "85 °C … reading"))
     assert (line, problem.split(":")[1].strip()) == (2, "prints something else")
 
 
+@pytest.mark.posix  # an alarm clock for each block
 def test_python_is_run_and_json_and_toml_are_read(repository):
     text = (
         '```python\nimport mikas\n\nwith mikas.connect("COM3") as ecu:\n    '
