@@ -54,12 +54,14 @@ class Trial:
         self.records_and_exports(FORMATS)
 
     def begins(self) -> None:
-        """Ask for the version, the help in both languages, parameters, ports, a value."""
+        """Ask for the version, the help in both languages, parameters, ports, decoders, a value."""
         self._holds(self.run("--version").strip() == f"mikas {version()}", "--version")
         self._holds("Diagnostics for" in self.run("--help", "--lang", "en"), "--help")
         self._holds("Диагностика блоков" in self.run("--help", "--lang", "ru"), "--help --lang ru")
         self._holds(len(self.answer("params")["parameters"]) > 20, "params")
         self._holds(isinstance(self.answer("ports")["ports"], list), "ports")
+        for decoder in ("wireshark", "sigrok"):
+            self._holds("CREADP" in self.answer(decoder)["text"], decoder)
         value = self.answer("read", "TWAT", *_CAR)["readings"]["TWAT"]
         self._holds(value["unit"] == "°C", "read")
 
