@@ -13,7 +13,7 @@ venv_python := .venv/bin/python
 $(shell [ -x $(venv_python) ] && [ "$$(cat .venv/installed 2>/dev/null)" = "$$(pwd -P)" ] || rm -f .venv/installed)
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test notebooks docs site page package browser cable hour fuzz soak check bench audit sbom lock clean
+.PHONY: help demo test notebooks fleet docs site page package browser cable hour fuzz soak check bench audit sbom lock clean
 
 # What was compiled is kept: each worker of the tests, and each program that they start, would compile all again.
 unexport PYTHONDONTWRITEBYTECODE
@@ -33,7 +33,7 @@ gated := tests/test_framing.py tests/commands tests/catalog
 test: .venv/with-test web/node_modules/installed ## all tests but those in a browser and on a cable; framing, commands, catalog: 100 % branches
 	@$(venv_python) -m pytest -n logical --dist worksteal $(gated) --cov=mikas.framing --cov=mikas.commands --cov=mikas.catalog \
 	  --cov-fail-under=100 --cov-report=term-missing:skip-covered
-	@$(venv_python) -m pytest -n auto --dist worksteal $(foreach path,$(gated) tests/browser tests/docs_in_browser tests/static_site tests/in_firefox tests/on_pyodide tests/cable tests/notebooks tests/installing,--ignore=$(path))
+	@$(venv_python) -m pytest -n auto --dist worksteal $(foreach path,$(gated) tests/browser tests/docs_in_browser tests/static_site tests/in_firefox tests/on_pyodide tests/cable tests/notebooks tests/installing tests/fleet_real,--ignore=$(path))
 	@$(npm) test
 
 notebooks: .venv/with-test ## the example notebooks in a real kernel: each cell, and whether the results in them are stale
@@ -54,6 +54,9 @@ package: .venv/with-test ## what people install, into dist/: wheel, sdist, one-f
 
 browser: .venv/with-test build/site/docs/index.html ## the tests that drive the page in Chromium and Firefox, and those on Pyodide; pictures of all screens in build/screenshots
 	@$(venv_python) -m pytest -n logical --dist loadfile tests/browser tests/docs_in_browser tests/static_site tests/in_firefox tests/on_pyodide
+
+fleet: .venv/with-test ## datasets with all that they need: a Dask cluster, S3 (moto), kills, virtual cars with defects; under a minute
+	@$(venv_python) -m pytest -n logical --dist loadfile tests/fleet_real
 
 cable: .venv/with-test build/cable/unpacked ## the program on a cable under Linux' own driver, in QEMU: docs/development/cable.md
 	@MIKAS_REQUIRE_CABLE=1 $(venv_python) -m pytest -n 2 --dist worksteal tests/cable

@@ -7,7 +7,6 @@ UNTRANSLATED: frozenset[str] = frozenset()
 
 AWAITED: frozenset[str] = frozenset(
     {
-        "how-to/fleet.md",
         "how-to/mqtt.md",
     }
 )

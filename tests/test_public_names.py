@@ -26,6 +26,7 @@ TREE = {
     "CaptureError": ("UsageError", ValueError),
     "DiskFull": ("CaptureError", ValueError),
     "ExportError": ("UsageError", ValueError),
+    "FleetError": ("UsageError", ValueError),
     "JournalError": ("UsageError", ValueError),
     "MissingExtra": ("UsageError", ImportError),
     "NoConnection": ("MikasError", ConnectionError),

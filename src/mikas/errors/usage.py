@@ -135,6 +135,19 @@ class ExportError(UsageError):
         super().__init__(file=file, problem=problem)
 
 
+class FleetError(UsageError):
+    """A place of recordings or a dataset can't be used. `place`: its path or URL, no password."""
+
+    what = Text("{place}: {problem}", "{place}: {problem}")
+    advice = Text(
+        "What is in a dataset already stays as it is.", "Всё, что уже есть в наборе, остаётся."
+    )
+
+    def __init__(self, place: str, problem: Text, advice: Text | None = None) -> None:
+        self.place, self.problem = place, problem
+        super().__init__(place=place, problem=problem, advice=advice)
+
+
 class JournalError(UsageError):
     """The journal of changes can't be written, so no change is made."""
 

@@ -42,7 +42,7 @@ from mikas.report.sections.summary import HEADLINES, MARKS, summary_sentence
 from mikas.report.subject import ClearedFaults
 
 if TYPE_CHECKING:
-    from jinja2 import Template
+    from jinja2 import Environment, Template
 
 CHARTS: Final = 3
 SUFFIXES: Final = (".html", ".htm")
@@ -58,7 +58,7 @@ SECTIONS: Final[tuple[Callable[[Findings, Language], PageSection | None], ...]] 
 
 def policy() -> str:
     """Return the Content-Security-Policy that the page needs and contains."""
-    digest = b64encode(sha256(_style().encode()).digest()).decode()
+    digest = b64encode(sha256(page_style().encode()).digest()).decode()
     return f"default-src 'none'; style-src 'sha256-{digest}'; base-uri 'none'; form-action 'none'"
 
 
@@ -89,7 +89,7 @@ class _Page:
             "language": language,
             "label": label,
             "policy": policy(),
-            "style": Markup(_style()),
+            "style": Markup(page_style()),
             "title": " · ".join(filter(None, (label("title"), model, file))),
             "date": date.strftime(label("date")) if date else label("no_date"),
             "about": " · ".join((*found.subject.notes[:3], about)),
@@ -273,18 +273,22 @@ def _chart_channels(found: Findings) -> list[Channel]:
 
 
 @cache
-def _style() -> str:
+def page_style() -> str:
+    """Return the style of every report."""
     return (Path(__file__).parent / "page.css").read_text("utf-8")
 
 
 @cache
 def _template() -> Template:
+    return templates().get_template("page.html")
+
+
+def templates(*more: Path) -> Environment:
+    """Return the templates here, and those of `more` folders."""
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
-    loader = FileSystemLoader(Path(__file__).parent)
-    return Environment(loader=loader, autoescape=True, undefined=StrictUndefined).get_template(
-        "page.html"
-    )
+    loader = FileSystemLoader([Path(__file__).parent, *more])
+    return Environment(loader=loader, autoescape=True, undefined=StrictUndefined)
 
 
 def check_output(out: Path, *, overwrite: bool) -> None:

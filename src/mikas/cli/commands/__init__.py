@@ -75,6 +75,11 @@ COMMANDS: dict[str, tuple[str, Text]] = {
         "the decoder for sigrok and PulseView (needs no port)",
         "декодер для sigrok и PulseView (порт не нужен)",
     ),
+    "fleet": _command(
+        "fleet",
+        "many recordings as one dataset: add, ask by SQL, report (needs no port)",
+        "много записей как один набор: собрать, спросить на SQL, отчёт (порт не нужен)",
+    ),
     "test": _command(
         "guided_test",
         "a guided test, step by step, with a verdict",
@@ -116,3 +121,12 @@ LIST_COMMANDS: dict[str, tuple[str, Text]] = {
     "read": _command("unit.parameter_list", "read the list", "прочитать список"),
 }
 """The commands of `mikas list`."""
+
+FLEET_COMMANDS: dict[str, tuple[str, Text]] = {
+    "add": _command("fleet.add", "add recordings to a dataset", "добавить записи в набор"),
+    "sql": _command("fleet.sql", "ask a dataset by SQL", "запрос к набору на SQL"),
+    "report": _command(
+        "fleet.report", "a report on all cars of a dataset", "отчёт по всем машинам набора"
+    ),
+}
+"""The commands of `mikas fleet`."""

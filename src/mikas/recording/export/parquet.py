@@ -29,14 +29,15 @@ def write(path: Path, sheet: Sheet) -> None:
     """Write the whole sheet."""
     with TemporaryDirectory(dir=path.parent, prefix=f"{path.name}.") as folder:
         try:
-            with _connect(Path(folder)) as database:
+            with connect(Path(folder)) as database:
                 _collect(database, sheet)
                 database.execute(_copy_statement(path, sheet))
         except (duckdb.OperationalError, duckdb.FatalException) as error:  # a disk error
-            raise _system_error(error) from error
+            raise system_error(error) from error
 
 
-def _connect(folder: Path) -> duckdb.DuckDBPyConnection:
+def connect(folder: Path) -> duckdb.DuckDBPyConnection:
+    """Return a database in `folder`, of bounded memory."""
     return duckdb.connect(
         str(folder / "rows.db"),
         config={
@@ -68,9 +69,9 @@ def _collect(database: duckdb.DuckDBPyConnection, sheet: Sheet) -> None:
 def _copy_statement(path: Path, sheet: Sheet) -> str:
     rows = min(_GROUP, 4_000_000 // (len(sheet.channels) + 1)) // _VECTOR * _VECTOR
     return (
-        f"COPY (SELECT {', '.join(_selected(sheet))} FROM collected) TO {_quoted(str(path))} "
+        f"COPY (SELECT {', '.join(_selected(sheet))} FROM collected) TO {quoted(str(path))} "
         f"(FORMAT parquet, COMPRESSION zstd, ROW_GROUP_SIZE {max(rows, _VECTOR)}, "
-        f"KV_METADATA {{mikas: {_quoted(_metadata(sheet))}}})"
+        f"KV_METADATA {{mikas: {quoted(_metadata(sheet))}}})"
     )
 
 
@@ -78,8 +79,8 @@ def _selected(sheet: Sheet) -> Iterator[str]:
     yield "time"
     for number, channel in enumerate(sheet.channels):
         value = f"c{number} <> 0" if channel.is_flag else f"c{number}"
-        quoted = channel.name.replace('"', '""')
-        yield f'{value} AS "{quoted}"'
+        name = channel.name.replace('"', '""')
+        yield f'{value} AS "{name}"'
 
 
 def _metadata(sheet: Sheet) -> str:
@@ -95,7 +96,7 @@ def _metadata(sheet: Sheet) -> str:
     return json.dumps(facts, ensure_ascii=False)
 
 
-def _system_error(error: duckdb.Error) -> OSError:
+def system_error(error: duckdb.Error) -> OSError:
     """Return the system's error; its number is in the text of duckdb's."""
     if found := re.search(r'"errno":"(\d+)"', str(error)):
         number = int(found[1])
@@ -103,5 +104,6 @@ def _system_error(error: duckdb.Error) -> OSError:
     return OSError(str(error).partition("\n")[0])
 
 
-def _quoted(value: str) -> str:
+def quoted(value: str) -> str:
+    """Return a text as SQL writes it."""
     return "'" + value.replace("'", "''") + "'"

@@ -181,8 +181,8 @@ class _RuleWatch:
 
     def __init__(self, recorded: set[str], *rules: IdleRule) -> None:
         self._watches = [
-            _ChannelWatch(rule, name) for rule in rules for name in rule.names if name in recorded
-        ] or [_ChannelWatch(rules[0], None)]
+            ChannelWatch(rule, name) for rule in rules for name in rule.names if name in recorded
+        ] or [ChannelWatch(rules[0], None)]
         self._held = False
         self._missing = 0.0
         self._instead: IdleRule | None = None
@@ -215,7 +215,7 @@ class _RuleWatch:
         return fits
 
 
-class _ChannelWatch:
+class ChannelWatch:
     """One channel over the rows: where it is valid, where it fits the rule, and its range."""
 
     def __init__(self, rule: IdleRule, name: str | None) -> None:

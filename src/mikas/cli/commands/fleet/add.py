@@ -1,0 +1,153 @@
+"""`mikas fleet add`: recordings into a dataset, in processes or on a Dask cluster."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING
+
+import click
+
+from mikas.cli.click_extensions import command, option
+from mikas.cli.context import CommandContext
+from mikas.cli.failures import DONE, USAGE
+from mikas.cli.language import decimal, localized, tr
+from mikas.cli.parameter_types import whole
+from mikas.cli.render.progress import progress
+from mikas.cli.render.terminal import cell_text
+from mikas.i18n import Text
+
+if TYPE_CHECKING:
+    from mikas.fleet.adding import Added
+
+MOST_WORKERS = 256
+
+
+@command(
+    "add",
+    Text(
+        "Adds all recordings (.pcapng) in each FOLDER and below it, or a single file, to DATASET. "
+        "What is there already is skipped; a recording that has grown, or another version of the "
+        "catalog, replaces what was there. A file that can't be read is reported and passed over. "
+        "After Ctrl-C or a power cut the same command continues. FOLDER and DATASET may be URLs "
+        "(s3://bucket/path).",
+        "Добавляет в набор DATASET все записи (.pcapng) из каждой папки FOLDER и из вложенных в "
+        "неё, или один файл. Что уже есть, пропускается; выросшая запись и новая версия каталога "
+        "заменяют прежнее. Файл, который не читается, называется и пропускается. После Ctrl-C или "
+        "отключения питания та же команда продолжит работу. FOLDER и DATASET могут быть адресами "
+        "(s3://корзина/путь).",
+    ),
+    examples=(
+        "mikas fleet add recordings --to dataset",
+        "mikas fleet add /media/usb --to dataset --car A123BC52",
+        "mikas fleet add s3://a/in --to s3://a/set --executor dask://10.0.0.1:8786",
+    ),
+)
+@click.argument("folders", metavar="FOLDER...", nargs=-1, required=True)
+@option(
+    "--to",
+    "dataset",
+    required=True,
+    metavar="DATASET",
+    text=Text(
+        "folder or URL of the dataset; made if it is not there; required",
+        "папка или адрес набора; создаётся, если его нет; обязательно",
+    ),
+)
+@option(
+    "--executor",
+    default="processes",
+    metavar="processes|dask://HOST:PORT",
+    text=Text(
+        "who does the work: processes of this computer, or a Dask cluster (processes)",
+        "кто выполняет работу: процессы этого компьютера или кластер Dask (processes)",
+    ),
+)
+@option(
+    "--workers",
+    type=whole(1, MOST_WORKERS),
+    metavar="N",
+    text=Text(
+        "number of processes; as many as processors, if not given",
+        "число процессов; если не задано, по числу процессоров",
+    ),
+)
+@option(
+    "--car",
+    default="",
+    metavar="TEXT",
+    text=Text(
+        "the car of all these recordings; otherwise each says itself which car it is of",
+        "машина всех этих записей; иначе её называет каждая запись",
+    ),
+)
+def add(
+    context: CommandContext,
+    folders: tuple[str, ...],
+    dataset: str,
+    executor: str,
+    workers: int | None,
+    car: str,
+) -> int:
+    from mikas.cleaning import clean_line
+    from mikas.fleet.places import require_database
+
+    require_database()
+    from mikas.fleet.adding import add as run
+    from mikas.fleet.adding import plan
+    from mikas.fleet.executors import runner_of
+    from mikas.fleet.interpreting import Settings
+
+    options = context.options
+    settings = Settings(options.catalog, options.interpretation, clean_line(car, 100).strip())
+    runner = runner_of(executor, workers or os.cpu_count() or 1)
+    try:
+        planned = plan(folders, dataset, settings)
+        count = len(planned.files)
+        with progress(tr("recordings", "записи"), count, speed=False) as advance:
+            added = run(planned, dataset, settings, runner, lambda _: advance(1))
+    except KeyboardInterrupt:
+        context.say(
+            "Interrupted: what was finished is in the dataset, the same command continues.",
+            "Прервано: всё законченное уже в наборе, та же команда продолжит работу.",
+        )
+        raise
+    finally:
+        runner.close()
+    _tell(context, added, dataset)
+    return USAGE if added.bad else DONE
+
+
+def _tell(context: CommandContext, added: Added, dataset: str) -> None:
+    from mikas.fleet.places import shown
+
+    if context.output.json:
+        context.output.data(
+            {
+                "added": added.added,
+                "skipped": added.skipped,
+                "bad": [{"file": it.file, "reason": it.reason._asdict()} for it in added.bad],
+                "replaced": added.replaced,
+                "damaged": [{"file": file, "places": count} for file, count in added.damaged],
+                "seconds": round(added.seconds, 3),
+                "dataset": shown(dataset),
+            }
+        )
+        return
+    for file, count in added.damaged:
+        context.say(
+            f"{file}: {count} damaged place(s); the readable rest was added.",
+            f"{file}: повреждённых мест: {count}; всё остальное добавлено.",
+        )
+    for bad in added.bad:
+        context.output.note(cell_text(f"{bad.file}: {localized(bad.reason)}"))
+    hours = decimal(f"{added.seconds / 3600:.1f}")
+    replaced = added.replaced
+    known, ru_known = (
+        (f" ({replaced} of them anew)", f" (из них заново: {replaced})") if replaced else ("", "")
+    )
+    context.say(
+        f"{shown(dataset)}: {added.added} recordings added{known}, {hours} h; {added.skipped} were "
+        f"there already; {len(added.bad)} could not be read.",
+        f"{shown(dataset)}: добавлено записей: {added.added}{ru_known}, {hours} ч; уже были: "
+        f"{added.skipped}; не прочитано: {len(added.bad)}.",
+    )

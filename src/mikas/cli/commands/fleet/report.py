@@ -1,0 +1,134 @@
+"""`mikas fleet report`: all cars of a dataset, compared and followed over time."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from mikas.cli.click_extensions import OVERWRITE, command, option
+from mikas.cli.context import CommandContext
+from mikas.cli.language import current_language, localized
+from mikas.cli.parameter_types import any_file
+from mikas.cli.render.terminal import cell_text
+from mikas.i18n import Text
+
+if TYPE_CHECKING:
+    from mikas.fleet.report.findings import CarFindings, FleetFindings
+
+
+@command(
+    "report",
+    Text(
+        "Reports on all cars of DATASET: faults over time, values at warm idle that drift or leave "
+        "their normal range, charging and thermostat, and cars that differ from the others. With "
+        "-o a page to read, print or send; without it the findings as text.",
+        "Отчёт по всем машинам набора DATASET: ошибки по времени, значения на прогретом холостом "
+        "ходу, которые уходят или вышли из нормы, зарядка и термостат, машины, непохожие на "
+        "остальные. С ключом -o — страница, которую можно прочитать, напечатать или переслать; без "
+        "него — список найденного.",
+    ),
+    examples=(
+        "mikas fleet report dataset",
+        "mikas fleet report dataset -o fleet.html --lang ru",
+    ),
+)
+@click.argument("dataset", metavar="DATASET")
+@option(
+    "-o",
+    "--out",
+    type=any_file,
+    metavar="OUT",
+    text=Text("the page, an .html file", "страница, файл .html"),
+)
+@OVERWRITE
+def report(context: CommandContext, dataset: str, out: Path | None, *, overwrite: bool) -> None:
+    from mikas.fleet.places import require_database
+
+    require_database()
+    from mikas.fleet.database import opened
+    from mikas.fleet.report.figures import figures
+    from mikas.fleet.report.findings import find
+    from mikas.fleet.report.page import render, today
+    from mikas.report.page import check_output, write_page
+
+    if out is not None:
+        check_output(out, overwrite=overwrite)
+    catalog = context.options.catalog
+    with opened(dataset) as database:
+        found = find(figures(database, catalog, today()), catalog)
+    if out is not None:
+        write_page(out, render(found, current_language()), overwrite=overwrite)
+    _print(context, found, out)
+
+
+def _print(context: CommandContext, found: FleetFindings, out: Path | None) -> None:
+    from mikas.fleet.report.sentences import car_sentences, headline, unknowns
+
+    if context.output.json:
+        context.output.data(
+            {
+                "out": None if out is None else str(out),
+                "outcome": found.outcome.value,
+                "verdict": headline(found)._asdict(),
+                "cars": [_as_json(car, found) for car in found.cars],
+                "unknown": [text._asdict() for text in unknowns(found)],
+            }
+        )
+        return
+    verdict = cell_text(localized(headline(found)))
+    if out is not None:
+        context.output.note(f"{verdict}\n{out}")
+        return
+    context.output.line(verdict)
+    for car in found.cars:
+        for text in car_sentences(car, found):
+            context.output.line(cell_text(f"{car.figures.car}: {localized(text)}"))
+
+
+def _as_json(car: CarFindings, found: FleetFindings) -> dict[str, object]:
+    from mikas.fleet.report.sentences import car_sentences
+
+    figures = car.figures
+    return {
+        "car": figures.car,
+        "name": figures.name,
+        "drives": figures.drives,
+        "seconds": round(figures.seconds, 3),
+        "found": car.found,
+        "texts": [text._asdict() for text in car_sentences(car, found)],
+        "faults": [
+            {
+                "code": it.fault.code,
+                "stored": it.is_stored,
+                "first": it.first.isoformat(),
+                "last": it.last.isoformat(),
+            }
+            for it in car.faults
+        ],
+        "out_of_range": [
+            {"measure": it.measure.key, "value": it.value, "reference": it.reference}
+            for it in car.out_of_range
+        ],
+        "stands_out": [
+            {
+                "measure": it.measure.key,
+                "value": it.outlier.value,
+                "others": it.outlier.others,
+                "low": it.outlier.low,
+                "high": it.outlier.high,
+                "cars": it.outlier.count,
+            }
+            for it in car.stands_out
+        ],
+        "changes": [
+            {
+                "measure": it.measure.key,
+                "first": it.trend.first,
+                "last": it.trend.last,
+                "drives": it.trend.count,
+            }
+            for it in car.changes
+        ],
+    }

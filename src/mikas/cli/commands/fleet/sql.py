@@ -1,0 +1,145 @@
+"""`mikas fleet sql`: a question to a dataset, as a table, CSV or JSON."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+import sys
+from collections.abc import Iterable, Iterator
+from datetime import date, datetime
+from decimal import Decimal
+from itertools import islice
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from mikas.cli.click_extensions import command, option
+from mikas.cli.context import CommandContext
+from mikas.cli.language import decimal
+from mikas.i18n import Text
+
+if TYPE_CHECKING:
+    from mikas.fleet.database import Answer
+
+MOST = 1000
+"""Rows of a table on a terminal."""
+
+
+@command(
+    "sql",
+    Text(
+        "Asks DATASET by SQL (DuckDB's): SELECT, DESCRIBE, SUMMARIZE or EXPLAIN. Its tables: "
+        "drives, samples, statistics, faults, gaps, alarms, each with car and day. DATASET is only "
+        "read, and SQL can reach no other file.",
+        "Запрос к набору DATASET на SQL (DuckDB): SELECT, DESCRIBE, SUMMARIZE или EXPLAIN. "
+        "Таблицы: drives, samples, statistics, faults, gaps, alarms; в каждой есть car и day. "
+        "Набор только читается, к другим файлам из SQL доступа нет.",
+    ),
+    examples=(
+        "mikas fleet sql dataset 'SELECT car, count(*) FROM drives GROUP BY car'",
+        "mikas fleet sql dataset 'FROM samples WHERE TWAT > 100' --csv",
+        "mikas fleet sql dataset 'DESCRIBE samples' --json",
+    ),
+)
+@click.argument("dataset", metavar="DATASET")
+@click.argument("sql", metavar="SQL")
+@option(
+    "--csv",
+    "as_csv",
+    is_flag=True,
+    text=Text("print CSV with commas and decimal points", "вывести CSV (запятые, точка в числах)"),
+)
+def sql(context: CommandContext, dataset: str, sql: str, *, as_csv: bool) -> None:
+    from mikas.fleet.places import require_database
+
+    require_database()
+    from mikas.fleet.database import opened
+
+    with opened(dataset) as database:
+        answer = database.ask(sql)
+        if context.output.json:
+            rows = [[_json(value) for value in row] for row in answer.rows()]
+            context.output.data({"columns": answer.columns, "rows": rows})
+        elif as_csv:
+            for line in _csv(answer):
+                context.output.line(line)
+        else:
+            _print_table(context, answer)
+
+
+def _print_table(context: CommandContext, answer: Answer) -> None:
+    rows = answer.rows()
+    if sys.stdout.isatty():
+        shown = list(islice(rows, MOST))
+        numbers = [
+            str(at)
+            for at in range(min(10, len(answer.columns)))
+            if any(isinstance(row[at], int | float | Decimal) for row in shown[:50])
+        ]
+        cells = [[_cell(value) for value in row] for row in shown]
+        context.output.table(answer.columns, cells, right="".join(numbers))
+        if next(rows, None) is not None:
+            context.say(
+                f"Only the first {MOST} rows are shown; LIMIT shows fewer, --csv prints all.",
+                f"Показаны только первые {MOST} строк; LIMIT даст меньше, --csv — все.",
+            )
+        return
+    context.output.table(answer.columns, [])
+    for row in rows:
+        context.output.table((), [[_cell(value) for value in row]])
+
+
+def _cell(value: object) -> str:
+    match value:
+        case None:
+            return ""
+        case bool():
+            return "true" if value else "false"
+        case float():
+            return decimal(f"{value:.6g}") if math.isfinite(value) else str(value)
+        case Decimal():
+            return decimal(str(value))
+        case datetime():
+            return value.isoformat(" ", "seconds")
+        case date():
+            return value.isoformat()
+    return str(value)
+
+
+def _csv(answer: Answer) -> Iterator[str]:
+    yield _line(answer.columns)
+    for values in answer.rows():
+        yield _line(["" if value is None else _plain(value) for value in values])
+
+
+def _plain(value: object) -> object:
+    match value:
+        case bool():
+            return "true" if value else "false"
+        case datetime():
+            return value.isoformat()
+    return value
+
+
+def _line(values: Iterable[object]) -> str:
+    text = io.StringIO()
+    csv.writer(text, lineterminator="").writerow(values)
+    return text.getvalue()
+
+
+def _json(value: object) -> Any:  # noqa: ANN401  (any JSON)
+    match value:
+        case None | bool() | int() | str() | bytes():
+            return value
+        case float():
+            return value if math.isfinite(value) else None
+        case Decimal():
+            return float(value)
+        case datetime() | date():
+            return value.isoformat()
+        case list() | tuple():
+            return [_json(item) for item in value]
+        case dict():
+            return {str(key): _json(item) for key, item in value.items()}
+    return str(value)

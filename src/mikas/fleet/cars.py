@@ -1,0 +1,87 @@
+"""Which car a recording is of: the name of its partition, and how it is known.
+
+In this order: the name given to `mikas fleet add`; the plate in the recording; the car's name in
+it; the unit's passport; else it is unknown. A plate is the best: units with the same program have
+the same passport, so a passport may stand for several cars (`KnownBy.UNIT`).
+"""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from enum import StrEnum
+from hashlib import sha256
+from typing import Final, NamedTuple
+from urllib.parse import quote
+
+from mikas.client.cars import CarDetails
+from mikas.commands.unit import version_text
+from mikas.recording.annotations.events import RecordedUnit
+from mikas.virtual import VIRTUAL_PASSPORT
+
+UNKNOWN: Final = "__HIVE_DEFAULT_PARTITION__"  # what the field's tools read as NULL
+LONGEST: Final = 60  # characters of a name
+# The letters of Russian plates look like Latin ones, and are typed as either.
+_LOOKALIKES: Final = str.maketrans("АВЕКМНОРСТУХ", "ABEKMHOPCTYX")
+
+
+class KnownBy(StrEnum):
+    """How the car is known."""
+
+    GIVEN = "given"
+    PLATE = "plate"
+    NAME = "name"
+    UNIT = "unit"
+
+
+class CarKey(NamedTuple):
+    """The car's name in the dataset, None if unknown, and how it is known."""
+
+    name: str | None
+    known_by: KnownBy | None
+
+
+def car_key(given: str, details: CarDetails, unit: RecordedUnit | None) -> CarKey:
+    """Return the car of a recording."""
+    for text, known_by in ((given, KnownBy.GIVEN), (details.plate, KnownBy.PLATE)):
+        if name := plate_key(text):
+            return CarKey(name, known_by)
+    if name := _name_key(details.car):
+        return CarKey(name, KnownBy.NAME)
+    pieces = [piece or "" for piece in (unit.passport if unit else None) or ()]
+    if unit is None or unit.version_code is None or not any(map(str.strip, pieces)):
+        return CarKey(None, None)
+    if VIRTUAL_PASSPORT in pieces:
+        return CarKey(None, None)  # every virtual car has it
+    whole = "\n".join([str(version_text(unit.version_code)), *pieces])
+    return CarKey(f"unit {sha256(whole.encode()).hexdigest()[:8]}", KnownBy.UNIT)
+
+
+def plate_key(text: str) -> str:
+    """Return a plate without spaces, in capitals and in one alphabet: `а 123 вс 52`, `A123BC52`.
+
+    A text that is not all of letters of plates keeps its own: `Волга 2` is `ВОЛГА2`.
+    """
+    name = re.sub(r"[\s·-]+", "", unicodedata.normalize("NFKC", text)).upper()
+    latin = name.translate(_LOOKALIKES)
+    return (latin if latin.isascii() else name)[:LONGEST]
+
+
+def _name_key(text: str) -> str:
+    return " ".join(unicodedata.normalize("NFKC", text).casefold().split())[:LONGEST].strip()
+
+
+def partition(name: str | None, day: str | None) -> str:
+    """Return the folders of a car and a day: `car=A123BC52/day=2026-05-09`."""
+    return f"car={_folder(name)}/day={day or UNKNOWN}"
+
+
+def _folder(name: str | None) -> str:
+    """Return a folder's name: letters and digits of any script as they are, the rest as `%20`."""
+    if name is None or not name:
+        return UNKNOWN
+    return "".join(it if it.isalnum() or it in "-_" else _escaped(it) for it in name)
+
+
+def _escaped(character: str) -> str:
+    return quote(character, safe="").replace(".", "%2E").replace("~", "%7E")

@@ -1,0 +1,247 @@
+"""A dataset in a database that can only read it: a view for each table.
+
+    database ──► views drives, samples … ──► the files that the ledger counts, and no other file
+
+duckdb reads a folder by itself. A URL it reads through fsspec, so that no extension of duckdb is
+downloaded. After the views are made the configuration is locked: no other file, no network, no
+extension, no change of a setting. The database itself is in memory, and is dropped.
+"""
+
+from __future__ import annotations
+
+import re
+import threading
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future, wait
+from contextlib import contextmanager, suppress
+from datetime import UTC, datetime
+from typing import TYPE_CHECKING, Any, Final, TypeVar
+
+import duckdb
+
+from mikas.errors import usage_error
+from mikas.fleet.ledger import Ledger, open_ledger
+from mikas.fleet.stores import DiskStore, Store, store
+from mikas.fleet.tables import PARTITIONS, TABLES
+from mikas.recording.export.parquet import quoted
+
+if TYPE_CHECKING:
+    from fsspec import AbstractFileSystem
+
+T = TypeVar("T")
+
+_PROTOCOL: Final = "dataset"
+_MEMORY: Final = "1GB"
+_WAIT: Final = 0.2  # s
+_GLOB: Final = re.compile(r"[*?\[\]{}]")  # duckdb would take such a folder for a pattern
+
+
+class Database:
+    """The views of a dataset, read-only. Not for two threads at a time."""
+
+    def __init__(self, dataset: str) -> None:
+        self.ledger: Ledger = open_ledger(store(dataset))
+        files = self.ledger.files
+        self._connection = duckdb.connect(
+            config={
+                "autoload_known_extensions": "false",
+                "autoinstall_known_extensions": "false",
+                "memory_limit": _MEMORY,
+            }
+        )
+        self._registered = False
+        try:
+            self._run(lambda: self._prepare(files))
+        except BaseException:
+            self.close()
+            raise
+
+    def close(self) -> None:
+        """Drop the database."""
+        if self._registered:
+            with suppress(duckdb.Error):
+                self._connection.unregister_filesystem(_PROTOCOL)
+        self._connection.close()
+
+    def ask(self, sql: str) -> Answer:
+        """Return the answer to one SELECT, DESCRIBE, SUMMARIZE or EXPLAIN. Raises `UsageError`."""
+        with _told(sql):
+            statements = self._run(lambda: self._connection.extract_statements(sql))
+        kinds = {statement.type for statement in statements}
+        allowed = {duckdb.StatementType.SELECT, duckdb.StatementType.EXPLAIN}
+        if len(statements) != 1 or not kinds <= allowed:
+            raise usage_error(
+                "a dataset is only read: one SELECT, DESCRIBE, SUMMARIZE or EXPLAIN at a time",
+                "набор можно только читать: один запрос SELECT, DESCRIBE, SUMMARIZE или EXPLAIN",
+            )
+        with _told(sql):
+            self._run(lambda: self._connection.execute(sql))
+            names = [column[0] for column in self._connection.description or ()]
+        return Answer(self, sql, names)
+
+    def rows(self, sql: str, *values: object) -> list[tuple[Any, ...]]:
+        """Return all rows of a question of the program's own."""
+        rows: list[tuple[Any, ...]] = self._run(
+            lambda: self._connection.execute(sql, list(values)).fetchall()
+        )
+        return rows
+
+    def some(self, count: int) -> list[tuple[Any, ...]]:
+        """Return the next rows of the latest answer."""
+        rows: list[tuple[Any, ...]] = self._run(lambda: self._connection.fetchmany(count))
+        return rows
+
+    def _run(self, work: Callable[[], T]) -> T:
+        """Do it in a thread, as duckdb does not notice Ctrl-C."""
+        done: Future[T] = Future()
+
+        def run() -> None:
+            try:
+                done.set_result(work())
+            except BaseException as error:  # raised below
+                done.set_exception(error)
+
+        thread = threading.Thread(target=run)
+        try:
+            thread.start()
+            while not done.done():  # a wait without an end can't be interrupted everywhere
+                wait([done], _WAIT)
+        finally:
+            while thread.ident and not done.done():  # until it is heard: it may only begin now
+                self._connection.interrupt()
+                wait([done], _WAIT)
+        return done.result()
+
+    def _prepare(self, files: Store) -> None:
+        run = self._connection.execute
+        by_url = not isinstance(files, DiskStore) or bool(_GLOB.search(str(files.root)))
+        if by_url:
+            self._connection.register_filesystem(_file_system(files))
+            self._registered = True
+        root = f"{_PROTOCOL}://" if by_url else f"{files.root}/"  # type: ignore[attr-defined]  # a folder
+        run("SET enable_progress_bar = false")
+        run("SET python_enable_replacements = false")
+        run(f"SET allowed_directories = [{quoted(root)}]")
+        run("SET enable_external_access = false")
+        named: dict[str, list[str]] = {table: [] for table in TABLES}
+        for entry in self.ledger.entries.values():
+            for name in entry.files:
+                named[name.partition("/")[0]].append(f"{root}{name}")
+        types = ", ".join(f"{quoted(column.name)}: {column.type}" for column in PARTITIONS)
+        for table, names in named.items():
+            if names:
+                listed = ", ".join(map(quoted, sorted(names)))
+                run(
+                    f"CREATE VIEW {table} AS SELECT car, day, * EXCLUDE (car, day) FROM "
+                    f"read_parquet([{listed}], union_by_name = true, hive_partitioning = true, "
+                    f"hive_types = {{{types}}})"
+                )
+            else:
+                columns = [*PARTITIONS, *TABLES[table]]
+                nulls = ", ".join(f"NULL::{it.type} AS {it.name}" for it in columns)
+                run(f"CREATE VIEW {table} AS SELECT {nulls} WHERE false")
+        run("SET lock_configuration = true")
+
+
+class Answer:
+    """The rows of an answer, read as they are needed."""
+
+    def __init__(self, database: Database, sql: str, columns: list[str]) -> None:
+        self.columns = columns
+        self._database, self._sql = database, sql
+
+    def rows(self, at_once: int = 10_000) -> Iterator[tuple[Any, ...]]:
+        """Yield the rows. Raises `UsageError` for a value that can't be computed."""
+        while True:
+            with _told(self._sql):
+                rows = self._database.some(at_once)
+            if not rows:
+                return
+            yield from rows
+
+
+@contextmanager
+def opened(dataset: str) -> Iterator[Database]:
+    """Open a dataset for questions. Raises `FleetError`, `MissingExtra`."""
+    database = Database(dataset)
+    try:
+        yield database
+    finally:
+        database.close()
+
+
+_PLACE: Final = re.compile(r"\n\nLINE (\d+): (.*)\n( *)\^", re.DOTALL)
+_KIND: Final = re.compile(r"^[A-Z][A-Za-z]+(?: [A-Za-z]+)? Error: ")
+
+
+@contextmanager
+def _told(sql: str) -> Iterator[None]:
+    """Turn an error of SQL into a `UsageError` with its place."""
+    try:
+        yield
+    except duckdb.Error as error:
+        text = str(error)
+        words = _KIND.sub("", _PLACE.split(text)[0]).strip().replace("\n", " ")
+        if "file system operations are disabled" in words:
+            words = words.partition(" - ")[0]
+        where = _place(text, sql)
+        en, ru = "", ""
+        if where:
+            en = f", line {where[0]}, column {where[1]}" if "\n" in sql else f", column {where[1]}"
+            ru = f", строка {where[0]}, знак {where[1]}" if "\n" in sql else f", знак {where[1]}"
+        raise usage_error(f"SQL{en}: {words}", f"SQL{ru}: {words}") from error
+
+
+def _place(text: str, sql: str) -> tuple[int, int] | None:
+    """Return line and column of an error, from 1."""
+    found = _PLACE.search(text)
+    if found is None:
+        return None
+    number, shown, spaces = int(found[1]), found[2].split("\n")[0], found[3]
+    lines = sql.split("\n")
+    column = len(spaces) - len(f"LINE {number}: ")
+    whole = lines[number - 1] if number <= len(lines) else ""
+    if shown.startswith("..."):  # a long line: only a part of it is shown
+        part = shown.strip(".")
+        column += whole.find(part) - 3
+    return (number, column + 1) if 0 <= column <= len(whole) else None
+
+
+def _file_system(files: Store) -> AbstractFileSystem:
+    """Return a file system with the dataset's files alone, for reading."""
+    from fsspec import AbstractFileSystem
+    from fsspec.implementations.local import LocalFileSystem
+
+    if isinstance(files, DiskStore):
+        system: Any = LocalFileSystem()
+        root = str(files.root)
+    else:
+        system, root = files.system, files.root  # type: ignore[attr-defined]  # a store of fsspec
+
+    class DatasetFileSystem(AbstractFileSystem):  # type: ignore[misc]  # fsspec has no types
+        """The dataset as duckdb sees it, `dataset://samples/…`."""
+
+        protocol = _PROTOCOL
+        cachable = False
+
+        def _at(self, path: str) -> str:
+            name = str(self._strip_protocol(path))
+            if ".." in name.split("/"):
+                raise FileNotFoundError(name)
+            return f"{root}/{name}"
+
+        def info(self, path: str, **_: object) -> dict[str, Any]:
+            return {**system.info(self._at(path)), "name": path}
+
+        def glob(self, path: str, **_: object) -> list[str]:
+            return [str(self._strip_protocol(path))]
+
+        def modified(self, _: str) -> datetime:
+            return datetime(2000, 1, 1, tzinfo=UTC)  # a file is never changed
+
+        def _open(self, path: str, mode: str = "rb", **_: object) -> object:
+            if mode != "rb":
+                raise PermissionError(path)
+            return system.open(self._at(path), "rb")
+
+    return DatasetFileSystem()

@@ -1,0 +1,226 @@
+"""Where the work on the files is done: in processes of this computer, or by a Dask cluster.
+
+Both are executors of `concurrent.futures`; a few more jobs than there are workers are under way at
+a time. A worker that dies takes only its own file with it, which is tried once more, alone.
+"""
+
+from __future__ import annotations
+
+import logging
+import signal
+import threading
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import suppress
+from typing import TYPE_CHECKING, Any, Final, TypeAlias
+
+from mikas.errors import FleetError, MissingExtra, usage_error
+from mikas.fleet.job import Outcome
+from mikas.fleet.places import FoundFile
+from mikas.i18n import Text
+
+if TYPE_CHECKING:
+    from multiprocessing.connection import Connection
+
+Work: TypeAlias = Callable[[FoundFile], Outcome]
+_EACH: Final = 2  # jobs under way for each worker
+_LOOK: Final = 0.5  # s; a wait without an end can't be interrupted everywhere
+_DIED: Final = Text(
+    "the process that read it was ended by the system, twice (too little memory?)",
+    "процесс, читавший файл, дважды был завершён системой (не хватило памяти?)",
+)
+_UNREACHABLE: Final = Text(
+    "no Dask scheduler answers there; start one with `dask scheduler`, and on each computer "
+    "`dask worker {host}`",
+    "планировщик Dask там не отвечает; запустите его командой `dask scheduler`, а на каждом "
+    "компьютере `dask worker {host}`",
+)
+_NO_WORKERS: Final = Text(
+    "the Dask scheduler has no workers; start them with `dask worker {host}`",
+    "у планировщика Dask нет исполнителей; запустите их командой `dask worker {host}`",
+)
+_LOST: Final = Text(
+    "the Dask scheduler is gone; what was finished is in the dataset, and the same command "
+    "continues",
+    "планировщик Dask пропал; всё законченное уже в наборе, та же команда продолжит работу",
+)
+_NO_MIKAS: Final = Text(
+    "the workers have no mikas, or another version of it; install the same one there: pip install "
+    '"mikas[dask]"',
+    "на исполнителях нет mikas или другая версия; поставьте там такую же: pip install "
+    '"mikas[dask]"',
+)
+
+
+class Runner(ABC):
+    """Does the jobs; `close` ends it, at once unless all is done."""
+
+    window: int
+
+    @abstractmethod
+    def submit(self, work: Work, file: FoundFile) -> Future[Outcome]:
+        """Begin a job."""
+
+    @abstractmethod
+    def close(self) -> None:
+        """End; a job under way is dropped."""
+
+    @abstractmethod
+    def failed(self, work: Work, files: list[FoundFile], error: BaseException) -> Iterator[Outcome]:
+        """Yield the outcomes of jobs that failed by `error`; raise it if all would."""
+
+    def outcomes(self, work: Work, files: Iterable[FoundFile]) -> Iterator[Outcome]:
+        """Yield the outcomes as they come."""
+        waiting: dict[Future[Outcome], FoundFile] = {}
+        for file in files:
+            waiting[self.submit(work, file)] = file
+            while len(waiting) >= self.window:
+                yield from self._some(work, waiting)
+        while waiting:
+            yield from self._some(work, waiting)
+
+    def _some(self, work: Work, waiting: dict[Future[Outcome], FoundFile]) -> Iterator[Outcome]:
+        done, _ = wait(waiting, timeout=_LOOK, return_when=FIRST_COMPLETED)
+        for future in done:
+            file = waiting.pop(future, None)
+            if file is None:  # one of the failed
+                continue
+            error = None if future.cancelled() else future.exception()
+            if error is None and not future.cancelled():
+                yield future.result()
+                continue
+            files = [file]
+            if isinstance(error, BrokenProcessPool):
+                files += waiting.values()
+                waiting.clear()
+            yield from self.failed(work, files, error or FleetError("", _LOST))
+
+
+class HereRunner(Runner):
+    """This process itself."""
+
+    window = 1
+
+    def submit(self, work: Work, file: FoundFile) -> Future[Outcome]:
+        done: Future[Outcome] = Future()
+        done.set_result(work(file))
+        return done
+
+    def close(self) -> None:
+        """Nothing to end."""
+
+    def failed(self, _: Work, __: list[FoundFile], error: BaseException) -> Iterator[Outcome]:
+        raise error
+
+
+class ProcessRunner(Runner):
+    """`workers` processes, started anew (spawn). They end with this one, however it ends."""
+
+    def __init__(self, workers: int) -> None:
+        self._workers = workers
+        self.window = workers * _EACH
+        self._pool, self._lifeline = self._start(workers)
+
+    def submit(self, work: Work, file: FoundFile) -> Future[Outcome]:
+        return self._pool.submit(work, file)
+
+    def close(self) -> None:
+        self._lifeline.close()
+        self._pool.shutdown(wait=True, cancel_futures=True)
+
+    def failed(self, work: Work, files: list[FoundFile], error: BaseException) -> Iterator[Outcome]:
+        """A worker has died, and which of the files was the cause is not known: each alone."""
+        if not isinstance(error, BrokenProcessPool):
+            raise error
+        for file in files:
+            self.close()
+            self._pool, self._lifeline = self._start(1)
+            future = self.submit(work, file)
+            try:
+                yield self._result(future)
+            except BrokenProcessPool:
+                yield Outcome(file, bad=_DIED)
+        self.close()
+        self._pool, self._lifeline = self._start(self._workers)
+
+    def _result(self, future: Future[Outcome]) -> Outcome:
+        while True:
+            with suppress(TimeoutError):
+                return future.result(timeout=_LOOK)
+
+    def _start(self, workers: int) -> tuple[Executor, Connection]:
+        from concurrent.futures import ProcessPoolExecutor
+        from multiprocessing import get_context
+
+        spawn = get_context("spawn")
+        far, near = spawn.Pipe(duplex=False)
+        pool = ProcessPoolExecutor(workers, spawn, initializer=_begin, initargs=(far,))
+        return pool, near
+
+
+def _begin(lifeline: Connection) -> None:
+    """Prepare a worker: Ctrl-C is its parent's, with which it ends."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with, args=(lifeline,), daemon=True).start()
+
+
+def _end_with(lifeline: Connection) -> None:
+    import os
+
+    with suppress(EOFError, OSError):
+        lifeline.recv_bytes()
+    os._exit(1)
+
+
+class DaskRunner(Runner):
+    """The workers of a Dask cluster; `place`: `dask://host:port` of its scheduler."""
+
+    def __init__(self, place: str, timeout: float = 10.0) -> None:
+        try:
+            from distributed import Client
+        except ImportError as error:
+            raise MissingExtra(feature="Dask", extra="dask") from error
+        logging.getLogger("distributed").setLevel(logging.CRITICAL)
+        self._place = place
+        host = place.removeprefix("dask://")
+        try:
+            make: Any = Client
+            self._client = make(f"tcp://{host}", timeout=timeout, set_as_default=False)
+        except (OSError, ValueError, TimeoutError) as error:
+            raise FleetError(place, _UNREACHABLE.filled(host=host)) from error
+        threads = sum(self._client.nthreads().values())
+        if not threads:
+            self.close()
+            raise FleetError(place, _NO_WORKERS.filled(host=host))
+        self.window = threads * _EACH
+        self._executor: Executor = self._client.get_executor(pure=False)
+
+    def submit(self, work: Work, file: FoundFile) -> Future[Outcome]:
+        return self._executor.submit(work, file)
+
+    def close(self) -> None:
+        with suppress(Exception):  # the scheduler may be gone
+            self._client.close(timeout=2)
+
+    def failed(self, _: Work, files: list[FoundFile], error: BaseException) -> Iterator[Outcome]:
+        kind = type(error).__name__
+        if kind == "KilledWorker":
+            for file in files:
+                yield Outcome(file, bad=_DIED)
+            return
+        is_old = isinstance(error, ImportError | AttributeError)
+        raise FleetError(self._place, _NO_MIKAS if is_old else _LOST) from error
+
+
+def runner_of(executor: str, workers: int) -> Runner:
+    """Return the runner that `--executor` names. Raises `UsageError`."""
+    if executor == "processes":
+        return ProcessRunner(workers)
+    if executor.startswith("dask://") and len(executor) > len("dask://"):
+        return DaskRunner(executor)
+    raise usage_error(
+        f"There is no executor “{executor}”; there is processes, and dask://HOST:PORT",
+        f"Исполнителя «{executor}» нет; есть processes и dask://HOST:PORT",
+    )

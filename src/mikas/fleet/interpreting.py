@@ -1,0 +1,281 @@
+"""One recording as the rows of the dataset: a function of its bytes and of the settings alone.
+
+Values, gaps and derived channels are those of an export (`recording/`), warm idle, statistics and
+alarms those of a report (`report/measurements/`). A *drive* is one session of one port of a file:
+most recordings have one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from math import isfinite
+from pathlib import Path
+from typing import TypeAlias
+
+from mikas.catalog import Catalog
+from mikas.cleaning import clean_line
+from mikas.commands.unit import version_text
+from mikas.errors import CaptureError
+from mikas.fleet.cars import CarKey, car_key, partition
+from mikas.fleet.states import State, StateCollector
+from mikas.fleet.writing import TableWriter, timestamp
+from mikas.i18n import Text
+from mikas.recording.annotations.car import car_of
+from mikas.recording.annotations.events import RecordedUnit, recorded_faults, unit_of
+from mikas.recording.capture.reader import Source
+from mikas.recording.export.sheet import program
+from mikas.recording.recorded_faults import FaultReadings
+from mikas.recording.recording import Recording
+from mikas.recording.table.channels import Rows, with_gaps
+from mikas.report.measurements.measurements import MeasurementCollector
+from mikas.report.measurements.statistics import ChannelStatistics
+from mikas.sampling.events import Gap
+
+NOTHING = Text(
+    "it is a recording, but nothing of a car is in it: no response and no fault reading",
+    "это запись, но о машине в ней ничего нет: ни ответов блока, ни считанных ошибок",
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """What decides, besides the bytes, on the rows. `car`: given for all; empty: it is not."""
+
+    catalog: Catalog
+    interpretation: str = "corrected"
+    car: str = ""
+
+    @property
+    def version(self) -> str:
+        """The version of what interprets: another one interprets a recording again."""
+        return f"{program()}, catalog {self.catalog.version}, {self.interpretation}"
+
+
+@dataclass(frozen=True, slots=True)
+class Interpreted:
+    """The files of a recording by name in the dataset, and its figures."""
+
+    files: dict[str, Path]
+    car: str | None
+    drives: int
+    rows: int
+    seconds: float
+    damaged: int
+
+
+@dataclass(slots=True)
+class _Drive:
+    """One port of one session, as its rows are read."""
+
+    number: int
+    source: Source
+    measuring: MeasurementCollector
+    states: StateCollector
+    rows: int = 0
+    began: float | None = None
+    ended: float | None = None
+    gaps: list[Gap] = field(default_factory=list)
+
+    def add(self, rows: Rows, corrected: Rows) -> None:
+        self.rows += len(rows.times)
+        self.measuring.add(corrected)
+        self.states.add(corrected)
+        if len(rows.times):
+            first, last = float(rows.times.min()), float(rows.times.max())
+            self.began = first if self.began is None else min(self.began, first)
+            self.ended = last if self.ended is None else max(self.ended, last)
+
+
+def interpret(path: Path, name: str, key: str, settings: Settings, folder: Path) -> Interpreted:
+    """Write the tables of a recording into `folder`. `name`: of its file; `key`: of its content.
+
+    Raises `CaptureError` for a file without a recording, `OSError` for a full disk.
+    """
+    recording = Recording(path, settings.catalog, settings.interpretation)
+    reader = _Reader(recording, settings)
+    with TableWriter(folder, recording.channels) as writer:
+        for drive, rows in reader.rows():
+            writer.add_samples(drive.number, rows, reader.zero or 0.0)
+        reader.add_without_rows()
+        if not reader.drives:
+            raise CaptureError(name, NOTHING)
+        ids = [_id(key, number) for number in range(len(reader.drives))]
+        rows_of = _SmallRows(reader, name, key, settings)
+        for drive, identity in zip(reader.drives, ids, strict=True):
+            for table, time, row in rows_of.of(drive, identity):
+                writer.add(table, time, row)
+        facts = {"program": settings.version, "recording": key, "file": name}
+        file_name = f"{key}-{_short(settings.version)}.parquet"
+        files = {
+            f"{table}/{partition(reader.car.name, day)}/{file_name}": file
+            for table, day, file in writer.write(ids, facts)
+        }
+    seconds = sum((it.ended - it.began) for it in reader.drives if it.began and it.ended)
+    count = sum(it.rows for it in reader.drives)
+    damaged = recording.problem_count
+    return Interpreted(files, reader.car.name, len(ids), count, seconds, damaged)
+
+
+def _id(key: str, number: int) -> str:
+    return key if not number else f"{key}-{number + 1}"
+
+
+def _short(version: str) -> str:
+    from hashlib import sha256
+
+    return sha256(version.encode()).hexdigest()[:8]
+
+
+class _Reader:
+    """Reads the drives of a recording; `zero`: the time of its first row."""
+
+    def __init__(self, recording: Recording, settings: Settings) -> None:
+        self.recording = recording
+        self.drives: list[_Drive] = []
+        self.zero: float | None = None
+        self.readings = FaultReadings(recording.path, recording.notes)
+        self._catalog = settings.catalog
+        self._corrected = recording
+        if settings.interpretation != "corrected":
+            self._corrected = Recording(recording.path, settings.catalog)
+        details = car_of(recording.notes)
+        self.car: CarKey = car_key(settings.car, details, recording.unit)
+        self.details = details
+
+    def rows(self) -> Iterator[tuple[_Drive, Rows]]:
+        """Yield the rows as an export has them, gaps too, each with its drive."""
+        drive: _Drive | None = None
+
+        def read() -> Iterator[Rows]:
+            nonlocal drive
+            both = (
+                zip(self.recording.stretches(), self._corrected.stretches(), strict=True)
+                if (self._corrected is not self.recording)
+                else ((each, each) for each in self.recording.stretches())
+            )
+            for (source, rows), (_, corrected) in both:
+                if len(rows.times):
+                    drive = self._drive(source)
+                    drive.add(rows, corrected)
+                    yield rows
+
+        for rows in with_gaps(read(), self.recording.events):
+            if self.zero is None:
+                self.zero = float(rows.times[0])
+            assert drive is not None  # of the stretch that `with_gaps` has just read
+            yield drive, rows
+
+    def add_without_rows(self) -> None:
+        """Add a drive for each session with readings of the faults and no rows."""
+        for source in sorted(self.readings.ports, key=lambda each: (each.recording, each.url)):
+            if self.readings.of(source) and not any(it.source == source for it in self.drives):
+                self._drive(source)
+
+    def _drive(self, source: Source) -> _Drive:
+        for known in self.drives:
+            if known.source == source:
+                return known
+        events = [it for it in self.recording.events if it.recording == source.recording]
+        names = [channel.name for channel in self._corrected.channels]
+        measuring = MeasurementCollector(self._catalog, names, events)
+        new = _Drive(len(self.drives), source, measuring, StateCollector(self._catalog))
+        if not any(it.source.recording == source.recording for it in self.drives):
+            new.gaps = [it for it in events if isinstance(it, Gap)]
+        self.drives.append(new)
+        return new
+
+
+_Row: TypeAlias = tuple[str, float | None, dict[str, object]]
+
+
+class _SmallRows:
+    """The rows of the small tables."""
+
+    def __init__(self, reader: _Reader, name: str, key: str, settings: Settings) -> None:
+        self._reader, self._name, self._key = reader, name, key
+        self._settings = settings
+
+    def of(self, drive: _Drive, identity: str) -> Iterator[_Row]:
+        """Yield (table, time, row) for a drive."""
+        measured = drive.measuring.measured
+        heard = self._reader.readings.of(drive.source)
+        began = drive.began if drive.began is not None else heard[-1].time if heard else None
+        mine = [it for it in self._reader.recording.notes if it.recording == drive.source.recording]
+        unit = unit_of(mine, self._settings.catalog)
+        yield "drives", began, self._drive(drive, identity, began, unit, len(heard))
+        states: dict[tuple[str, State], ChannelStatistics] = {
+            **{(name, State.ALL): stats for name, stats in measured.whole.items()},
+            **{(name, State.WARM_IDLE): stats for name, stats in measured.at_idle.items()},
+            **drive.states.statistics(),
+        }
+        for (name, state), stats in states.items():
+            yield "statistics", began, {
+                "drive": identity, "began": timestamp(began), "channel": name,
+                "unit": self._settings.catalog.channel(name).unit, "state": state.value,
+                "count": stats.count, "mean": stats.mean, "median": stats.median,
+                "low": stats.low, "high": stats.high, "least": stats.least, "most": stats.most,
+            }  # fmt: skip
+        before = len(list(recorded_faults(mine)))
+        for number, reading in enumerate(heard):
+            for code in dict.fromkeys(reading.codes) or (None,):
+                fault = None if code is None else self._settings.catalog.fault(code)
+                yield "faults", reading.time, {
+                    **self._at(identity, reading.time), "reading": number, "code": code,
+                    "en": fault.text.en if fault and fault.known else None,
+                    "ru": fault.text.ru if fault and fault.known else None,
+                    "message": fault.informational if fault else None,
+                    "erased": reading.erased, "before": number < before,
+                }  # fmt: skip
+        for gap in drive.gaps:
+            length = None if gap.ended is None else gap.ended - gap.began
+            reason = gap.reason or Text("", "")
+            yield "gaps", gap.began, {
+                **self._at(identity, gap.began), "seconds": length,
+                "en": reason.en or None, "ru": reason.ru or None,
+            }  # fmt: skip
+        for alarm in measured.alarms:
+            yield "alarms", alarm.began, {
+                **self._at(identity, alarm.began), "channel": alarm.limit.name,
+                "level": alarm.limit.level.value, "side": alarm.limit.side.value,
+                "bound": alarm.limit.value, "times": alarm.times, "seconds": alarm.seconds,
+                "peak": alarm.peak if isfinite(alarm.peak) else None, "still": alarm.still,
+                "by_event": alarm.by_event,
+            }  # fmt: skip
+
+    def _at(self, identity: str, time: float) -> dict[str, object]:
+        zero = self._reader.zero
+        since = None if zero is None else time - zero
+        return {"drive": identity, "time": since, "utc": timestamp(time)}
+
+    def _drive(
+        self,
+        drive: _Drive,
+        identity: str,
+        began: float | None,
+        unit: RecordedUnit | None,
+        readings: int,
+    ) -> dict[str, object]:
+        reader, car = self._reader, self._reader.details
+        ended = drive.ended if drive.ended is not None else began
+        measured = drive.measuring.measured
+        passport = " · ".join(filter(None, (unit.passport if unit else None) or ()))
+        return {
+            "drive": identity, "recording": self._key, "file": clean_line(self._name),
+            "began": timestamp(began), "ended": timestamp(ended),
+            "seconds": None if began is None or ended is None else ended - began,
+            "rows": drive.rows,
+            "known_by": reader.car.known_by.value if reader.car.known_by else None,
+            "name": car.car or None, "plate": car.plate or None, "mileage": car.mileage,
+            "workshop": car.workshop or None,
+            "model": unit.model.en if unit and unit.model else None,
+            "version_code": version_text(unit.version_code) if unit else None,
+            "passport": passport or None, "virtual": drive.source.url.startswith("sim:"),
+            "port": drive.source.url or None, "adapter": drive.source.description or None,
+            "fault_readings": readings, "gaps": len(drive.gaps),
+            "damaged_places": reader.recording.problem_count,
+            "warm_idle_seconds": measured.idle.seconds,
+            "coolant_first": drive.states.coolant_first, "warm_up_seconds": drive.states.warm_up,
+            "program": program(), "catalog": self._settings.catalog.version,
+            "interpretation": self._settings.interpretation,
+        }  # fmt: skip

@@ -1,0 +1,124 @@
+"""The work on one file, in any process or on any computer: read, interpret, write its tables.
+
+It needs the file's URL, the dataset's, and the settings; it keeps nothing and raises nothing that
+comes of the file. The files that it writes count only when `adding` has entered them in the ledger.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from hashlib import sha256
+from pathlib import Path, PurePath
+from typing import TYPE_CHECKING, Final
+
+from mikas.errors import CaptureError, FleetError, MikasError, UnfitFile, reason_of
+from mikas.files import open_regular
+from mikas.fleet.ledger import FOLDER, Entry, read_entry
+from mikas.fleet.places import FoundFile, as_local, shown
+from mikas.fleet.stores import store
+from mikas.i18n import Text
+from mikas.recording.capture.reader import CaptureReader
+
+if TYPE_CHECKING:
+    from mikas.fleet.interpreting import Settings
+
+_BLOCK: Final = 1 << 20
+HEAD: Final = 4096
+"""Bytes by which recordings are found that may be states of one."""
+
+LARGEST: Final = 2 << 30
+"""Bytes of a recording; a line at 9600 baud makes some 200 MB in a day and night."""
+
+_TOO_LARGE: Final = Text(
+    "the file has more than {most} GB: no recording of a line is that large",
+    "файл больше {most} ГБ: таких записей линии не бывает",
+).filled(most=LARGEST >> 30)
+_LINK: Final = Text(
+    "this is a link to another file, which is not followed; name that file itself",
+    "это ссылка на другой файл, по ней не переходят; назовите сам файл",
+)
+_BUG: Final = Text(
+    "this is a bug in mikas ({kind}); please report it with the file",
+    "это ошибка в программе mikas ({kind}); сообщите о ней, приложив файл",
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """What became of a file. `entry`: of its recording; `is_new`: its tables were written now;
+    `opening`: its first bytes. Without an entry: `bad`, why nothing was read.
+    """
+
+    file: FoundFile
+    entry: Entry | None = None
+    is_new: bool = False
+    opening: bytes = b""
+    bad: Text | None = None
+
+
+def work(file: FoundFile, dataset: str, settings: Settings, run: str = "") -> Outcome:
+    """Add the tables of one recording to the dataset, unless its entry says that they are there.
+
+    `run`: the name of the run, by which its unfinished files are known.
+    """
+    if file.is_link:
+        return Outcome(file, bad=_LINK)
+    if file.bytes > LARGEST:
+        return Outcome(file, bad=_TOO_LARGE)
+    try:
+        return _work(file, dataset, settings, run)
+    except CaptureError as error:
+        return Outcome(file, bad=error.problem)
+    except FleetError as error:
+        if error.place == shown(file.url):
+            return Outcome(file, bad=error.problem)
+        return Outcome(file, bad=error.reason)
+    except MikasError as error:
+        return Outcome(file, bad=error.reason)
+    except (UnfitFile, OSError) as error:
+        return Outcome(file, bad=reason_of(error))
+    except Exception as error:  # one file must not end the work on all others
+        return Outcome(file, bad=_BUG.filled(kind=f"{type(error).__name__}: {error}"[:300]))
+
+
+def _work(file: FoundFile, dataset: str, settings: Settings, run: str) -> Outcome:
+    from mikas.fleet.interpreting import interpret
+
+    target = store(dataset)
+    with as_local(file.url) as path:
+        CaptureReader(path)  # raises, if it is no capture
+        digest, size, opening = digest_of(path)
+        key, head = digest[:32], sha256(opening).hexdigest()
+        if (known := target.read(f"{FOLDER}/{key}.json")) and (entry := read_entry(known)):
+            if entry.is_current(settings.version, settings.car):
+                return Outcome(file, entry, opening=opening)
+            settings = replace(settings, car=settings.car or entry.given)
+        name = PurePath(shown(file.url)).name
+        with target.workshop(run) as folder:
+            made = interpret(path, name, key, settings, folder)
+            for each, part in made.files.items():
+                target.put(each, part)
+    sources = {shown(file.url): file.stamp} if file.stamp else {}
+    entry = Entry(
+        key, digest, size, head, settings.version, settings.car, made.car, made.drives,
+        made.rows, made.seconds, made.damaged, tuple(made.files), sources,
+    )  # fmt: skip
+    return Outcome(file, entry, is_new=True, opening=opening)
+
+
+def digest_of(path: Path, most: int | None = None) -> tuple[str, int, bytes]:
+    """Return the SHA-256 of a file or of its first `most` bytes, their number, and `HEAD` bytes.
+
+    Raises `OSError`; `UnfitFile` for a link, a pipe or a device.
+    """
+    digest, size, opening = sha256(), 0, b""
+    with open_regular(path, follow=True, buffering=0) as file:
+        while most is None or size < most:
+            wanted = _BLOCK if most is None else min(_BLOCK, most - size)
+            if not (block := file.read(wanted)):
+                break
+            if len(opening) < HEAD:
+                opening = (opening + block)[:HEAD]
+            digest.update(block)
+            size += len(block)
+    return digest.hexdigest(), size, opening

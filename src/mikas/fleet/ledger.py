@@ -1,0 +1,184 @@
+"""The ledger of a dataset: for each recording its content, what interpreted it, and its files.
+
+    DATASET/mikas-fleet.json      that this is a dataset, and of which form
+    DATASET/_ledger/KEY.json      one entry for each recording; KEY: of its content
+    DATASET/samples/car=…/day=…/KEY-VERSION.parquet      and the other tables
+
+A file of a table counts once an entry names it. So an entry, written at once, makes all files of a
+recording count together, and what a killed program has left never does. An entry that replaces
+others names their files and entries as `obsolete`: from then on they do not count, and are removed,
+by the next program if this one is killed.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass, field, replace
+from typing import Any, Final
+
+from mikas.cleaning import clean_json
+from mikas.errors import FleetError
+from mikas.fleet.places import PARTS, shown
+from mikas.fleet.stores import Store
+from mikas.fleet.tables import TABLES
+from mikas.i18n import Text
+
+MARKER: Final = "mikas-fleet.json"
+FOLDER: Final = "_ledger"
+FORM: Final = 1
+_DATA: Final = re.compile(
+    rf"(?:{'|'.join(TABLES)})/car=[^/\\]+/day=[^/\\]+/[0-9a-f]+-[0-9a-f]+\.parquet"
+)
+_ENTRY: Final = re.compile(rf"{FOLDER}/[0-9a-f]+\.json")
+_KEY: Final = re.compile("[0-9a-f]{32}")
+_NO_DATASET: Final = Text(
+    "this is no dataset of recordings (it has no {marker}); `mikas fleet add FOLDER --to DATASET` "
+    "makes one",
+    "это не набор записей (в нём нет {marker}); его создаёт `mikas fleet add ПАПКА --to НАБОР`",
+).filled(marker=MARKER)
+_OTHER_FILES: Final = Text(
+    "this folder has other files in it; name a new or an empty folder for the dataset",
+    "в этой папке лежат другие файлы; назовите для набора новую или пустую папку",
+)
+_LATER: Final = Text(
+    "this dataset was made by a later version of mikas; update this one",
+    "этот набор создан более новой версией mikas; обновите эту",
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """One recording. `head`: of its first bytes; `version`: of what interpreted it; `given`: the
+    car given for it; `sources`: where it was found, each with its stamp then; `replaces`: earlier,
+    shorter states of it.
+    """
+
+    key: str
+    sha256: str
+    bytes: int
+    head: str
+    version: str
+    given: str = ""
+    car: str | None = None
+    drives: int = 0
+    rows: int = 0
+    seconds: float = 0.0
+    damaged: int = 0
+    files: tuple[str, ...] = ()
+    sources: dict[str, str] = field(default_factory=dict)
+    replaces: tuple[str, ...] = ()
+    obsolete: tuple[str, ...] = ()
+
+    @property
+    def name(self) -> str:
+        """The entry's own name in the dataset."""
+        return f"{FOLDER}/{self.key}.json"
+
+    def is_current(self, version: str, given: str) -> bool:
+        """Return whether it needs no new interpretation."""
+        return self.version == version and given in ("", self.given)
+
+
+def read_entry(data: bytes) -> Entry | None:
+    """Return an entry; None for a damaged one: its recording is added again."""
+    try:
+        value = clean_json(json.loads(data))
+        known = {name: value[name] for name in Entry.__dataclass_fields__ if name in value}
+        for name in ("files", "replaces", "obsolete"):
+            known[name] = tuple(map(str, known.get(name, ())))
+        entry = Entry(**known)
+    except (ValueError, TypeError, RecursionError):
+        return None
+    return entry if _is_sound(entry) else None
+
+
+def _is_sound(entry: Entry) -> bool:
+    """Return whether its names are those of a dataset: they are read and removed."""
+    gone = (_DATA.fullmatch(name) or _ENTRY.fullmatch(name) for name in entry.obsolete)
+    texts: tuple[Any, ...] = (entry.key, entry.sha256, entry.head, entry.version, entry.given)
+    return (
+        all(isinstance(text, str) for text in texts)
+        and bool(_KEY.fullmatch(entry.key))
+        and isinstance(entry.bytes, int)
+        and isinstance(entry.sources, dict)
+        and all(map(_DATA.fullmatch, entry.files))
+        and all(gone)
+    )
+
+
+class Ledger:
+    """The entries of a dataset, all in memory. Raises `FleetError`."""
+
+    def __init__(self, files: Store) -> None:
+        self.files = files
+        read = map(read_entry, files.contents(FOLDER).values())
+        found = {entry.key: entry for entry in read if entry is not None}
+        gone = {name for entry in found.values() for name in entry.obsolete}
+        self.entries = {key: entry for key, entry in found.items() if entry.name not in gone}
+
+    def replaced(self) -> set[str]:
+        """Return the keys of earlier states of recordings."""
+        return {key for entry in self.entries.values() for key in entry.replaces}
+
+    def commit(self, entry: Entry, older: Iterable[Entry] = ()) -> None:
+        """Let an entry count, and its former self and `older` ones no more."""
+        gone: list[str] = []
+        before = self.entries.get(entry.key)
+        for each in (*([before] if before else []), *older):
+            gone += [name for name in each.files if name not in entry.files]
+            gone += [each.name] if each.key != entry.key else []
+        entry = replace(entry, obsolete=tuple(gone))
+        self._write(entry)
+        for each in older:
+            self.entries.pop(each.key, None)
+        self.entries[entry.key] = entry
+        self.clear(entry)
+
+    def clear(self, entry: Entry) -> None:
+        """Remove what an entry has made obsolete."""
+        if entry.obsolete:
+            for name in entry.obsolete:
+                self.files.remove(name)
+            self.entries[entry.key] = replace(entry, obsolete=())
+            self._write(self.entries[entry.key])
+
+    def note_source(self, key: str, url: str, stamp: str) -> None:
+        """Note another place of a recording, so that it need not be read there again."""
+        entry = self.entries[key]
+        if stamp and entry.sources.get(shown(url)) != stamp:
+            sources = {**entry.sources, shown(url): stamp}
+            self.entries[key] = replace(entry, sources=sources)
+            self._write(self.entries[key])
+
+    def _write(self, entry: Entry) -> None:
+        text = json.dumps(asdict(entry), ensure_ascii=False, indent=1)
+        self.files.write(entry.name, text.encode())
+
+
+def begin(files: Store) -> Ledger:
+    """Return the ledger of a dataset, a new one in an empty place."""
+    if files.read(MARKER) is None:
+        if any(name not in (FOLDER, PARTS, *TABLES) for name in files.names("")):
+            raise FleetError(shown(files.place), _OTHER_FILES)
+        files.write(MARKER, json.dumps({"form": FORM, "tables": list(TABLES)}).encode())
+    ledger = open_ledger(files)
+    files.tidy()
+    for entry in list(ledger.entries.values()):
+        ledger.clear(entry)
+    return ledger
+
+
+def open_ledger(files: Store) -> Ledger:
+    """Return the ledger of a dataset. Raises `FleetError` if there is none."""
+    marker = files.read(MARKER)
+    if marker is None:
+        raise FleetError(shown(files.place), _NO_DATASET)
+    try:
+        form = json.loads(marker)["form"]
+    except (ValueError, TypeError, KeyError, RecursionError):
+        raise FleetError(shown(files.place), _NO_DATASET) from None
+    if form != FORM:
+        raise FleetError(shown(files.place), _LATER)
+    return Ledger(files)

@@ -1,0 +1,176 @@
+"""Places of recordings and of the dataset: a folder of this computer, or a URL of fsspec (`s3://…`).
+
+What fails is a `FleetError` with the place, without the user's name and password that a URL may
+hold. fsspec is imported for a URL only.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path, PurePosixPath
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
+
+from mikas.errors import FleetError, MikasError, MissingExtra, reason_of
+from mikas.i18n import Text
+
+if TYPE_CHECKING:
+    from fsspec import AbstractFileSystem
+
+PARTS: Final = ".parts"  # unfinished files on a disk; readers of Parquet pass names with a dot over
+_SECRETS: Final = ("AWS_SECRET_ACCESS_KEY", "AWS_SESSION_TOKEN", "AWS_ACCESS_KEY_ID")
+_NOT_THERE: Final = Text("there is no such file or folder", "такого файла или папки нет")
+
+
+class FoundFile(NamedTuple):
+    """A file to add. `stamp` changes with its content; `is_link`: it is not read."""
+
+    url: str
+    bytes: int
+    stamp: str
+    is_link: bool = False
+
+
+def require_database() -> None:
+    """Raise `MissingExtra` if the library that reads and writes a dataset is not installed."""
+    try:
+        import duckdb  # noqa: F401  (whether it is there)
+    except ImportError as error:
+        raise MissingExtra(feature="fleet", extra="fleet") from error
+
+
+def shown(place: str) -> str:
+    """Return the place as it may be shown and kept: without a user's name and password."""
+    return re.sub(r"(?<=://)[^/@]*@", "", place)
+
+
+def is_url(place: str) -> bool:
+    """Return whether the place is a URL, not a path."""
+    return "://" in place and not place.startswith("file://")
+
+
+def as_path(place: str) -> Path:
+    """Return the absolute path of a place that is no URL."""
+    return Path(place.removeprefix("file://")).expanduser().absolute()
+
+
+@contextmanager
+def told(place: str) -> Iterator[None]:
+    """Turn what storage raises into a `FleetError` that names `place`."""
+    try:
+        yield
+    except (MikasError, KeyboardInterrupt):
+        raise
+    except OSError as error:
+        raise FleetError(shown(place), _scrubbed(reason_of(error), place)) from error
+    except Exception as error:
+        if not is_url(place):
+            raise
+        words = str(error).partition("\n")[0] or type(error).__name__  # of a client of the store
+        raise FleetError(shown(place), _scrubbed(Text(words, words), place)) from error
+
+
+def _scrubbed(text: Text, place: str) -> Text:
+    secrets = [os.environ.get(name, "") for name in _SECRETS]
+    secrets += re.findall(r"://([^/@]+)@", place)
+    secrets += [part for each in secrets for part in each.split(":")]
+    words = list(text)
+    for secret in filter(None, secrets):
+        words = [word.replace(secret, "…") for word in words]
+    return Text(*words)
+
+
+def file_system(place: str) -> tuple[AbstractFileSystem, str]:
+    """Return the file system of a URL and the path in it. Raises `MissingExtra`, `FleetError`."""
+    try:
+        from fsspec.core import url_to_fs
+    except ImportError as error:
+        raise MissingExtra(feature="fleet", extra="fleet") from error
+    protocol = place.partition("://")[0]
+    try:
+        with told(place):
+            system, path = url_to_fs(place)
+    except FleetError as error:
+        cause = error.__cause__
+        if isinstance(cause, ImportError) and protocol in ("s3", "s3a"):
+            raise MissingExtra(feature="s3://", extra="s3") from cause
+        raise
+    return system, str(path).rstrip("/")
+
+
+def recordings_in(place: str) -> Iterator[FoundFile]:
+    """Yield the recordings of a place in a lasting order: of a folder, and those below it, all
+    `.pcapng`; or the one file that it is. Raises `FleetError` if there is no such place.
+    """
+    with told(place):
+        yield from _of_url(place) if is_url(place) else _of_disk(place)
+
+
+def _of_disk(place: str) -> Iterator[FoundFile]:
+    top = as_path(place)
+    if not top.is_dir():
+        if not os.path.lexists(top):
+            raise FleetError(place, _NOT_THERE)
+        yield _on_disk(top.resolve())
+        return
+
+    def refuse(error: OSError) -> None:
+        if error.filename == str(top):
+            raise error
+
+    for folder, below, names in os.walk(top, onerror=refuse):
+        below[:] = sorted(name for name in below if name != PARTS)
+        for name in sorted(names):
+            if _is_recording(name):
+                yield _on_disk(Path(folder, name))
+
+
+def _on_disk(path: Path) -> FoundFile:
+    try:
+        status = path.lstat()
+    except OSError:  # gone since; reported when it is read
+        return FoundFile(str(path), 0, "")
+    stamp = f"{status.st_size}-{status.st_mtime_ns}"
+    return FoundFile(str(path), status.st_size, stamp, is_link=path.is_symlink())
+
+
+def _of_url(place: str) -> Iterator[FoundFile]:
+    system, path = file_system(place)
+    system.invalidate_cache()
+    if system.isfile(path):
+        yield _at_url(system, system.info(path))
+        return
+    found = system.find(path, detail=True)
+    if not found and not system.exists(path):
+        raise FleetError(shown(place), _NOT_THERE)
+    for name, info in sorted(found.items()):
+        if _is_recording(name):
+            yield _at_url(system, info)
+
+
+def _at_url(system: AbstractFileSystem, info: dict[str, Any]) -> FoundFile:
+    changed = next((info[key] for key in ("ETag", "mtime", "LastModified") if info.get(key)), "")
+    size = int(info.get("size") or 0)
+    stamp = f"{size}-{changed}" if changed else ""
+    return FoundFile(str(system.unstrip_protocol(info["name"])), size, stamp)
+
+
+def _is_recording(name: str) -> bool:
+    return name.lower().endswith(".pcapng")
+
+
+@contextmanager
+def as_local(url: str) -> Iterator[Path]:
+    """Give the file at `url` as one of this computer; a remote one is copied for the time."""
+    if not is_url(url):
+        yield as_path(url)
+        return
+    system, path = file_system(url)
+    with TemporaryDirectory(prefix="mikas-", ignore_cleanup_errors=True) as folder:
+        copy = Path(folder) / (PurePosixPath(path).name or "recording.pcapng")
+        with told(url):
+            system.get_file(path, str(copy))
+        yield copy

@@ -1,0 +1,1 @@
+"""The report on a fleet: figures ──► findings by rules ──► sentences ──► page."""

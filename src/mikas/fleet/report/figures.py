@@ -1,0 +1,135 @@
+"""The figures of each car, by SQL: what it measured drive by drive, and which faults it stored."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from dataclasses import dataclass, field
+from datetime import datetime, timedelta
+from typing import Final
+
+from mikas.catalog import Catalog
+from mikas.fleet.cars import KnownBy
+from mikas.fleet.database import Database
+from mikas.fleet.report.measures import MEASURES
+from mikas.fleet.states import State
+from mikas.report.findings import FEWEST
+from mikas.report.measurements.warm_idle import ENOUGH
+
+_AHEAD: Final = timedelta(days=1)  # that a right clock can be ahead of this computer's
+
+_DRIVES: Final = """
+SELECT car, drive, began, seconds, known_by, name, plate, virtual, warm_idle_seconds
+FROM drives ORDER BY car, began, drive
+"""
+_STATISTICS: Final = """
+SELECT drive, channel, state, median FROM statistics WHERE state <> 'all' AND count >= ?
+"""
+_FAULTS: Final = """
+SELECT drive, reading, utc, list(code ORDER BY code) FILTER (code IS NOT NULL AND NOT message)
+FROM faults WHERE NOT before GROUP BY drive, reading, utc ORDER BY drive, reading
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class FaultReading:
+    """The real faults that were stored at a time."""
+
+    time: datetime
+    codes: tuple[int, ...]
+
+
+@dataclass(slots=True)
+class CarFigures:
+    """One car. `series`: by measure, (time, value) of each dated drive that has it, in order;
+    `readings`: of the faults; `undated`: drives without a date; `ahead`: dated in the future.
+    """
+
+    car: str
+    known_by: frozenset[KnownBy] = frozenset()
+    name: str = ""
+    drives: int = 0
+    undated: int = 0
+    ahead: int = 0
+    seconds: float = 0.0
+    first: datetime | None = None
+    last: datetime | None = None
+    series: dict[str, list[tuple[datetime, float]]] = field(default_factory=dict)
+    readings: list[FaultReading] = field(default_factory=list)
+
+    def values(self, measure: str) -> list[float]:
+        """Return the values of a measure in the order of the drives."""
+        return [value for _, value in self.series.get(measure, ())]
+
+
+@dataclass(frozen=True, slots=True)
+class FleetFigures:
+    """All cars, by name. `unknown`: drives of a car that is not known; `now`: UTC."""
+
+    cars: tuple[CarFigures, ...]
+    unknown: int
+    now: datetime
+
+
+def figures(database: Database, catalog: Catalog, now: datetime) -> FleetFigures:
+    """Return the figures of a dataset. `now`: UTC; a drive after it has a wrong clock."""
+    cars: dict[str, CarFigures] = {}
+    dated: dict[str, tuple[CarFigures, datetime]] = {}
+    idle: set[str] = set()
+    unknown = 0
+    for car, drive, began, seconds, known_by, name, plate, _, warm in database.rows(_DRIVES):
+        if car is None:
+            unknown += 1
+            continue
+        it = cars.setdefault(car, CarFigures(car))
+        it.drives += 1
+        it.seconds += seconds or 0.0
+        it.known_by |= {KnownBy(known_by)} if known_by in tuple(KnownBy) else set()
+        beside = plate if known_by != KnownBy.PLATE else None  # else it is the car's name here
+        it.name = " · ".join(filter(None, (name, beside))) or it.name
+        if began is None:
+            it.undated += 1
+        elif began > now + _AHEAD:
+            it.ahead += 1
+        else:
+            it.first, it.last = it.first or began, began
+            dated[drive] = it, began
+            if (warm or 0.0) >= ENOUGH:
+                idle.add(drive)
+    stored = _add_readings(database, dated)
+    _add_series(database, catalog, dated, idle, stored)
+    return FleetFigures(tuple(cars.values()), unknown, now)
+
+
+def _add_readings(
+    database: Database, dated: dict[str, tuple[CarFigures, datetime]]
+) -> dict[str, set[int]]:
+    """Add the readings of the faults; return the faults of each drive."""
+    stored: dict[str, set[int]] = defaultdict(set)
+    for drive, _, time, codes in database.rows(_FAULTS):
+        stored[drive] |= set(codes or ())
+        if drive in dated and time is not None:
+            dated[drive][0].readings.append(FaultReading(time, tuple(codes or ())))
+    for car, _ in dated.values():
+        car.readings.sort(key=lambda reading: reading.time)
+    return stored
+
+
+def _add_series(
+    database: Database,
+    catalog: Catalog,
+    dated: dict[str, tuple[CarFigures, datetime]],
+    idle: set[str],
+    stored: dict[str, set[int]],
+) -> None:
+    """Add the values, but those from a sensor whose circuit was faulty in that drive."""
+    measures = {(each.name, each.state.value): each.key for each in MEASURES}
+    for drive, channel, state, value in database.rows(_STATISTICS, FEWEST):
+        key = measures.get((channel, state))
+        if key is None or drive not in dated or (state == State.WARM_IDLE and drive not in idle):
+            continue
+        if not any(channel in catalog.fault(code).sensor for code in stored.get(drive, ())):
+            car, began = dated[drive]
+            car.series.setdefault(key, []).append((began, value))
+    for car, _ in dated.values():
+        for series in car.series.values():
+            series.sort()

@@ -1,0 +1,174 @@
+"""The findings of a fleet: which car stands out in what, what changes, which faults it stored."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from datetime import datetime
+from statistics import median
+
+from mikas.catalog import Catalog, Fault
+from mikas.fleet.report.comparing import (
+    FEWEST_OF_TREND,
+    FEWEST_OTHERS,
+    Outlier,
+    Trend,
+    outlier,
+    trend,
+    value_of,
+)
+from mikas.fleet.report.figures import CarFigures, FleetFigures
+from mikas.fleet.report.measures import MEASURES, Measure
+from mikas.report.findings import Outcome
+from mikas.report.measurements.statistics import is_inside
+
+
+@dataclass(frozen=True, slots=True)
+class StandsOut:
+    """A measure in which the car differs from the others."""
+
+    measure: Measure
+    outlier: Outlier
+
+
+@dataclass(frozen=True, slots=True)
+class Changes:
+    """A measure that changes over the drives."""
+
+    measure: Measure
+    trend: Trend
+
+
+@dataclass(frozen=True, slots=True)
+class OutOfRange:
+    """A measure outside its normal range."""
+
+    measure: Measure
+    value: float
+    reference: tuple[float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class StoredFault:
+    """A fault of a car: first and last reading with it, and whether the latest reading had it.
+
+    `marks`: of each reading, whether it had it.
+    """
+
+    fault: Fault
+    first: datetime
+    last: datetime
+    is_stored: bool
+    marks: tuple[bool, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class CarFindings:
+    """All findings of a car."""
+
+    figures: CarFigures
+    stands_out: tuple[StandsOut, ...]
+    changes: tuple[Changes, ...]
+    out_of_range: tuple[OutOfRange, ...]
+    faults: tuple[StoredFault, ...]
+
+    @property
+    def found(self) -> bool:
+        """Whether the car needs attention: a stored fault, or a value."""
+        stored = any(each.is_stored for each in self.faults)
+        return stored or bool(self.stands_out or self.changes or self.out_of_range)
+
+    @property
+    def measures(self) -> tuple[Measure, ...]:
+        """The measures of its findings."""
+        every: tuple[OutOfRange | StandsOut | Changes, ...]
+        every = (*self.out_of_range, *self.stands_out, *self.changes)
+        return tuple(dict.fromkeys(each.measure for each in every))
+
+
+@dataclass(frozen=True, slots=True)
+class FleetValue:
+    """A measure over the cars that have a value."""
+
+    measure: Measure
+    cars: int
+    median: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True, slots=True)
+class FleetFindings:
+    """The content of the report. `compared`, `not_compared`: the measures with enough cars, and
+    those with too few; `followed`: cars with enough drives for a trend of some measure.
+    """
+
+    catalog: Catalog
+    figures: FleetFigures
+    cars: tuple[CarFindings, ...]
+    values: tuple[FleetValue, ...]
+    compared: tuple[Measure, ...]
+    not_compared: tuple[Measure, ...]
+    followed: int
+
+    @property
+    def outcome(self) -> Outcome:
+        """Attention: a car needs it. Good: none does, and something was compared."""
+        if any(car.found for car in self.cars):
+            return Outcome.ATTENTION
+        return Outcome.GOOD if self.compared else Outcome.OPEN
+
+
+def find(figures: FleetFigures, catalog: Catalog) -> FleetFindings:
+    """Apply the rules. Pure."""
+    values = {
+        measure.key: {
+            car.car: value
+            for car in figures.cars
+            if (value := value_of(car.values(measure.key))) is not None
+        }
+        for measure in MEASURES
+    }
+    cars = tuple(_car(car, values, catalog) for car in figures.cars)
+    enough = [each for each in MEASURES if len(values[each.key]) > FEWEST_OTHERS]
+    return FleetFindings(
+        catalog,
+        figures,
+        cars,
+        tuple(_fleet_value(each, values[each.key]) for each in MEASURES if values[each.key]),
+        tuple(enough),
+        tuple(each for each in MEASURES if each not in enough),
+        sum(
+            any(len(series) >= FEWEST_OF_TREND for series in car.series.values())
+            for car in figures.cars
+        ),
+    )
+
+
+def _fleet_value(measure: Measure, values: dict[str, float]) -> FleetValue:
+    every = values.values()
+    return FleetValue(measure, len(every), median(every), min(every), max(every))
+
+
+def _car(car: CarFigures, values: dict[str, dict[str, float]], catalog: Catalog) -> CarFindings:
+    stands_out, changes, out_of_range = [], [], []
+    for measure in MEASURES:
+        mine = values[measure.key].get(car.car)
+        if mine is not None:
+            others = [value for name, value in values[measure.key].items() if name != car.car]
+            if (found := outlier(mine, others, measure.least)) is not None:
+                stands_out.append(StandsOut(measure, found))
+            reference = measure.channel(catalog).reference
+            if reference is not None and not is_inside(mine, reference):
+                out_of_range.append(OutOfRange(measure, mine, reference))
+        if (change := trend(car.values(measure.key), measure.least)) is not None:
+            changes.append(Changes(measure, change))
+    faults = tuple(_faults(car, catalog))
+    return CarFindings(car, tuple(stands_out), tuple(changes), tuple(out_of_range), faults)
+
+
+def _faults(car: CarFigures, catalog: Catalog) -> Iterator[StoredFault]:
+    for code in sorted({code for reading in car.readings for code in reading.codes}):
+        marks = tuple(code in reading.codes for reading in car.readings)
+        times = [it.time for it, has in zip(car.readings, marks, strict=True) if has]
+        yield StoredFault(catalog.fault(code), times[0], times[-1], marks[-1], marks)

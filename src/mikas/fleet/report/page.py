@@ -1,0 +1,190 @@
+"""The page of the report: self-contained, with the style, the signs and the charts of a car's."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from datetime import UTC, datetime
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from markupsafe import Markup
+
+from mikas.cancellation import check_cancelled
+from mikas.fleet.report.findings import CarFindings, FleetFindings, FleetValue, StoredFault
+from mikas.fleet.report.measures import MEASURES, Measure
+from mikas.fleet.report.sentences import (
+    car_sentences,
+    date,
+    fault_state,
+    fault_text,
+    headline,
+    method,
+    remarks,
+    unknowns,
+)
+from mikas.i18n import Language, Text
+from mikas.recording.formatting import duration, number, with_unit
+from mikas.report.charts import chart
+from mikas.report.measurements.statistics import BlockTimes, Envelope
+from mikas.report.page import page_style, policy, templates
+
+if TYPE_CHECKING:
+    from jinja2 import Template
+
+CHARTS: Final = 3
+_FIRST: Final = ("idle_voltage", "coolant", "idle_air")
+_ROOM: Final = 1.08  # of the time axis: its last label has a place
+_MOST_MARKS: Final = 40
+_MOST_CARS: Final = 40
+"""With more cars, only those that need attention have charts."""
+
+_LABELS: Final = {
+    "title": Text("Fleet report", "Отчёт по автопарку"),
+    "about": Text(
+        "{cars} cars, {drives} drives, {hours}", "машин: {cars}, поездок: {drives}, {hours}"
+    ),
+    "cars": Text("Cars", "Машины"),
+    "car": Text("Car", "Машина"),
+    "drives": Text("Drives", "Поездки"),
+    "latest": Text("Latest", "Последняя"),
+    "result": Text("Result", "Итог"),
+    "values": Text("All cars", "Все машины"),
+    "value": Text("Value", "Параметр"),
+    "count": Text("Cars", "Машин"),
+    "median": Text("Median", "Медиана"),
+    "spread": Text("From … to", "От … до"),
+    "attention": Text("attention", "внимание"),
+    "nothing": Text("nothing found", "замечаний нет"),
+    "faults": Text("Faults over time", "Ошибки по времени"),
+    "legend": Text(
+        "Charts: a value for each drive; days since {date}. Shaded: normal range at warm idle. "
+        "Faults: ● stored, ○ not, one mark a reading, the latest on the right.",
+        "Графики: значение за каждую поездку, дни с {date}. Полоса: норма на прогретом холостом "
+        "ходу. Ошибки: ● есть, ○ нет, знак на каждое считывание, последнее справа.",
+    ),
+    "how": Text("How it was compared", "Как сравнивалось"),
+    "unknown": Text("What remains unknown", "Чего узнать не удалось"),
+    "made_by": Text("Made by {program}", "Создано программой {program}"),
+}
+
+
+def render(found: FleetFindings, language: Language) -> str:
+    """Return the page in one language."""
+    return _template().render(_context(found, language))
+
+
+def _context(found: FleetFindings, language: Language) -> dict[str, Any]:
+    label = {name: text.to(language) for name, text in _LABELS.items()}
+    figures = found.figures
+    began = min((car.first for car in figures.cars if car.first), default=None)
+    seconds = sum(car.seconds for car in figures.cars)
+    drives = sum(car.drives for car in figures.cars)
+    ranked = sorted(found.cars, key=lambda car: not car.found)  # stable: then by name
+    drawn = found.cars if len(found.cars) <= _MOST_CARS else [it for it in ranked if it.found]
+    return {
+        "language": language,
+        "label": label,
+        "policy": policy(),
+        "style": Markup(page_style()),
+        "outcome": found.outcome,
+        "date": date(figures.now),
+        "about": label["about"].format(
+            cars=len(found.cars), drives=drives, hours=duration(seconds).to(language)
+        ),
+        "headline": headline(found).to(language),
+        "cars": [_row(car, language) for car in ranked],
+        "values": [_value(value, found, language) for value in found.values],
+        "parts": [
+            _part(car, found, began, language, draws=any(car is each for each in drawn))
+            for car in ranked
+        ],
+        "legend": label["legend"].format(date=date(began)) if began else "",
+        "how": [text.to(language) for text in method(found)],
+        "unknowns": [text.to(language) for text in unknowns(found)],
+        "made_by": label["made_by"].format(program=f"mikas {version('mikas')}"),
+    }
+
+
+def _row(car: CarFindings, language: Language) -> dict[str, object]:
+    it = car.figures
+    return {
+        "car": it.car,
+        "name": it.name,
+        "drives": f"{it.drives} · {duration(it.seconds).to(language)}",
+        "latest": date(it.last) if it.last else "–",
+        "found": car.found,
+        "mark": _LABELS["attention" if car.found else "nothing"].to(language),
+    }
+
+
+def _value(value: FleetValue, found: FleetFindings, language: Language) -> dict[str, object]:
+    channel = value.measure.channel(found.catalog)
+    ends = (number(end, channel.decimals, language) for end in (value.low, value.high))
+    return {
+        "text": value.measure.title.to(language),
+        "count": value.cars,
+        "median": with_unit(value.median, channel, language),
+        "spread": " … ".join(ends),
+    }
+
+
+def _part(
+    car: CarFindings,
+    found: FleetFindings,
+    began: datetime | None,
+    language: Language,
+    *,
+    draws: bool,
+) -> dict[str, object]:
+    check_cancelled()
+    return {
+        "car": car.figures.car,
+        "name": car.figures.name,
+        "found": car.found,
+        "sentences": [text.to(language) for text in car_sentences(car, found)],
+        "remarks": [text.to(language) for text in remarks(car)],
+        "faults": [_fault(fault, language) for fault in car.faults],
+        "charts": list(_charts(car, found, began, language)) if draws and began else [],
+    }
+
+
+def _fault(fault: StoredFault, language: Language) -> dict[str, object]:
+    marks = fault.marks[-_MOST_MARKS:]
+    return {
+        "code": fault.fault.code,
+        "text": fault_text(fault).to(language),
+        "state": fault_state(fault).to(language),
+        "marks": "".join("●" if mark else "○" for mark in marks),
+    }
+
+
+def _charts(
+    car: CarFindings, found: FleetFindings, began: datetime, language: Language
+) -> Iterator[dict[str, str]]:
+    measures = {measure.key: measure for measure in MEASURES}
+    order = [measure.key for measure in car.measures] + [*_FIRST, *measures]
+    keys = [key for key in dict.fromkeys(order) if car.figures.series.get(key)]
+    last = max(each.figures.last for each in found.cars if each.figures.last)
+    seconds = _ROOM * (last - began).total_seconds()
+    for key in keys[:CHARTS]:
+        measure: Measure = measures[key]
+        channel = measure.channel(found.catalog)
+        title = f"{measure.title.to(language)}, {channel.unit_text.to(language)}"
+        times = [(time - began).total_seconds() for time, _ in car.figures.series[key]]
+        curve = Envelope()
+        values = np.array(car.figures.values(key), np.float64)
+        curve.add(BlockTimes(np.array(times, np.float64), 0.0), values)
+        yield {"title": title, "drawing": chart(channel, curve, seconds, language, label=title)}
+
+
+@cache
+def _template() -> Template:
+    return templates(Path(__file__).parent).get_template("fleet.html")
+
+
+def today() -> datetime:
+    """Return the time now, in UTC without a zone, as a dataset has it."""
+    return datetime.now(UTC).replace(tzinfo=None)

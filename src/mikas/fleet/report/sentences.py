@@ -1,0 +1,209 @@
+"""The sentences of the report. Each stands there exactly when its rule holds: the table of rules in
+docs/how-to/fleet.md, which `tests/fleet/test_fleet_sentences.py` evaluates.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from datetime import UTC, datetime
+
+from mikas.fleet.cars import KnownBy
+from mikas.fleet.report.comparing import FEWEST_DRIVES, FEWEST_OF_TREND, FEWEST_OTHERS, LATEST
+from mikas.fleet.report.findings import (
+    CarFindings,
+    Changes,
+    FleetFindings,
+    OutOfRange,
+    StandsOut,
+    StoredFault,
+)
+from mikas.fleet.report.measures import Measure
+from mikas.i18n import Language, Text, counted
+from mikas.recording.formatting import band, number, with_unit
+from mikas.report.findings import Outcome
+
+_CARS = (("car", "cars"), ("машина", "машины", "машин"))
+_DRIVES = (("drive", "drives"), ("поездка", "поездки", "поездок"))
+
+
+def headline(found: FleetFindings) -> Text:
+    """Return the overall result."""
+    bad = sum(car.found for car in found.cars)
+    if found.outcome is Outcome.ATTENTION:
+        return Text(
+            f"{bad} of {len(found.cars)} cars: attention needed",
+            f"Есть на что обратить внимание: машин {bad} из {len(found.cars)}",
+        )
+    if found.outcome is Outcome.GOOD:
+        return Text("No car stands out", "Ни одна машина не выделяется")
+    return Text("Not enough data for a comparison", "Для сравнения недостаточно данных")
+
+
+def car_sentences(car: CarFindings, found: FleetFindings) -> Iterator[Text]:
+    """Yield what was found of a car, faults first."""
+    for fault in car.faults:
+        if fault.is_stored:
+            yield _stored(fault)
+    for off in car.out_of_range:
+        yield _out_of_range(off, found)
+    for differing in car.stands_out:
+        yield _stands_out(differing, found)
+    for changing in car.changes:
+        yield _changes(changing, found)
+
+
+def remarks(car: CarFindings) -> Iterator[Text]:
+    """Yield what is not known of a car."""
+    figures = car.figures
+    if not figures.readings:
+        yield Text("Its stored faults were never read.", "Ошибки ни разу не считывались.")
+    if figures.known_by == {KnownBy.UNIT}:
+        yield Text(
+            "Known by its unit's passport only: several cars with the same program would be one "
+            "here.",
+            "Известна только по паспорту блока: несколько машин с одной программой здесь были бы "
+            "одной.",
+        )
+    if not any(len(values) >= FEWEST_DRIVES for values in figures.series.values()):
+        yield Text(
+            f"Not compared: no value in {FEWEST_DRIVES} drives or more.",
+            f"Не сравнивается: ни одного значения хотя бы в {FEWEST_DRIVES} поездках.",
+        )
+    if figures.ahead:
+        drives = counted(figures.ahead, *_DRIVES)
+        yield Text(
+            f"Left out: {drives.en} dated in the future, so the clock was wrong.",
+            f"Не учтено: {drives.ru} с датой из будущего, то есть с неверными часами.",
+        )
+    if figures.undated:
+        drives = counted(figures.undated, *_DRIVES)
+        yield Text(f"Left out: {drives.en} without a date.", f"Не учтено: {drives.ru} без даты.")
+
+
+def method(found: FleetFindings) -> Iterator[Text]:
+    """Yield how the cars were compared."""
+    yield Text(
+        f"A car's value is the median of its latest {LATEST} drives, and of {FEWEST_DRIVES} at "
+        "least; a drive's value is the median of its readings.",
+        f"Значение машины — медиана её последних поездок (до {LATEST}, не меньше {FEWEST_DRIVES}); "
+        "значение поездки — медиана её замеров.",
+    )
+    if found.compared:
+        yield Text(
+            f"Compared with the other cars: {_listed(found.compared).en}.",
+            f"Сравнивалось с другими машинами: {_listed(found.compared).ru}.",
+        )
+    if found.followed:
+        cars = counted(found.followed, *_CARS)
+        yield Text(
+            f"Followed over time, with {FEWEST_OF_TREND} drives or more: {cars.en}.",
+            f"Прослежено во времени, от {FEWEST_OF_TREND} поездок: {cars.ru}.",
+        )
+
+
+def unknowns(found: FleetFindings) -> Iterator[Text]:
+    """Yield what the data can't show."""
+    if found.not_compared:
+        listed = _listed(found.not_compared)
+        yield Text(
+            f"Too few cars to compare ({FEWEST_OTHERS + 1} are needed): {listed.en}.",
+            f"Слишком мало машин для сравнения (нужно {FEWEST_OTHERS + 1}): {listed.ru}.",
+        )
+    if len(found.cars) > found.followed:
+        cars = counted(len(found.cars) - found.followed, *_CARS)
+        yield Text(
+            f"Too few drives for changes over time ({FEWEST_OF_TREND} are needed): {cars.en}.",
+            f"Слишком мало поездок, чтобы судить об изменениях (нужно {FEWEST_OF_TREND}): "
+            f"{cars.ru}.",
+        )
+    if found.figures.unknown:
+        drives = counted(found.figures.unknown, *_DRIVES)
+        yield Text(
+            f"Of which car: {drives.en} have neither a plate nor a name nor a unit's passport.",
+            f"Чьи это поездки: {drives.ru} без номера, названия машины и паспорта блока.",
+        )
+    yield Text(
+        "The cause. Cars with other equipment, other loads or another program differ too: a "
+        "difference is a reason to check, not a proof.",
+        "Причину. Отличаются и машины с другим оборудованием, нагрузкой или программой: отличие — "
+        "повод проверить, а не доказательство.",
+    )
+
+
+def fault_state(fault: StoredFault) -> Text:
+    """Return whether a fault is stored, and when it was seen."""
+    first, last = date(fault.first), date(fault.last)
+    if fault.is_stored:
+        return Text(
+            f"stored at the latest reading; first seen {first}",
+            f"есть при последнем считывании; впервые {first}",
+        )
+    return Text(
+        f"no longer stored at the latest reading; seen from {first} to {last}",
+        f"при последнем считывании уже нет; была с {first} по {last}",
+    )
+
+
+def date(time: datetime) -> str:
+    """Return the local date of a UTC time."""
+    return f"{time.replace(tzinfo=UTC).astimezone():%d.%m.%Y}"
+
+
+def fault_text(fault: StoredFault) -> Text:
+    """Return the fault in words."""
+    unknown = Text("unknown fault number", "неизвестный номер ошибки")
+    return fault.fault.text if fault.fault.known else unknown
+
+
+def _stored(fault: StoredFault) -> Text:
+    words, code = fault_text(fault), fault.fault.code
+    return Text(
+        f"Fault {code} is stored: {words.en}.", f"В памяти блока ошибка {code}: {words.ru}."
+    )
+
+
+def _out_of_range(off: OutOfRange, found: FleetFindings) -> Text:
+    channel = off.measure.channel(found.catalog)
+    title = off.measure.title
+    return Text(
+        f"{title.en}: {with_unit(off.value, channel, 'en')}, outside the normal range "
+        f"({band(channel, 'en')}).",
+        f"{title.ru}: {with_unit(off.value, channel, 'ru')}, вне нормы ({band(channel, 'ru')}).",
+    )
+
+
+def _stands_out(differing: StandsOut, found: FleetFindings) -> Text:
+    measure, it = differing.measure, differing.outlier
+    return Text(
+        f"{measure.title.en}: {_value(measure, it.value, found, 'en')}; the other {it.count} cars: "
+        f"{_value(measure, it.others, found, 'en')}, from {_digits(measure, it.low, found, 'en')} "
+        f"to {_digits(measure, it.high, found, 'en')}.",
+        f"{measure.title.ru}: {_value(measure, it.value, found, 'ru')}; у остальных машин "
+        f"({it.count}): {_value(measure, it.others, found, 'ru')}, от "
+        f"{_digits(measure, it.low, found, 'ru')} до {_digits(measure, it.high, found, 'ru')}.",
+    )
+
+
+def _changes(changing: Changes, found: FleetFindings) -> Text:
+    measure, it = changing.measure, changing.trend
+    last = _value(measure, it.last, found, "ru").rstrip(".")  # of a shortened unit
+    return Text(
+        f"{measure.title.en} has changed over {it.count} drives: from "
+        f"{_digits(measure, it.first, found, 'en')} to {_value(measure, it.last, found, 'en')}.",
+        f"{measure.title.ru}: изменение за поездки ({it.count}), с "
+        f"{_digits(measure, it.first, found, 'ru')} до {last}.",
+    )
+
+
+def _value(measure: Measure, value: float, found: FleetFindings, language: Language) -> str:
+    return with_unit(value, measure.channel(found.catalog), language)
+
+
+def _digits(measure: Measure, value: float, found: FleetFindings, language: Language) -> str:
+    return number(value, measure.channel(found.catalog).decimals, language)
+
+
+def _listed(measures: tuple[Measure, ...]) -> Text:
+    return Text(
+        ", ".join(each.text.en for each in measures), ", ".join(each.text.ru for each in measures)
+    )

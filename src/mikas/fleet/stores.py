@@ -1,0 +1,226 @@
+"""Whole files by name in a place: each is written at once, so no reader sees a part of one.
+
+On a disk that is a temporary name which is renamed, on an object store one put. What fails is a
+`FleetError` with the place.
+"""
+
+from __future__ import annotations
+
+import os
+from abc import ABC, abstractmethod
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path, PurePosixPath
+from shutil import rmtree
+from tempfile import TemporaryDirectory
+from time import time
+from typing import Final
+from uuid import uuid4
+
+from mikas.fleet.places import PARTS, as_path, file_system, is_url, told
+
+_OLD: Final = 86_400.0  # s after which a part is a killed program's
+_OBJECT_STORES: Final = frozenset(
+    ("s3", "s3a", "gs", "gcs", "abfs", "abfss", "az", "adl", "oci", "oss", "r2", "memory")
+)
+
+
+class Store(ABC):
+    """The files of one place, by names with `/`."""
+
+    def __init__(self, place: str) -> None:
+        self.place = place
+
+    @abstractmethod
+    def read(self, name: str) -> bytes | None:
+        """Return a file's content; None: there is no such file."""
+
+    @abstractmethod
+    def write(self, name: str, data: bytes) -> None:
+        """Write a whole file at once, or replace it."""
+
+    @abstractmethod
+    def put(self, name: str, file: Path) -> None:
+        """Write the content of `file`, at once; `file` may be gone afterwards."""
+
+    @abstractmethod
+    def remove(self, name: str) -> None:
+        """Remove a file; a missing one is removed already."""
+
+    @abstractmethod
+    def names(self, folder: str) -> list[str]:
+        """Return the names in a folder, sorted; none without it."""
+
+    @contextmanager
+    def workshop(self, run: str) -> Iterator[Path]:
+        """Give a folder for unfinished files, from which `put` is quick; removed at the end.
+
+        `run`: a name, for `clear`.
+        """
+        with TemporaryDirectory(prefix=f"mikas-{run}-", ignore_cleanup_errors=True) as folder:
+            yield Path(folder)
+
+    def contents(self, folder: str) -> dict[str, bytes]:
+        """Return all files of a folder by name."""
+        found = {name: self.read(f"{folder}/{name}") for name in self.names(folder)}
+        return {name: data for name, data in found.items() if data is not None}
+
+    @abstractmethod
+    def clear(self, run: str) -> None:
+        """Remove the unfinished files of a run, whose processes may have been ended."""
+
+    @abstractmethod
+    def tidy(self) -> None:
+        """Remove what killed programs have left, a day later."""
+
+
+class DiskStore(Store):
+    """A folder of this computer."""
+
+    def __init__(self, place: str) -> None:
+        super().__init__(place)
+        self.root = as_path(place)
+
+    def read(self, name: str) -> bytes | None:
+        with told(self.place):
+            try:
+                return (self.root / name).read_bytes()
+            except FileNotFoundError:
+                return None
+
+    def write(self, name: str, data: bytes) -> None:
+        with told(self.place):
+            part = self._part()
+            part.write_bytes(data)
+            self._rename(part, name)
+
+    def put(self, name: str, file: Path) -> None:
+        with told(self.place):
+            self._rename(file, name)
+
+    def remove(self, name: str) -> None:
+        with told(self.place):
+            (self.root / name).unlink(missing_ok=True)
+            with suppress(OSError):  # the folder of a car or a day that has no other file
+                for folder in list((self.root / name).relative_to(self.root).parents)[:-2]:
+                    (self.root / folder).rmdir()
+
+    def names(self, folder: str) -> list[str]:
+        with told(self.place):
+            try:
+                return sorted(entry.name for entry in os.scandir(self.root / folder))
+            except FileNotFoundError:
+                return []
+
+    @contextmanager
+    def workshop(self, run: str) -> Iterator[Path]:
+        folder = self.root / PARTS / f"{run}-{uuid4().hex}"
+        with told(self.place):
+            folder.mkdir(parents=True)
+        try:
+            yield folder
+        finally:
+            rmtree(folder, ignore_errors=True)
+
+    def clear(self, run: str) -> None:
+        for left in (self.root / PARTS).glob(f"{run}-*"):
+            rmtree(left, ignore_errors=True)
+
+    def tidy(self) -> None:
+        for left in (self.root / PARTS).glob("*"):
+            with suppress(OSError):
+                if time() - left.stat().st_mtime > _OLD:
+                    rmtree(left, ignore_errors=True) if left.is_dir() else left.unlink()
+
+    def _part(self) -> Path:
+        folder = self.root / PARTS
+        folder.mkdir(parents=True, exist_ok=True)
+        return folder / uuid4().hex
+
+    def _rename(self, part: Path, name: str) -> None:
+        with part.open("rb+") as file:
+            os.fsync(file.fileno())
+        whole = self.root / name
+        for _ in range(3):  # another add may just have removed an empty folder
+            whole.parent.mkdir(parents=True, exist_ok=True)
+            with suppress(FileNotFoundError):
+                part.replace(whole)
+                return
+        part.replace(whole)
+
+
+class UrlStore(Store):
+    """A place of fsspec."""
+
+    def __init__(self, place: str) -> None:
+        super().__init__(place)
+        self.system, self.root = file_system(place)
+        protocol = self.system.protocol
+        known = {protocol} if isinstance(protocol, str) else set(protocol)
+        self._puts_whole = bool(known & _OBJECT_STORES)
+
+    def read(self, name: str) -> bytes | None:
+        with told(self.place):
+            try:
+                data: bytes = self.system.cat_file(self._at(name))
+            except FileNotFoundError:
+                return None
+            return data
+
+    def write(self, name: str, data: bytes) -> None:
+        with told(self.place):
+            target = self._target(name)
+            self.system.pipe_file(target, data)
+            self._finish(target, name)
+
+    def put(self, name: str, file: Path) -> None:
+        with told(self.place):
+            target = self._target(name)
+            self.system.put_file(str(file), target)
+            self._finish(target, name)
+
+    def remove(self, name: str) -> None:
+        with told(self.place), suppress(FileNotFoundError):
+            self.system.rm_file(self._at(name))
+
+    def names(self, folder: str) -> list[str]:
+        with told(self.place):
+            self.system.invalidate_cache()
+            try:
+                listed = self.system.ls(self._at(folder), detail=False)
+            except FileNotFoundError:
+                return []
+            return sorted(PurePosixPath(name).name for name in listed)
+
+    def contents(self, folder: str) -> dict[str, bytes]:
+        """As `Store.contents`; many at a time where the store can."""
+        names = self.names(folder)
+        if not names:
+            return {}
+        with told(self.place):
+            paths = [self._at(f"{folder}/{name}") for name in names]
+            found = self.system.cat(paths, on_error="omit")
+            return {PurePosixPath(path).name: data for path, data in found.items()}
+
+    def clear(self, run: str) -> None:
+        """Nothing: they are in the folders of the computers that did the work."""
+
+    def tidy(self) -> None:
+        """Nothing: an object store keeps no part of a put."""
+
+    def _at(self, name: str) -> str:
+        return f"{self.root}/{name}"
+
+    def _target(self, name: str) -> str:
+        if not self._puts_whole:
+            self.system.makedirs(self._at(str(PurePosixPath(name).parent)), exist_ok=True)
+        return self._at(name) if self._puts_whole else f"{self._at(name)}.{uuid4().hex}.part"
+
+    def _finish(self, target: str, name: str) -> None:
+        if target != self._at(name):
+            self.system.mv(target, self._at(name))
+
+
+def store(place: str) -> Store:
+    """Return the store of a place. Raises `MissingExtra`, `FleetError`."""
+    return UrlStore(place) if is_url(place) else DiskStore(place)

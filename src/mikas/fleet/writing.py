@@ -1,0 +1,158 @@
+"""Parquet files of one recording, by duckdb: a file for each table and day.
+
+Samples are collected in a database beside the files, as an export is, so memory stays bounded.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from datetime import UTC, datetime, timedelta
+from math import floor
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+import duckdb
+import numpy as np
+
+from mikas.cancellation import check_cancelled
+from mikas.fleet.tables import SMALL
+from mikas.recording.export.parquet import connect, quoted, system_error
+from mikas.recording.export.sheet import STRETCH
+from mikas.recording.table.channels import PLAINLY_UNIX, Channel, Rows, calendar
+
+if TYPE_CHECKING:
+    from types import TracebackType
+
+_MOST_PARAMETERS: Final = 20_000  # of one statement
+DAY: Final = 86_400.0
+
+
+def day_of(time: float | None) -> str | None:
+    """Return the day of a time of the link's clock, in UTC; None without a calendar."""
+    date = None if time is None else calendar(time)
+    return None if date is None else f"{date:%Y-%m-%d}"
+
+
+class TableWriter:
+    """Collects the rows of a recording and writes its files into `folder`, named by table and day.
+
+    Raises `OSError` for a full disk.
+    """
+
+    def __init__(self, folder: Path, channels: Sequence[Channel]) -> None:
+        self._folder = folder
+        self._channels = channels
+        self._database = connect(folder)
+        self._days: set[int | None] = set()
+        self._rows: dict[str, dict[str | None, list[tuple[object, ...]]]] = {
+            name: {} for name in SMALL
+        }
+        names = ["drive", "time", "clock", *(f"c{n}" for n in range(len(channels)))]
+        self._stretch = {name: np.empty(STRETCH) for name in names}
+        self._database.execute("SET enable_progress_bar = false")
+        self._database.register("stretch", self._stretch)
+        self._database.execute("BEGIN")
+        self._database.execute(
+            f"CREATE TABLE collected ({', '.join(f'{name} DOUBLE' for name in names)})"
+        )
+        present = ", ".join(f"nullif({name}, 'nan'::DOUBLE)" for name in names)
+        self._insert = f"INSERT INTO collected SELECT {present} FROM stretch LIMIT "
+
+    def __enter__(self) -> TableWriter:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        at: TracebackType | None,
+    ) -> None:
+        self._database.close()
+        if isinstance(error, duckdb.OperationalError | duckdb.FatalException):  # a disk error
+            raise system_error(error) from error
+
+    def add_samples(self, drive: int, rows: Rows, zero: float) -> None:
+        """Add rows of a drive; `zero`: the time that counts as 0."""
+        for begin in range(0, len(rows.times), STRETCH):
+            check_cancelled()
+            times = rows.times[begin : begin + STRETCH]
+            count = len(times)
+            dated = np.array([calendar(float(times.min())), calendar(float(times.max()))])
+            at = np.where(times >= PLAINLY_UNIX, times, np.nan) if all(dated) else _dated(times)
+            self._days |= {
+                None if np.isnan(day) else int(day) for day in np.unique(np.floor(at / DAY))
+            }
+            self._stretch["drive"][:count] = drive
+            self._stretch["time"][:count] = times - zero
+            self._stretch["clock"][:count] = at
+            for number, channel in enumerate(self._channels):
+                column = rows.values[channel.name][begin : begin + STRETCH]
+                self._stretch[f"c{number}"][:count] = column
+            self._database.execute(f"{self._insert}{count}")
+
+    def add(self, table: str, time: float | None, row: Mapping[str, object]) -> None:
+        """Add a row to a small table; `time` decides on its day."""
+        known = tuple(row[column.name] for column in SMALL[table])
+        self._rows[table].setdefault(day_of(time), []).append(known)
+
+    def write(
+        self, drives: Sequence[str], facts: Mapping[str, Any]
+    ) -> Iterator[tuple[str, str | None, Path]]:
+        """Yield (table, day, file) for each file. `drives`: by number; `facts`: its metadata."""
+        text = quoted(json.dumps(facts, ensure_ascii=False))
+        options = f"(FORMAT parquet, COMPRESSION zstd, KV_METADATA {{mikas: {text}}})"
+        count = 0
+        for number in sorted(self._days, key=lambda day: (day is None, day or 0)):
+            file = self._folder / f"{count}.parquet"
+            count += 1
+            where = "clock IS NULL" if number is None else f"floor(clock / {DAY}) = {number}"
+            self._database.execute(
+                f"COPY (SELECT {', '.join(self._selected(drives))} FROM collected WHERE {where}) "
+                f"TO {quoted(str(file))} {options}"
+            )
+            yield "samples", day_of(None if number is None else number * DAY), file
+        for table, days in self._rows.items():
+            columns = SMALL[table]
+            for day, rows in days.items():
+                file = self._folder / f"{count}.parquet"
+                count += 1
+                listed = ", ".join(f"{column.name} {column.type}" for column in columns)
+                self._database.execute(f"CREATE OR REPLACE TEMP TABLE small ({listed})")
+                for piece in _pieces(rows, len(columns)):
+                    row = f"({', '.join('?' * len(columns))})"
+                    self._database.execute(
+                        f"INSERT INTO small VALUES {', '.join([row] * len(piece))}",
+                        [value for values in piece for value in values],
+                    )
+                self._database.execute(f"COPY small TO {quoted(str(file))} {options}")
+                yield table, day, file
+
+    def _selected(self, drives: Sequence[str]) -> Iterator[str]:
+        listed = ", ".join(map(quoted, drives))
+        yield f"list_extract([{listed}], drive::INTEGER + 1) AS drive"
+        yield "time"
+        yield "make_timestamp(round(clock * 1000000)::BIGINT) AS utc"
+        for number, channel in enumerate(self._channels):
+            value = f"c{number} <> 0" if channel.is_flag else f"c{number}"
+            name = channel.name.replace('"', '""')
+            yield f'{value} AS "{name}"'
+
+
+def _dated(times: np.ndarray[Any, np.dtype[np.float64]]) -> np.ndarray[Any, np.dtype[np.float64]]:
+    """Return the times that have a date, NaN for the others."""
+    return np.array([time if calendar(time) else np.nan for time in times.tolist()])
+
+
+def _pieces(rows: list[tuple[object, ...]], width: int) -> Iterable[list[tuple[object, ...]]]:
+    most = max(1, _MOST_PARAMETERS // width)
+    return (rows[at : at + most] for at in range(0, len(rows), most))
+
+
+def timestamp(time: float | None) -> datetime | None:
+    """Return the time as a TIMESTAMP in UTC; None without a calendar."""
+    if time is None or calendar(time) is None:
+        return None
+    return datetime(1970, 1, 1, tzinfo=UTC).replace(tzinfo=None) + timedelta(
+        microseconds=floor(time * 1e6 + 0.5)  # as duckdb rounds
+    )

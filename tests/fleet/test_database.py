@@ -1,0 +1,136 @@
+"""Questions by SQL: the views, what is refused, and where an error is."""
+
+from __future__ import annotations
+
+import pytest
+
+from fleet_rig import BEGAN, DAY, add_here, ask, make
+from mikas.errors import FleetError, UsageError
+from mikas.fleet.database import opened
+from mikas.fleet.tables import PARTITIONS, TABLES
+
+
+@pytest.fixture(scope="module")
+def dataset(tmp_path_factory) -> str:
+    """Two drives of one car, one of another; with a name that duckdb takes for a pattern."""
+    home = tmp_path_factory.mktemp("fleet")
+    make(home / "in" / "1.pcapng")
+    make(home / "in" / "2.pcapng", began=BEGAN + DAY, gap=(20.0, 25.0))
+    make(home / "in" / "3.pcapng", plate="Е777КХ99", faults=(13,))
+    add_here(home / "in", to=home / "a [set]")
+    (home / "a [set]" / "beside.csv").write_text("a\n1\n")
+    return str(home / "a [set]")
+
+
+def test_the_views_have_the_columns_of_the_tables(dataset) -> None:
+    for table, columns in TABLES.items():
+        got = [(row[0], row[1]) for row in ask(dataset, f"DESCRIBE {table}")]
+        wanted = [tuple(column) for column in (*PARTITIONS, *columns)]
+        assert got[: len(wanted)] == wanted
+        assert (len(got) > len(wanted)) == (table == "samples")
+
+
+def test_a_table_without_a_file_is_empty(tmp_path) -> None:
+    add_here(make(tmp_path / "drive.pcapng"), to=tmp_path / "set")
+    assert ask(tmp_path / "set", "SELECT car, day, seconds FROM gaps") == []
+    (tmp_path / "in").mkdir()
+    add_here(tmp_path / "in", to=tmp_path / "none")
+    for table in TABLES:
+        assert ask(tmp_path / "none", f"SELECT count(*) FROM {table}") == [(0,)]
+
+
+@pytest.mark.parametrize(
+    "sql",
+    [
+        "SELECT count(*) FROM read_text('/etc/passwd')",
+        "SELECT * FROM '/etc/passwd'",
+        "SELECT * FROM read_csv('beside.csv')",
+        "SELECT * FROM read_text('dataset://../in/1.pcapng')",
+        "SELECT * FROM glob('/*')",
+        "SELECT * FROM 'https://example.org/x.parquet'",
+        "SELECT * FROM 's3://bucket/x.parquet'",
+        "COPY drives TO '/tmp/mikas-out.csv'",
+        "CREATE TABLE mine AS SELECT 1",
+        "DROP VIEW drives",
+        "SET enable_external_access = true",
+        "INSTALL httpfs",
+        "LOAD httpfs",
+        "ATTACH '/tmp/x.db'",
+        "PRAGMA database_list",
+        "SELECT 1; DROP VIEW drives",
+        "SELECT * FROM database",
+        "",
+        "  ;  ",
+        "-- nothing",
+    ],
+)
+def test_nothing_but_the_views_can_be_reached_or_changed(dataset, sql) -> None:
+    with opened(dataset) as database:
+        with pytest.raises(UsageError):
+            list(database.ask(sql).rows())
+        assert len(list(database.ask("SELECT * FROM drives").rows())) == 3
+
+
+def test_python_variables_are_no_tables(dataset) -> None:
+    import pandas as pd
+
+    secrets = pd.DataFrame({"a": [1]})
+    with pytest.raises(UsageError, match="secrets"):
+        ask(dataset, "SELECT * FROM secrets")
+    assert len(secrets) == 1
+
+
+@pytest.mark.parametrize(
+    ("sql", "place", "words"),
+    [
+        ("SELECT * FORM drives", ", column 15", "syntax error"),
+        ("SELECT speed FROM drives", ", column 8", "speed"),
+        ("SELECT *\nFROM drives\nWHERE nothing > 1", ", line 3, column 7", "nothing"),
+        ("SELECT car FROM drive", ", column 17", "drives"),
+        ("SELECT CAST(car AS INTEGER) FROM drives", ", column 8", "Could not convert"),
+        (f"SELECT {'1 + ' * 60} missing FROM drives", ", column 249", "missing"),
+    ],
+)
+def test_an_error_has_its_place(dataset, sql, place, words) -> None:
+    with pytest.raises(UsageError) as failed:
+        ask(dataset, sql)
+    assert str(failed.value).startswith(f"SQL{place}: ")
+    assert words in str(failed.value)
+    assert "\n" not in str(failed.value)
+
+
+def test_files_that_no_entry_names_do_not_count(dataset, tmp_path) -> None:
+    add_here(make(tmp_path / "drive.pcapng"), to=tmp_path / "set")
+    (drives,) = (tmp_path / "set").glob("drives/*/*/*.parquet")
+    drives.with_name("0123-0123.parquet").write_bytes(drives.read_bytes())
+    assert ask(tmp_path / "set", "SELECT count(*) FROM drives") == [(1,)]
+
+
+def test_a_folder_that_is_no_dataset(tmp_path) -> None:
+    with pytest.raises(FleetError, match="no dataset"), opened(str(tmp_path)):
+        pass
+
+
+def test_ctrl_c_ends_a_long_question(dataset, monkeypatch) -> None:
+    import _thread
+    import threading
+
+    forever = (
+        "SELECT count(*) FROM range(100000000) a, range(100000000) b WHERE a.range = b.range + 1"
+    )
+    with opened(dataset) as database:
+        asked = threading.Event()
+        original = database._connection.execute
+
+        class Connection:
+            def __getattr__(self, name):
+                return getattr(inner, name)
+
+            def execute(self, *given):
+                asked.set()
+                return original(*given)
+
+        inner, database._connection = database._connection, Connection()
+        threading.Thread(target=lambda: (asked.wait(), _thread.interrupt_main())).start()
+        with pytest.raises(KeyboardInterrupt):
+            database.ask(forever)

@@ -1,0 +1,150 @@
+"""One contract for a folder, a store in memory and one that speaks S3 (moto's server)."""
+
+from __future__ import annotations
+
+import logging
+import os
+import uuid
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import pytest
+
+from fleet_rig import BEGAN, DAY, add_here, ask, counts, make
+from mikas.errors import FleetError
+from mikas.fleet.places import as_local, recordings_in, shown
+from mikas.fleet.stores import store
+
+pytest.importorskip("moto")
+SECRET = "wJalrXUtnFEMIK7MDENGbPxRfiCYEXAMPLEKEY"
+
+
+@contextmanager
+def s3() -> Iterator[str]:
+    """Give the URL of a bucket; its server and its credentials are in the environment."""
+    import fsspec
+    from moto.server import ThreadedMotoServer
+
+    logging.getLogger("werkzeug").setLevel(logging.CRITICAL)
+    server = ThreadedMotoServer(ip_address="127.0.0.1", port=0, verbose=False)
+    server.start()
+    host, port = server.get_host_and_port()
+    given = {
+        "AWS_ACCESS_KEY_ID": "AKIAIOSFODNN7EXAMPLE", "AWS_SECRET_ACCESS_KEY": SECRET,
+        "AWS_ENDPOINT_URL": f"http://{host}:{port}", "AWS_DEFAULT_REGION": "us-east-1",
+    }  # fmt: skip
+    before = {name: os.environ.get(name) for name in given}
+    os.environ.update(given)
+    try:
+        system = fsspec.filesystem("s3", skip_instance_cache=True)
+        system.mkdir("cars", create_parents=True)
+        yield "s3://cars"
+    finally:
+        for name, value in before.items():
+            os.environ.pop(name)
+            if value is not None:
+                os.environ[name] = value
+        server.stop()
+        fsspec.filesystem("s3").clear_instance_cache()
+
+
+@pytest.fixture(scope="module")
+def bucket() -> Iterator[str]:
+    with s3() as url:
+        yield url
+
+
+@pytest.fixture(params=["folder", "memory", "s3"])
+def place(request, tmp_path) -> str:
+    match request.param:
+        case "folder":
+            return str(tmp_path / "store")
+        case "memory":
+            return f"memory://{uuid.uuid4().hex}/store"
+    return f"{request.getfixturevalue('bucket')}/{uuid.uuid4().hex}"
+
+
+def test_the_contract(place, tmp_path) -> None:
+    files = store(place)
+    files.tidy()
+    assert files.read("a/b.txt") is None
+    assert files.names("") == files.names("a") == []
+    assert files.contents("a") == {}
+    files.remove("a/b.txt")
+    files.write("a/b.txt", b"one")
+    files.write("a/car=Волга 1%2F/c.txt", b"two")
+    assert files.read("a/b.txt") == b"one"
+    files.write("a/b.txt", b"three")
+    with files.workshop("run") as folder:
+        part = folder / "part"
+        part.write_bytes(b"four" * 5000)
+        files.put("a/d.txt", part)
+    assert files.names("a") == ["b.txt", "car=Волга 1%2F", "d.txt"]
+    assert files.names("") == ["a"] or files.names("") == [".parts", "a"]
+    assert files.contents("a/car=Волга 1%2F") == {"c.txt": b"two"}
+    again = store(place)
+    assert again.read("a/d.txt") == b"four" * 5000
+    files.remove("a/b.txt")
+    files.remove("a/b.txt")
+    assert again.read("a/b.txt") is None
+    assert again.names("a") == ["car=Волга 1%2F", "d.txt"]
+
+
+def test_a_dataset_in_it_and_recordings_in_it(place, tmp_path) -> None:
+    import fsspec
+
+    home = f"{place}/in"
+    for number in range(2):
+        file = make(tmp_path / f"{number}.pcapng", began=BEGAN + number * DAY)
+        system, path = fsspec.core.url_to_fs(home)
+        system.makedirs(path, exist_ok=True)
+        system.pipe_file(f"{path}/{number}.pcapng", file.read_bytes())
+    system.pipe_file(f"{path}/bad.pcapng", b"no")
+    system.pipe_file(f"{path}/notes.txt", b"no")
+    assert len(list(recordings_in(home))) == 3
+    assert counts(add_here(home, to=f"{place}/set")) == (2, 0, 0, 1)
+    assert counts(add_here(home, to=f"{place}/set")) == (0, 0, 2, 1)
+    rows = "SELECT car, count(*), count(DISTINCT day) FROM samples GROUP BY car"
+    assert ask(f"{place}/set", rows) == [("A101MP52", 2 * 239, 2)]
+    assert counts(add_here(f"{home}/0.pcapng", to=f"{place}/set")) == (0, 0, 1, 0)
+    with pytest.raises(FleetError, match="no such file or folder"):
+        list(recordings_in(f"{place}/nothing"))
+
+
+def test_a_url_shows_no_name_and_no_password() -> None:
+    assert shown(f"sftp://me:{SECRET}@host/x") == "sftp://host/x"
+    assert shown("s3://bucket/a@b") == "s3://bucket/a@b"
+
+
+@pytest.mark.parametrize(
+    "url", [f"ftp://me:{SECRET}@127.0.0.1:9/x", f"nothing://me:{SECRET}@host/x", "s3://no-bucket/x"]
+)
+def test_a_place_that_does_not_answer_is_said_in_words(url, bucket) -> None:
+    with pytest.raises(FleetError) as failed:
+        list(recordings_in(url))
+    assert SECRET not in str(failed.value)
+    assert "me:" not in str(failed.value)
+    assert str(failed.value).startswith(shown(url))
+
+
+def test_refused_credentials_are_said_and_not_shown(monkeypatch) -> None:
+    import fsspec
+
+    monkeypatch.setenv("AWS_SECRET_ACCESS_KEY", SECRET)
+    monkeypatch.setenv("AWS_ACCESS_KEY_ID", "AKIAIOSFODNN7EXAMPLE")
+    monkeypatch.setenv("AWS_ENDPOINT_URL", "http://127.0.0.1:9")
+    monkeypatch.setenv("AWS_MAX_ATTEMPTS", "1")
+    fsspec.filesystem("s3").clear_instance_cache()
+    with pytest.raises(FleetError) as failed:
+        store("s3://cars/set").write("x", b"data")
+    assert SECRET not in str(failed.value)
+    assert "AKIA" not in str(failed.value)
+    fsspec.filesystem("s3").clear_instance_cache()
+
+
+def test_a_remote_file_is_a_local_one_for_the_time(bucket, tmp_path) -> None:
+    store(bucket).write("one.pcapng", b"data")
+    with as_local(f"{bucket}/one.pcapng") as path:
+        assert path.read_bytes() == b"data"
+        assert path.name == "one.pcapng"
+    assert not path.exists()

@@ -1,0 +1,59 @@
+"""Recordings of a virtual fleet, a minute each, and what is asked of a dataset."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from bench.virtual_fleet import BEGAN, DAY, Drive, record
+
+from mikas.catalog import shipped
+from mikas.fleet.adding import Added, add, plan
+from mikas.fleet.database import opened
+from mikas.fleet.executors import HereRunner
+from mikas.fleet.interpreting import Settings
+
+MINUTE = Drive(BEGAN, seconds=60.0, rate=4.0, plate="а 101 мр 52", car="ГАЗ-3110")
+SETTINGS = Settings(shipped())
+
+
+@cache
+def recorded(drive_: str) -> bytes:
+    """The bytes of a drive, by its text: each is made once."""
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "drive.pcapng"
+        record(path, eval(drive_, {"Drive": Drive}))
+        return path.read_bytes()
+
+
+def make(path: Path, **changed) -> Path:
+    """Write a recording of a minute's drive."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_bytes(recorded(repr(replace(MINUTE, **changed))))
+    return path
+
+
+def add_here(*places: object, to: object, settings: Settings = SETTINGS) -> Added:
+    """Add in this process."""
+    planned = plan(map(str, places), str(to), settings)
+    return add(planned, str(to), settings, HereRunner())
+
+
+def ask(dataset: object, sql: str) -> list[tuple]:
+    with opened(str(dataset)) as database:
+        return list(database.ask(sql).rows())
+
+
+def counts(result: Added) -> tuple[int, int, int, int]:
+    return result.added, result.replaced, result.skipped, len(result.bad)
+
+
+def files_of(dataset: Path) -> set[str]:
+    """The Parquet files of a dataset in a folder, whether they count or not."""
+    found = {str(path.relative_to(dataset)) for path in dataset.rglob("*.parquet")}
+    return {name for name in found if not name.startswith(".parts")}
+
+
+__all__ = ["BEGAN", "DAY", "MINUTE", "SETTINGS", "Drive", "record"]
