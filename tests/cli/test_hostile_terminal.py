@@ -79,7 +79,8 @@ LINES = [
     ("info", "--port", f"replay:{NAME}?clock=simulated"), ("info", "-v"), ("read", "EVIL", "-vv"),
     ("params", "--catalog", f"bad{ESC}.toml"), ("params", "--catalog", f"no{ESC}"),
     ("info", "--capture", f"no{ESC}/c.pcapng"), ("info", "--lang", ESC), ("info", "--timeout", ESC),
-    ("--version",), ("--help",), ("read", "--help"),
+    ("--version",), ("--help",), ("read", "--help"), ("wireshark",), ("sigrok",),
+    ("sigrok", "-o", f"d{ESC}"), ("sigrok", "-o", NAME),
 ]  # fmt: skip
 IN_JSON = [
     ("info",), ("params",), ("read", "EVIL"), ("faults",), ("scan",), ("decode", NAME), (ESC,),
