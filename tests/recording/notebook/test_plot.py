@@ -295,3 +295,17 @@ def test_flags_that_stand_close_have_no_more_text_than_room(tmp_path):
     )
     assert at_the_end.get_text() == "⚑ the end of it"
     assert at_the_end.get_ha() == "right"
+
+
+def test_a_clock_that_jumped_by_a_century_has_few_labels(tmp_path):
+    values = [(n * 0.5, 20) for n in range(20)] + [(3e9 + n, 21) for n in range(20)]
+    plot = mikas.open(of_values(tmp_path / "it.pcapng", values)).plot("FREQ")
+    plot.figure.canvas.draw()
+    assert 2 < len(plot.panes[0].get_xticks()) < 12
+    (cut,) = np.flatnonzero(np.isnan(plot.lines["FREQ"].get_ydata()))
+    assert plot.lines["FREQ"].get_xdata()[cut] == pytest.approx(9.5, abs=0.1)
+
+
+def test_numbers_of_numpy_are_seconds_too(hill):
+    plot = hill.plot("FREQ", start=np.int64(2), end=np.float32(3))
+    assert plot.panes[0].get_xlim() == (2, 3)

@@ -11,13 +11,14 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from math import isfinite
+from numbers import Real
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from mikas.catalog import Derived
 from mikas.cleaning import clean_line
-from mikas.errors import UsageError, usage_error
+from mikas.errors import usage_error
 from mikas.i18n import Text
 from mikas.recording.annotations.car import car_of
 from mikas.recording.formatting import date_of
@@ -145,23 +146,19 @@ def _time(moment: Moment, zero: float) -> float:
                 "У этой записи нет даты: задайте start и end в секундах от её первой строки",
             )
         return moment.timestamp()
-    if isinstance(moment, bool) or not isinstance(moment, int | float) or not isfinite(moment):
-        raise _no_moment()
-    return zero + moment
-
-
-def _no_moment() -> UsageError:
-    return usage_error(
-        "start and end are seconds from the first row, or a datetime",
-        "start и end — секунды от первой строки или datetime",
-    )
+    if isinstance(moment, bool) or not isinstance(moment, Real) or not isfinite(moment):
+        raise usage_error(
+            "start and end are seconds from the first row, or a datetime",
+            "start и end — секунды от первой строки или datetime",
+        )
+    return zero + float(moment)
 
 
 def _gaps(events: Sequence[Event], begin: float, end: float) -> Iterator[tuple[Span, Text | None]]:
     """Yield the gaps that overlap the window; an open one lasts until its end."""
     for gap, reason in reasons_of_gaps(events):
         ended = end if gap.ended is None else gap.ended
-        if ended >= begin and gap.began <= end:
+        if max(begin, gap.began) <= min(end, ended):
             yield (gap.began, ended), reason
 
 
@@ -169,9 +166,8 @@ def _flags(events: Iterable[Event], begin: float, end: float, zero: float) -> It
     """Yield markers, alarms and changes of the unit; those of a kind that are near, as one."""
     latest: dict[str, list[float]] = {}  # by kind: of each flag its time, and how many it counts
     found: list[tuple[str, Text, list[float]]] = []
-    for event in events:
-        if not begin <= event.time <= end:
-            continue
+    inside = (event for event in events if begin <= event.time <= end)
+    for event in sorted(inside, key=lambda event: event.time):
         match event:
             case Marker():
                 kind, text = "marker", Text(event.label, event.label)

@@ -22,7 +22,9 @@ _MOST: Final = 9  # labels
 
 def step_of(begin: float, end: float, most: int = _MOST) -> float:
     """Return the distance in seconds between labels, of which there are at most `most`."""
-    return next((each for each in _STEPS if (end - begin) / each <= most), _DAY)
+    length = end - begin
+    days = _DAY * ceil(length / _DAY / most)
+    return next((each for each in _STEPS if length / each <= most), days)
 
 
 def round_times(begin: float, end: float, origin: float, most: int = _MOST) -> list[float]:

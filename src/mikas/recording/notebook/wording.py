@@ -59,6 +59,7 @@ _TO_THE_END: Final = Text("to the end", "до конца")
 _NO_DATE: Final = Text("date unknown", "дата неизвестна")
 _NO_VALUES: Final = Text("no values", "нет значений")
 _ON: Final = Text("on in {share}", "вкл. {share}")
+_SECONDS: Final = Text("s", "с")
 _MORE: Final = Text("… and {count} more", "… и ещё {count}")
 _IN_ALL: Final = Text("{count}, {length} in all", "{count}, всего {length}")
 
@@ -229,6 +230,3 @@ class _Words:
 
     def _value(self, each: ChannelOverview, value: float | None) -> str:
         return "" if value is None else number(value, each.channel.decimals, self._language)
-
-
-_SECONDS: Final = Text("s", "с")

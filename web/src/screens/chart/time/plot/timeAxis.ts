@@ -43,7 +43,7 @@ export function counted(zero: number) {
 
 /** Round times for an axis with at most `most` labels: of the day, or counted from `zero`. */
 export function axisTimes(from: number, to: number, zero: number | null, most = 9): { time: number; text: string }[] {
-  const step = [...STEPS, 28_800, 43_200].find((each) => (to - from) / each <= most) ?? 86_400;
+  const step = [...STEPS, 28_800, 43_200].find((each) => (to - from) / each <= most) ?? 86_400 * Math.ceil((to - from) / 86_400 / most);
   // Times of day are round in local time.
   const origin = zero ?? new Date(from * 1000).getTimezoneOffset() * 60;
   const first = Math.ceil((from - origin) / step - 1e-9);
