@@ -32,11 +32,18 @@ _REASON = Text("echo, but the ECU is silent: ignition off?", "эхо есть, �
 
 
 def recorded(
-    path: Path, hours: float = 10.0, *, lap: float = 300.0, method: Method = "list"
+    path: Path,
+    hours: float = 10.0,
+    *,
+    lap: float = 300.0,
+    method: Method = "list",
+    start: float = START,
 ) -> Path:
-    """Writes the recording; returns its path. `lap`: seconds of driving that are repeated."""
+    """Writes the recording; returns its path. `lap`: seconds of driving that are repeated;
+    `start`: UNIX time of its begin.
+    """
     lap = min(lap, hours * 3600)
-    head, blocks = _session(path, lap, method)
+    head, blocks = _session(path, lap, method, start)
     data = b"".join(map(pcapng.encode, blocks))
     edges = np.cumsum([0, *(len(pcapng.encode(block)) for block in blocks)])
     low = edges[:-1] // 4 + 4  # the word with the lower half of a block's ticks
@@ -63,12 +70,12 @@ def recorded(
 
 
 def _session(
-    path: Path, seconds: float, method: Method
+    path: Path, seconds: float, method: Method, start: float
 ) -> tuple[bytes, list[pcapng.EnhancedPacket]]:
     """The head of the file, and the packets of the steady part of the session."""
     alarms: list[Note] = []
     with (
-        _Shifted(path, url=PORT, overwrite=True) as writer,
+        _Shifted(path, start) as writer,
         mikas.connect(PORT, sink=(sink := Coalescer(writer))) as ecu,
     ):
         passport = ecu.passport()
@@ -96,18 +103,22 @@ def _session(
         stop = path.stat().st_size
     data = path.read_bytes()
     assert steady is not None
-    notes = b"".join(_block(Note(Kind.ALARM, note.time + START, note.data)) for note in alarms[:20])
+    notes = b"".join(_block(Note(Kind.ALARM, note.time + start, note.data)) for note in alarms[:20])
     return data[:steady] + notes, _packets(data[steady:stop], method)
 
 
 class _Shifted(CaptureWriter):
-    """Everything as if the simulated clock had started at `START`."""
+    """Everything as if the simulated clock had started at `start`."""
+
+    def __init__(self, path: Path, start: float) -> None:
+        super().__init__(path, url=PORT, overwrite=True)
+        self._start = start
 
     def record(self, direction: Direction, data: bytes, time: float) -> None:
-        super().record(direction, data, time + START)
+        super().record(direction, data, time + self._start)
 
     def note(self, note: Note) -> None:
-        super().note(Note(note.kind, note.time + START, note.data))
+        super().note(Note(note.kind, note.time + self._start, note.data))
 
 
 def _packets(data: bytes, method: Method) -> list[pcapng.EnhancedPacket]:
