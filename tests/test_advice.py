@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import inspect
 import re
+import subprocess
+import sys
 
 import pytest
 
@@ -108,3 +110,19 @@ def test_both_name_the_nearest_names() -> None:
     assert "Did you mean TWAT?" in TERMINAL.text(error).en
     assert "Did you mean TWAT?" in DASHBOARD.text(error).en
     assert "Может быть" not in DASHBOARD.text(UnknownParameter("X")).ru
+
+
+def test_a_program_in_one_folder_is_told_to_be_installed_with_python() -> None:
+    """pip can't add anything to what PyInstaller has built (`sys.frozen`)."""
+    code = """
+import sys
+sys.frozen = True
+from mikas.errors import MissingExtra
+for text in MissingExtra(feature="Dask", extra="dask").text:
+    print(text)
+"""
+    said = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, encoding="utf-8", check=True
+    ).stdout
+    assert said.count('pipx install "mikas[dask]"') == 2
+    assert "pip install" not in said.replace("pipx install", "")
