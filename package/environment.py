@@ -1,8 +1,4 @@
-"""The environment that the program is made of: the wheel, its packages by the lock, PyInstaller.
-
-All packages are downloaded once for a lock, into a wheelhouse; what installs from it needs no
-network.
-"""
+"""The environment that the program is made of: the wheel, its packages by the lock, PyInstaller."""
 
 from __future__ import annotations
 
@@ -17,7 +13,7 @@ from typing import Final
 from package.project import BUILD, ROOT
 from package.wheel import wheel
 
-WHEELHOUSE: Final = BUILD / "wheelhouse"
+_WHEELHOUSE: Final = BUILD / "wheelhouse"
 _ENVIRONMENT: Final = BUILD / "environment"
 _INSTALL: Final = ROOT / "requirements" / "install.py"
 
@@ -26,33 +22,35 @@ EXTRAS: Final = ("export", "fleet", "mqtt")
 (dask) or an object store (s3) is for people with a Python, and is left out."""
 
 
-def download() -> Path:
-    """Return the wheelhouse; filled anew when the lock has changed."""
-    if not _is_current(WHEELHOUSE):
-        shutil.rmtree(WHEELHOUSE, ignore_errors=True)
-        WHEELHOUSE.mkdir(parents=True)
-        _run(sys.executable, str(_INSTALL), f"--download={WHEELHOUSE}", *EXTRAS, "package")
-        _mark(WHEELHOUSE)
-    return WHEELHOUSE
-
-
 def python() -> Path:
     """Return the Python of the environment, with the present wheel."""
     programs = _ENVIRONMENT / ("Scripts" if sys.platform == "win32" else "bin")
     found = programs / ("python.exe" if sys.platform == "win32" else "python")
     if not _is_current(_ENVIRONMENT):
-        house = download()
         _run(sys.executable, "-m", "venv", "--clear", str(_ENVIRONMENT))
-        _run(str(found), str(_INSTALL), *EXTRAS, "package", house=house)
+        _run(str(found), str(_INSTALL), *EXTRAS, "package")
         _mark(_ENVIRONMENT)
     pip = (str(found), "-m", "pip", "install", "--quiet", "--disable-pip-version-check")
     _run(*pip, "--no-deps", "--no-index", "--force-reinstall", str(wheel()))
     return found
 
 
-def _run(*command: str, house: Path | None = None) -> None:
-    offline = {"PIP_NO_INDEX": "1", "PIP_FIND_LINKS": str(house)} if house else {}
-    subprocess.run(command, cwd=ROOT, env={**variables(), **offline}, check=True)
+def wheelhouse() -> Path:
+    """Return the folder of all packages of the environment; filled anew when the lock has changed.
+
+    What installs from it needs no network (tests/installing).
+    """
+    if not _is_current(_WHEELHOUSE):
+        shutil.rmtree(_WHEELHOUSE, ignore_errors=True)
+        _WHEELHOUSE.mkdir(parents=True)
+        # The environment's pip, for others may know neither groups nor these hashes.
+        _run(str(python()), str(_INSTALL), f"--download={_WHEELHOUSE}", *EXTRAS, "package")
+        _mark(_WHEELHOUSE)
+    return _WHEELHOUSE
+
+
+def _run(*command: str) -> None:
+    subprocess.run(command, cwd=ROOT, env=variables(), check=True)
 
 
 def variables() -> dict[str, str]:

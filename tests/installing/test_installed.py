@@ -9,7 +9,7 @@ import tarfile
 import zipfile
 
 import pytest
-from package.environment import WHEELHOUSE, python
+from package.environment import python, wheelhouse
 
 from installing.computer_rig import Computer, built
 
@@ -24,7 +24,7 @@ def tools():
 def computer(tmp_path):
     with Computer(tmp_path / "home", [tmp_path / "home" / ".local" / "bin"]) as computer:
         computer.home.mkdir()
-        house = f"{WHEELHOUSE} {built('*.whl').parent}"
+        house = f"{wheelhouse()} {built('*.whl').parent}"
         computer.environment = {
             "PIP_NO_INDEX": 1, "PIP_FIND_LINKS": house, "PIP_CONFIG_FILE": "/dev/null",
             "UV_OFFLINE": 1, "UV_NO_INDEX": 1, "UV_FIND_LINKS": house.replace(" ", ","),
