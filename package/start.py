@@ -2,7 +2,8 @@
 
 from multiprocessing import freeze_support
 
-from mikas.cli.main import main
-
 freeze_support()  # a process of a pool is this program again
+
+from mikas.cli.main import main  # noqa: E402  (a process of a pool does not come so far)
+
 main()

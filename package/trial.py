@@ -52,6 +52,7 @@ class Trial:
         self.begins()
         self.shows_its_page()
         self.records_and_exports(FORMATS)
+        self.adds_to_a_fleet()
 
     def begins(self) -> None:
         """Ask for the version, the help in both languages, parameters, ports, decoders, a value."""
@@ -87,6 +88,15 @@ class Trial:
         page = self.folder / "car.html"
         self.run("report", str(tape), "-o", str(page))
         self._holds("<html" in page.read_text("utf-8"), "report")
+
+    def adds_to_a_fleet(self) -> None:
+        """Add the recordings there to a dataset, by processes, which are this program again."""
+        dataset = self.folder / "dataset"
+        added = self.answer(
+            "fleet", "add", str(self.folder), "--to", str(dataset), "--workers", "2"
+        )
+        self._holds(added["added"] == 1 and not added["bad"], f"fleet add: {added}")
+        self._holds(any(dataset.rglob("*.parquet")), "fleet add: no Parquet")
 
     def run(self, *words: str) -> str:
         """Run a command of the program; return its output."""
