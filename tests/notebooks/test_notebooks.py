@@ -17,6 +17,7 @@ def path(request):
 
 
 @pytest.mark.realtime
+@pytest.mark.filterwarnings("ignore:Proactor event loop:RuntimeWarning")  # Windows: zmq goes on
 def test_it_runs_and_its_results_are_those_that_it_shows(path):
     """Its own cells check its numbers against the virtual car that it drives."""
     assert results(executed(path)) == results(nbformat.read(path, as_version=4)), (
