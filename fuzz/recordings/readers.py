@@ -26,6 +26,7 @@ from mikas.cleaning import terminal_text
 from mikas.cli.failures import BUG
 from mikas.cli.main import run
 from mikas.errors import MikasError, UsageError
+from mikas.fleet.interpreting import Settings, interpret
 from mikas.i18n import Language
 from mikas.recording.annotations.events import comment_note
 from mikas.recording.capture.reader import CaptureReader, Problem
@@ -74,6 +75,11 @@ def _listed(path: Path) -> None:
 def _decoded(path: Path) -> None:
     for item in decode(CaptureReader(path), lambda: Describer(shipped())):
         json.dumps(to_json(item), allow_nan=False, ensure_ascii=False).encode()
+
+
+def _in_a_fleet(path: Path) -> None:
+    with tempfile.TemporaryDirectory(prefix="mikas-fuzz-") as folder:
+        interpret(path, path.name, "0" * 32, Settings(shipped()), Path(folder))
 
 
 def _on_terminal(path: Path) -> None:
@@ -232,6 +238,7 @@ READERS: Final = (
     Reader("frames", _as_frames, _USUAL, each=6),
     Reader("parquet", _exported(".parquet"), _USUAL, each=10),
     Reader("mf4", _exported(".mf4"), _USUAL, each=20),
+    Reader("fleet", _in_a_fleet, _SEVERAL, each=4),
 )
 
 

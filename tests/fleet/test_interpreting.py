@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from datetime import date, datetime
+from weakref import WeakSet
 
 import pytest
 
@@ -136,6 +137,46 @@ def test_sessions_appended_to_a_file_are_drives_of_their_own(tmp_path) -> None:
         (one, 0),
         (two, 7200),
     ]
+
+
+def sessions(path, count: int, step: float) -> None:
+    """Write a file of so many sessions, each of some rows, `step` seconds apart."""
+    piece = path.with_name("piece.pcapng")
+    with path.open("wb") as file:
+        for number in range(count):
+            make(piece, seconds=3.0, began=BEGAN + number * step)
+            file.write(piece.read_bytes())
+    piece.unlink()
+
+
+def test_each_of_many_sessions_is_a_drive_and_little_is_kept_of_it(tmp_path, monkeypatch) -> None:
+    import mikas.fleet.interpreting as module
+
+    alive, most = WeakSet(), []
+
+    class Collector(module.MeasurementCollector):
+        def __init__(self, *given) -> None:
+            super().__init__(*given)
+            alive.add(self)
+            most.append(len(alive))
+
+    monkeypatch.setattr(module, "MeasurementCollector", Collector)
+    sessions(tmp_path / "drive.pcapng", 15, 600.0)
+    add_here(tmp_path / "drive.pcapng", to=tmp_path / "set")
+    asked = "SELECT count(*), count(DISTINCT drive), sum(rows), max(gaps) FROM drives"
+    assert ask(tmp_path / "set", asked) == [(15, 15, 15 * 11, 0)]
+    assert ask(tmp_path / "set", "SELECT count(DISTINCT drive) FROM statistics") == [(15,)]
+    assert ask(tmp_path / "set", "SELECT count(DISTINCT drive) FROM samples") == [(15,)]
+    assert max(most) <= 3
+
+
+def test_a_clock_that_jumps_over_many_days_is_damage(tmp_path, monkeypatch) -> None:
+    monkeypatch.setattr("mikas.fleet.writing.MOST_DAYS", 5)
+    sessions(tmp_path / "drive.pcapng", 5, DAY)
+    assert add_here(tmp_path / "drive.pcapng", to=tmp_path / "set").added == 1
+    sessions(tmp_path / "drive.pcapng", 7, DAY)
+    (bad,) = add_here(tmp_path / "drive.pcapng", to=tmp_path / "set").bad
+    assert "the clock is damaged" in bad.reason.en
 
 
 def test_a_catalog_with_another_channel_adds_a_column(tmp_path) -> None:

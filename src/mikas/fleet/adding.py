@@ -21,7 +21,7 @@ from mikas.fleet.executors import Runner
 from mikas.fleet.interpreting import Settings
 from mikas.fleet.job import HEAD, Outcome, digest_of, work
 from mikas.fleet.ledger import Entry, Ledger, begin
-from mikas.fleet.places import FoundFile, as_local, recordings_in, shown
+from mikas.fleet.places import FoundFile, as_local, as_path, is_url, recordings_in, shown
 from mikas.fleet.stores import store
 from mikas.fleet.tables import RESERVED
 from mikas.i18n import Text
@@ -96,7 +96,8 @@ def add(
     """Do it and close the runner; `on_file` is called after each file. Raises `FleetError`."""
     result = Added(skipped=planned.skipped)
     run = uuid4().hex
-    job = partial(work, dataset=dataset, settings=settings, run=run)
+    lasting = dataset if is_url(dataset) else str(as_path(dataset))  # whatever a worker's folder
+    job = partial(work, dataset=lasting, settings=settings, run=run)
     try:
         for outcome in runner.outcomes(job, planned.files):
             _take(outcome, planned.ledger, result)

@@ -11,7 +11,7 @@ import signal
 import threading
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
+from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any, Final, TypeAlias
@@ -95,7 +95,7 @@ class Runner(ABC):
             if isinstance(error, BrokenProcessPool):
                 files += waiting.values()
                 waiting.clear()
-            yield from self.failed(work, files, error or FleetError("", _LOST))
+            yield from self.failed(work, files, error or CancelledError())
 
 
 class HereRunner(Runner):

@@ -7,11 +7,12 @@ most recordings have one.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections import defaultdict
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from math import isfinite
 from pathlib import Path
-from typing import TypeAlias
+from typing import TypeAlias, TypeVar
 
 from mikas.catalog import Catalog
 from mikas.cleaning import clean_line
@@ -23,6 +24,7 @@ from mikas.fleet.writing import TableWriter, timestamp
 from mikas.i18n import Text
 from mikas.recording.annotations.car import car_of
 from mikas.recording.annotations.events import RecordedUnit, recorded_faults, unit_of
+from mikas.recording.capture.notes import Note
 from mikas.recording.capture.reader import Source
 from mikas.recording.export.sheet import program
 from mikas.recording.recorded_faults import FaultReadings
@@ -30,8 +32,9 @@ from mikas.recording.recording import Recording
 from mikas.recording.table.channels import Rows, with_gaps
 from mikas.report.measurements.measurements import MeasurementCollector
 from mikas.report.measurements.statistics import ChannelStatistics
-from mikas.sampling.events import Gap
+from mikas.sampling.events import Event, Gap
 
+_Numbered = TypeVar("_Numbered", Note, Event)
 NOTHING = Text(
     "it is a recording, but nothing of a car is in it: no response and no fault reading",
     "это запись, но о машине в ней ничего нет: ни ответов блока, ни считанных ошибок",
@@ -94,27 +97,33 @@ def interpret(path: Path, name: str, key: str, settings: Settings, folder: Path)
     """
     recording = Recording(path, settings.catalog, settings.interpretation)
     reader = _Reader(recording, settings)
+    small = _SmallRows(reader, name, key, settings)
+    seconds, count = 0.0, 0
     with TableWriter(folder, recording.channels) as writer:
         for drive, rows in reader.rows():
             writer.add_samples(drive.number, rows, reader.zero or 0.0)
+            _write_finished(reader, small, writer)
         reader.add_without_rows()
-        if not reader.drives:
+        _write_finished(reader, small, writer)
+        if not reader.count:
             raise CaptureError(name, NOTHING)
-        ids = [_id(key, number) for number in range(len(reader.drives))]
-        rows_of = _SmallRows(reader, name, key, settings)
-        for drive, identity in zip(reader.drives, ids, strict=True):
-            for table, time, row in rows_of.of(drive, identity):
-                writer.add(table, time, row)
+        ids = [_id(key, number) for number in range(reader.count)]
+        seconds, count = small.seconds, small.rows
         facts = {"program": settings.version, "recording": key, "file": name}
         file_name = f"{key}-{_short(settings.version)}.parquet"
         files = {
             f"{table}/{partition(reader.car.name, day)}/{file_name}": file
             for table, day, file in writer.write(ids, facts)
         }
-    seconds = sum((it.ended - it.began) for it in reader.drives if it.began and it.ended)
-    count = sum(it.rows for it in reader.drives)
     damaged = recording.problem_count
     return Interpreted(files, reader.car.name, len(ids), count, seconds, damaged)
+
+
+def _write_finished(reader: _Reader, small: _SmallRows, writer: TableWriter) -> None:
+    """Write the small rows of the drives that have ended, and drop what was collected for them."""
+    while reader.finished:
+        for table, time, row in small.of(reader.finished.pop(0)):
+            writer.add(table, time, row)
 
 
 def _id(key: str, number: int) -> str:
@@ -128,20 +137,28 @@ def _short(version: str) -> str:
 
 
 class _Reader:
-    """Reads the drives of a recording; `zero`: the time of its first row."""
+    """Reads the drives of a recording, one session after the other: a file may hold thousands.
+
+    `zero`: the time of its first row; `count`: of the drives; `finished`: those whose rows are all
+    read. Collected values are kept for the present session only.
+    """
 
     def __init__(self, recording: Recording, settings: Settings) -> None:
         self.recording = recording
-        self.drives: list[_Drive] = []
+        self.count = 0
+        self.finished: list[_Drive] = []
+        self._open: dict[Source, _Drive] = {}
+        self._seen: set[Source] = set()
         self.zero: float | None = None
         self.readings = FaultReadings(recording.path, recording.notes)
         self._catalog = settings.catalog
         self._corrected = recording
         if settings.interpretation != "corrected":
             self._corrected = Recording(recording.path, settings.catalog)
-        details = car_of(recording.notes)
-        self.car: CarKey = car_key(settings.car, details, recording.unit)
-        self.details = details
+        self.details = car_of(recording.notes)
+        self.car: CarKey = car_key(settings.car, self.details, recording.unit)
+        self.notes = _by_recording(recording.notes)
+        self._events = _by_recording(recording.events)
 
     def rows(self) -> Iterator[tuple[_Drive, Rows]]:
         """Yield the rows as an export has them, gaps too, each with its drive."""
@@ -165,25 +182,42 @@ class _Reader:
                 self.zero = float(rows.times[0])
             assert drive is not None  # of the stretch that `with_gaps` has just read
             yield drive, rows
+        self._finish()
 
     def add_without_rows(self) -> None:
         """Add a drive for each session with readings of the faults and no rows."""
         for source in sorted(self.readings.ports, key=lambda each: (each.recording, each.url)):
-            if self.readings.of(source) and not any(it.source == source for it in self.drives):
+            if source not in self._seen and self.readings.of(source):
                 self._drive(source)
+        self._finish()
+
+    def _finish(self) -> None:
+        self.finished += self._open.values()
+        self._open = {}
 
     def _drive(self, source: Source) -> _Drive:
-        for known in self.drives:
-            if known.source == source:
-                return known
-        events = [it for it in self.recording.events if it.recording == source.recording]
+        if source in self._open:
+            return self._open[source]
+        if any(it.recording != source.recording for it in self._open):
+            self._finish()
+        events = self._events[source.recording]
         names = [channel.name for channel in self._corrected.channels]
         measuring = MeasurementCollector(self._catalog, names, events)
-        new = _Drive(len(self.drives), source, measuring, StateCollector(self._catalog))
-        if not any(it.source.recording == source.recording for it in self.drives):
+        new = _Drive(self.count, source, measuring, StateCollector(self._catalog))
+        if not self._open:  # the first port of the session
             new.gaps = [it for it in events if isinstance(it, Gap)]
-        self.drives.append(new)
+        self.count += 1
+        self._open[source] = new
+        self._seen.add(source)
         return new
+
+
+def _by_recording(items: Iterable[_Numbered]) -> dict[int, list[_Numbered]]:
+    """Return notes or events by the session that they are of."""
+    found: dict[int, list[_Numbered]] = defaultdict(list)
+    for item in items:
+        found[item.recording].append(item)
+    return found
 
 
 _Row: TypeAlias = tuple[str, float | None, dict[str, object]]
@@ -195,13 +229,18 @@ class _SmallRows:
     def __init__(self, reader: _Reader, name: str, key: str, settings: Settings) -> None:
         self._reader, self._name, self._key = reader, name, key
         self._settings = settings
+        self.seconds, self.rows = 0.0, 0
 
-    def of(self, drive: _Drive, identity: str) -> Iterator[_Row]:
+    def of(self, drive: _Drive) -> Iterator[_Row]:
         """Yield (table, time, row) for a drive."""
+        identity = _id(self._key, drive.number)
+        self.rows += drive.rows
+        if drive.began is not None and drive.ended is not None:
+            self.seconds += drive.ended - drive.began
         measured = drive.measuring.measured
         heard = self._reader.readings.of(drive.source)
         began = drive.began if drive.began is not None else heard[-1].time if heard else None
-        mine = [it for it in self._reader.recording.notes if it.recording == drive.source.recording]
+        mine = self._reader.notes[drive.source.recording]
         unit = unit_of(mine, self._settings.catalog)
         yield "drives", began, self._drive(drive, identity, began, unit, len(heard))
         states: dict[tuple[str, State], ChannelStatistics] = {

@@ -16,7 +16,9 @@ import duckdb
 import numpy as np
 
 from mikas.cancellation import check_cancelled
+from mikas.errors import CaptureError
 from mikas.fleet.tables import SMALL
+from mikas.i18n import Text
 from mikas.recording.export.parquet import connect, quoted, system_error
 from mikas.recording.export.sheet import STRETCH
 from mikas.recording.table.channels import PLAINLY_UNIX, Channel, Rows, calendar
@@ -26,6 +28,11 @@ if TYPE_CHECKING:
 
 _MOST_PARAMETERS: Final = 20_000  # of one statement
 DAY: Final = 86_400.0
+MOST_DAYS: Final = 100
+_TOO_MANY: Final = Text(
+    "its times lie on more than {most} days: the clock is damaged",
+    "время в ней приходится больше чем на {most} дней: часы повреждены",
+).filled(most=MOST_DAYS)
 
 
 def day_of(time: float | None) -> str | None:
@@ -37,7 +44,7 @@ def day_of(time: float | None) -> str | None:
 class TableWriter:
     """Collects the rows of a recording and writes its files into `folder`, named by table and day.
 
-    Raises `OSError` for a full disk.
+    Raises `OSError` for a full disk, `CaptureError` for times on very many days.
     """
 
     def __init__(self, folder: Path, channels: Sequence[Channel]) -> None:
@@ -83,6 +90,7 @@ class TableWriter:
             self._days |= {
                 None if np.isnan(day) else int(day) for day in np.unique(np.floor(at / DAY))
             }
+            self._check(len(self._days))
             self._stretch["drive"][:count] = drive
             self._stretch["time"][:count] = times - zero
             self._stretch["clock"][:count] = at
@@ -95,6 +103,12 @@ class TableWriter:
         """Add a row to a small table; `time` decides on its day."""
         known = tuple(row[column.name] for column in SMALL[table])
         self._rows[table].setdefault(day_of(time), []).append(known)
+        self._check(len(self._rows[table]))
+
+    def _check(self, days: int) -> None:
+        """Raise `CaptureError` for more days than a recording has: each is a file of its own."""
+        if days > MOST_DAYS:
+            raise CaptureError("", _TOO_MANY)
 
     def write(
         self, drives: Sequence[str], facts: Mapping[str, Any]
