@@ -1,4 +1,4 @@
-"""The sigrok decoder's state machine over bytes: equal to the codec and to `mikas decode`."""
+"""The sigrok decoder over bytes: requests, responses and values as those of `mikas decode`."""
 
 from __future__ import annotations
 
@@ -8,90 +8,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from command_strategies import exchanges
-from dissectors.sigrok_rig import BYTE, RATE, SimulatedSigrok, loaded
+from dissectors.sigrok_rig import BYTE, SimulatedSigrok, loaded
 from mikas import commands as c
 from mikas.catalog import shipped
 from mikas.dissectors.sigrok import source
-from mikas.framing import Damage, Decoder, Frame, encode
+from mikas.framing import encode
 from mikas.recording.inspect import Describer
 
 MODULE = loaded()
 CATALOG = shipped()
 TURN = 0.002  # s
-# Bytes of which frames are made, so that many are whole, damaged, raw or irregular.
-WIRE = st.lists(
-    st.one_of(
-        st.binary(max_size=6).map(encode),
-        st.binary(max_size=4).map(lambda body: encode(body, raw_checksum=True)),
-        st.sampled_from([b"\x0d", b"\x40", b"\xf3\x0d", b"\xf3\x0d\x0d", b"\x40\x40", b"\0\x0d"]),
-        st.binary(max_size=5),
-    ),
-    max_size=12,
-).map(b"".join)  # fmt: skip
-
-
-def messages(data, *, pauses=()):
-    """Return what the decoder's own framing makes of bytes that follow each other."""
-    framer, at, found = MODULE.Framer(), 0, []
-    for number, value in enumerate(data):
-        at += BYTE + (number in pauses) * BYTE
-        pause = float(number in pauses) * BYTE / RATE
-        found += framer.feed(MODULE.Byte(value, at, at + BYTE, True, pause))
-    return found
-
-
-def shown(event):
-    match event:
-        case Frame():
-            return event.body, event.wire, event.raw_checksum, event.irregular
-        case Damage():
-            return event.reason.value, event.data
-    if event.body is None:
-        return event.reason, event.data()
-    return event.body, event.data(), event.raw_checksum, event.irregular
-
-
-@given(WIRE)
-def test_framing_is_that_of_the_codec(data):
-    assert list(map(shown, messages(data))) == list(map(shown, Decoder().feed(data)))
-
-
-@given(st.lists(st.sampled_from([0x0D, 0x40, 0xF3, 0, 1, 0xCD]), max_size=40).map(bytes))
-def test_framing_is_that_of_the_codec_for_any_few_bytes(data):
-    assert list(map(shown, messages(data))) == list(map(shown, Decoder().feed(data)))
-
-
-def test_a_message_without_end_is_reported_once_and_forgotten(monkeypatch):
-    monkeypatch.setitem(vars(MODULE), "LONGEST", 8)
-    for size in range(6, 30):
-        data = b"\x01\xff\x0d" + b"\x07" * size + b"\x0d" + encode(b"\x02")
-        expected = list(map(shown, Decoder(limit=8).feed(data)))
-        if size > 8:  # at once it is cut to the limit; byte by byte that is known sooner
-            assert expected[1] == ("too long", b"\x07" * 8)
-        assert list(map(shown, messages(data))) == expected
-
-
-@given(st.binary(max_size=8), st.binary(min_size=1, max_size=8), st.integers(0, 255))
-def test_a_lost_terminator_costs_its_own_frame_only(first, second, instead):
-    lost = encode(first)[:-1] + (b"" if instead in (0x0D, 0) else bytes([instead]))
-    found = messages(lost + encode(second), pauses={len(lost)})
-    if not lost:
-        return
-    if sum(lost) & 0xFF == 0 and len(found) == 1 and found[0].body is not None:
-        return  # what stands before the pause sums up to nothing: both are one whole frame
-    assert shown(found[-1])[:2] == (second, encode(second))
-
-
-@given(st.binary(max_size=30))
-def test_each_byte_of_a_body_has_its_place_on_the_wire(body):
-    (message,) = messages(encode(body))
-    at = message.ss
-    for value, (ss, es) in zip(body, message.places, strict=True):
-        assert (ss, es) == (at, at + BYTE * (1 + (value in (0x0D, 0x40))))
-        at = es
-
-
-# Turns
 
 
 def conversed(parts, **options):
@@ -170,12 +96,13 @@ def test_the_end_of_a_stream_is_its_01_and_the_version():
 
 def test_in_a_stream_of_one_byte_01_may_be_its_value_or_its_end():
     sigrok = conversed([START, (b"\x71\x29", b"\x15", TURN)])
-    for body in (b"\x16", b"\x01", b"\x0a", b"\x01", b"\x0a"):
+    ending, reading = (b"\x16", b"\x01", b"\x0a", b"\x01", b"\x0a"), (b"\x61\x1a", b"\x7d")
+    for body in (*ending, *reading, *reading):
         sigrok.wait(TURN)
         sigrok.feed(encode(body))
-    sigrok.wait(TURN)
-    sigrok.feed(encode(b"\x61\x1a"))
-    assert sigrok.texts("response")[1:] == ["FREQ=840rpm", "FREQ=880rpm", "Mikas 7.1"]
+    assert sigrok.texts("response")[1:] == [
+        "FREQ=840rpm", "FREQ=880rpm", "Mikas 7.1", "TWAT=85°C", "TWAT=85°C",
+    ]  # fmt: skip
     assert len(sigrok.of("unclear")) == 3
 
 

@@ -26,6 +26,7 @@ from mikas.errors import MikasError
 from mikas.framing import encode
 from mikas.link import CaptureTee, open_link
 from mikas.recording.capture.writer import CaptureWriter
+from mikas.virtual.fault_injector import LineFault
 from tester.tester_rig import case
 
 pytestmark = pytest.mark.skipif(
@@ -51,7 +52,7 @@ class Drive:
     """All commands and methods with one virtual unit: its wire, and what `mikas decode` says."""
 
     def __init__(self, folder, settings):
-        link = open_link(f"sim:?clock=simulated&faults=13,64,21&{settings}")
+        link = self.link = open_link(f"sim:?clock=simulated&faults=13,64,21&{settings}")
         self.tap = Tap(link.bus)
         self.capture = folder / "drive.pcapng"
         with CaptureWriter(self.capture, url="sim:") as writer:
@@ -76,14 +77,18 @@ class Drive:
         ecu.read_list()
 
     @cached_property
-    def decoded(self):
-        """Return the lines of `mikas decode --json` for the wire, without echoes."""
+    def lines(self):
+        """Return the lines of `mikas decode --json`."""
         out = self.capture.with_suffix(".json")
         with out.open("w", encoding="utf-8") as file, pytest.MonkeyPatch.context() as patch:
             patch.setattr("sys.stdout", file)
             assert mikas(["decode", "--json", str(self.capture)]) == 0
-        lines = map(json.loads, out.read_text("utf-8").splitlines())
-        found = [line for line in lines if not line["echo"]]
+        return [json.loads(line) for line in out.read_text("utf-8").splitlines()]
+
+    @cached_property
+    def decoded(self):
+        """Return the frames without echoes, of a line without damage."""
+        found = [line for line in self.lines if not line["echo"]]
         assert not [line for line in found if line["type"] != "frame"]
         return found
 
@@ -245,6 +250,64 @@ def test_noise_and_framing_errors_cost_frames_and_invent_nothing(calm, folder, t
                 (role,) = (each for each in roles if each.ss <= value.ss < each.es)
                 assert value.text.rsplit(": ", 1)[-1] in role.text
             assert len(roles) > len(truth) / 2
+
+
+class TroubledDrive(Drive):
+    """Reads in three ways on a line with faults, which the tester reports as it may."""
+
+    def __init__(self, folder, seed, faults):
+        self.faults = {LineFault(name): 0.15 for name in faults}
+        super().__init__(folder, f"seed={seed}")
+
+    def drive(self, ecu):
+        link = ecu.tester.link
+        self.link.bus.fault_injector.rates = self.faults
+        for _ in range(8):
+            for names in (("TWAT", "INJ"), ("THR",)):
+                with suppress(MikasError):
+                    ecu.read(*names)
+                link.gather(link.now() + 0.003)
+        for method in ("list", "stream"):
+            with suppress(MikasError):
+                list(ecu.watch("FREQ", "INJ", method=method, count=15))
+
+    def meanings(self):
+        """Return what `mikas decode` says: the begin on the wire, the bytes, role and meaning."""
+        byte, found = self.tap.bit * BITS, []
+        for line in self.lines:
+            if line["type"] == "frame" and not line["echo"]:
+                received = line["direction"] == "received"
+                begin = line["end"] - byte * len(line["wire"]) / 2 if received else line["time"]
+                meaning = line["meaning"] and line["meaning"]["en"]
+                found.append((begin, line["wire"], KINDS[received], meaning))
+        return found
+
+
+@pytest.mark.parametrize(
+    "faults",
+    [("late",), ("cut", "lost"), ("doubled", "noise"), ("damaged", "missing-byte")],
+)
+def test_a_line_in_trouble_gets_no_other_meaning_than_from_mikas_decode(folder, tmp_path, faults):
+    for seed in (1, 11):
+        (tmp_path / str(seed)).mkdir()
+        drive = TroubledDrive(tmp_path / str(seed), seed, faults)
+        (line,) = made = signals(drive.tap, 50_000)
+        annotations = sigrok_cli(folder, FORMATS["bin"](tmp_path / "line.bin", made))
+        wires = {each.ss: each.text.replace(" ", "") for each in said(annotations, "frame")}
+        meanings, checked = drive.meanings(), 0
+        for role in said(annotations, *KINDS):
+            begin = line.begin + role.ss / line.rate
+            same = [
+                (kind, meaning)
+                for at, wire, kind, meaning in meanings
+                if abs(at - begin) < 0.003 and wire == wires[role.ss]
+            ]
+            for kind, meaning in same[:1]:
+                with case(f"seed {seed}", f"at {begin:.3f}"):
+                    assert role.kind == kind
+                    assert meaning in (None, role.text) or "not known" in role.text
+                checked += 1
+        assert checked > len(meanings) * 0.6
 
 
 def test_a_break_ends_a_stream_and_is_no_byte(folder, tmp_path):

@@ -58,6 +58,14 @@ class Commands(object):
         """Return whether a request is answered again and again (D12)."""
         return COMMANDS[request[0]]["stream"]
 
+    def size(self, request, listed):
+        """Return the length of a response, the usual one; None: not known."""
+        codes = self._codes(request, listed)
+        if codes == b"" or any(code not in PARAMETERS for code in codes or b""):
+            return None
+        row = COMMANDS[request[0]]
+        return self._length(row, row["responses"][0], self._asked(request), codes)
+
     def fits(self, request, listed, body):
         """Return whether `body` may answer `request`: sound data, or a refusal (D10)."""
         if request is None or body == REFUSAL:

@@ -128,7 +128,7 @@ class Framer(object):
             return []
         if is_whole(wire):
             self._wire = []
-            return [frame(wire, end)]
+            return parted(wire, end)
         found = damaged(wire, end)
         self._held = summed(wire) == RAW_TERMINATOR_SUM and found[-1].reason == "checksum"
         if self._held:
@@ -157,12 +157,35 @@ def frame(wire, end):
     return Message(wire + [end], None, plain, raw, irregular)
 
 
+def silence(wire, position):
+    """Return the samples between a byte and the one before it."""
+    return wire[position].ss - wire[position - 1].es
+
+
+def is_pause(wire, position):
+    """Return whether two bits' time is between a byte and the one before it."""
+    byte = wire[position]
+    return 5 * silence(wire, position) > byte.es - byte.ss
+
+
+def parted(wire, end):
+    """Return a whole frame, or the second of two, of which the first has lost its terminator.
+
+    Each sums up to nothing, so both do. Only a pause that is longer than any other parts them.
+    """
+    longest = sorted(range(1, len(wire)), key=lambda position: silence(wire, position))[-2:]
+    if longest and is_pause(wire, longest[-1]):
+        position = longest[-1]
+        alone = len(longest) == 1 or silence(wire, position) > 2 * silence(wire, longest[0])
+        if alone and is_whole(wire[:position]) and is_whole(wire[position:]):
+            return [Message(wire[:position], "unfinished"), frame(wire[position:], end)]
+    return [frame(wire, end)]
+
+
 def damaged(wire, end):
     """Return the damage, and the whole frame at its end if it stands behind a pause."""
     for position in range(1, len(wire)):
-        byte = wire[position]
-        is_pause = 5 * (byte.ss - wire[position - 1].es) > byte.es - byte.ss  # two bits
-        if is_pause and is_whole(wire[position:]):
+        if is_pause(wire, position) and is_whole(wire[position:]):
             return [Message(wire[:position], "unfinished"), frame(wire[position:], end)]
     reason = "checksum" if all(byte.sound for byte in wire) else "stop bit"
     return [Message(wire, reason)]

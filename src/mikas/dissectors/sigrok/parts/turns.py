@@ -15,7 +15,9 @@ WRITE_LIST = 0x64
 LIST_IS_SET = b"\x00"
 NOISE = b"\xff"  # a start bit in a silent line; no message is so short
 
-FREE, ASKED, STREAM, ENDING = "free", "asked", "stream", "ending"
+FREE, ASKED, ENDING = "free", "asked", "ending"
+STREAMS = ("stream", "stream, 1 to fit", "stream, 2 to fit", "stream, 3 to fit")
+STREAM, DOUBTED = STREAMS[0], STREAMS[1:]
 
 REQUEST = ("request", None, None)
 UNCLEAR = ("unclear", None, None)
@@ -32,9 +34,10 @@ class OneWire(object):
     """All courses that the messages on one wire allow.
 
     A course is (mode, request, listed, size): a request comes next (FREE), or the response to
-    `request` (ASKED), or `request` is a stream (STREAM), or a stream into which 01 was sent
-    (ENDING); `size`: of the bodies of a stream. Each has the roles that it gives to `held`, the
-    messages whose roles are not certain yet.
+    `request` (ASKED), or `request` is a stream (STREAM), or 01 was sent while responses to
+    `request` may still come (ENDING); `size`: of these responses. One message in a stream may be
+    none of it; the next ones have to fit (DOUBTED). Each course has the roles that it gives to
+    `held`, the messages whose roles are not certain yet.
     """
 
     def __init__(self, commands):
@@ -72,17 +75,31 @@ class OneWire(object):
             if self._commands.fits(request, listed, body):
                 found += self._answered(before, body)
             if asks and (gave_up or self._commands.is_unanswered(request)):
-                found.append(asked(body, listed if request is not None else None))
+                found.append(self._asked_again(before, body))
             return found
         if mode == ENDING and len(body) == 1:
             found.append((free(listed), response(STOP, listed)))
-        if len(body) == size:  # behind a 01: on its way before, or the unit did not hear that
-            found.append((before, response(STOP if mode == ENDING else request, listed)))
+        if len(body) == size:  # behind a 01: late, or the unit did not hear that
+            same = ENDING if mode == ENDING else STREAMS[max(STREAMS.index(mode) - 1, 0)]
+            role = response(STOP if mode == ENDING else request, listed)
+            found.append(((same, request, listed, size), role))
+        elif mode == STREAM and body != STOP:
+            found.append(((DOUBTED[-1], request, listed, size), UNCLEAR))
         if body == STOP:
             found.append(((ENDING, request, listed, size), REQUEST))
         elif asks and gave_up:
             found.append(asked(body, listed))
         return found
+
+    def _asked_again(self, before, body):
+        """Return the course behind a request while another one has no response."""
+        _, request, listed, _ = before
+        if request is None:
+            return asked(body, None)
+        size = self._commands.size(request, listed)
+        if body == STOP and size is not None:  # D13: the tester synchronizes
+            return ((ENDING, request, listed, size), REQUEST)
+        return asked(body, listed)
 
     def _answered(self, before, body):
         """Return the courses behind a response that fits, or may be a refusal."""
@@ -105,12 +122,16 @@ class OneWire(object):
         body = message.body
         found = []
         if mode in (FREE, ASKED) and self._commands.is_request(body):
-            found.append(asked(body, None if mode == ASKED and request is None else listed))
+            again = self._asked_again(before, body) if mode == ASKED else asked(body, listed)
+            found.append(again)
         if mode == ASKED and message.pause < PATIENCE:
             found.append((free(listed), response(request, listed)))
+            if request is not None and self._commands.is_stream(request):
+                size = self._commands.size(request, listed)
+                found.append(((STREAM, request, listed, size), response(request, listed)))
         if found:
             return found
-        kept = [before] if mode in (STREAM, ENDING) else []
+        kept = [before] if mode in DOUBTED or mode == ENDING else []
         return [(course, UNCLEAR) for course in unknown(listed) + kept]
 
     def _interrupt(self, damage):
@@ -119,12 +140,15 @@ class OneWire(object):
             return
         courses = []
         for before, roles in self._courses.items():
-            mode, _, listed, _ = before
+            mode, request, listed, _ = before
             if damage.wire[0].value == WRITE_LIST:
                 listed = None
             courses += [(course, roles) for course in unknown(listed)]
-            if mode in (STREAM, ENDING):
+            if mode in STREAMS or mode == ENDING:
                 courses.append((before, roles))
+            elif request is not None and self._commands.is_stream(request):
+                size = self._commands.size(request, listed)
+                courses.append(((STREAM, request, listed, size), roles))
         self._courses = merged(courses)
 
     def _certain(self):
