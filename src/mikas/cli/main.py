@@ -69,10 +69,6 @@ cli = LocalizedGroup(
 def main(argv: Sequence[str] | None = None) -> None:
     """Run the `mikas` command and end the process with the status of docs/reference/cli.md."""
     gc.set_threshold(_OBJECTS_BEFORE_COLLECTION)
-    if getattr(sys, "frozen", False):  # a packaged program is started anew as a worker of `fleet`
-        from multiprocessing import freeze_support
-
-        freeze_support()
     make_writable()
     with escaping():
         sys.exit(run(sys.argv[1:] if argv is None else list(argv)))

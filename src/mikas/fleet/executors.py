@@ -46,11 +46,11 @@ _LOST: Final = Text(
     "continues",
     "планировщик Dask пропал; всё законченное уже в наборе, та же команда продолжит работу",
 )
-_NO_MIKAS: Final = Text(
-    "the workers have no mikas, or another version of it; install the same one there: pip install "
-    '"mikas[dask]"',
-    "на исполнителях нет mikas или другая версия; поставьте там такую же: pip install "
-    '"mikas[dask]"',
+_UNFIT: Final = Text(
+    "the Dask scheduler or a worker can't do the work; is the same mikas installed there? "
+    'pip install "mikas[dask]"',
+    "планировщик Dask или исполнитель не может выполнить работу; стоит ли там та же версия mikas? "
+    'pip install "mikas[dask]"',
 )
 
 
@@ -210,8 +210,8 @@ class DaskRunner(Runner):
             for file in files:
                 yield Outcome(file, bad=_DIED)
             return
-        is_old = isinstance(error, ImportError | AttributeError)
-        raise FleetError(self._place, _NO_MIKAS if is_old else _LOST) from error
+        is_lost = isinstance(error, OSError | CancelledError) or "Cancelled" in kind
+        raise FleetError(self._place, _LOST if is_lost else _UNFIT) from error
 
 
 def runner_of(executor: str, workers: int) -> Runner:
