@@ -25,7 +25,7 @@ def build() -> list[Path]:
     reproducible = {"SOURCE_DATE_EPOCH": str(time_of_source()), "PYTHONHASHSEED": "1"}
     subprocess.run(
         [
-            str(python), "-m", "PyInstaller", "--noconfirm", "--log-level=WARN",
+            str(python), "-m", "PyInstaller", "--noconfirm", "--log-level=ERROR",
             f"--distpath={BUILD}", f"--workpath={BUILD / 'work'}", "mikas.spec",
         ],
         cwd=HERE, env={**environment.variables(), **reproducible}, check=True,
