@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import threading
@@ -156,6 +157,24 @@ def test_bad_files_are_named_and_passed_over(tmp_path) -> None:
     assert result.added == 1
     one_drive(tmp_path / "set")
     assert len(add_here(tmp_path / "in", to=tmp_path / "set").bad) == len(bad)
+
+
+def test_a_full_disk_ends_the_run_and_what_was_finished_stays(tmp_path, monkeypatch) -> None:
+    for number in range(4):
+        make(tmp_path / "in" / f"{number}.pcapng", began=BEGAN + number * DAY)
+    add_here(tmp_path / "in" / "0.pcapng", to=tmp_path / "set")
+    full = OSError(errno.ENOSPC, "No space left on device")
+
+    def fail(*given) -> None:
+        raise full
+
+    with monkeypatch.context() as patched:
+        patched.setattr("mikas.fleet.stores.DiskStore._rename", fail)
+        with pytest.raises(FleetError, match="make room") as failed:
+            add_here(tmp_path / "in", to=tmp_path / "set")
+        assert failed.value.place == str(tmp_path / "set")
+    assert ask(tmp_path / "set", TOTAL) == [(239, 1, 1)]
+    assert counts(add_here(tmp_path / "in", to=tmp_path / "set")) == (3, 0, 1, 0)
 
 
 def test_damage_inside_is_counted_and_the_rest_is_added(tmp_path) -> None:

@@ -16,7 +16,7 @@ from hashlib import sha256
 from uuid import uuid4
 
 from mikas.catalog import Catalog
-from mikas.errors import MikasError, usage_error
+from mikas.errors import FleetError, MikasError, usage_error
 from mikas.fleet.executors import Runner
 from mikas.fleet.interpreting import Settings
 from mikas.fleet.job import HEAD, Outcome, digest_of, work
@@ -112,6 +112,8 @@ def _take(outcome: Outcome, ledger: Ledger, result: Added) -> None:
     file, entry = outcome.file, outcome.entry
     if entry is None:
         reason = outcome.bad or Text("", "")
+        if outcome.ends:
+            raise FleetError(shown(ledger.files.place), reason)
         result.bad.append(BadFile(shown(file.url), reason))
         return
     if not outcome.is_new:

@@ -6,6 +6,7 @@ comes of the file. The files that it writes count only when `adding` has entered
 
 from __future__ import annotations
 
+import errno
 from dataclasses import dataclass, replace
 from hashlib import sha256
 from pathlib import Path, PurePath
@@ -26,6 +27,7 @@ _BLOCK: Final = 1 << 20
 HEAD: Final = 4096
 """Bytes by which recordings are found that may be states of one."""
 
+_NO_ROOM: Final = (errno.ENOSPC, errno.EDQUOT, errno.EROFS)
 LARGEST: Final = 2 << 30
 """Bytes of a recording; a line at 9600 baud makes some 200 MB in a day and night."""
 
@@ -46,7 +48,8 @@ _BUG: Final = Text(
 @dataclass(frozen=True, slots=True)
 class Outcome:
     """What became of a file. `entry`: of its recording; `is_new`: its tables were written now;
-    `opening`: its first bytes. Without an entry: `bad`, why nothing was read.
+    `opening`: its first bytes. Without an entry: `bad`, why nothing was read; `ends`: it would be
+    the same for every other file.
     """
 
     file: FoundFile
@@ -54,6 +57,7 @@ class Outcome:
     is_new: bool = False
     opening: bytes = b""
     bad: Text | None = None
+    ends: bool = False
 
 
 def work(file: FoundFile, dataset: str, settings: Settings, run: str = "") -> Outcome:
@@ -70,13 +74,11 @@ def work(file: FoundFile, dataset: str, settings: Settings, run: str = "") -> Ou
     except CaptureError as error:
         return Outcome(file, bad=error.problem)
     except FleetError as error:
-        if error.place == shown(file.url):
-            return Outcome(file, bad=error.problem)
-        return Outcome(file, bad=error.reason)
+        return Outcome(file, bad=error.problem, ends=error.place != shown(file.url))
     except MikasError as error:
         return Outcome(file, bad=error.reason)
     except (UnfitFile, OSError) as error:
-        return Outcome(file, bad=reason_of(error))
+        return Outcome(file, bad=reason_of(error), ends=error.errno in _NO_ROOM)
     except Exception as error:  # one file must not end the work on all others
         return Outcome(file, bad=_BUG.filled(kind=f"{type(error).__name__}: {error}"[:300]))
 
