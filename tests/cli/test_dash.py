@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import sys
+
 import pytest
 
+from mikas.cli import desktop
 from mikas.cli.main import run
 from mikas.client.connecting import STATE_VARIABLE
 from mikas.dashboard.settings import VirtualCars
@@ -78,3 +81,22 @@ def test_a_damaged_file_of_the_users_is_reported(started, tmp_path, monkeypatch)
     err = started()[1]
     assert "presets.json: the content is damaged, nothing of it is used" in err
     assert "keeps it as presets.json.broken" in err
+
+
+def test_without_a_console_the_icon_starts_the_same(monkeypatch):
+    """A Windows program without a console has no streams to write to."""
+    started = []
+
+    def run(argv):
+        sys.stdout.write("unheard")
+        sys.stderr.write("unheard")
+        started.append(argv)
+        sys.stdout.close()
+        sys.stderr.close()
+
+    monkeypatch.setattr("mikas.cli.main.main", run)
+    monkeypatch.setattr("sys.argv", ["mikas-dashboard", "--lan"])
+    monkeypatch.setattr("sys.stdout", None)
+    monkeypatch.setattr("sys.stderr", None)
+    desktop.main()
+    assert started == [["dash", "--desktop", "--lan"]]
