@@ -14,6 +14,8 @@ from fleet_rig import BEGAN, DAY, SETTINGS, add_here, ask, counts, files_of, mak
 from mikas.catalog import load
 from mikas.client.cars import CarDetails
 from mikas.errors import FleetError, UsageError
+from mikas.fleet.adding import add, plan
+from mikas.fleet.executors import HereRunner
 from mikas.fleet.interpreting import Settings
 from mikas.fleet.job import LARGEST
 from mikas.fleet.ledger import FOLDER, MARKER, open_ledger
@@ -75,6 +77,23 @@ def test_a_beginning_next_to_the_whole_recording_does_not_count(tmp_path) -> Non
     (tmp_path / "later.pcapng").write_bytes(half[:-100])
     assert counts(add_here(tmp_path / "later.pcapng", to=tmp_path / "set")) == (0, 0, 1, 0)
     one_drive(tmp_path / "set")
+    places = [str(tmp_path / "later.pcapng"), str(tmp_path / "in")]
+    assert plan(places, str(tmp_path / "set"), SETTINGS).files == ()  # nothing is read again
+
+
+def test_copies_that_two_workers_read_at_once_count_once(tmp_path) -> None:
+    file = make(tmp_path / "in" / "a.pcapng")
+    (tmp_path / "in" / "b.pcapng").write_bytes(file.read_bytes())
+    planned = plan([str(tmp_path / "in")], str(tmp_path / "set"), SETTINGS)
+
+    class Both(HereRunner):
+        def outcomes(self, work, files):
+            yield from [work(it) for it in files]  # before the first of them counts
+
+    result = add(planned, str(tmp_path / "set"), SETTINGS, Both())
+    assert counts(result) == (1, 0, 1, 0)
+    one_drive(tmp_path / "set")
+    assert plan([str(tmp_path / "in")], str(tmp_path / "set"), SETTINGS).files == ()
 
 
 def test_a_note_at_the_end_moves_a_recording_to_another_car(tmp_path) -> None:

@@ -121,15 +121,22 @@ def _take(outcome: Outcome, ledger: Ledger, result: Added) -> None:
         ledger.entries.setdefault(entry.key, entry)  # of another run
         ledger.note_source(entry.key, file.url, file.stamp)
         return
-    if entry.key in ledger.replaced() or _has_longer(file, entry, ledger):
+    before = ledger.entries.get(entry.key)
+    if before is not None and before.is_current(entry.version, entry.given):  # a copy, meanwhile
+        result.skipped += 1
+        ledger.note_source(entry.key, file.url, file.stamp)
+        return
+    if (longer := _longer(file, entry, ledger)) is not None:
         result.skipped += 1
         for name in entry.files:
             ledger.files.remove(name)
+        ledger.note_source(longer.key, file.url, file.stamp)
         return
     older = list(_earlier(file, entry, outcome.opening, ledger))
-    before = ledger.entries.get(entry.key)
     replaces = dict.fromkeys(key for it in older for key in (it.key, *it.replaces))
-    sources = {**(before.sources if before else {}), **entry.sources}
+    sources: dict[str, str] = {}
+    for each in (*older, *([before] if before else []), entry):
+        sources |= each.sources
     kept = before.replaces if before else ()
     entry = replace(entry, replaces=(*kept, *replaces), sources=sources)
     ledger.commit(entry, older)
@@ -164,13 +171,14 @@ def _begins(url: str, known: Entry) -> bool:
     return False
 
 
-def _has_longer(file: FoundFile, entry: Entry, ledger: Ledger) -> bool:
-    """Return whether a longer recording in the dataset begins with this one's content."""
-    near = (
-        known
-        for known in ledger.entries.values()
-        if known.head == entry.head
-        and known.bytes > entry.bytes
-        and shown(file.url) not in known.sources
-    )
-    return any(_begins(url, entry) for known in near for url in known.sources)
+def _longer(file: FoundFile, entry: Entry, ledger: Ledger) -> Entry | None:
+    """Return the recording in the dataset that begins with this one's content."""
+    for known in ledger.entries.values():
+        if entry.key in known.replaces:
+            return known
+    for known in ledger.entries.values():
+        near = known.head == entry.head and known.bytes > entry.bytes
+        elsewhere = near and shown(file.url) not in known.sources
+        if elsewhere and any(_begins(url, entry) for url in known.sources):
+            return known
+    return None

@@ -118,10 +118,6 @@ class Ledger:
         gone = {name for entry in found.values() for name in entry.obsolete}
         self.entries = {key: entry for key, entry in found.items() if entry.name not in gone}
 
-    def replaced(self) -> set[str]:
-        """Return the keys of earlier states of recordings."""
-        return {key for entry in self.entries.values() for key in entry.replaces}
-
     def commit(self, entry: Entry, older: Iterable[Entry] = ()) -> None:
         """Let an entry count, and its former self and `older` ones no more."""
         gone: list[str] = []
