@@ -38,6 +38,13 @@ def test_add_says_what_it_did(mikas, recordings) -> None:
     assert mikas("fleet", "sql", "set", "SELECT DISTINCT car FROM drives").lines == ["car", "МОЯ"]
 
 
+def test_add_says_that_a_folder_has_no_recordings(mikas, tmp_path) -> None:
+    (tmp_path / "empty").mkdir()
+    ran = mikas("fleet", "add", "empty", "--to", "set")
+    assert ran.status == 0
+    assert ran.err.startswith("There are no recordings (.pcapng).\nset: 0 recordings added")
+
+
 def test_add_in_json_and_its_status_with_a_bad_file(mikas, recordings) -> None:
     (recordings / "\x1b[31mbad.pcapng").write_text("no")
     ran = mikas("fleet", "add", "in", "--to", "set", "--json")

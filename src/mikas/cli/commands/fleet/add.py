@@ -103,6 +103,8 @@ def add(
     try:
         planned = plan(folders, dataset, settings)
         count = len(planned.files)
+        if not count + planned.skipped:
+            context.say("There are no recordings (.pcapng).", "Записей (.pcapng) там нет.")
         with progress(tr("recordings", "записи"), count, speed=False) as advance:
             added = run(planned, dataset, settings, runner, lambda _: advance(1))
     except KeyboardInterrupt:
