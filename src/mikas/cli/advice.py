@@ -7,6 +7,8 @@ from typing import Final
 from mikas.errors import (
     AdviceTable,
     AnswersLate,
+    BrokerNotTrusted,
+    BrokerRefused,
     DiskFull,
     EchoDiffers,
     EchoOnly,
@@ -86,6 +88,16 @@ _HINTS = {
     NotSupported: Text(
         "`mikas info` shows the commands of this one.",
         "Команды этого блока показывает `mikas info`.",
+    ),
+    BrokerRefused: Text(
+        "Name and password are given by `--user` and `--password-file`, or by MIKAS_MQTT_USER and "
+        "MIKAS_MQTT_PASSWORD.",
+        "Имя и пароль задают ключи `--user` и `--password-file` или переменные MIKAS_MQTT_USER и "
+        "MIKAS_MQTT_PASSWORD.",
+    ),
+    BrokerNotTrusted: Text(
+        "`--tls-ca FILE` names the certificate of your own authority.",
+        "Сертификат своего центра указывает `--tls-ca FILE`.",
     ),
     ListLost: Text("`mikas list set` does that.", "Это делает `mikas list set`."),
     UnknownParameter: Text(

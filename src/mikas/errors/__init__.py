@@ -31,7 +31,13 @@
     │   │   └── RecordingOver          the recording played by `replay:` has ended
     │   ├── NoEcho                     nothing received, not even the echo (D1)
     │   ├── EchoOnly                   echo received, no response from the ECU (D1)
-    │   └── NotAKLineAdapter           an ELM327 instead of a plain adapter
+    │   ├── NotAKLineAdapter           an ELM327 instead of a plain adapter
+    │   └── NoBroker                   no connection to an MQTT broker
+    │       ├── BrokerNotFound         the name of its computer is unknown
+    │       ├── BrokerUnreachable      nothing answers there as a broker does
+    │       ├── BrokerRefused          it does not let this client in
+    │       ├── BrokerNotTrusted       its certificate can't be verified
+    │       └── BrokerLost             the connection broke off
     ├── LineError                      the ECU is there, the exchange failed
     │   ├── NoResponse (TimeoutError)  silence, D14
     │   │   └── EngineStopped          no response to a stream by strokes (D15)
@@ -63,6 +69,12 @@ from mikas.errors.base import UnfitFile as UnfitFile
 from mikas.errors.base import hex_dump as hex_dump
 from mikas.errors.base import reason_at as reason_at
 from mikas.errors.base import reason_of as reason_of
+from mikas.errors.broker import BrokerLost as BrokerLost
+from mikas.errors.broker import BrokerNotFound as BrokerNotFound
+from mikas.errors.broker import BrokerNotTrusted as BrokerNotTrusted
+from mikas.errors.broker import BrokerRefused as BrokerRefused
+from mikas.errors.broker import BrokerUnreachable as BrokerUnreachable
+from mikas.errors.broker import NoBroker as NoBroker
 from mikas.errors.connection import AdapterTaken as AdapterTaken
 from mikas.errors.connection import AdapterWithoutDriver as AdapterWithoutDriver
 from mikas.errors.connection import AnotherAdapter as AnotherAdapter
