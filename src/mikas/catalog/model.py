@@ -350,6 +350,18 @@ class Fault:
         """Whether the number has a text."""
         return self.confidence is not Confidence.UNKNOWN
 
+    def as_json(self) -> dict[str, object]:
+        """Return number and texts; the texts of an unknown number are empty."""
+        return {
+            "code": self.code,
+            "text": self.text._asdict(),
+            "confidence": self.confidence,
+            "check": self.check._asdict(),
+            "parameters": self.parameters,
+            "sensor": self.sensor,
+            "informational": self.informational,
+        }
+
 
 @dataclass(frozen=True, slots=True)
 class Model:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import click
 
@@ -34,7 +33,7 @@ def faults(context: CommandContext, action: str | None, *, yes: bool) -> None:
     with context.ecu() as ecu:
         stored = ecu.faults()
     if context.output.json:
-        context.output.data({"count": len(stored), "faults": [_as_json(fault) for fault in stored]})
+        context.output.data({"count": len(stored), "faults": [fault.as_json() for fault in stored]})
     else:
         _show(context, stored)
 
@@ -99,14 +98,3 @@ def _confidence(confidence: Confidence) -> str:
         Confidence.UNCONFIRMED: tr("unconfirmed", "не подтверждено"),
         Confidence.UNKNOWN: tr("unknown", "неизвестно"),
     }[confidence]
-
-
-def _as_json(fault: Fault) -> dict[str, Any]:
-    return {
-        "code": fault.code,
-        "text": fault.text._asdict(),  # empty for an unknown one
-        "confidence": fault.confidence,
-        "check": fault.check._asdict(),
-        "parameters": fault.parameters,
-        "sensor": fault.sensor,
-    }
