@@ -1,4 +1,4 @@
-"""One session of `watch`, `log` or `demo`: the acquisition, the recorder beside it, and their end.
+"""One session of `watch`, `log` or `publish`: the acquisition, the recorder and their end.
 
     link ──► Acquisition.run ──► Recorder.take ──► events ──► display
 
@@ -62,10 +62,11 @@ class SamplingRun:
         self.answered = False  # a unit, at least once
         self.connected = False  # to a unit that has given values, or that is identified
         self.waiting: StateChanged | None = None  # the broken state of the line
-        self.reads_faults = False
-        """Whether the stored faults are read at the begin and the end of the recording, and when
-        they change. Not from time to time under a stream, which each reading would interrupt."""
+        self.wants_faults: Callable[[], bool] = lambda: False
+        """Whether the stored faults are to be read at the begin and the end, and when they change.
+        """
         self.faults = FaultWatch(in_streams=None)
+        """Not from time to time under a stream, which each reading would interrupt."""
         self.samples = 0
         self.gap_cycles = 0
         self.seconds = 0.0
@@ -123,7 +124,7 @@ class SamplingRun:
 
     def _faults_read(self, event: Event) -> Iterator[Event]:
         """Queue a reading of the faults where it is due; yield those that were made."""
-        if self._records and self.faults.is_due(event):
+        if self.wants_faults() and self.faults.is_due(event):
             self.acquisition.call(self.read_faults)
         while self._readings:
             yield self._readings.popleft()
@@ -145,13 +146,15 @@ class SamplingRun:
         return True
 
     @property
-    def _records(self) -> bool:
-        status = self.recorder.status
-        return self.reads_faults and status is not None and status.failure is None
-
-    @property
     def _can_read(self) -> bool:
-        return self._records and self.samples > 0 and not (self.waiting or self.faults.refused)
+        if not self.wants_faults() or self.faults.refused:
+            return False
+        return self.samples > 0 and self.waiting is None
+
+    def is_recording(self) -> bool:
+        """Return whether a file takes what is read."""
+        status = self.recorder.status
+        return status is not None and status.failure is None
 
     def _end(self, events: Iterator[Event]) -> Iterator[Event]:
         """Read the faults before the recording ends, for a second of events at most."""
@@ -219,11 +222,13 @@ def sampling_session(
     out: Path | None = None,
     *,
     joined: bool = True,
+    patient: bool = False,
     car: Callable[[UnitFound], Note | None] | None = None,
 ) -> Iterator[SamplingRun]:
     """Open a run on the port `ahead`; everything on the wire is recorded to `out`, if given.
 
-    `car`: gives the recording's note on a unit's car.
+    `patient`: the first connection is waited for, too. `car`: gives the recording's note on a
+    unit's car.
     """
     port = ahead.url
     recorder = Recorder(interpretation=context.options.interpretation, joined=joined, car=car)
@@ -234,7 +239,7 @@ def sampling_session(
         options.names,
         method=options.method,
         rate=options.rate,
-        strict=True,
+        strict=not patient,
     )
     if context.relearn:
         acquisition.relearn()

@@ -121,7 +121,7 @@ def _record(context: CommandContext, current: SamplingRun, rotate: Portion | Non
     output = context.output
     progress = StatusLine(output, lambda: _progress(current))
     rotation = _FileRotation(current, rotate)
-    current.reads_faults = True
+    current.wants_faults = current.is_recording
     try:
         show = partial(_show_typed, progress) if progress.live else None
         with Marking(current.recorder, progress.note, show), _last_reading(current):
