@@ -1,0 +1,321 @@
+"""The connection to the broker, kept by a thread with an event loop of its own.
+
+    connect ─► retained messages ─► "online" ─► whatever comes ─► "offline", disconnect
+       ▲                                             │ lost
+       └──────── 1 s, 2 s, 4 s … half a minute ◄─────┘
+
+The last will is "offline" too: the broker sends it when the process is killed or the network fails.
+"online" comes behind the retained messages, so that nobody sees an old state as the present one.
+
+The library is blocking where it resolves names and opens sockets. That is done in daemon threads:
+the end of the program waits for none of them.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import random
+import threading
+from collections.abc import Callable, Coroutine, Iterable
+from concurrent.futures import Future, ThreadPoolExecutor, wait
+from contextlib import suppress
+from dataclasses import dataclass
+from math import inf
+from typing import TYPE_CHECKING, Any, Final, ParamSpec, TypeVar
+
+from mikas.errors import BrokerLost, MissingExtra, NoBroker
+from mikas.publish.broker import Broker
+from mikas.publish.failures import connecting_failed, connection_lost
+from mikas.publish.message import Message
+from mikas.publish.outbox import Lost, Outbox
+
+if TYPE_CHECKING:
+    from aiomqtt import Client
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+KEEP_ALIVE: Final = 15  # s; after one and a half of them without a sign of life comes the last will
+_ANSWER: Final = 10.0  # s for the broker's answer
+_FIRST_PAUSE: Final = 1.0  # s
+_LONGEST_PAUSE: Final = 30.0
+_SHORT: Final = 10.0  # s; a connection that breaks off sooner was hardly one
+_OFTEN: Final = 2
+_SLICE: Final = 0.5  # s
+_KEPT: Final = 1.0  # s for a message that the broker keeps, if it does
+LONGEST_END: Final = 2.0  # s in which the last messages are sent
+
+_logger = logging.getLogger("mikas.publish")
+_logger.addHandler(logging.NullHandler())
+
+
+@dataclass(frozen=True, slots=True)
+class BrokerChange:
+    """The connection came about (`error` None), or failed. `lost`: what had no room meanwhile."""
+
+    error: NoBroker | None = None
+    lost: Lost = Lost()  # noqa: RUF009  (immutable)
+
+    @property
+    def is_connected(self) -> bool:
+        """Whether the broker has been reached."""
+        return self.error is None
+
+
+class BrokerConnection:
+    """Sends what `outbox` has. `online` and `offline`: the messages of begin and end.
+
+    `on_kept` gets what the broker keeps of `kept_topic` before the first message is sent. Both
+    functions are called in the connection's thread. Raises `MissingExtra` without aiomqtt.
+    """
+
+    def __init__(
+        self,
+        broker: Broker,
+        outbox: Outbox,
+        *,
+        client_id: str,
+        online: Message,
+        offline: Message,
+        on_change: Callable[[BrokerChange], None] = lambda _: None,
+        kept_topic: str | None = None,
+        on_kept: Callable[[bytes], None] = lambda _: None,
+    ) -> None:
+        check_library()
+        self.sent = 0
+        """The number of messages that the broker has got."""
+        self.is_connected = False
+        self._broker = broker
+        self._outbox = outbox
+        self._client_id = client_id
+        self._online = online
+        self._offline = offline
+        self._on_change = on_change
+        self._kept_topic = kept_topic
+        self._on_kept = on_kept
+        self._first: Future[None] = Future()  # the first attempt
+        self._loop: asyncio.AbstractEventLoop | None = None
+        self._wakeup = asyncio.Event()
+        self._stopping = asyncio.Event()
+        self._patient = False
+        self._bug: Exception | None = None
+        self._short = 0  # connections in a row that broke off soon
+        self._thread = threading.Thread(target=self._run, name="mqtt", daemon=True)
+
+    def open(self, *, patient: bool = False) -> None:
+        """Connect. Raises a `NoBroker` if the first attempt fails, unless `patient`.
+
+        After that, and if `patient`, it is tried again without end.
+        """
+        self._patient = patient
+        self._thread.start()
+        while not (patient or self._first.done()):
+            wait([self._first], timeout=_SLICE)  # without a time-out, Windows ignores Ctrl-C
+        if not patient:
+            self._first.result()
+
+    def send(self, messages: Iterable[Message]) -> None:
+        """Send messages as soon as possible; never waits. Raises what has ended the thread."""
+        if self._bug is not None:
+            raise self._bug
+        self._outbox.put(messages)
+        self._call(self._wakeup.set)
+
+    def close(self) -> None:
+        """Send the last messages and "offline", then disconnect; two seconds at most."""
+        self._call(self._stop)
+        if self._thread.ident is not None:
+            self._thread.join(LONGEST_END + 1)
+
+    def _stop(self) -> None:
+        self._stopping.set()
+        self._wakeup.set()
+
+    def _call(self, function: Callable[[], object]) -> None:
+        loop = self._loop
+        if loop is not None:
+            with suppress(RuntimeError):  # the loop has ended
+                loop.call_soon_threadsafe(function)
+
+    # In the thread
+
+    def _run(self) -> None:
+        # The library watches sockets, which Windows' usual loop can't.
+        with asyncio.Runner(loop_factory=asyncio.SelectorEventLoop) as runner:
+            self._loop = runner.get_loop()
+            self._loop.set_default_executor(_DaemonThreads())
+            try:
+                runner.run(self._keep())
+            except Exception as error:  # any: a bug, which the caller has to see
+                self._bug = error
+                if not self._first.done():
+                    self._first.set_exception(error)
+
+    async def _keep(self) -> None:
+        """Connect, and connect again after each failure, until `close`."""
+        loop, pause = asyncio.get_running_loop(), _FIRST_PAUSE
+        reported: type[NoBroker] | None = None
+        while not self._stopping.is_set():
+            began = loop.time()
+            error = await self._until_stopped(self._session())
+            if error is None:
+                continue
+            if not (self._first.done() or self._patient):
+                self._first.set_exception(error)
+                return
+            if isinstance(error, BrokerLost):
+                lasted = loop.time() - began
+                self._short = self._short + 1 if lasted < _SHORT else 0
+                pause = pause if self._short else _FIRST_PAUSE
+                reported = None
+            if type(error) is not reported:
+                reported = type(error)
+                self._on_change(BrokerChange(error))
+            _logger.info("%s", error.reason.en)
+            with suppress(TimeoutError):
+                # Not all cars of a fleet at the same moment.
+                await asyncio.wait_for(self._stopping.wait(), pause * random.uniform(0.5, 1))
+            pause = min(2 * pause, _LONGEST_PAUSE)
+
+    async def _until_stopped(
+        self, session: Coroutine[Any, Any, NoBroker | None]
+    ) -> NoBroker | None:
+        """Return the end of `session`; after `close` it has two seconds, or none to connect."""
+        running = asyncio.create_task(session)
+        stopping = asyncio.create_task(self._stopping.wait())
+        await asyncio.wait({running, stopping}, return_when=asyncio.FIRST_COMPLETED)
+        stopping.cancel()
+        if not running.done():
+            left = LONGEST_END if self.is_connected else 0.0
+            await asyncio.wait({running}, timeout=left)
+            running.cancel()
+        with suppress(asyncio.CancelledError):
+            return await running
+        return None
+
+    async def _session(self) -> NoBroker | None:
+        """Connect and send until the connection breaks off, or until `close`."""
+        from aiomqtt import MqttError
+
+        reached = False
+        try:
+            async with self._client() as client:
+                reached = True
+                await self._read_kept(client)
+                await self._serve(client)
+        except (MqttError, OSError, UnicodeError) as error:
+            if not reached:
+                return connecting_failed(self._broker.url, error)
+            return connection_lost(self._broker.url, error, again=self._short >= _OFTEN)
+        finally:
+            self.is_connected = False
+            self._outbox.disconnected()
+        return None
+
+    def _client(self) -> Client:
+        from aiomqtt import Client, Will
+
+        broker, last = self._broker, self._offline
+        return Client(
+            broker.host,
+            broker.port,
+            username=broker.user,
+            password=broker.password,
+            tls_context=broker.tls,
+            identifier=self._client_id,
+            clean_session=True,
+            keepalive=KEEP_ALIVE,
+            timeout=_ANSWER,
+            will=Will(last.topic, last.payload, last.qos, last.retain),
+            logger=_logger,
+        )
+
+    async def _read_kept(self, client: Client) -> None:
+        """Read what the broker keeps of the topic, once; it comes right after the subscription."""
+        if self._kept_topic is None:
+            return
+        topic = self._kept_topic
+        await client.subscribe(topic, qos=1)
+        with suppress(TimeoutError):
+            async with asyncio.timeout(_KEPT):
+                async for message in client.messages:
+                    if message.topic.value == topic and isinstance(message.payload, bytes):
+                        self._on_kept(message.payload)
+                        break
+        await client.unsubscribe(topic)
+        self._kept_topic = None
+
+    async def _serve(self, client: Client) -> None:
+        sending = asyncio.create_task(self._send(client))
+        watching = asyncio.create_task(_watch(client))
+        try:
+            done, _ = await asyncio.wait({sending, watching}, return_when=asyncio.FIRST_COMPLETED)
+            for task in done:
+                task.result()
+        finally:
+            for task in (sending, watching):
+                task.cancel()
+            await asyncio.gather(sending, watching, return_exceptions=True)
+
+    async def _send(self, client: Client) -> None:
+        """Send what the outbox has, and "offline" after `close`."""
+        loop, lost = asyncio.get_running_loop(), self._outbox.connected()
+        until = inf
+        while True:
+            if self._stopping.is_set():
+                until = min(until, loop.time() + LONGEST_END / 2)
+            self._wakeup.clear()
+            message = self._outbox.next()
+            if not self.is_connected and (message is None or not message.retain):
+                await self._publish(client, self._online)
+                self._report_connected(lost)
+            elif message is not None and loop.time() < until:
+                await self._publish(client, message)
+                self._outbox.sent(message)
+                self.sent += 1
+            elif until < inf:
+                await self._publish(client, self._offline)
+                return
+            else:
+                await self._wakeup.wait()
+
+    async def _publish(self, client: Client, message: Message) -> None:
+        await client.publish(message.topic, message.payload, message.qos, message.retain)
+
+    def _report_connected(self, lost: Lost) -> None:
+        self.is_connected = True
+        if not self._first.done():
+            self._first.set_result(None)
+        self._on_change(BrokerChange(lost=lost))
+
+
+async def _watch(client: Client) -> None:
+    """Wait until the connection breaks off, and raise its error."""
+    async for _ in client.messages:
+        pass
+
+
+def check_library() -> None:
+    """Raise `MissingExtra` without the client library."""
+    try:
+        import aiomqtt  # noqa: F401
+    except ImportError as error:
+        raise MissingExtra(feature="MQTT", extra="mqtt") from error
+
+
+class _DaemonThreads(ThreadPoolExecutor):
+    """Runs each call in a daemon thread of its own: the exit of the program waits for none."""
+
+    def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
+        future: Future[T] = Future()
+
+        def call(result: Future[T]) -> None:
+            try:
+                result.set_result(fn(*args, **kwargs))
+            except BaseException as error:  # any: it belongs to the caller
+                result.set_exception(error)
+                del result  # or the error's traceback would keep it, and it the error
+
+        threading.Thread(target=call, args=(future,), daemon=True).start()
+        return future

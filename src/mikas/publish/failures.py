@@ -1,0 +1,101 @@
+"""The error of a connection to the broker, by what the system and the client library report."""
+
+from __future__ import annotations
+
+import socket
+import ssl
+from typing import TYPE_CHECKING, Final
+
+from mikas.errors import (
+    BrokerLost,
+    BrokerNotFound,
+    BrokerNotTrusted,
+    BrokerRefused,
+    BrokerUnreachable,
+    NoBroker,
+    reason_of,
+)
+from mikas.i18n import Text
+
+if TYPE_CHECKING:
+    from aiomqtt import MqttError
+
+_NO_LISTENER: Final = Text("nothing listens at this port there", "этот порт там никто не слушает")
+_NO_ANSWER: Final = Text("no answer within seconds", "нет ответа несколько секунд")
+_NOT_MQTT: Final = Text(
+    "it takes the connection, and does not answer as a broker does (a port with TLS, to be written "
+    "mqtts://, or another program)",
+    "соединение принято, но ответ — не брокера (порт с TLS, его адрес пишется mqtts://, или другая "
+    "программа)",
+)
+_NOT_TLS: Final = Text(
+    "it does not speak TLS there (without TLS the address begins with mqtt://)",
+    "там нет TLS (без TLS адрес начинается с mqtt://)",
+)
+_TLS_REFUSED: Final = Text(
+    "it does not accept our TLS: {words} (it may demand a certificate of ours)",
+    "ему не подходит наш TLS: {words} (возможно, он требует от нас сертификат)",
+)
+_NO_TRUST: Final = {
+    10: Text("it has expired", "срок его действия истёк"),
+    9: Text("it is not valid yet", "срок его действия ещё не начался"),
+    18: Text("the broker has signed it itself", "брокер подписал его сам"),
+    19: Text("its authority is unknown here", "его центр сертификации здесь неизвестен"),
+    20: Text("its authority is unknown here", "его центр сертификации здесь неизвестен"),
+    62: Text("it is for another name", "он выдан на другое имя"),
+    64: Text("it is for another address", "он выдан на другой адрес"),
+}
+"""By OpenSSL's number of a failed verification."""
+_REFUSALS: Final = {
+    132: Text("it does not speak MQTT 3.1.1", "он не знает MQTT 3.1.1"),
+    133: Text("the client id is not allowed", "такой идентификатор клиента не разрешён"),
+    134: Text("wrong user name or password", "неверное имя или пароль"),
+    135: Text("not authorized", "нет доступа"),
+    136: Text("it is not ready", "он не готов к работе"),
+}
+"""By the reason code that the client library makes of the broker's return code."""
+_SAME_CLIENT: Final = Text(
+    "That is so each time: does another program publish under the same topic? The broker lets in "
+    "one client of a name.",
+    "Так каждый раз: не публикует ли в ту же тему другая программа? Клиента с одним именем брокер "
+    "пускает только одного.",
+)
+_CLOSED: Final = Text("the broker has closed it", "её закрыл брокер")
+
+
+def connecting_failed(url: str, error: MqttError | OSError | UnicodeError) -> NoBroker:
+    """Return the error of a connection that did not come about."""
+    from aiomqtt import MqttCodeError
+    from paho.mqtt.reasoncodes import ReasonCode
+
+    if isinstance(error, MqttCodeError):
+        code = error.rc.value if isinstance(error.rc, ReasonCode) else error.rc or 0
+        words = str(error)
+        return BrokerRefused(url=url, problem=_REFUSALS.get(code, Text(words, words)))
+    match cause := error if isinstance(error, OSError | UnicodeError) else error.__context__:
+        case ssl.SSLCertVerificationError():
+            words = cause.verify_message
+            problem = _NO_TRUST.get(cause.verify_code, Text(words, words))
+            return BrokerNotTrusted(url=url, problem=problem)
+        case ssl.SSLError():
+            if "ALERT" in (cause.reason or ""):
+                words = (cause.reason or "").replace("_", " ").lower()
+                return BrokerRefused(url=url, problem=_TLS_REFUSED.filled(words=words))
+            return BrokerUnreachable(url=url, problem=_NOT_TLS)
+        case socket.gaierror() | UnicodeError():  # a name that no computer can have
+            return BrokerNotFound(url=url)
+        case ConnectionRefusedError():
+            return BrokerUnreachable(url=url, problem=_NO_LISTENER)
+        case ConnectionResetError() | BrokenPipeError():
+            return BrokerUnreachable(url=url, problem=_NOT_MQTT)
+        case OSError() if cause.errno is not None:
+            return BrokerUnreachable(url=url, problem=reason_of(cause))
+        case OSError():  # a time-out has no number
+            return BrokerUnreachable(url=url, problem=_NO_ANSWER)
+    return BrokerUnreachable(url=url, problem=_NOT_MQTT)
+
+
+def connection_lost(url: str, error: Exception, *, again: bool) -> BrokerLost:
+    """Return the error of a connection that broke off. `again`: as the ones before, at once."""
+    problem = _NO_ANSWER if "timed out" in str(error) else _CLOSED
+    return BrokerLost(url=url, problem=problem, advice=_SAME_CLIENT if again else None)

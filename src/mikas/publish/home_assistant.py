@@ -1,0 +1,283 @@
+"""The car as a device of Home Assistant, by its MQTT discovery of devices (2024.12 or newer).
+
+One retained message names every entity, its topic and the template that takes its value from our
+JSON. Home Assistant has one name for each entity: it is in the language of the command.
+
+What the unit gives is available only while the program runs *and* the line is sampling. A value
+that was not read is JSON's null, which the template makes `None`: the entity is then “unknown”.
+`expire_after` is for a broker that keeps the connection and gets nothing more.
+"""
+
+from __future__ import annotations
+
+import itertools
+import json
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, Final, NamedTuple
+
+from mikas.catalog import Derived, Level, Parameter
+from mikas.cleaning import clean_line
+from mikas.i18n import Language, Text
+from mikas.publish.message import Kind, Message, compact
+from mikas.publish.publication import STATES
+from mikas.publish.topics import Topics, check_topic, identifier
+from mikas.publish.values import unit_of
+from mikas.sampling.events import LineState, UnitFound
+from mikas.sampling.fault_watch import MINERR
+
+DISCOVERY_PREFIX: Final = "homeassistant"
+_URL: Final = "https://github.com/mikas-diagnostics/mikas"
+_EXPIRES: Final = 30.0  # s without a message, or five intervals if these are longer
+
+
+_MOST_ENTITIES: Final = 1000
+_KEY: Final = re.compile("[A-Za-z0-9_-]{1,200}")
+_PLATFORMS: Final = ("sensor", "binary_sensor")
+
+
+class _Unit(NamedTuple):
+    """A unit in Home Assistant's spelling, and the class of sensors that have it."""
+
+    spelling: str
+    device_class: str | None = None
+
+
+_UNITS: Final = {
+    "°C": _Unit("°C", "temperature"),
+    "V": _Unit("V", "voltage"),
+    "mV": _Unit("mV", "voltage"),
+    "A": _Unit("A", "current"),
+    "mA": _Unit("mA", "current"),
+    "Hz": _Unit("Hz", "frequency"),
+    "ms": _Unit("ms", "duration"),
+    "s": _Unit("s", "duration"),
+    "h": _Unit("h", "duration"),
+    "Pa": _Unit("Pa", "pressure"),
+    "hPa": _Unit("hPa", "pressure"),
+    "kPa": _Unit("kPa", "pressure"),
+    "mbar": _Unit("mbar", "pressure"),
+    "bar": _Unit("bar", "pressure"),
+    "km/h": _Unit("km/h", "speed"),
+    "km": _Unit("km", "distance"),
+    "kW": _Unit("kW", "power"),
+    "l": _Unit("L", "volume"),
+    "l/h": _Unit("L/h"),  # a flow rate, but for versions before 2025.7
+    "° crank": _Unit("°"),
+}
+"""By the catalog's unit. Another unit stays as it is, without a class."""
+
+_TEXTS: Final = {
+    "state": Text("Line", "Линия"),
+    "fault": Text("Faults stored", "Есть ошибки в памяти"),
+    "faults": Text("Fault numbers", "Номера ошибок"),
+    "alarm": Text("Alarm", "Тревога"),
+    "none": Text("none", "нет"),
+}
+_LINE_STATES: Final = (*STATES.values(), *(state.text for state in LineState))
+
+
+@dataclass(frozen=True, slots=True)
+class HomeAssistant:
+    """Makes the discovery of the car under `topics`. `name`: of the device; `every`: as of values.
+
+    `version`: of mikas. `gone`: the platform of each entity of an earlier discovery that is not in
+    this one; Home Assistant deletes it. Raises `UsageError` for a `prefix` that is no topic.
+    """
+
+    topics: Topics
+    channels: Sequence[Parameter | Derived]
+    name: str
+    version: str
+    every: float = 1.0
+    language: Language = "en"
+    prefix: str = DISCOVERY_PREFIX
+    interpretation: str = "corrected"
+    gone: Mapping[str, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        check_topic(self.prefix)
+
+    @property
+    def topic(self) -> str:
+        """The topic of the discovery."""
+        return discovery_topic(self.prefix, self.topics)
+
+    def discovery(self, unit: UnitFound | None = None) -> Message:
+        """Return the message that makes the device; with `unit`, its model and passport."""
+        payload = compact(
+            {
+                "device": self._device(unit),
+                "origin": {"name": "mikas", "sw_version": self.version, "support_url": _URL},
+                "components": {**self._gone(), **dict(self._components())},
+                "qos": 1,
+            }
+        )
+        return Message(self.topic, payload, Kind.RETAINED)
+
+    def after(self, earlier: bytes) -> HomeAssistant:
+        """Return the same, with the entities of an `earlier` discovery that are not in this one.
+
+        Otherwise they would stay in Home Assistant, without a value, when fewer names are
+        published.
+        """
+        return replace(self, gone=_platforms(earlier))
+
+    def _gone(self) -> dict[str, Any]:
+        return {key: {"platform": platform} for key, platform in self.gone.items()}
+
+    def _device(self, unit: UnitFound | None) -> dict[str, Any]:
+        device: dict[str, Any] = {
+            "identifiers": [f"mikas_{self.topics.identifier}"],
+            "name": self.name,
+            "manufacturer": "Mikas",
+        }
+        if unit is not None and unit.model is not None:
+            device["model"] = unit.model.to(self.language)
+        if unit is not None and unit.passport is not None:
+            program = " ".join(filter(None, unit.passport.program))
+            if clean_line(program).strip():
+                device["sw_version"] = clean_line(program).strip()
+        return device
+
+    def _components(self) -> Iterator[tuple[str, dict[str, Any]]]:
+        for channel in self.channels:
+            yield self._entity(channel.name, self._of_channel(channel), self._sampling)
+        yield self._entity("fault", self._fault(), self._sampling)
+        yield self._entity("faults", self._faults(), self._sampling)
+        yield self._entity("alarm", self._alarm(), self._sampling)
+        yield self._entity("state", self._state(), self._running)
+
+    def _entity(
+        self, key: str, config: dict[str, Any], availability: list[dict[str, str]]
+    ) -> tuple[str, dict[str, Any]]:
+        own = identifier(key)
+        named = {
+            "unique_id": f"mikas_{self.topics.identifier}_{own}",
+            "default_entity_id": f"{config['platform']}.{_entity(self.topics.base, key)}",
+            "availability": availability,
+            "availability_mode": "all",
+        }
+        return own, {**config, **named}
+
+    @property
+    def _running(self) -> list[dict[str, str]]:
+        return [{"topic": self.topics.availability}]
+
+    @property
+    def _sampling(self) -> list[dict[str, str]]:
+        template = (
+            f"{{{{ 'online' if value_json.state == '{LineState.SAMPLING}' else 'offline' }}}}"
+        )
+        return [*self._running, {"topic": self.topics.state, "value_template": template}]
+
+    # The entities
+
+    def _of_channel(self, channel: Parameter | Derived) -> dict[str, Any]:
+        value = f"value_json['values'].get({json.dumps(channel.name)})"
+        config: dict[str, Any] = {
+            "name": channel.text.to(self.language),
+            "state_topic": self.topics.values,
+            "expire_after": round(max(_EXPIRES, 5 * self.every)),
+        }
+        if channel.is_flag:
+            config["platform"] = "binary_sensor"
+            config["value_template"] = (
+                f"{{{{ {{true: 'ON', false: 'OFF'}}.get({value}, 'None') }}}}"
+            )
+            if _is_trouble(channel):
+                config["device_class"] = "problem"
+            return config
+        config["platform"] = "sensor"
+        config["value_template"] = f"{{{{ {value} }}}}"
+        config["suggested_display_precision"] = channel.decimals
+        if channel.name != MINERR:  # a number of a fault has no average
+            sums = isinstance(channel, Derived) and channel.accumulates
+            config["state_class"] = "total_increasing" if sums else "measurement"
+        key, text = unit_of(channel, self.interpretation)
+        if key:
+            unit = _UNITS.get(key) or _Unit(text.to(self.language))
+            config["unit_of_measurement"] = unit.spelling
+            if unit.device_class is not None:
+                config["device_class"] = unit.device_class
+        return config
+
+    def _fault(self) -> dict[str, Any]:
+        stored = "value_json.faults | rejectattr('informational') | list"
+        return {
+            "platform": "binary_sensor",
+            "name": _TEXTS["fault"].to(self.language),
+            "device_class": "problem",
+            "state_topic": self.topics.faults,
+            "value_template": _if_current(f"'ON' if {stored} else 'OFF'"),
+        }
+
+    def _faults(self) -> dict[str, Any]:
+        none = _TEXTS["none"].to(self.language)
+        numbers = f"(value_json.faults | map(attribute='code') | join(', ')) or '{none}'"
+        return {
+            "platform": "sensor",
+            "name": _TEXTS["faults"].to(self.language),
+            "icon": "mdi:engine",
+            "state_topic": self.topics.faults,
+            "value_template": _if_current(numbers),
+            "json_attributes_topic": self.topics.faults,
+        }
+
+    def _alarm(self) -> dict[str, Any]:
+        return {
+            "platform": "binary_sensor",
+            "name": _TEXTS["alarm"].to(self.language),
+            "device_class": "problem",
+            "state_topic": self.topics.alarms,
+            "value_template": _if_current("'ON' if value_json.alarms else 'OFF'"),
+            "json_attributes_topic": self.topics.alarms,
+        }
+
+    def _state(self) -> dict[str, Any]:
+        return {
+            "platform": "sensor",
+            "name": _TEXTS["state"].to(self.language),
+            "device_class": "enum",
+            "options": [text.to(self.language) for text in _LINE_STATES],
+            "entity_category": "diagnostic",
+            "state_topic": self.topics.state,
+            "value_template": f"{{{{ value_json.text.{self.language} }}}}",
+            "json_attributes_topic": self.topics.state,
+        }
+
+
+def discovery_topic(prefix: str, topics: Topics) -> str:
+    """Return the topic of the discovery of the car under `topics`."""
+    return f"{prefix}/device/{topics.identifier}/config"
+
+
+def _platforms(discovery: bytes) -> dict[str, str]:
+    """Return the platform of each entity of a discovery, which anybody may have sent."""
+    try:
+        components = json.loads(discovery)["components"].items()
+    except (ValueError, RecursionError, TypeError, KeyError, AttributeError):
+        return {}
+    return {
+        key: each["platform"]
+        for key, each in itertools.islice(components, _MOST_ENTITIES)
+        if _KEY.fullmatch(key)
+        and isinstance(each, dict)
+        and each.get("platform") in _PLATFORMS
+        and len(each) > 1  # else it is one that was deleted
+    }
+
+
+def _entity(*words: str) -> str:
+    """Return words as in the name of an entity."""
+    return re.sub("[^a-z0-9]+", "_", " ".join(words).lower()).strip("_")
+
+
+def _if_current(expression: str) -> str:
+    return f"{{{{ ({expression}) if value_json.current else 'None' }}}}"
+
+
+def _is_trouble(channel: Parameter | Derived) -> bool:
+    lamp = channel.lamp if isinstance(channel, Parameter) else None
+    return lamp is not None and lamp.trouble is not Level.NONE

@@ -1,0 +1,137 @@
+"""What the broker has not got yet: bounded, whatever the length of the outage.
+
+| kind | while the broker is away | when it is back |
+|---|---|---|
+| RETAINED | the latest of each topic | sent, also if it was sent before |
+| LIVE | dropped | – |
+| EVENT | the latest thousand | sent in order |
+| SAMPLES | the latest 16 MiB | sent in order, behind all others |
+
+What had no room is counted (`Lost`). Any thread may call.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections import deque
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from typing import Final
+
+from mikas.publish.message import Kind, Message
+
+MOST_EVENTS: Final = 1000
+MOST_BYTES: Final = 16 << 20
+
+
+@dataclass(frozen=True, slots=True)
+class Lost:
+    """The number of samples and events that had no room, and their first and last time."""
+
+    samples: int = 0
+    events: int = 0
+    since: float | None = None
+    until: float | None = None
+
+    def __bool__(self) -> bool:
+        """Whether anything is lost."""
+        return bool(self.samples or self.events)
+
+    def plus(self, message: Message) -> Lost:
+        """Return the sum with one more message."""
+        return replace(
+            self,
+            samples=self.samples + message.rows,
+            events=self.events + (message.kind is Kind.EVENT),
+            since=message.time if self.since is None else self.since,
+            until=message.time,
+        )
+
+
+class Outbox:
+    """Takes messages; gives them one by one to the connection, which confirms each."""
+
+    def __init__(self, *, most_events: int = MOST_EVENTS, most_bytes: int = MOST_BYTES) -> None:
+        self._lock = threading.Lock()
+        self._most_bytes = most_bytes
+        self._connected = False
+        self._retained: dict[str, Message] = {}  # all, by topic
+        self._pending: dict[str, Message] = {}  # of these, what this connection has not sent
+        self._live: dict[str, Message] = {}
+        self._events: deque[Message] = deque()
+        self._samples: deque[Message] = deque()
+        self._most_events = most_events
+        self._bytes = 0  # of the samples
+        self._lost = Lost()
+
+    def put(self, messages: Iterable[Message]) -> None:
+        """Take messages, in order."""
+        with self._lock:
+            for message in messages:
+                self._put(message)
+
+    def _put(self, message: Message) -> None:
+        match message.kind:
+            case Kind.RETAINED:
+                self._retained[message.topic] = self._pending[message.topic] = message
+            case Kind.LIVE if self._connected:
+                self._live[message.topic] = message
+            case Kind.EVENT:
+                self._events.append(message)
+                if len(self._events) > self._most_events:
+                    self._lost = self._lost.plus(self._events.popleft())
+            case Kind.SAMPLES:
+                self._samples.append(message)
+                self._bytes += len(message.payload)
+                while self._bytes > self._most_bytes:
+                    self._lost = self._lost.plus(self._take_samples())
+
+    def _take_samples(self) -> Message:
+        message = self._samples.popleft()
+        self._bytes -= len(message.payload)
+        return message
+
+    def connected(self) -> Lost:
+        """Begin a connection: all retained messages are due. Return, and forget, what was lost."""
+        with self._lock:
+            self._connected = True
+            self._pending = dict(self._retained)
+            lost, self._lost = self._lost, Lost()
+            return lost
+
+    def disconnected(self) -> None:
+        """End a connection: values can't be sent in time now."""
+        with self._lock:
+            self._connected = False
+            self._live.clear()
+
+    def next(self) -> Message | None:
+        """Return the next message, which stays here until `sent`; None: nothing is due."""
+        with self._lock:
+            for messages in (self._pending, self._live):
+                if messages:
+                    return next(iter(messages.values()))
+            for queue in (self._events, self._samples):
+                if queue:
+                    return queue[0]
+            return None
+
+    def sent(self, message: Message) -> None:
+        """Remove a message of `next`, unless a later one has taken its place meanwhile."""
+        with self._lock:
+            for messages in (self._pending, self._live):
+                if messages.get(message.topic) is message:
+                    del messages[message.topic]
+            if self._events and self._events[0] is message:
+                self._events.popleft()
+            if self._samples and self._samples[0] is message:
+                self._take_samples()
+
+    @property
+    def waiting(self) -> Lost:
+        """The samples and events that are still here."""
+        with self._lock:
+            waiting = Lost()
+            for message in (*self._samples, *self._events):
+                waiting = waiting.plus(message)
+            return waiting

@@ -1,0 +1,263 @@
+"""The messages of one session, made of its events. No network, and no clock but the events' times.
+
+Values come at their first sample, then in each interval, and at once when the line breaks: all of
+them None then. State, unit, faults and alarms come when they change; the broker keeps them.
+`current` of faults and alarms says whether they are of a unit that answers now.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+from mikas.catalog import Catalog, Derived, Parameter
+from mikas.client.parameters.polling import next_due
+from mikas.i18n import Text
+from mikas.publish.message import Kind, Message, compact, json_payload, rounded
+from mikas.publish.samples import SampleBatch
+from mikas.publish.topics import Topics
+from mikas.publish.values import LatestValues, unit_of
+from mikas.sampling.events import (
+    AdapterMoved,
+    AlarmChanged,
+    CycleFailed,
+    Event,
+    FaultReading,
+    MethodChosen,
+    ParameterDropped,
+    ParameterReturned,
+    Sampled,
+    StateChanged,
+    UnitFound,
+)
+from mikas.sampling.gaps import GapTracker
+
+_NO_ALARM: Final = "none"
+_STARTING = Text("looking for the unit", "поиск блока")
+_STOPPED = Text("not running", "опрос не идёт")
+STATES: Final = {"starting": _STARTING, "stopped": _STOPPED}
+"""The states before the first one of the line and after the last."""
+
+
+@dataclass(frozen=True, slots=True)
+class PublicationOptions:
+    """`every`: seconds between two messages of values. `qos`: of values.
+
+    `each`: each value under a topic of its own, too. `samples`: every sample, too.
+    `interpretation`: by which the values are decoded.
+    """
+
+    every: float = 1.0
+    qos: int = 0
+    each: bool = False
+    samples: bool = False
+    interpretation: str = "corrected"
+
+
+class Publication:
+    """Makes the messages of one session of `channels` under `topics`."""
+
+    def __init__(
+        self,
+        topics: Topics,
+        catalog: Catalog,
+        channels: Sequence[Parameter | Derived],
+        options: PublicationOptions = PublicationOptions(),
+    ) -> None:
+        names = [channel.name for channel in channels]
+        self._channels = tuple(channels)
+        self._topics = topics
+        self._catalog = catalog
+        self._options = options
+        self._latest = LatestValues(names)
+        self._batch = SampleBatch(topics.samples, names, max(1, options.qos))
+        self._gaps = GapTracker()
+        self._due: float | None = None  # of the next values
+        self._reason: Text | None = None  # of the latest failed cycle
+        self._answers = False  # whether values come
+        self._faults: FaultReading | None = None  # as read last
+        self._faults_current = False
+        self._told: tuple[int, ...] | None = None  # the faults of the latest event
+        self._alarms: dict[str, AlarmChanged] = {}  # the present ones
+
+    def begin(self) -> list[Message]:
+        """Return the messages before the first event: nothing is known yet."""
+        return [
+            self._channel_message(),
+            self._fault_message(None),
+            self._alarm_message(None),
+            self._state_message(None, {"state": "starting", "text": _STARTING._asdict()}),
+        ]
+
+    def end(self, time: float | None = None) -> list[Message]:
+        """Return the messages after the last event."""
+        stopped = {"state": "stopped", "text": _STOPPED._asdict()}
+        return [*self._batch.messages(), self._state_message(time, stopped)]
+
+    def take(self, event: Event) -> list[Message]:
+        """Return the messages of `event`."""
+        return [*self._of(event), *self._happened(event), *self._values(event)]
+
+    # State, unit, faults, alarms
+
+    def _of(self, event: Event) -> Iterator[Message]:
+        match event:
+            case Sampled():
+                self._latest.take(event)
+                if self._options.samples:
+                    self._batch.take(event)
+                if not self._answers:
+                    self._answers, self._due = True, None
+                    yield self._alarm_message(event.time)
+            case CycleFailed(error=error):
+                self._reason = error.reason
+            case StateChanged():
+                yield from self._state_changed(event)
+            case UnitFound():
+                yield from self._unit_found(event)
+            case FaultReading():
+                self._faults, self._faults_current = event, True
+                yield self._fault_message(event.time)
+            case AlarmChanged():
+                self._alarms.pop(event.name, None)
+                if event.level != _NO_ALARM:
+                    self._alarms[event.name] = event
+                yield self._alarm_message(event.time)
+            case ParameterDropped(name=name) if self._alarms.pop(name, None):
+                yield self._alarm_message(event.time)
+
+    def _state_changed(self, event: StateChanged) -> Iterator[Message]:
+        state = event.as_json()
+        del state["kind"]
+        state["code"] = type(event.error).__name__ if event.error else None
+        yield self._state_message(event.time, state)
+        if not event.is_broken:
+            return
+        self._reason = event.reason or event.text
+        self._latest.clear()
+        if self._answers:
+            self._answers, self._due = False, None
+            yield self._alarm_message(event.time)
+        if self._faults_current:
+            self._faults_current = False
+            yield self._fault_message(event.time)
+
+    def _unit_found(self, event: UnitFound) -> Iterator[Message]:
+        unit = event.as_json() | {"time": rounded(event.time)}
+        del unit["kind"]
+        yield self._message(self._topics.unit, unit, event.time)
+        if event.another:
+            self._latest.clear()
+            self._alarms.clear()
+            self._faults = self._told = None
+            self._faults_current = False
+            yield self._fault_message(event.time)
+            yield self._alarm_message(event.time)
+
+    def _state_message(self, time: float | None, state: dict[str, Any]) -> Message:
+        whole = {"time": rounded(time), "reason": None, "code": None}
+        whole |= {key: value for key, value in state.items() if key != "time"}
+        return self._message(self._topics.state, whole, time)
+
+    def _channel_message(self) -> Message:
+        channels = [
+            {
+                "name": channel.name,
+                "unit": unit_of(channel, self._options.interpretation)[0],
+                "text": channel.text._asdict(),
+                "flag": channel.is_flag,
+            }
+            for channel in self._channels
+        ]
+        return self._message(self._topics.channels, {"channels": channels}, None)
+
+    def _fault_message(self, time: float | None) -> Message:
+        codes = None if self._faults is None else self._faults.codes
+        content = {
+            "time": None if self._faults is None else rounded(self._faults.time),
+            "current": self._faults_current,
+            "count": None if codes is None else len(codes),
+            "faults": None
+            if codes is None
+            else [self._catalog.fault(code).as_json() for code in codes],
+        }
+        return self._message(self._topics.faults, content, time)
+
+    def _alarm_message(self, time: float | None) -> Message:
+        present = [
+            {
+                "name": name,
+                "level": alarm.level,
+                "side": alarm.side,
+                "limit": alarm.limit,
+                "since": rounded(alarm.time),
+                "text": alarm.text._asdict(),
+            }
+            for name, alarm in self._alarms.items()
+        ]
+        content = {
+            "time": rounded(time),
+            "current": self._answers,
+            "count": len(present),
+            "alarms": present,
+        }
+        return self._message(self._topics.alarms, content, time)
+
+    def _message(self, topic: str, content: dict[str, Any], time: float | None) -> Message:
+        return Message(topic, json_payload(content), Kind.RETAINED, time=time)
+
+    # What happened
+
+    def _happened(self, event: Event) -> Iterator[Message]:
+        happened: list[Event] = [*self._gaps.take(event)]
+        match event:
+            case FaultReading(codes=codes):
+                if codes != self._told:
+                    before, self._told = self._told, codes
+                    new = (
+                        None
+                        if before is None
+                        else tuple(each for each in codes if each not in before)
+                    )
+                    happened.append(replace(event, added=new))
+            case StateChanged() | UnitFound() | AdapterMoved() | MethodChosen():
+                happened.append(event)
+            case ParameterDropped() | ParameterReturned() | AlarmChanged():
+                happened.append(event)
+        for each in happened:
+            content = {**each.as_json(), "time": rounded(each.time)}
+            if isinstance(each, MethodChosen):
+                content["rates"] = {name: round(rate, 2) for name, rate in each.rates.items()}
+            yield Message(self._topics.event, json_payload(content), Kind.EVENT, time=each.time)
+
+    # Values
+
+    def _values(self, event: Event) -> Iterator[Message]:
+        broken = isinstance(event, StateChanged) and event.is_broken
+        if not (broken or isinstance(event, Sampled | CycleFailed)):
+            return
+        time = event.time
+        if self._due is None or time >= self._due:
+            self._due = next_due(
+                time if self._due is None else self._due, time, self._options.every
+            )
+            yield from self._latest_values(time)
+            yield from self._batch.messages()
+        elif self._batch.is_full:
+            yield from self._batch.messages()
+
+    def _latest_values(self, time: float) -> Iterator[Message]:
+        latest, qos = self._latest.at(time), self._options.qos
+        content: dict[str, Any] = {
+            "time": rounded(time),
+            "values": latest.values,
+            "ages": latest.ages,
+            "gap": latest.is_gap,
+        }
+        if latest.is_gap and self._reason is not None:
+            content["reason"] = self._reason._asdict()
+        yield Message(self._topics.values, json_payload(content), Kind.LIVE, qos, time)
+        if self._options.each:
+            for name, value in latest.values.items():
+                yield Message(self._topics.value(name), compact(value), Kind.LIVE, qos, time)

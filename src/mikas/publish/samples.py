@@ -1,0 +1,53 @@
+"""Every sample, several in a message: for a database, not for a display.
+
+Each row is the time and a value for each name; a value that was not read in that cycle is None.
+Rows are counted from 0: a reader sees by `first` what it has not got.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Final
+
+from mikas.publish.message import Kind, Message, json_payload, rounded
+from mikas.publish.values import Plain, plain_values
+from mikas.sampling.events import Sampled
+
+_MOST_ROWS: Final = 1000  # in one message, however long the interval
+
+
+class SampleBatch:
+    """Collects rows for `topic`. `qos`: of the messages."""
+
+    def __init__(self, topic: str, names: Sequence[str], qos: int) -> None:
+        self._topic = topic
+        self._names = tuple(names)
+        self._qos = qos
+        self._rows: list[list[Plain]] = []
+        self._count = 0  # of all rows before these
+        self._time = 0.0
+        self._session: float | None = None
+
+    def take(self, sample: Sampled) -> None:
+        """Add the row of `sample`."""
+        values = plain_values(sample)
+        if self._session is None:
+            self._session = rounded(sample.time)
+        self._rows.append([rounded(sample.time), *map(values.get, self._names)])
+        self._time = sample.time
+
+    @property
+    def is_full(self) -> bool:
+        """Whether the rows are to be sent before their interval is over."""
+        return len(self._rows) >= _MOST_ROWS
+
+    def messages(self) -> Iterator[Message]:
+        """Yield the message of the rows so far, and begin the next one; none without rows."""
+        if not self._rows:
+            return
+        rows, self._rows = self._rows, []
+        first, self._count = self._count, self._count + len(rows)
+        payload = json_payload(
+            {"session": self._session, "first": first, "names": self._names, "samples": rows}
+        )
+        yield Message(self._topic, payload, Kind.SAMPLES, self._qos, self._time, len(rows))

@@ -1,0 +1,154 @@
+"""One session of publishing: the messages of its events, and the broker that gets them.
+
+with Publisher(…) as publisher:      the broker is reached, or its error is raised
+    for event in events:
+        publisher.take(event)        never waits for the broker
+                                     at the end: the state is “stopped”, then “offline”
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final, Self
+
+from mikas.publish.broker import Broker
+from mikas.publish.connection import BrokerChange, BrokerConnection
+from mikas.publish.home_assistant import HomeAssistant
+from mikas.publish.message import Kind, Message, json_payload, rounded
+from mikas.publish.outbox import Lost, Outbox
+from mikas.publish.publication import Publication
+from mikas.publish.topics import Topics
+from mikas.sampling.events import Event, UnitFound
+
+_ONLINE: Final = b"online"
+_OFFLINE: Final = b"offline"
+
+
+def availability(topics: Topics, *, online: bool) -> Message:
+    """Return the message on whether the program runs, which is the last will, too."""
+    return Message(topics.availability, _ONLINE if online else _OFFLINE, Kind.RETAINED)
+
+
+@dataclass(frozen=True, slots=True)
+class Destination:
+    """The broker, the topics, and the name by which the broker knows this client.
+
+    `patient`: wait for the broker at the start, too.
+    """
+
+    broker: Broker
+    topics: Topics
+    client_id: str
+    patient: bool = False
+
+
+class Publisher:
+    """Publishes the events of one session to `destination`. A context manager.
+
+    `home_assistant`: makes the discovery. `on_change` is called in a thread of its own. Raises
+    `MissingExtra`; a `NoBroker` on entry, unless the destination is waited for.
+    """
+
+    def __init__(
+        self,
+        destination: Destination,
+        publication: Publication,
+        home_assistant: HomeAssistant | None = None,
+        on_change: Callable[[BrokerChange], None] = lambda _: None,
+    ) -> None:
+        self._destination = destination
+        self._publication = publication
+        self._home_assistant = home_assistant
+        self._unit: UnitFound | None = None
+        self._on_change = on_change
+        self._time: float | None = None  # of the latest event
+        self._outbox = Outbox()
+        topics = destination.topics
+        self.connection = BrokerConnection(
+            destination.broker,
+            self._outbox,
+            client_id=destination.client_id,
+            online=availability(topics, online=True),
+            offline=availability(topics, online=False),
+            on_change=self._changed,
+            kept_topic=home_assistant.topic if home_assistant else None,
+            on_kept=self._discovered_before,
+        )
+
+    def __enter__(self) -> Self:
+        self._outbox.put(self._publication.begin())
+        self._discover()
+        try:
+            self.connection.open(patient=self._destination.patient)
+        except BaseException:
+            self.connection.close()
+            raise
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._outbox.put(self._publication.end(self._time))
+        self.connection.close()
+
+    def take(self, event: Event) -> None:
+        """Publish `event`."""
+        self._time = event.time
+        self.connection.send(self._publication.take(event))
+        if isinstance(event, UnitFound):
+            self._unit = event
+            self._discover()
+
+    @property
+    def unsent(self) -> Lost:
+        """The samples and events that the broker has not got."""
+        return self._outbox.waiting
+
+    def _discover(self) -> None:
+        if self._home_assistant is not None:
+            self.connection.send([self._home_assistant.discovery(self._unit)])
+
+    def _discovered_before(self, discovery: bytes) -> None:
+        assert self._home_assistant is not None
+        self._home_assistant = self._home_assistant.after(discovery)
+        self._discover()
+
+    def _changed(self, change: BrokerChange) -> None:
+        if change.lost:
+            self.connection.send([self._lost_message(change.lost)])
+        self._on_change(change)
+
+    def _lost_message(self, lost: Lost) -> Message:
+        content = {
+            "kind": "lost",
+            "time": rounded(lost.until),
+            "samples": lost.samples,
+            "events": lost.events,
+            "since": rounded(lost.since),
+            "until": rounded(lost.until),
+        }
+        topic = self._destination.topics.event
+        return Message(topic, json_payload(content), Kind.EVENT, time=lost.until)
+
+
+def remove(destination: Destination, discovery: str) -> None:
+    """Delete what the broker keeps under these topics, and the device of Home Assistant.
+
+    `discovery`: its topic. Returns when the broker has confirmed all. Raises `MissingExtra` and a
+    `NoBroker`.
+    """
+    empty = [
+        Message(topic, b"", Kind.RETAINED) for topic in (discovery, *destination.topics.retained)
+    ]
+    outbox = Outbox()
+    outbox.put(empty)
+    connection = BrokerConnection(
+        destination.broker,
+        outbox,
+        client_id=destination.client_id,
+        online=empty[-1],
+        offline=empty[-1],
+    )
+    try:
+        connection.open()
+    finally:
+        connection.close()

@@ -1,0 +1,87 @@
+"""The latest value of each channel, for as long as it may pass for the present one.
+
+A channel's value holds for a second after its reading, or for three of the channel's usual
+intervals if these are longer (`NAME/10`, a slow method). After that, and at once when the line
+breaks, the channel has no value: None, never the last number.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from math import isfinite
+from typing import Final, NamedTuple, TypeAlias
+
+from mikas.catalog import Derived, Parameter
+from mikas.client import Reading
+from mikas.i18n import Text
+from mikas.sampling.derived import DerivedValue
+from mikas.sampling.events import Sampled
+from mikas.sampling.gaps import Arrivals
+
+Plain: TypeAlias = float | int | bool | None
+
+_NEW: Final = 1.0  # s; a value that is older has its age in the message
+
+
+def unit_of(channel: Parameter | Derived, interpretation: str) -> tuple[str, Text]:
+    """Return the unit of the channel's values, as the catalog names it and as a person reads it."""
+    if isinstance(channel, Derived):
+        return channel.unit, channel.unit_text
+    conversion = channel.interpretation(interpretation)
+    return conversion.unit, conversion.unit_text
+
+
+class Latest(NamedTuple):
+    """Values by name, None where there is none, and the ages of those older than a second."""
+
+    values: dict[str, Plain]
+    ages: dict[str, float]
+
+    @property
+    def is_gap(self) -> bool:
+        """Whether no channel has a value."""
+        return all(value is None for value in self.values.values())
+
+
+class LatestValues:
+    """Follows the samples of the channels `names`."""
+
+    def __init__(self, names: Iterable[str]) -> None:
+        self._names = tuple(names)
+        self._read: dict[str, tuple[float, Plain]] = {}
+        self._arrivals = {name: Arrivals() for name in self._names}
+
+    def take(self, sample: Sampled) -> None:
+        """Take the values that were read in this cycle."""
+        for name, value in plain_values(sample).items():
+            if name in self._arrivals:
+                self._read[name] = sample.time, value
+                self._arrivals[name].add(sample.time)
+
+    def clear(self) -> None:
+        """Forget all values: no unit answers, or another one does."""
+        self._read.clear()
+        for arrivals in self._arrivals.values():
+            arrivals.interrupt()
+
+    def at(self, now: float) -> Latest:
+        """Return the values that hold at `now`."""
+        values: dict[str, Plain] = {}
+        ages: dict[str, float] = {}
+        for name in self._names:
+            time, value = self._read.get(name, (now, None))
+            age = max(0.0, now - time)
+            values[name] = value if age <= self._arrivals[name].longest_usual else None
+            if age > _NEW and values[name] is not None:
+                ages[name] = round(age, 1)
+        return Latest(values, ages)
+
+
+def plain_values(sample: Sampled) -> dict[str, Plain]:
+    """Return the values read in this cycle as JSON has them; a number that is none is None."""
+    fresh: dict[str, Reading | DerivedValue] = {**sample.fresh, **sample.derived}
+    return {name: _plain(each.value) for name, each in fresh.items()}
+
+
+def _plain(value: float | int | bool) -> Plain:
+    return value if isinstance(value, bool) or isfinite(value) else None

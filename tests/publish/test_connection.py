@@ -1,0 +1,196 @@
+"""The connection to a broker (amqtt in this process): order, will, outages, refusals."""
+
+from __future__ import annotations
+
+import socket
+import threading
+
+import pytest
+from broker_rig import PATIENCE, InProcessBroker, Listener, Relay, free_port, is_
+
+from mikas.errors import (
+    BrokerLost,
+    BrokerNotFound,
+    BrokerUnreachable,
+    MissingExtra,
+    NoBroker,
+)
+from mikas.publish import connection as module
+from mikas.publish.broker import Broker
+from mikas.publish.connection import BrokerChange, BrokerConnection
+from mikas.publish.message import Kind, Message
+from mikas.publish.outbox import Outbox
+
+pytestmark = pytest.mark.realtime
+
+ONLINE = Message("car/availability", b"online", Kind.RETAINED)
+OFFLINE = Message("car/availability", b"offline", Kind.RETAINED)
+
+
+@pytest.fixture
+def broker():
+    broker = InProcessBroker()
+    yield broker
+    broker.close()
+
+
+@pytest.fixture
+def relay(broker):
+    relay = Relay(broker.port)
+    yield relay
+    relay.close()
+
+
+@pytest.fixture
+def listener(broker):
+    listener = Listener(broker.port)
+    yield listener
+    listener.close()
+
+
+class Changes(list):
+    """What a connection reports, to be waited for."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._changed = threading.Condition()
+
+    def __call__(self, change: BrokerChange) -> None:
+        with self._changed:
+            self.append(change)
+            self._changed.notify_all()
+
+    def wait_for(self, count: int) -> BrokerChange:
+        with self._changed:
+            assert self._changed.wait_for(lambda: len(self) >= count, PATIENCE), self
+        return self[count - 1]
+
+
+@pytest.fixture
+def connect(broker, monkeypatch):
+    """Make a connection to the broker, and end it with the test."""
+    monkeypatch.setattr(module, "_FIRST_PAUSE", 0.05)
+    made = []
+
+    def connect(outbox=None, to=None, **settings):
+        to = to or Broker("127.0.0.1", broker.port)
+        settings = {"client_id": "mikas", "online": ONLINE, "offline": OFFLINE} | settings
+        made.append(BrokerConnection(to, Outbox() if outbox is None else outbox, **settings))
+        return made[-1]
+
+    yield connect
+    for each in made:
+        each.close()
+
+
+def message(kind: Kind, number: int, topic: str = "car/t") -> Message:
+    return Message(topic, str(number).encode(), kind, time=float(number), rows=1)
+
+
+def test_online_comes_behind_what_is_kept_and_offline_last(connect, listener):
+    outbox = Outbox()
+    outbox.put([message(Kind.EVENT, 1), message(Kind.RETAINED, 2, "car/state")])
+    connection = connect(outbox)
+    connection.open()
+    connection.send([message(Kind.SAMPLES, 3)])
+    connection.close()
+    listener.wait_for(is_("car/availability", b"offline"))
+    assert [(it.topic, it.payload) for it in listener.got] == [
+        ("car/state", b"2"),
+        ("car/availability", b"online"),
+        ("car/t", b"1"),
+        ("car/t", b"3"),
+        ("car/availability", b"offline"),
+    ]
+    assert connection.sent == 3
+
+
+def test_after_an_outage_all_that_is_kept_is_sent_again_and_losses_are_reported(
+    connect, relay, listener
+):
+    changes, outbox = Changes(), Outbox(most_events=2)
+    connection = connect(outbox, Broker("127.0.0.1", relay.port), on_change=changes)
+    connection.open()
+    connection.send([message(Kind.RETAINED, 1, "car/state")])
+    listener.wait_for(is_("car/state"))
+    assert changes.wait_for(1) == BrokerChange()
+    relay.cut()
+    assert isinstance(changes.wait_for(2).error, BrokerLost)
+    assert isinstance(changes.wait_for(3).error, BrokerUnreachable)
+    listener.wait_for(is_("car/availability", b"offline"))  # the last will
+    connection.send([message(Kind.EVENT, number, "car/event") for number in range(5)])
+    connection.send([message(Kind.LIVE, 9, "car/values")])
+    before = len(listener.got)
+    relay.restore()
+    back = changes.wait_for(4)
+    assert back.is_connected
+    assert (back.lost.events, back.lost.since, back.lost.until) == (3, 0.0, 2.0)
+    connection.close()
+    listener.wait_for(is_("car/availability", b"offline"), after=before)
+    assert [(it.topic, it.payload) for it in listener.got[before:]] == [
+        ("car/state", b"1"),
+        ("car/availability", b"online"),
+        ("car/event", b"3"),
+        ("car/event", b"4"),
+        ("car/availability", b"offline"),
+    ]
+    assert len(changes) == 4  # each failure once, however often it was tried
+
+
+def test_a_bug_in_the_thread_is_seen_by_the_caller(connect):
+    ended = threading.Event()
+
+    def fail(_: BrokerChange) -> None:
+        ended.set()
+        raise ZeroDivisionError
+
+    connection = connect(on_change=fail)
+    connection.open()
+    assert ended.wait(PATIENCE)
+    connection.close()
+    with pytest.raises(ZeroDivisionError):
+        connection.send([])
+
+
+def failure(connect, to: Broker) -> NoBroker:
+    with pytest.raises(NoBroker) as caught:
+        connect(to=to).open()
+    return caught.value
+
+
+def test_a_port_where_nobody_listens(connect):
+    error = failure(connect, Broker("127.0.0.1", free_port()))
+    assert isinstance(error, BrokerUnreachable)
+    assert "nothing listens" in error.text.en
+    assert "listener 1883" in error.text.ru
+
+
+@pytest.mark.parametrize("name", ["no-such-host.invalid", "a..b", f"{'x' * 70}.local"])
+def test_a_name_that_nobody_has(connect, name):
+    assert isinstance(failure(connect, Broker(name, 1883)), BrokerNotFound)
+
+
+def test_another_program_at_that_port(connect, monkeypatch):
+    """It closes the connection, or never answers."""
+    monkeypatch.setattr(module, "_ANSWER", 0.2)
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        error = failure(connect, Broker("127.0.0.1", server.getsockname()[1]))
+    assert isinstance(error, BrokerUnreachable)
+    assert "mqtts://" in error.text.en
+
+
+def test_a_patient_connection_waits_for_its_broker(connect, relay):
+    changes = Changes()
+    relay.cut()
+    connect(to=Broker("127.0.0.1", relay.port), on_change=changes).open(patient=True)
+    assert isinstance(changes.wait_for(1).error, BrokerUnreachable)
+    relay.restore()
+    assert changes.wait_for(2).is_connected
+
+
+def test_without_the_library_the_extra_is_named(connect, monkeypatch):
+    import sys
+
+    monkeypatch.setitem(sys.modules, "aiomqtt", None)
+    with pytest.raises(MissingExtra, match=r'pip install "mikas\[mqtt\]"'):
+        connect()

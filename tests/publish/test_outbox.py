@@ -1,0 +1,106 @@
+"""The outbox: bounded, in order, and nothing lost without being counted."""
+
+from __future__ import annotations
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from mikas.publish.message import Kind, Message
+from mikas.publish.outbox import Lost, Outbox
+
+
+def message(kind: Kind, number: int, topic: str = "t", size: int = 4) -> Message:
+    rows = 3 if kind is Kind.SAMPLES else 0
+    return Message(topic, f"{number:>{size}}".encode(), kind, time=float(number), rows=rows)
+
+
+def sent_by(outbox: Outbox, most: int = 10**6) -> list[Message]:
+    """What a connection sends that lasts for `most` messages."""
+    sent = []
+    while len(sent) < most and (following := outbox.next()) is not None:
+        outbox.sent(following)
+        sent.append(following)
+    return sent
+
+
+ACTIONS = st.lists(
+    st.one_of(
+        st.tuples(st.sampled_from(Kind), st.sampled_from("ab"), st.integers(4, 40)),
+        st.sampled_from(["connect", "disconnect", "send"]),
+    ),
+    max_size=60,
+)
+
+
+@given(ACTIONS)
+def test_every_sample_and_event_is_sent_waiting_or_counted_as_lost(actions):
+    outbox = Outbox(most_events=5, most_bytes=100)
+    put, sent, lost, connected = [], [], Lost(), False
+    for number, action in enumerate(actions):
+        if action == "connect":
+            once = outbox.connected()
+            lost, connected = Lost(lost.samples + once.samples, lost.events + once.events), True
+        elif action == "disconnect":
+            outbox.disconnected()
+            connected = False
+        elif action == "send":
+            if connected:
+                sent += sent_by(outbox, most=3)
+        else:
+            kind, topic, size = action
+            put.append(message(kind, number, topic, size))
+            outbox.put([put[-1]])
+    waiting = outbox.waiting
+    assert waiting.events <= 5
+    once = outbox.connected()
+    for kind, count, rows in (
+        (Kind.EVENT, lost.events + once.events + waiting.events, 1),
+        (Kind.SAMPLES, lost.samples + once.samples + waiting.samples, 3),
+    ):
+        there = [it for it in put if it.kind is kind]
+        gone = [it for it in sent if it.kind is kind]
+        assert len(there) * rows == len(gone) * rows + count
+        numbers = [int(it.payload) for it in gone]
+        assert numbers == sorted(set(numbers))  # in order, none twice
+    # The latest of each retained topic is sent now, whatever was sent before; the rest behind it.
+    latest = {it.topic: it for it in put if it.kind is Kind.RETAINED}
+    rest = sent_by(outbox)
+    assert {it.topic: it for it in rest[: len(latest)]} == latest
+    assert sum(len(it.payload) for it in rest if it.kind is Kind.SAMPLES) <= 100
+
+
+def test_values_of_an_outage_are_not_sent_later():
+    outbox = Outbox()
+    outbox.put([message(Kind.LIVE, 1)])
+    outbox.connected()
+    assert outbox.next() is None
+    outbox.put([message(Kind.LIVE, 2), message(Kind.LIVE, 3)])
+    assert [it.payload for it in sent_by(outbox)] == [b"   3"]  # the latest alone
+    outbox.put([message(Kind.LIVE, 4)])
+    outbox.disconnected()
+    outbox.connected()
+    assert outbox.next() is None
+
+
+def test_a_message_that_was_replaced_while_it_was_sent_stays():
+    outbox = Outbox()
+    outbox.put([message(Kind.RETAINED, 1)])
+    outbox.connected()
+    first = outbox.next()
+    outbox.put([message(Kind.RETAINED, 2)])
+    outbox.sent(first)
+    assert outbox.next().payload == b"   2"
+
+
+def test_what_was_lost_has_its_first_and_last_time():
+    outbox = Outbox(most_bytes=8)
+    outbox.put(message(Kind.SAMPLES, number) for number in range(5))
+    assert outbox.connected() == Lost(samples=9, since=0.0, until=2.0)
+    assert not outbox.connected()
+
+
+def test_samples_stand_behind_all_others():
+    outbox = Outbox()
+    outbox.connected()
+    outbox.put(message(kind, 1, kind.name) for kind in reversed(Kind))
+    assert [it.kind for it in sent_by(outbox)] == list(Kind)
