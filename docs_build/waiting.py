@@ -7,7 +7,6 @@ UNTRANSLATED: frozenset[str] = frozenset()
 
 AWAITED: frozenset[str] = frozenset(
     {
-        "how-to/mqtt.md",
     }
 )
 """In the navigation already; no page yet."""

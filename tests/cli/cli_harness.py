@@ -98,6 +98,7 @@ def is_one_short_paragraph(text: str) -> None:
 
 NAMES = re.compile(
     r"`[^`]*`|«[^»]*»|--[\w-]+|\b[A-Z][A-Z0-9]{1,8}\b|0x[0-9A-Fa-f]+|\S*[/\\:.]\S+|\b\w+=\w*|"
+    r"MIKAS_MQTT_\w+|MQTT|Home Assistant|homeassistant|Node-RED|"
     r"K-Line|VAG-COM|PulseView|Wireshark|tshark|Lua|ModemManager|brltty|"
     r"udev|Linux|Ctrl-C|mikas( [a-z]+){0,3}|pcapng|usermod.*USER"
 )
@@ -107,7 +108,7 @@ WORDS = {
     "stream", "corrected", "literal", "alternative", "erase", "log", "capture", "sha256", "city",
     "highway", "baud", "byte", "clock", "cold-start", "warm-idle", "full-load", "key-off", "host",
     "real", "simulated", "nan", "inf", "empty", "scenario", "model", "faults", "seed", "sim",
-    "Enter", "min",
+    "Enter", "min", "null",
     "DuckDB", "Dask", "Parquet", "pandas", "polars", "Spark", "SQL", "CSV", "SELECT", "DESCRIBE",
     "SUMMARIZE", "EXPLAIN", "drives", "samples", "statistics", "gaps", "alarms", "car", "day",
     "processes",

@@ -79,6 +79,9 @@ LINES = [
     ("info", "--port", f"replay:{NAME}?clock=simulated"), ("info", "-v"), ("read", "EVIL", "-vv"),
     ("params", "--catalog", f"bad{ESC}.toml"), ("params", "--catalog", f"no{ESC}"),
     ("info", "--capture", f"no{ESC}/c.pcapng"), ("info", "--lang", ESC), ("info", "--timeout", ESC),
+    ("publish", ESC), ("publish", f"mqtt://{ESC}"), ("publish", "mqtt://h", "--topic", ESC),
+    ("publish", "mqtt://h", ESC), ("publish", "mqtts://h", "--tls-ca", f"n{ESC}"),
+    ("publish", "mqtt://h", "--user", "u", "--password-file", f"n{ESC}"),
     ("--version",), ("--help",), ("read", "--help"), ("wireshark",), ("sigrok",),
     ("sigrok", "-o", f"d{ESC}"), ("sigrok", "-o", NAME),
 ]  # fmt: skip

@@ -24,6 +24,7 @@ from mikas.link.flood import BACKLOG
 from mikas.recording.capture.reader import CaptureReader, Problem
 from mikas.recording.recorder import Recorder
 from mikas.sampling.events import CycleFailed, StateChanged
+from publish.broker_rig import InProcessBroker
 from tester.tester_rig import case
 
 CHANGES = {
@@ -74,7 +75,7 @@ WITHOUT_A_UNIT = {
     "ports", "params", "decode", "export", "find", "wireshark", "sigrok", "fleet", "sim", "demo",
     "mem diff",
 }  # fmt: skip
-APART = {"dash"}  # below
+APART = {"dash", "publish"}  # below
 
 
 def test_every_command_has_a_case():
@@ -135,6 +136,19 @@ def test_the_command_ends(unit, name):
             with case(manner.__name__, since):
                 line = f"{it.line} {it.confirmed}".strip()
                 check(*unit(line, manner, since=since, interrupted=it.interrupted), it.changes)
+
+
+@pytest.mark.realtime
+def test_publishing_ends_too(unit):
+    broker = InProcessBroker()
+    line = f"publish mqtt://127.0.0.1:{broker.port} FREQ --rate 10 --capture {RECORDING}"
+    try:
+        for manner in MANNERS:
+            for since in (0.0, CONNECTED):
+                with case(manner.__name__, since):
+                    check(*unit(line, manner, since=since, interrupted=4.0), frozenset())
+    finally:
+        broker.close()
 
 
 @pytest.mark.parametrize("name", [name for name, it in CASES.items() if it.changes])

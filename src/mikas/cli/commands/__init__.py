@@ -30,6 +30,11 @@ COMMANDS: dict[str, tuple[str, Text]] = {
     ),
     "watch": _command("watch", "live table of values", "таблица текущих значений"),
     "log": _command("log", "record to a file", "запись в файл"),
+    "publish": _command(
+        "publish",
+        "live values to an MQTT broker: Home Assistant, Node-RED",
+        "текущие значения на брокер MQTT: Home Assistant, Node-RED",
+    ),
     "faults": _command(
         "unit.faults", "stored faults; `faults erase` erases them", "ошибки; сброс: `faults erase`"
     ),

@@ -1,0 +1,109 @@
+"""The options of the MQTT broker: who we are there, and what it trusts.
+
+Nothing heavy is imported here: the port is opened first.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from mikas.cli.click_extensions import grouped, option
+from mikas.cli.parameter_types import any_file
+from mikas.i18n import Text
+
+if TYPE_CHECKING:
+    from mikas.publish.session import Destination
+
+
+@dataclass(frozen=True, slots=True)
+class BrokerOptions:
+    """The broker's address and its options; None: not given."""
+
+    address: str
+    topic: str | None = None
+    user: str | None = None
+    password_file: Path | None = None
+    client_id: str | None = None
+    tls_ca: Path | None = None
+    tls_cert: Path | None = None
+    tls_key: Path | None = None
+
+    def destination(self, *, patient: bool = False) -> Destination:
+        """Return the destination. Raises `UsageError`."""
+        from mikas.publish.broker import parse_address, with_credentials, with_tls
+        from mikas.publish.session import Destination
+        from mikas.publish.topics import DEFAULT_BASE, Topics
+
+        named = with_credentials(
+            parse_address(self.address), user=self.user, password_file=self.password_file
+        )
+        broker = with_tls(named, ca=self.tls_ca, cert=self.tls_cert, key=self.tls_key)
+        topics = Topics(DEFAULT_BASE if self.topic is None else self.topic)
+        return Destination(broker, topics, self.client_id or topics.identifier, patient)
+
+
+broker_options = grouped(
+    BrokerOptions,
+    click.argument("address", metavar="mqtt://HOST"),
+    option(
+        "--topic",
+        metavar="TOPIC",
+        text=Text(
+            "topic under which all is published (mikas/car); another one for each car",
+            "тема, под которой всё публикуется (mikas/car); у каждой машины своя",
+        ),
+    ),
+    option(
+        "--user",
+        metavar="NAME",
+        text=Text("user name for the broker (MIKAS_MQTT_USER)", "имя на брокере (MIKAS_MQTT_USER)"),
+    ),
+    option(
+        "--password-file",
+        type=any_file,
+        metavar="FILE",
+        text=Text(
+            "file whose first line is the password (or MIKAS_MQTT_PASSWORD); one in the address "
+            "can be read in the list of processes",
+            "файл с паролем в первой строке (или MIKAS_MQTT_PASSWORD); пароль в адресе виден в "
+            "списке процессов",
+        ),
+    ),
+    option(
+        "--client-id",
+        metavar="NAME",
+        text=Text(
+            "name of this client; the broker lets in one of a name (made of TOPIC)",
+            "имя клиента; с одним именем брокер пускает только одного (составляется из TOPIC)",
+        ),
+    ),
+    option(
+        "--tls-ca",
+        type=any_file,
+        metavar="FILE",
+        text=Text(
+            "certificate of the authority to trust, with mqtts:// (PEM; the system's)",
+            "сертификат центра, которому доверять, для mqtts:// (PEM; иначе системные)",
+        ),
+    ),
+    option(
+        "--tls-cert",
+        type=any_file,
+        metavar="FILE",
+        text=Text(
+            "certificate of this client, if the broker demands one (PEM)",
+            "сертификат этого клиента, если его требует брокер (PEM)",
+        ),
+    ),
+    option(
+        "--tls-key",
+        type=any_file,
+        metavar="FILE",
+        text=Text("its private key (PEM)", "закрытый ключ к нему (PEM)"),
+    ),
+)
+"""The address of the broker and its options."""

@@ -1,0 +1,271 @@
+"""`mikas publish`: live values, states and faults to an MQTT broker, until Ctrl-C."""
+
+from __future__ import annotations
+
+import signal
+import threading
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from mikas.cli.broker_options import BrokerOptions, broker_options
+from mikas.cli.click_extensions import command, grouped, option
+from mikas.cli.context import CommandContext
+from mikas.cli.failures import DONE
+from mikas.cli.language import current_language, tr
+from mikas.cli.parameter_types import number, whole
+from mikas.cli.sampling_options import SamplingOptions, sampling_options
+from mikas.i18n import Text
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from mikas.cli.sampling_run import SamplingRun
+    from mikas.link.ahead import PortAhead
+    from mikas.publish.home_assistant import HomeAssistant
+    from mikas.publish.publication import Publication
+    from mikas.publish.session import Destination
+
+
+@dataclass(frozen=True, slots=True)
+class PublishOptions:
+    """What is published, and how often."""
+
+    every: float = 1.0
+    each: bool = False
+    samples: bool = False
+    qos: int = 0
+    home_assistant: bool = False
+    discovery_prefix: str | None = None
+    name: str | None = None
+    wait: bool = False
+    remove: bool = False
+
+
+publish_options = grouped(
+    PublishOptions,
+    option(
+        "--every",
+        type=number(above=0),
+        default="1",
+        metavar="S",
+        text=Text(
+            "seconds between two messages of values (1); --rate is how often the unit is asked",
+            "секунд между сообщениями со значениями (1); --rate — как часто опрашивать блок",
+        ),
+    ),
+    option(
+        "--each",
+        is_flag=True,
+        text=Text(
+            "each value under a topic of its own, too: TOPIC/value/NAME",
+            "каждое значение ещё и под своей темой: TOPIC/value/NAME",
+        ),
+    ),
+    option(
+        "--samples",
+        is_flag=True,
+        text=Text(
+            "every sample, too, several in a message: for a database; kept while the broker is "
+            "away",
+            "ещё и все замеры, по нескольку в сообщении: для базы данных; пока брокера нет, "
+            "сохраняются",
+        ),
+    ),
+    option(
+        "--qos",
+        type=whole(0, 2),
+        default="0",
+        metavar="N",
+        text=Text(
+            "quality of service of the values, 0 to 2 (0); of all others 1",
+            "качество доставки значений, от 0 до 2 (0); у остального 1",
+        ),
+    ),
+    option(
+        "--home-assistant",
+        is_flag=True,
+        text=Text(
+            "make the car a device of Home Assistant", "сделать машину устройством Home Assistant"
+        ),
+    ),
+    option(
+        "--discovery-prefix",
+        metavar="TOPIC",
+        text=Text(
+            "where Home Assistant looks for devices (homeassistant)",
+            "где Home Assistant ищет устройства (homeassistant)",
+        ),
+    ),
+    option(
+        "--name",
+        metavar="TEXT",
+        text=Text(
+            "name of that device (the last word of TOPIC)",
+            "название этого устройства (последнее слово TOPIC)",
+        ),
+    ),
+    option(
+        "--wait",
+        is_flag=True,
+        text=Text(
+            "wait for broker, adapter and unit at the start, too: for a service",
+            "ждать брокера, адаптер и блок и при запуске: для службы",
+        ),
+    ),
+    option(
+        "--remove",
+        is_flag=True,
+        text=Text(
+            "delete the device and all that the broker keeps under TOPIC (needs no port)",
+            "удалить устройство и всё, что брокер хранит под TOPIC (порт не нужен)",
+        ),
+    ),
+)
+
+
+@command(
+    "publish",
+    Text(
+        "Publishes live values, the state of the line, faults and alarms to an MQTT broker until "
+        "Ctrl-C: for Home Assistant, Node-RED and others. Without NAME, all parameters. A value "
+        "that could not be read is null. If the broker, the adapter or the unit is lost, it waits "
+        "and continues. --capture records the line beside it.",
+        "Публикует текущие значения, состояние линии, ошибки и тревоги на брокере MQTT до Ctrl-C: "
+        "для Home Assistant, Node-RED и других. Без NAME — все параметры. Непрочитанное значение — "
+        "null. Если пропадёт брокер, адаптер или блок, ждёт и продолжает. С ключом --capture ещё и "
+        "записывает обмен на линии.",
+    ),
+    examples=(
+        "mikas publish mqtt://192.168.1.10 --home-assistant",
+        "mikas publish mqtts://broker.example --user volga --password-file pw.txt",
+        "mikas publish mqtt://localhost FREQ TWAT/10 --every 5 --topic mikas/volga",
+        "mikas publish mqtt://192.168.1.10 --remove",
+    ),
+)
+@broker_options
+@publish_options
+@sampling_options
+def publish(
+    context: CommandContext,
+    sampling: SamplingOptions,
+    options: PublishOptions,
+    broker: BrokerOptions,
+) -> int:
+    from mikas.publish.connection import check_library
+
+    check_library()
+    destination = broker.destination(patient=options.wait)
+    if options.remove:
+        return _remove(context, destination, options)
+    with context.open_ahead() as ahead:  # imports take as long as the handshake listens
+        return _publish(context, sampling, options, destination, ahead)
+
+
+def _remove(context: CommandContext, destination: Destination, options: PublishOptions) -> int:
+    from mikas.publish.home_assistant import DISCOVERY_PREFIX, discovery_topic
+    from mikas.publish.session import remove
+
+    topics, prefix = destination.topics, options.discovery_prefix or DISCOVERY_PREFIX
+    discovery = discovery_topic(prefix, topics)
+    remove(destination, discovery)
+    base = topics.base
+    text = tr(f"Deleted: {base} and {discovery}.", f"Удалено: {base} и {discovery}.")
+    context.output.result({"removed": [discovery, *topics.retained]}, text)
+    return DONE
+
+
+def _publish(
+    context: CommandContext,
+    sampling: SamplingOptions,
+    options: PublishOptions,
+    destination: Destination,
+    ahead: PortAhead,
+) -> int:
+    from mikas.cli.render.notices import Notices
+    from mikas.cli.render.publishing import PublishingReport
+    from mikas.cli.sampling_run import sampling_session
+    from mikas.publish.session import Publisher
+    from mikas.sampling.fault_watch import FaultWatch
+
+    with sampling_session(
+        context, sampling, ahead, context.capture, joined=False, patient=options.wait
+    ) as run:
+        run.wants_faults, run.faults = lambda: True, FaultWatch()
+        topics = destination.topics
+        report = PublishingReport(context.output, run, destination.broker.url, topics.base)
+        publisher = Publisher(
+            destination,
+            _publication(context, run, options, destination),
+            _home_assistant(context, run, options, destination),
+            report.broker_changed,
+        )
+        notices = Notices(run, report.note, verbose=context.output.verbose)
+        with _until_terminated():
+            try:
+                with publisher:
+                    report.publisher = publisher
+                    for event in notices.watch():
+                        publisher.take(event)
+                        report.take(event)
+            finally:
+                report.end()
+    return DONE
+
+
+def _publication(
+    context: CommandContext, run: SamplingRun, options: PublishOptions, destination: Destination
+) -> Publication:
+    from mikas.publish.publication import Publication, PublicationOptions
+
+    wanted = PublicationOptions(
+        options.every,
+        options.qos,
+        options.each,
+        options.samples,
+        context.options.interpretation,
+    )
+    return Publication(destination.topics, context.options.catalog, run.channels, wanted)
+
+
+def _home_assistant(
+    context: CommandContext, run: SamplingRun, options: PublishOptions, destination: Destination
+) -> HomeAssistant | None:
+    if not options.home_assistant:
+        return None
+    from mikas import __version__
+    from mikas.publish.home_assistant import DISCOVERY_PREFIX, HomeAssistant
+
+    return HomeAssistant(
+        destination.topics,
+        run.channels,
+        options.name or destination.topics.base.rpartition("/")[2],
+        str(__version__),
+        options.every,
+        current_language(),
+        options.discovery_prefix or DISCOVERY_PREFIX,
+        context.options.interpretation,
+    )
+
+
+class _Terminated(BaseException):
+    """SIGTERM came: a service manager ends the program, which is no error."""
+
+
+@contextmanager
+def _until_terminated() -> Iterator[None]:
+    """Let SIGTERM end the block, as its own end does."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+
+    def on_terminate(*_: object) -> None:
+        raise _Terminated
+
+    before = signal.signal(signal.SIGTERM, on_terminate)
+    try:
+        yield
+    except _Terminated:
+        pass
+    finally:
+        signal.signal(signal.SIGTERM, before)
