@@ -5,8 +5,5 @@ from __future__ import annotations
 UNTRANSLATED: frozenset[str] = frozenset()
 """Shown in English on the Russian site, with a note."""
 
-AWAITED: frozenset[str] = frozenset(
-    {
-    }
-)
+AWAITED: frozenset[str] = frozenset()
 """In the navigation already; no page yet."""
