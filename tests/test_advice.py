@@ -39,7 +39,7 @@ FIELDS = {
 
 
 def example(kind: type[MikasError]) -> MikasError:
-    if kind in (errors.CaptureError, errors.DiskFull, errors.ExportError):
+    if kind in (errors.CaptureError, errors.DiskFull, errors.ExportError, errors.FleetError):
         return kind("f", Text("p", "п"))
     if kind is errors.CatalogError:
         return kind("f", 1, Text("p", "п"))
