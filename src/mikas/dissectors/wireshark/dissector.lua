@@ -13,6 +13,11 @@ local section_number = optional_field("frame.section_number")
 local interface_id = optional_field("frame.interface_id")
 local interface_name = optional_field("frame.interface_name")
 
+local KEPT = {
+  "reason", "sent", "echo_of", "answers", "listed", "is_first", "since", "raw", "irregular",
+  "is_double",
+}
+
 local packets, ports, section -- by number; by name; the present one
 
 function mikas.init()
@@ -47,13 +52,8 @@ local function interrupt()
   end
 end
 
--- Completes an item of the first pass by what its meaning needs, and lets go of what the packet
--- has.
+-- Completes an item of the first pass by what its meaning needs.
 local function follow(port, item, packet)
-  item.length = #item.wire
-  if item.at then
-    item.wire = nil
-  end
   if item.reason or item.echo_of then
     return
   elseif item.sent then
@@ -74,6 +74,18 @@ local function follow(port, item, packet)
   end
 end
 
+-- Returns the item as it is kept: without what is in the packet, or can be computed again.
+local function kept(item, number)
+  local small = { way = item.way, at = item.at, length = #item.wire }
+  for _, name in ipairs(KEPT) do
+    small[name] = item[name] or nil
+  end
+  small.wire = not item.at and item.wire or nil
+  small.first = item.first ~= number and item.first or nil
+  small.last = item.last ~= number and item.last or nil
+  return small
+end
+
 local function first_pass(tvb, pinfo, time)
   local port, way = present_port(), FROM_SYSTEM[pinfo.p2p_dir]
   local found = { port = port, way = way, items = {} }
@@ -83,9 +95,9 @@ local function first_pass(tvb, pinfo, time)
   end
   if way then
     local packet = { number = pinfo.number, time = time, bytes = tvb:raw() }
-    found.items = port:feed(way, packet)
-    for _, item in ipairs(found.items) do
+    for index, item in ipairs(port:feed(way, packet)) do
       follow(port, item, packet)
+      found.items[index] = kept(item, packet.number)
     end
     local decoder = port.directions[way].decoder
     found.open = math.min(#decoder.buffer, #packet.bytes)
@@ -99,19 +111,15 @@ local function left_open(found, number)
   local last = direction and direction.packets[direction.last]
   if last and last.number == number then
     local item = direction:unfinished(last, function() end)
-    if item then
-      item.length = #item.wire
-    end
-    return item
+    return item and kept(item, number)
   end
 end
 
 -- Shows the bytes of a frame that goes on in other packets; returns the text for Info.
 local function show_open(tree, tvb, found)
   local bytes = tvb(tvb:len() - found.open, found.open)
-  local item = tree:add(F.part, bytes)
+  add(tree, F.part, bytes)
   if found.continued then
-    item:append_text(string.format(" (%s %d)", LABELS.continued, found.continued))
     computed(tree, F.continued, found.continued)
   end
   return hex(bytes:raw()) .. " …"
@@ -140,6 +148,7 @@ function mikas.dissector(tvb, pinfo, root)
   -- A read filter gives the number of a packet that it refuses to the next one.
   local found = pinfo.visited and packets[pinfo.number] or first_pass(tvb, pinfo, time)
   local tree, texts = root:add(mikas, tvb()), {}
+  visible = root.visible
   for _, item in ipairs(found.items) do
     texts[#texts + 1] = show(tree, tvb, item, pinfo.number, time)
   end

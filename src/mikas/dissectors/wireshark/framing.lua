@@ -65,20 +65,22 @@ function Decoder:reset()
   return dropped
 end
 
-local function sound_frame(part, offset)
-  local plain, irregular, lone = unstuffed(part)
-  -- A lone 40 at the end is a raw checksum, and no irregularity.
-  return {
-    body = plain:sub(1, -2), wire = part .. "\r", offset = offset,
-    checksum = plain:byte(-1), raw = lone, irregular = irregular,
-  }
+-- Returns the body and the checksum of a frame on the wire, whether it has an irregular escape, and
+-- whether its checksum is a lone 40. `is_double`: its checksum is a raw 0D.
+local function body_of(wire, is_double)
+  if is_double then
+    local body, irregular, lone = unstuffed(wire:sub(1, -3))
+    return body, TERMINATOR, irregular or lone, false
+  end
+  local plain, irregular, lone = unstuffed(wire:sub(1, -2))
+  return plain:sub(1, -2), plain:byte(-1), irregular, lone
 end
 
-local function frame_with_raw_terminator(part, offset)
-  local plain, irregular, lone = unstuffed(part)
+local function sound_frame(wire, offset, is_double)
+  local body, _, irregular, lone = body_of(wire, is_double)
   return {
-    body = plain, wire = part .. "\r\r", offset = offset,
-    checksum = TERMINATOR, raw = true, irregular = irregular or lone,
+    body = body, wire = wire, offset = offset, is_double = is_double or nil,
+    raw = lone or is_double or nil, irregular = irregular or nil,
   }
 end
 
@@ -107,12 +109,12 @@ function Decoder:feed(bytes)
       elseif part == "" then
         -- A bare terminator is line noise (D5).
       elseif sum == 0 then
-        events[#events + 1] = sound_frame(part, offset)
+        events[#events + 1] = sound_frame(part .. "\r", offset)
       elseif sum == RAW_TERMINATOR_SUM and next_start > #buffer then
         self.searched = stop -- the next byte decides
         break
       elseif sum == RAW_TERMINATOR_SUM and buffer:byte(next_start) == TERMINATOR then
-        events[#events + 1] = frame_with_raw_terminator(part, offset)
+        events[#events + 1] = sound_frame(part .. "\r\r", offset, true)
         next_start = next_start + 1
       else
         events[#events + 1] = damaged("checksum", part, offset)

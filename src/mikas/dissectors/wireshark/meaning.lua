@@ -14,12 +14,16 @@ local parameters_of = {} -- by code, in the catalog's order
 for _, row in ipairs(TABLES.parameters) do
   parameters_of[row.code] = parameters_of[row.code] or {}
   table.insert(parameters_of[row.code], row)
+  row.form = "%." .. row.decimals .. "f"
+end
+
+local HEX = {} -- by character
+for byte = 0, 255 do
+  HEX[string.char(byte)] = string.format("%02X ", byte)
 end
 
 local function hex(bytes)
-  return (bytes:gsub(".", function(each)
-    return string.format("%02X ", each:byte())
-  end):sub(1, -2))
+  return (bytes:gsub(".", HEX):sub(1, -2))
 end
 
 -- Returns a number from bytes, the low one first.
@@ -47,13 +51,12 @@ local function has_bit_of(number, mask)
 end
 
 -- Returns the value of a parameter: a number, exact as the catalog's, or a boolean.
-local function value_of(row, bytes)
-  local reading = row.readings[interpretation()]
+local function value_of(reading, bytes)
   local number = number_of(bytes, reading.signed)
   if reading.mask ~= 0 then
-    return has_bit_of(number, reading.mask), reading
+    return has_bit_of(number, reading.mask)
   end
-  return (number * reading.numerator + reading.constant) / reading.denominator, reading
+  return (number * reading.numerator + reading.constant) / reading.denominator
 end
 
 local function sizes_of(codes)

@@ -1,4 +1,7 @@
 -- A frame, or damage, in the tree of a packet.
+--
+-- While nobody looks at a tree (`visible`), only fields that a filter or a column needs are added:
+-- most of the time of a long recording would go into the others.
 
 local DIRECTIONS = { [SENT] = "sent", [RECEIVED] = "received" }
 local DAMAGES = {
@@ -8,8 +11,28 @@ local DAMAGES = {
 }
 local REFUSALS = { refused = true, not_supported = true, value_or_refusal = true }
 
+local visible = true -- of the present packet
+
+local function wants(tree, field)
+  return visible or tree:referenced(field)
+end
+
+local function add(tree, field, ...)
+  if visible or tree:referenced(field) then
+    return tree:add(field, ...)
+  end
+end
+
 local function computed(tree, field, value)
-  return tree:add(field, value):set_generated(true)
+  if visible or tree:referenced(field) then
+    return tree:add(field, value):set_generated(true)
+  end
+end
+
+local function add_bytes(tree, field, bytes, name)
+  if visible or tree:referenced(field) then
+    return tree:add(field, ByteArray.new(bytes, true):tvb(name)())
+  end
 end
 
 local function seconds(field, tree, duration)
@@ -46,29 +69,36 @@ local function show_answer_of(tree, item)
 end
 
 local function show_codes(tree, range, codes, from)
-  for at = 1, #codes do
-    tree:add(F.code, range(from + at - 1, from + at - 1), codes:byte(at))
+  if wants(tree, F.code) then
+    for at = 1, #codes do
+      tree:add(F.code, range(from + at - 1, from + at - 1), codes:byte(at))
+    end
   end
 end
 
-local function show_values(tree, range, asked, part)
-  for _, each in ipairs(values_of(asked, part.value, part.from)) do
-    local row, unit = each.row, each.reading.unit
-    local text = row.text .. " (" .. row.name .. "): " .. shown(each)
-    if type(each.value) == "number" and unit ~= "" then
-      text = text:sub(1, -#unit - 1) .. " " .. unit
+-- Returns `Coolant temperature (TWAT): 85 °C`.
+local function label_of(each)
+  local unit = each.reading.mask == 0 and each.reading.unit or ""
+  local text = each.text:sub(1, -#unit - 1)
+  return each.row.text .. " (" .. each.row.name .. "): " .. text .. (unit ~= "" and " " .. unit or "")
+end
+
+local function show_values(tree, range, part)
+  for _, each in ipairs(part.list) do
+    local field = PARAMETERS[each.row.name]
+    if visible or tree:referenced(field) then
+      local value = each.value
+      if not IS_FLAG[each.row.name] and type(value) == "boolean" then
+        value = value and 1 or 0
+      end
+      tree:add(field, range(each.from, each.to), value, label_of(each))
     end
-    local value = each.value
-    if type(value) == "boolean" and not IS_FLAG[row.name] then
-      value = value and 1 or 0
-    end
-    tree:add(PARAMETERS[row.name], range(each.from, each.to), value, text)
   end
 end
 
 local function show_faults(tree, range, part)
   local numbers = part.value
-  tree:add(F.fault_count, range(part.from, part.from), numbers:byte())
+  add(tree, F.fault_count, range(part.from, part.from), numbers:byte())
   for at = 2, #numbers, 2 do
     local number = numbers:byte(at)
     local row = TABLES.faults[number]
@@ -80,38 +110,36 @@ local function show_faults(tree, range, part)
   end
 end
 
-local function show_parts(tree, range, asked, parts)
+local function show_parts(tree, range, parts)
   for _, part in ipairs(parts) do
     local name, value = part.name, part.value
     local field = F[name]
     if name == "faults" then
       show_faults(tree, range, part)
     elseif name == "values" then
-      show_values(tree, range, asked, part)
+      show_values(tree, range, part)
     elseif name == "codes" then
       show_codes(tree, range, value, part.from)
     elseif name == "text" then
-      tree:add(F.passport, range(part.from, part.to), passport_of(value))
-    elseif not field then -- bytes, datum, any
-      if value ~= "" then
-        tree:add(F.data, range(part.from, part.to))
-      end
-    else
-      tree:add(field, range(part.from, part.to), value)
+      add(tree, F.passport, range(part.from, part.to), passport_of(value))
+    elseif field then
+      add(tree, field, range(part.from, part.to), value)
+    elseif value ~= "" then -- bytes, datum, any
+      add(tree, F.data, range(part.from, part.to))
     end
   end
 end
 
-local function show_request(tree, range, item, asked)
-  local row = TABLES.commands[item.body:byte()]
+local function show_request(tree, range, item, body, asked)
+  local row = TABLES.commands[body:byte()]
   if row then
-    tree:add(F.command, range(1, 1), row.code)
-    tree:add(F.name, range(1, 1), row.name)
+    add(tree, F.command, range(1, 1), row.code)
+    add(tree, F.name, range(1, 1), row.name)
   end
   if asked then
-    show_parts(tree, range, asked, asked.parts)
-  elseif row and row.request[1] == "codes" and #item.body > 1 then
-    show_codes(tree, range, item.body:sub(2), 2)
+    show_parts(tree, range, asked.parts)
+  elseif row and row.request[1] == "codes" and #body > 1 then
+    show_codes(tree, range, body:sub(2), 2)
   end
   if item.sent and not asked then
     tree:add_proto_expert_info(E.unknown)
@@ -119,20 +147,19 @@ local function show_request(tree, range, item, asked)
   show_answer_of(tree, item)
 end
 
-local function show_response(tree, range, item, asked, parts, message, time)
+local function show_response(tree, range, item, said, time)
   local request = item.answers
   if request.body then
-    computed(tree, F.request, ByteArray.new(request.body, true):tvb(LABELS.request)())
+    add_bytes(tree, F.request, request.body, LABELS.request)
     local row = TABLES.commands[request.body:byte()]
     if row then
       computed(tree, F.command, row.code)
     end
   end
-  if parts then
-    show_parts(tree, range, asked, parts)
-  elseif message then
-    local words = meaning_of(item)
-    tree:add_proto_expert_info(REFUSALS[message] and E.refused or E.unfit, words)
+  if said.parts then
+    show_parts(tree, range, said.parts)
+  elseif said.message then
+    tree:add_proto_expert_info(REFUSALS[said.message] and E.refused or E.unfit, said.words)
   end
   if request.number then
     computed(tree, F.request_in, request.number)
@@ -153,70 +180,85 @@ local function bytes_of(item, tvb)
   return item.wire, ByteArray.new(item.wire, true):tvb(LABELS.reassembled)()
 end
 
-local function show_damage(tree, tvb, item)
-  local wire, bytes = bytes_of(item, tvb)
+local function show_damage(tree, item, wire, bytes)
   local info, label = DAMAGES[item.reason][1], DAMAGES[item.reason][2]
-  local text = "! " .. label .. ": " .. hex(wire)
-  local branch = tree:add(F.frame, bytes, text, text)
+  local words = label .. ": " .. hex(wire)
+  local branch = tree:add(F.frame, bytes, "! " .. words, "! " .. words)
   computed(branch, F.direction, DIRECTIONS[item.way])
   computed(branch, F.damage, item.reason)
-  branch:add(F.damage_data, bytes)
-  branch:add_proto_expert_info(info, label .. ": " .. hex(wire))
+  add(branch, F.damage_data, bytes)
+  branch:add_proto_expert_info(info, words)
   show_echo(branch, item)
   show_answer_of(branch, item)
-  return branch, text
+  return branch, "! " .. words
 end
 
-local function show_frame(tree, tvb, item, time)
-  local wire, bytes = bytes_of(item, tvb)
-  local words, asked, parts, message = meaning_of(item)
-  local range = ranges_of(bytes, wire, #item.body)
-  local text = hex(item.body)
-  local row = (item.sent or item.echo_of) and TABLES.commands[item.body:byte()]
-  if item.echo_of then
-    words = LABELS.echo .. (row and ": " .. row.name or "")
-  elseif row and not (words and words:sub(1, #row.name) == row.name) then
-    words = words and row.name .. ": " .. words or row.name
-  end
-  local branch = tree:add(F.frame, bytes, text, text .. (words and "  " .. words or ""))
-  computed(branch, F.direction, DIRECTIONS[item.way])
-  branch:add(F.wire, bytes)
-  if item.body ~= "" then
-    local whole = range(1, #item.body)
-    if whole:len() == #item.body then
-      branch:add(F.body, whole)
+local function show_body(tree, range, body)
+  if body ~= "" and wants(tree, F.body) then
+    local whole = range(1, #body)
+    if whole:len() == #body then
+      tree:add(F.body, whole)
     else
-      branch:add(F.body, ByteArray.new(item.body, true):tvb(LABELS.body)())
+      add_bytes(tree, F.body, body, LABELS.body)
     end
   end
-  if item.sent or item.echo_of then
-    show_request(branch, range, item, asked)
+end
+
+-- Returns the text of a frame for Info.
+local function text_of_frame(item, body, words)
+  local row = (item.sent or item.echo_of) and TABLES.commands[body:byte()]
+  if item.echo_of then
+    return LABELS.echo .. (row and ": " .. row.name or "")
+  elseif row and words and words:sub(1, #row.name) ~= row.name then
+    return row.name .. ": " .. words
+  end
+  return words or row and row.name
+end
+
+local function show_frame(tree, item, wire, bytes, time)
+  local body, checksum = body_of(wire, item.is_double)
+  local words, asked, parts, message = meaning_of(item, body)
+  local text = text_of_frame(item, body, words)
+  local digits = (visible or not text) and hex(body) or ""
+  local branch = tree:add(F.frame, bytes, digits, digits .. (text and "  " .. text or ""))
+  local range = ranges_of(bytes, wire, #body)
+  computed(branch, F.direction, DIRECTIONS[item.way])
+  add(branch, F.wire, bytes)
+  show_body(branch, range, body)
+  if item.answers then
+    local said = { parts = parts, message = message, words = words }
+    show_response(branch, range, item, said, time)
   else
-    show_response(branch, range, item, asked, parts, message, time)
+    show_request(branch, range, item, body, asked)
   end
-  local meaning = not item.echo_of and meaning_of(item)
-  if meaning then
-    computed(branch, F.meaning, meaning)
+  if words then
+    computed(branch, F.meaning, words)
   end
-  branch:add(F.checksum, bytes(#wire - 2, 1), item.checksum)
+  add(branch, F.checksum, bytes(#wire - 2, 1), checksum)
   show_echo(branch, item)
   if item.raw then
     computed(branch, F.raw_checksum, true)
   end
   if item.irregular then
-    computed(branch, F.irregular, true):add_proto_expert_info(E.irregular)
+    computed(branch, F.irregular, true)
+    branch:add_proto_expert_info(E.irregular)
   end
-  return branch, words or text
+  return branch, text or digits
 end
 
 -- Shows an item in the tree of its packet; returns its text for the column Info.
 local function show(tree, tvb, item, number, time)
-  local show_item = item.reason and show_damage or show_frame
-  local branch, text = show_item(tree, tvb, item, time)
-  if item.first ~= number then
+  local wire, bytes = bytes_of(item, tvb)
+  local branch, text
+  if item.reason then
+    branch, text = show_damage(tree, item, wire, bytes)
+  else
+    branch, text = show_frame(tree, item, wire, bytes, time)
+  end
+  if item.first then
     computed(branch, F.begin, item.first)
   end
-  if item.last ~= number then
+  if item.last then
     computed(branch, F.finish, item.last)
   end
   return text

@@ -12,30 +12,27 @@ local function passport_of(bytes)
   return table.concat(characters)
 end
 
--- Returns each value of a response: `row` of its parameter, `value`, `reading`, and its bytes.
+-- Returns each value of a response: `row` of its parameter, `reading`, `value`, its `text` as `85°C`
+-- or `1` of a flag, and the bytes `from`, `to` of the body.
 local function values_of(asked, bytes, from)
-  local values, at = {}, 1
+  local values, at, reading_name = {}, 1, interpretation()
   for index = 1, #asked.codes do
     local rows = parameters_of[asked.codes:byte(index)]
     local size = rows[1].size
+    local raw = bytes:sub(at, at + size - 1)
     for _, row in ipairs(rows) do
-      local value, reading = value_of(row, bytes:sub(at, at + size - 1))
+      local reading = row.readings[reading_name]
+      local value = value_of(reading, raw)
+      local text = value == true and "1" or value == false and "0"
+        or row.form:format(value) .. reading.unit
       values[#values + 1] = {
-        row = row, value = value, reading = reading, from = from + at - 1, to = from + at + size - 2,
+        row = row, reading = reading, value = value, text = text,
+        from = from + at - 1, to = from + at + size - 2,
       }
     end
     at = at + size
   end
   return values
-end
-
--- Returns `85°C`, or `1` of a flag.
-local function shown(each)
-  if type(each.value) == "boolean" then
-    return each.value and "1" or "0"
-  end
-  local number = string.format("%." .. string.format("%d", each.row.decimals) .. "f", each.value)
-  return number .. (each.reading.mask == 0 and each.reading.unit or "")
 end
 
 local function words_of_request(asked)
@@ -67,11 +64,12 @@ local function words_of_parts(asked, parts)
   elseif parts.result then
     return messages.done
   elseif parts.values then
-    local values = {}
-    for index, each in ipairs(values_of(asked, parts.values.value, parts.values.from)) do
-      values[index] = each.row.name .. "=" .. shown(each)
+    parts.values.list = values_of(asked, parts.values.value, parts.values.from)
+    local words = {}
+    for index, each in ipairs(parts.values.list) do
+      words[index] = each.row.name .. "=" .. each.text
     end
-    return table.concat(values, " ")
+    return table.concat(words, " ")
   elseif parts.bytes or parts.any then
     return hex((parts.bytes or parts.any).value)
   end
@@ -79,12 +77,13 @@ local function words_of_parts(asked, parts)
 end
 
 -- Returns what a frame means, or nil; the parsed request (of the frame itself, or that it answers);
--- the parts of a response; the name of the message of a response that says nothing else.
-local function meaning_of(item)
+-- the parts of a response, with a `list` of its values; the name of the message of a response that
+-- says nothing else.
+local function meaning_of(item, body)
   if item.echo_of then
     return nil
   elseif item.sent then
-    local asked = asked_by(item.body, item.listed)
+    local asked = asked_by(body, item.listed)
     return asked and words_of_request(asked), asked
   end
   local request = item.answers and item.answers.body
@@ -92,10 +91,10 @@ local function meaning_of(item)
   if not asked then
     return nil
   end
-  local parts, message, fields = parsed_response(asked, item.body)
+  local parts, message, fields = parsed_response(asked, body)
   if not parts then
     return filled(TABLES.messages[message], fields), asked, nil, message
-  elseif may_be_refusal(asked, item.body, item.is_first) then
+  elseif may_be_refusal(asked, body, item.is_first) then
     return TABLES.messages.value_or_refusal, asked, nil, "value_or_refusal"
   end
   return words_of_parts(asked, parts), asked, parts
