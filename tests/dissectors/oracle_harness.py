@@ -64,12 +64,12 @@ def _values(part: Part, lists: dict, catalog: Catalog, interpretation: str) -> l
     if not isinstance(part, DecodedFrame) or part.echo:
         return []
     request = part.frame.body if part.direction is Direction.SENT else part.request
+    if part.direction is Direction.SENT:
+        if request[:1] == b"\x64":
+            lists[port] = ()
+        return []
     command = _command(request, lists.get(port, ()), catalog)
     if command is None:
-        return []
-    if part.direction is Direction.SENT:
-        if isinstance(command, c.WriteList):
-            lists[port] = ()
         return []
     body = part.frame.body
     try:

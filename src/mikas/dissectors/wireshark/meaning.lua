@@ -247,6 +247,9 @@ end
 -- Takes the next request, or response to it; returns what is needed to read it later: the list, and
 -- whether it is the first response.
 function Following:take(request, response)
+  if not response and request:byte() == WRITE_LIST then
+    self.listed = nil -- until its 00 comes, the unit may have either list
+  end
   local listed = self.listed
   local asked = asked_by(request, listed)
   if not asked then
@@ -256,9 +259,6 @@ function Following:take(request, response)
   self.started = nil
   if not response then
     self.started = request
-    if asked.row.code == WRITE_LIST then
-      self.listed = nil -- until its 00 comes, the unit may have either list
-    end
   elseif asked.row.code == WRITE_LIST and response == "\0" then
     self.listed = asked.codes
   end
