@@ -222,6 +222,7 @@ def crafted() -> bytes:
         (INBOUND, b"\x40\x01\xbf\r", 1.4), (INBOUND, encode(b"\x01\x02"), 1.5),
     ]  # fmt: skip
     list_set = [(OUTBOUND, encode(b"\x64\x1a"), 1.0), (INBOUND, encode(b"\0"), 1.1)]
+    list_unknown = [(OUTBOUND, encode(b"\x64\x55"), 1.2), (INBOUND, encode(b"\0"), 1.3)]
     list_read = [(OUTBOUND, encode(b"\x63"), 2.0), (INBOUND, answer, 2.1)]
     return (
         section(mixed + below_zero, one, two, one)
@@ -229,6 +230,7 @@ def crafted() -> bytes:
         + section(is_cut)
         + section(every_kind)
         + section(list_set + list_read)
+        + section(list_set + list_unknown + list_read)
         + section(list_read)
     )
 

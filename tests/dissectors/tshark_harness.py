@@ -83,7 +83,7 @@ def as_decoded(packet: Shown, item: list[tuple[str, str]], times: dict[int, floa
     known = dict(item)
     for name in _HEX:
         if name in known:
-            known[name] = known[name].replace(":", "").upper()
+            known[name] = known[name].replace(":", "").replace(" ", "").upper()
     begin = int(known.get("begin", packet.number))
     end = int(known.get("end", packet.number))
     line = {

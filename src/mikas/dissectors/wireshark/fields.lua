@@ -46,7 +46,7 @@ local F = {
   command = ProtoField.uint8("mikas.command", LABELS.command, base.HEX, COMMAND_NAMES),
   name = ProtoField.string("mikas.name", LABELS.name),
   meaning = ProtoField.string("mikas.meaning", LABELS.meaning),
-  request = ProtoField.bytes("mikas.request", LABELS.request, base.SPACE),
+  request = ProtoField.string("mikas.request", LABELS.request),
   request_in = ProtoField.framenum("mikas.request_in", LABELS.request_in, base.NONE,
     frametype.REQUEST),
   response_in = ProtoField.framenum("mikas.response_in", LABELS.response_in, base.NONE,

@@ -13,6 +13,8 @@ LABELS: Final[dict[str, Text]] = {
     # Frames (§2)
     "frame": Text("Frame", "Кадр"),
     "direction": Text("Direction", "Направление"),
+    "sent": Text("sent", "послано"),
+    "received": Text("received", "принято"),
     "echo": Text("Echo", "Эхо"),
     "echo_of": Text("Echo of packet", "Эхо пакета"),
     "wire": Text("On the wire", "На линии"),

@@ -29,12 +29,6 @@ local function computed(tree, field, value)
   end
 end
 
-local function add_bytes(tree, field, bytes, name)
-  if visible or tree:referenced(field) then
-    return tree:add(field, ByteArray.new(bytes, true):tvb(name)())
-  end
-end
-
 local function seconds(field, tree, duration)
   local sign = duration < 0 and -1 or 1 -- a clock may have been set back
   local microseconds = math.floor(duration * sign * 1e6 + 0.5)
@@ -52,6 +46,13 @@ local function ranges_of(bytes, wire, length)
   local begins = places(wire, length)
   return function(from, to)
     return bytes(begins[from], begins[to + 1] - begins[from])
+  end
+end
+
+local function show_direction(tree, way)
+  local item = computed(tree, F.direction, DIRECTIONS[way])
+  if item and visible then
+    item:set_text(LABELS.direction .. ": " .. LABELS[DIRECTIONS[way]])
   end
 end
 
@@ -150,7 +151,9 @@ end
 local function show_response(tree, range, item, said, time)
   local request = item.answers
   if request.body then
-    add_bytes(tree, F.request, request.body, LABELS.request)
+    if wants(tree, F.request) then -- as text: other bytes would have a view of their own
+      computed(tree, F.request, hex(request.body))
+    end
     local row = TABLES.commands[request.body:byte()]
     if row then
       computed(tree, F.command, row.code)
@@ -184,7 +187,7 @@ local function show_damage(tree, item, wire, bytes)
   local info, label = DAMAGES[item.reason][1], DAMAGES[item.reason][2]
   local words = label .. ": " .. hex(wire)
   local branch = tree:add(F.frame, bytes, "! " .. words, "! " .. words)
-  computed(branch, F.direction, DIRECTIONS[item.way])
+  show_direction(branch, item.way)
   computed(branch, F.damage, item.reason)
   add(branch, F.damage_data, bytes)
   branch:add_proto_expert_info(info, words)
@@ -199,7 +202,7 @@ local function show_body(tree, range, body)
     if whole:len() == #body then
       tree:add(F.body, whole)
     else
-      add_bytes(tree, F.body, body, LABELS.body)
+      tree:add(F.body, ByteArray.new(body, true):tvb(LABELS.body)())
     end
   end
 end
@@ -222,7 +225,7 @@ local function show_frame(tree, item, wire, bytes, time)
   local digits = (visible or not text) and hex(body) or ""
   local branch = tree:add(F.frame, bytes, digits, digits .. (text and "  " .. text or ""))
   local range = ranges_of(bytes, wire, #body)
-  computed(branch, F.direction, DIRECTIONS[item.way])
+  show_direction(branch, item.way)
   add(branch, F.wire, bytes)
   show_body(branch, range, body)
   if item.answers then
