@@ -32,7 +32,7 @@ def _here(monkeypatch) -> None:
 def test_add_says_what_it_did(mikas, recordings) -> None:
     ran = mikas("fleet", "add", "in", "--to", "set")
     assert (ran.status, ran.out) == (0, "")
-    assert "set: 2 recordings added, 0.0 h; 0 were there already" in ran.err
+    assert "set: recordings added: 2, 0.0 h; there already: 0" in ran.err
     ran = mikas("fleet", "add", "in", "--to", "set", "--lang", "ru", "--car", "моя")
     assert "добавлено записей: 2 (из них заново: 2)" in ran.err
     assert mikas("fleet", "sql", "set", "SELECT DISTINCT car FROM drives").lines == ["car", "МОЯ"]
@@ -60,7 +60,7 @@ def test_add_in_json_and_its_status_with_a_bad_file(mikas, recordings) -> None:
     ran = mikas("fleet", "add", "in", "--to", "set")
     assert ran.status == 2
     assert "\\x1b[31mbad.pcapng: " in ran.err
-    assert "2 were there already; 1 could not be read" in ran.err
+    assert "there already: 2; not read: 1" in ran.err
 
 
 def test_add_reports_damage_and_adds_the_rest(mikas, recordings) -> None:
@@ -69,7 +69,7 @@ def test_add_reports_damage_and_adds_the_rest(mikas, recordings) -> None:
     (recordings / "0.pcapng").write_bytes(data)
     ran = mikas("fleet", "add", "in", "--to", "set")
     assert ran.status == 0
-    assert "0.pcapng: 1 damaged place(s); the readable rest was added." in ran.err
+    assert "0.pcapng: damaged places: 1; the readable rest was added." in ran.err
 
 
 @pytest.mark.parametrize(

@@ -137,7 +137,7 @@ def _tell(context: CommandContext, added: Added, dataset: str) -> None:
         return
     for file, count in added.damaged:
         context.say(
-            f"{file}: {count} damaged place(s); the readable rest was added.",
+            f"{file}: damaged places: {count}; the readable rest was added.",
             f"{file}: повреждённых мест: {count}; всё остальное добавлено.",
         )
     for bad in added.bad:
@@ -145,11 +145,11 @@ def _tell(context: CommandContext, added: Added, dataset: str) -> None:
     hours = decimal(f"{added.seconds / 3600:.1f}")
     replaced = added.replaced
     known, ru_known = (
-        (f" ({replaced} of them anew)", f" (из них заново: {replaced})") if replaced else ("", "")
+        (f" (anew: {replaced})", f" (из них заново: {replaced})") if replaced else ("", "")
     )
     context.say(
-        f"{shown(dataset)}: {added.added} recordings added{known}, {hours} h; {added.skipped} were "
-        f"there already; {len(added.bad)} could not be read.",
+        f"{shown(dataset)}: recordings added: {added.added}{known}, {hours} h; there already: "
+        f"{added.skipped}; not read: {len(added.bad)}.",
         f"{shown(dataset)}: добавлено записей: {added.added}{ru_known}, {hours} ч; уже были: "
         f"{added.skipped}; не прочитано: {len(added.bad)}.",
     )
