@@ -122,6 +122,7 @@ def misused(argv: Sequence[str]) -> str:
     arguments = list(takewhile(lambda word: word not in _ENDS, argv))
     group: click.Command = cli
     context: click.Context | None = None
+    set_language("en")  # that of `_ABSENT`
     try:
         while True:
             context = group.make_context(group.name, arguments, parent=context)

@@ -10,6 +10,7 @@ from docs_build.checking.virtual_unit import as_written, on_virtual_unit
 from docs_build.markdown import Code
 
 from docs_build import pages
+from mikas.cli.language import set_language
 
 OURS = PurePosixPath("docs/ours.md")
 
@@ -167,6 +168,7 @@ def console(text, info="console"):
     ],
 )
 def test_a_command_is_one_of_ours_even_where_it_is_not_run(command, found):
+    set_language("ru")  # as a test before this one may have left it
     problems = console(command) + console(f"$ {command}\n", "console no-run")
     assert len(problems) == 2 * bool(found)
     assert all(found in problem for problem in problems)
