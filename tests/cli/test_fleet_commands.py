@@ -42,7 +42,7 @@ def test_add_says_that_a_folder_has_no_recordings(mikas, tmp_path) -> None:
     (tmp_path / "empty").mkdir()
     ran = mikas("fleet", "add", "empty", "--to", "set")
     assert ran.status == 0
-    assert ran.err.startswith("There are no recordings (.pcapng).\nset: 0 recordings added")
+    assert ran.err.startswith("There are no recordings (.pcapng).\nset: recordings added: 0")
 
 
 def test_add_in_json_and_its_status_with_a_bad_file(mikas, recordings) -> None:
