@@ -72,7 +72,7 @@ NAVIGATION: tuple[Entry | Section, ...] = (
                 (
                     _page("reference/parameters.md", "Parameters", "Параметры"),
                     _page("reference/faults.md", "Fault numbers", "Коды неисправностей"),
-                    _page("reference/channels.md", "Derived channels", "Расчётные каналы"),
+                    _page("reference/channels.md", "Derived channels", "Производные каналы"),
                     _page("reference/commands.md", "Commands", "Команды"),
                 ),
             ),

@@ -55,7 +55,7 @@ PAGES = (
     ),
     Module(
         "mikas.catalog",
-        Text("Parameters, derived channels, faults.", "Параметры, расчётные каналы, ошибки."),
+        Text("Parameters, derived channels, faults.", "Параметры, производные каналы, ошибки."),
         (
             "shipped", "load", "Catalog", "Derived", "Conversion", "AlarmLimits", "Meaning",
             "Model", "Erratum", "Confidence", "Level",
