@@ -98,6 +98,15 @@ def test_12_is_no_fault() -> None:
     assert [code for code, fault in shipped().faults.items() if fault.informational] == [12]
 
 
+def test_a_fault_in_json_names_what_it_is() -> None:
+    fault, message = shipped().fault(13).as_json(), shipped().fault(12).as_json()
+    assert fault["code"] == 13
+    assert fault["text"] == shipped().fault(13).text._asdict()
+    assert fault["check"] == shipped().fault(13).check._asdict()
+    assert (fault["confidence"], fault["parameters"]) == ("reported", ("JAIR",))
+    assert (fault["informational"], message["informational"]) == (False, True)
+
+
 def test_every_other_number_has_no_text() -> None:
     for code in set(range(256)) - set(shipped().faults):
         assert shipped().fault(code) == Fault(code)
