@@ -17,7 +17,7 @@ from mikas.catalog import shipped
 from mikas.dissectors.wireshark import source
 from mikas.recording.capture.reader import CaptureReader, Packet
 
-_HOURS = 0.155  # some 100,000 packets
+_HOURS = 0.29  # some 100,000 packets
 _FILTER = "mikas.param.TWAT > 90"
 
 _METHOD = """\
