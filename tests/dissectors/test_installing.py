@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 
 import pytest
@@ -30,6 +31,13 @@ def test_a_file_of_another_author_is_left(tmp_path, content):
     with pytest.raises(UsageError, match="not written by mikas"):
         install(file, "-- ours", MARK)
     assert file.read_bytes() == content
+
+
+@pytest.mark.posix  # pipes with a name
+def test_a_pipe_is_left_and_not_waited_for(tmp_path):
+    os.mkfifo(tmp_path / "mikas.lua")
+    with pytest.raises(UsageError, match="not written by mikas"):
+        install(tmp_path / "mikas.lua", "-- ours", MARK)
 
 
 def test_the_systems_reason_is_told(tmp_path):

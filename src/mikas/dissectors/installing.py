@@ -32,7 +32,7 @@ def install(file: Path, text: str, mark: str) -> bool:
     UsageError: another file of that name, which does not begin with `mark`; or the system's reason.
     """
     try:
-        present = file.read_text("utf-8", "replace") if file.exists() else None
+        present = _text_in(file) if file.exists() else None
         if present == text:
             return False
         if present is not None and not present.startswith(mark):
@@ -42,6 +42,11 @@ def install(file: Path, text: str, mark: str) -> bool:
     except OSError as error:
         raise UsageError(problem=reason_at(file, error)) from error
     return True
+
+
+def _text_in(file: Path) -> str:
+    """Return the text of a file; of a folder or a pipe, which is not ours, none."""
+    return file.read_text("utf-8", "replace") if file.is_file() else ""
 
 
 def is_running(program: str) -> bool:
