@@ -196,6 +196,17 @@ def test_a_full_disk_ends_the_run_and_what_was_finished_stays(tmp_path, monkeypa
     assert counts(add_here(tmp_path / "in", to=tmp_path / "set")) == (3, 0, 1, 0)
 
 
+def test_ctrl_c_while_an_entry_is_written_leaves_no_part_of_it(tmp_path, monkeypatch) -> None:
+    def interrupted(_: int) -> None:
+        raise KeyboardInterrupt
+
+    files = store(str(tmp_path / "set"))
+    monkeypatch.setattr("os.fsync", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        files.write("_ledger/a.json", b"{}")
+    assert [each for each in (tmp_path / "set").rglob("*") if each.is_file()] == []
+
+
 def test_damage_inside_is_counted_and_the_rest_is_added(tmp_path) -> None:
     file = make(tmp_path / "drive.pcapng")
     data = bytearray(file.read_bytes())

@@ -91,8 +91,11 @@ class DiskStore(Store):
     def write(self, name: str, data: bytes) -> None:
         with told(self.place):
             part = self._part()
-            part.write_bytes(data)
-            self._rename(part, name)
+            try:
+                part.write_bytes(data)
+                self._rename(part, name)
+            finally:
+                part.unlink(missing_ok=True)  # Ctrl-C may have come between
 
     def put(self, name: str, file: Path) -> None:
         with told(self.place):
