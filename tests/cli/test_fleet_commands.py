@@ -7,7 +7,9 @@ import sys
 
 import pytest
 
+import mikas as program
 from fleet_rig import BEGAN, DAY, make
+from mikas import fleet
 
 
 @pytest.fixture
@@ -98,6 +100,8 @@ def test_wrong_use_is_status_2_with_words(mikas, recordings, argv, words) -> Non
 def test_a_missing_library_is_said_with_its_command(
     mikas, recordings, monkeypatch, missing
 ) -> None:
+    # Its modules are imported anew; afterwards the package has the present ones again.
+    monkeypatch.setattr(program, "fleet", fleet)
     for name in [name for name in sys.modules if name.startswith("mikas.fleet")]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, missing, None)
