@@ -15,7 +15,9 @@ from collections.abc import Iterator
 from datetime import UTC, datetime
 from pathlib import Path
 
-from bench import (
+from bench import russian
+from bench.rows import Scope
+from bench.themes import (
     cpu,
     crash,
     dash,
@@ -25,13 +27,11 @@ from bench import (
     installed,
     memory,
     reading,
-    russian,
     stalls,
     startup,
     static_site,
     wire,
 )
-from bench.rows import Scope
 
 THEMES = {
     "wire": wire,

@@ -1,7 +1,7 @@
 """Killed by `kill -9`: the user's files are whole, and can be gone on with.
 
 Each child is a fork of this process that counts its steps and kills itself; so a seed repeats it.
-`bench/crash.py` kills the real commands at random moments, a thousand times.
+`bench/themes/crash.py` kills the real commands at random moments, a thousand times.
 """
 
 from __future__ import annotations

@@ -13,10 +13,10 @@ from rich.console import Console
 
 from mikas.cli.context import CommandContext
 from mikas.cli.language import set_language
+from mikas.cli.options.sampling import SamplingOptions
 from mikas.cli.render import table_layout
 from mikas.cli.render.live_table import LiveTable
 from mikas.cli.render.output import Output
-from mikas.cli.sampling_options import SamplingOptions
 from mikas.cli.sampling_run import sampling_session
 
 SECONDS = 75

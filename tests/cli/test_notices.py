@@ -7,8 +7,8 @@ from types import SimpleNamespace
 import pytest
 
 from mikas.cli.language import set_language
+from mikas.cli.options.sampling import SamplingOptions
 from mikas.cli.render.notices import Notices
-from mikas.cli.sampling_options import SamplingOptions
 from mikas.errors import (
     AnotherAdapter,
     DamagedResponse,

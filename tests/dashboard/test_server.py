@@ -10,7 +10,7 @@ import pytest
 from dashboard.rig import rig
 from mikas.cli.commands.dash import show_dashboard
 from mikas.cli.context import CommandContext
-from mikas.cli.dashboard_options import DashboardOptions
+from mikas.cli.options.dashboard import DashboardOptions
 from mikas.dashboard.listening import FIRST_PORT, listen, own_addresses
 from mikas.dashboard.page import shape
 from mikas.dashboard.security.certificate import own_certificate

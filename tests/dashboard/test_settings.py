@@ -9,8 +9,8 @@ from hashlib import sha256
 import pytest
 
 from dashboard.rig import rig
-from mikas.cli.dashboard_options import DashboardOptions
 from mikas.cli.language import detect_language, requested_language, set_language
+from mikas.cli.options.dashboard import DashboardOptions
 from mikas.errors import UsageError
 
 

@@ -10,9 +10,9 @@ from typing import Any, TypeVar
 
 import click
 
-from mikas.cli.common_options import CommonOption, LocalizedOption, common_options
 from mikas.cli.language import localized, tr
-from mikas.cli.parameter_types import any_file
+from mikas.cli.options.common import CommonOption, LocalizedOption, common_options
+from mikas.cli.options.parameter_types import any_file
 from mikas.cli.render.terminal import write_error
 from mikas.i18n import Text
 

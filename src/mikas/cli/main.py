@@ -16,9 +16,9 @@ import click
 from mikas.cli import desktop
 from mikas.cli.click_extensions import LocalizedGroup
 from mikas.cli.commands import COMMANDS
-from mikas.cli.common_options import LocalizedOption, common_options
 from mikas.cli.failures import BUG, DONE, INTERRUPTED, failure_of
 from mikas.cli.language import detect_language, set_language
+from mikas.cli.options.common import LocalizedOption, common_options
 from mikas.cli.render.terminal import (
     cell_text,
     discard_output,

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from concurrent.futures import Future
 
     from mikas.catalog import Derived, Model, Parameter
-    from mikas.cli.sampling_options import SamplingOptions
+    from mikas.cli.options.sampling import SamplingOptions
     from mikas.client import Ecu
     from mikas.link.ahead import PortAhead
     from mikas.recording.capture.notes import Note

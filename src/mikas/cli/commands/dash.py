@@ -14,10 +14,10 @@ from urllib.parse import urlencode
 from mikas.cli.advice import ADVICE
 from mikas.cli.click_extensions import command, option
 from mikas.cli.context import CommandContext
-from mikas.cli.dashboard_options import DashboardOptions, dashboard_options
 from mikas.cli.desktop import FLAG, open_page
 from mikas.cli.language import localized, requested_language, tr
-from mikas.cli.parameter_types import whole
+from mikas.cli.options.dashboard import DashboardOptions, dashboard_options
+from mikas.cli.options.parameter_types import whole
 from mikas.cli.render.terminal import error_drawing
 from mikas.errors import UsageError, usage_error
 from mikas.i18n import Text

@@ -11,8 +11,8 @@ from mikas.catalog.conversion import NO_TEXT
 from mikas.cli.click_extensions import command, option
 from mikas.cli.context import CommandContext
 from mikas.cli.language import localized, tr
-from mikas.cli.parameter_types import existing_file, number
-from mikas.cli.sampling_options import SamplingOptions
+from mikas.cli.options.parameter_types import existing_file, number
+from mikas.cli.options.sampling import SamplingOptions
 from mikas.errors import usage_error
 from mikas.i18n import Text
 from mikas.options import nearest

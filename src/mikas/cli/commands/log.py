@@ -10,14 +10,14 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from mikas.cli.car_options import CarOptions, car_options
 from mikas.cli.click_extensions import command, option
 from mikas.cli.context import CommandContext
 from mikas.cli.failures import DONE, USAGE
 from mikas.cli.language import capital, decimal, localized, tr
-from mikas.cli.parameter_types import Portion, any_file, portion
+from mikas.cli.options.car import CarOptions, car_options
+from mikas.cli.options.parameter_types import Portion, any_file, portion
+from mikas.cli.options.sampling import SamplingOptions, sampling_options
 from mikas.cli.render.output import StatusLine
-from mikas.cli.sampling_options import SamplingOptions, sampling_options
 from mikas.errors import usage_error
 from mikas.i18n import Text
 

@@ -8,13 +8,13 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from mikas.cli.broker_options import BrokerOptions, broker_options
 from mikas.cli.click_extensions import command, grouped, option
 from mikas.cli.context import CommandContext
 from mikas.cli.failures import DONE
 from mikas.cli.language import current_language, tr
-from mikas.cli.parameter_types import number, whole
-from mikas.cli.sampling_options import SamplingOptions, sampling_options
+from mikas.cli.options.broker import BrokerOptions, broker_options
+from mikas.cli.options.parameter_types import number, whole
+from mikas.cli.options.sampling import SamplingOptions, sampling_options
 from mikas.i18n import Text
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from mikas.cli.click_extensions import command, option
 from mikas.cli.context import CommandContext
-from mikas.cli.parameter_types import any_file, choices, one_of
+from mikas.cli.options.parameter_types import any_file, choices, one_of
 from mikas.errors import usage_error
 from mikas.i18n import Text
 from mikas.link import WallClock

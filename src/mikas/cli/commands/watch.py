@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from mikas.cli.click_extensions import command, option
 from mikas.cli.context import CommandContext
-from mikas.cli.sampling_options import SamplingOptions, sampling_options
+from mikas.cli.options.sampling import SamplingOptions, sampling_options
 from mikas.i18n import Text
 
 if TYPE_CHECKING:

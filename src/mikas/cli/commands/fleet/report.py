@@ -10,7 +10,7 @@ import click
 from mikas.cli.click_extensions import OVERWRITE, command, option
 from mikas.cli.context import CommandContext
 from mikas.cli.language import current_language, localized
-from mikas.cli.parameter_types import any_file
+from mikas.cli.options.parameter_types import any_file
 from mikas.cli.render.terminal import cell_text
 from mikas.i18n import Text
 

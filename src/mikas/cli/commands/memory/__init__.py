@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from mikas.cli.click_extensions import LocalizedGroup
 from mikas.cli.commands import MEMORY_COMMANDS
-from mikas.cli.common_options import common_options
+from mikas.cli.options.common import common_options
 from mikas.i18n import Text
 
 mem = LocalizedGroup(

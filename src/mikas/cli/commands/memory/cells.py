@@ -7,9 +7,9 @@ from collections.abc import Iterator
 import click
 
 from mikas.cli.click_extensions import SURE, YES, command
-from mikas.cli.common_options import RELEARN
 from mikas.cli.context import CommandContext, check_sure
-from mikas.cli.parameter_types import hex_address, hex_bytes, one_of, size_in_bytes
+from mikas.cli.options.common import RELEARN
+from mikas.cli.options.parameter_types import hex_address, hex_bytes, one_of, size_in_bytes
 from mikas.client import Change
 from mikas.commands.base import check_range
 from mikas.i18n import Text

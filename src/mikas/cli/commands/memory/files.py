@@ -9,10 +9,10 @@ import click
 
 from mikas.cli.click_extensions import command, option
 from mikas.cli.commands.memory.cells import SPACE
-from mikas.cli.common_options import RELEARN
 from mikas.cli.context import CommandContext
 from mikas.cli.language import tr
-from mikas.cli.parameter_types import any_file, block_size, existing_file, hex_address
+from mikas.cli.options.common import RELEARN
+from mikas.cli.options.parameter_types import any_file, block_size, existing_file, hex_address
 from mikas.cli.render.progress import progress
 from mikas.client.memory.dumps import (
     Difference,

@@ -10,11 +10,11 @@ import click
 from mikas.cli.click_extensions import YES, command, option
 from mikas.cli.commands.memory.cells import SPACE
 from mikas.cli.commands.memory.files import BLOCK, differences_json, show_differences
-from mikas.cli.common_options import RELEARN
 from mikas.cli.context import CommandContext
 from mikas.cli.failures import DONE, REFUSED
 from mikas.cli.language import tr
-from mikas.cli.parameter_types import existing_file, hex_address
+from mikas.cli.options.common import RELEARN
+from mikas.cli.options.parameter_types import existing_file, hex_address
 from mikas.cli.render.progress import progress
 from mikas.client.memory.restoring import DumpFile, Restore
 from mikas.i18n import Text

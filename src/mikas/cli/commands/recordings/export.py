@@ -13,7 +13,7 @@ import click
 from mikas.cli.click_extensions import OUT, OVERWRITE, command, option
 from mikas.cli.context import CommandContext
 from mikas.cli.language import current_language, localized
-from mikas.cli.parameter_types import choices, existing_file, one_of
+from mikas.cli.options.parameter_types import choices, existing_file, one_of
 from mikas.errors import usage_error
 from mikas.i18n import Text
 from mikas.recording.export import DIALECTS

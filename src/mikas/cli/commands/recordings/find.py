@@ -10,7 +10,7 @@ import click
 from mikas.cli.click_extensions import command
 from mikas.cli.context import CommandContext
 from mikas.cli.language import decimal, tr
-from mikas.cli.parameter_types import existing_file
+from mikas.cli.options.parameter_types import existing_file
 from mikas.i18n import Text, counted
 
 if TYPE_CHECKING:

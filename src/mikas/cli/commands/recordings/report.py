@@ -10,15 +10,15 @@ from typing import TYPE_CHECKING
 
 import click
 
-from mikas.cli.car_options import CarOptions, car_options
 from mikas.cli.click_extensions import OUT, OVERWRITE, command, option
-from mikas.cli.common_options import RELEARN
 from mikas.cli.context import CommandContext
 from mikas.cli.language import current_language, decimal, localized, tr
-from mikas.cli.parameter_types import existing_file, number
+from mikas.cli.options.car import CarOptions, car_options
+from mikas.cli.options.common import RELEARN
+from mikas.cli.options.parameter_types import existing_file, number
+from mikas.cli.options.sampling import SamplingOptions
 from mikas.cli.render.notices import Notices
 from mikas.cli.render.output import StatusLine
-from mikas.cli.sampling_options import SamplingOptions
 from mikas.cli.sampling_run import SamplingRun, sampling_session
 from mikas.errors import usage_error
 from mikas.i18n import Text

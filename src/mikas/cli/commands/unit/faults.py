@@ -10,7 +10,7 @@ from mikas.catalog import Confidence, Fault
 from mikas.cli.click_extensions import YES, command
 from mikas.cli.context import CommandContext
 from mikas.cli.language import localized, tr
-from mikas.cli.parameter_types import one_of
+from mikas.cli.options.parameter_types import one_of
 from mikas.i18n import Text
 
 

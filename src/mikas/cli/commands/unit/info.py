@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from mikas.catalog import Catalog
 from mikas.cli.click_extensions import command, option
-from mikas.cli.common_options import RELEARN
 from mikas.cli.context import CommandContext
 from mikas.cli.language import decimal, localized, tr
+from mikas.cli.options.common import RELEARN
 from mikas.client import Ecu, Info, Support
 from mikas.client.limits import STARTING_LIST
 from mikas.client.parameters.polling import FixedMethod

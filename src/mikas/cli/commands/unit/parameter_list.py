@@ -7,9 +7,9 @@ import click
 from mikas.cli.click_extensions import YES, LocalizedGroup, command
 from mikas.cli.commands import LIST_COMMANDS
 from mikas.cli.commands.unit.parameters import show_readings
-from mikas.cli.common_options import RELEARN, common_options
 from mikas.cli.context import CommandContext
 from mikas.cli.language import tr
+from mikas.cli.options.common import RELEARN, common_options
 from mikas.errors import NoList
 from mikas.i18n import Text
 

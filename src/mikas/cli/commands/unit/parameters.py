@@ -10,10 +10,10 @@ import click
 
 from mikas.catalog import Catalog, Derived, Parameter
 from mikas.cli.click_extensions import YES, command, option
-from mikas.cli.common_options import RELEARN
 from mikas.cli.context import CommandContext
 from mikas.cli.language import localized, tr
-from mikas.cli.parameter_types import hex_bytes
+from mikas.cli.options.common import RELEARN
+from mikas.cli.options.parameter_types import hex_bytes
 from mikas.cli.render.values import reading_json, reference, unit_text, valid_reference, value_text
 from mikas.client import Reading
 from mikas.client.parameters.parameters import datum_to_write, decode

@@ -6,7 +6,7 @@ import click
 
 from mikas.cli.click_extensions import SURE, YES, command
 from mikas.cli.context import CommandContext, check_sure
-from mikas.cli.parameter_types import hex_bytes
+from mikas.cli.options.parameter_types import hex_bytes
 from mikas.commands import COMMANDS_BY_CODE, Safety
 from mikas.i18n import Text
 

@@ -10,10 +10,10 @@ from pathlib import Path
 from mikas.catalog import Catalog
 from mikas.catalog.starter import names_of, starter_catalog
 from mikas.cli.click_extensions import OVERWRITE, command, option
-from mikas.cli.common_options import RELEARN
 from mikas.cli.context import CommandContext
 from mikas.cli.language import current_language, localized, tr
-from mikas.cli.parameter_types import any_file
+from mikas.cli.options.common import RELEARN
+from mikas.cli.options.parameter_types import any_file
 from mikas.cli.render.progress import progress
 from mikas.cli.render.values import unit_text, value_text
 from mikas.client import Answer, Ecu, ScannedCode

@@ -4,7 +4,7 @@ The children are forks of this process, which has everything imported. They run 
 on pseudo-terminals whose units this process serves, so what a unit has sent is known here and is
 compared with the files. `bench/full_disk.py` is the same for a disk without room.
 
-python -m bench.crash KILLS SEED     a campaign; prints every loss
+python -m bench.themes.crash KILLS SEED     a campaign; prints every loss
 """
 
 from __future__ import annotations

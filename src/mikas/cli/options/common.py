@@ -13,7 +13,7 @@ import click
 
 from mikas.cli.config import CHECKSUMS, ECHO, INTERPRETATIONS, LANGUAGES, MAX_RETRIES
 from mikas.cli.language import localized
-from mikas.cli.parameter_types import any_file, choices, one_of, timeout, whole
+from mikas.cli.options.parameter_types import any_file, choices, one_of, timeout, whole
 from mikas.i18n import Text
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from mikas.cli.click_extensions import grouped, option
-from mikas.cli.parameter_types import existing_file, whole
+from mikas.cli.options.parameter_types import existing_file, whole
 from mikas.errors import usage_error
 from mikas.i18n import Text
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import click
 
 from mikas.cli.click_extensions import grouped, option
-from mikas.cli.parameter_types import any_file
+from mikas.cli.options.parameter_types import any_file
 from mikas.i18n import Text
 
 if TYPE_CHECKING:

@@ -28,9 +28,9 @@ from mikas.recording.capture.reader import Packet
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, BrowserContext, Page, Playwright
 
-_ROOT = Path(__file__).parent.parent
+_ROOT = Path(__file__).parents[2]
 _SITE = _ROOT / "build" / "site"
-_PAGES = Path(__file__).parent / "site_pages"
+_PAGES = Path(__file__).parents[1] / "site_pages"
 _METHODS = ("single", "batch", "list", "stream")
 _FLAGS = (
     "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",

@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 import click
 
 from mikas.cli.click_extensions import grouped, option
-from mikas.cli.common_options import RELEARN
-from mikas.cli.parameter_types import number, one_of, whole
+from mikas.cli.options.common import RELEARN
+from mikas.cli.options.parameter_types import number, one_of, whole
 from mikas.i18n import Text
 
 _DEFAULT = "auto"

@@ -1,6 +1,6 @@
 """Whether memory stays flat over a day's driving: sampling and recording, eight simulated hours.
 
-python -m bench.memory HOURS     one line of JSON for every simulated hour
+python -m bench.themes.memory HOURS     one line of JSON for every simulated hour
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ hour fills caches and is the measure for the others. Once."""
 def run(scope: Scope) -> Iterator[Theme]:
     hours = scope.of(8, 2)
     began = perf_counter()
-    command = [sys.executable, "-m", "bench.memory", str(hours)]
+    command = [sys.executable, "-m", "bench.themes.memory", str(hours)]
     reported = subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True).stdout
     seconds = perf_counter() - began
     looks = [json.loads(line) for line in reported.splitlines()]

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from mikas.cli.click_extensions import grouped, option
-from mikas.cli.parameter_types import whole
+from mikas.cli.options.parameter_types import whole
 from mikas.errors import UsageError
 from mikas.i18n import Text
 

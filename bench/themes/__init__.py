@@ -1,0 +1,1 @@
+"""What `make bench` measures: a module a theme, whose tables are made by its run()."""
