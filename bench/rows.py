@@ -7,10 +7,11 @@ counts, lowest and highest are the spread, and the target is met or MISSED by th
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from statistics import median
 from textwrap import fill
+from time import perf_counter
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,6 +66,16 @@ class Row:
 
     def _shown(self, value: float) -> str:
         return f"{value:,.{self.digits}f}"
+
+
+def timed(work: Callable[[], object], runs: int) -> list[float]:
+    """Return how many seconds each of these runs took."""
+    taken = []
+    for _ in range(runs):
+        began = perf_counter()
+        work()
+        taken.append(perf_counter() - began)
+    return taken
 
 
 _WIDTH = 120

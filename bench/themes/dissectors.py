@@ -9,10 +9,9 @@ import sys
 import tempfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from time import perf_counter
 
 from bench.recorded import recorded
-from bench.rows import Row, Scope, Theme
+from bench.rows import Row, Scope, Theme, timed
 from mikas.catalog import shipped
 from mikas.dissectors.wireshark import source
 from mikas.recording.capture.reader import CaptureReader, Packet
@@ -65,13 +64,12 @@ def _wireshark(path: Path, plugin: Path, runs: int, hours: float) -> Theme:
 
 
 def _row(what: str, command: Sequence[str], runs: int, home: dict[str, str], packets: int) -> Row:
-    measured = [_seconds(command, home) for _ in range(runs)]
+    measured = timed(lambda: _run(command, home), runs)
     rate = packets / sorted(measured)[len(measured) // 2]
     return Row(what, measured, "s", aside=f"{rate:,.0f} packets/s")
 
 
-def _seconds(command: Sequence[str], environment: dict[str, str]) -> float:
-    began = perf_counter()
+def _run(command: Sequence[str], environment: dict[str, str]) -> None:
     subprocess.run(
         command,
         check=True,
@@ -79,4 +77,3 @@ def _seconds(command: Sequence[str], environment: dict[str, str]) -> float:
         stderr=subprocess.DEVNULL,
         env=environment,
     )
-    return perf_counter() - began

@@ -12,10 +12,9 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
-from time import perf_counter
 
 from bench.recorded import START, recorded
-from bench.rows import Row, Scope, Theme
+from bench.rows import Row, Scope, Theme, timed
 
 DAY = 86_400
 _QUESTION = "SELECT car, day, avg(TWAT), max(FREQ) FROM samples GROUP BY ALL"
@@ -51,31 +50,22 @@ def run(scope: Scope) -> Iterator[Theme]:
                 rows.append(_row(words, partial(_add, folder, *executor), runs, wire))
         rows.append(_row("by hand with pandas", lambda: _by_hand(folder), runs, wire))
         _add(folder, "--workers", "2")
-        again = _seconds(lambda: _mikas("add", str(folder / "in"), "--to", str(_set(folder))), runs)
+        again = timed(lambda: _mikas("add", str(folder / "in"), "--to", str(_set(folder))), runs)
         how = "all of them are there already, and not read."
         rows.append(Row("the same command again", again, "s", 2, how=how))
-        asked = _seconds(lambda: _mikas("sql", str(_set(folder)), _QUESTION), runs)
+        asked = timed(lambda: _mikas("sql", str(_set(folder)), _QUESTION), runs)
         how = f"`{_QUESTION}`, a whole process."
         rows.append(Row("a question to all samples", asked, "s", 2, how=how))
-        reported = _seconds(lambda: _mikas("report", str(_set(folder))), runs)
+        reported = timed(lambda: _mikas("report", str(_set(folder))), runs)
         rows.append(Row("report", reported, "s", 2))
         method = _METHOD.format(count=count, hours=hours, megabytes=size, rows=_rows(_set(folder)))
     yield Theme("A fleet", method, rows)
 
 
 def _row(what: str, work: Callable[[], object], runs: int, wire: float) -> Row:
-    taken = _seconds(work, runs)
+    taken = timed(work, runs)
     aside = f"{sorted(taken)[len(taken) // 2]:.1f} s"
     return Row(what, [wire / each for each in taken], "hours of recording a second", 2, aside=aside)
-
-
-def _seconds(work: Callable[[], object], runs: int) -> list[float]:
-    taken = []
-    for _ in range(runs):
-        began = perf_counter()
-        work()
-        taken.append(perf_counter() - began)
-    return taken
 
 
 def _set(folder: Path) -> Path:

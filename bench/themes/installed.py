@@ -8,12 +8,11 @@ from __future__ import annotations
 import subprocess
 from collections.abc import Iterator
 from pathlib import Path
-from time import perf_counter
 
 from package import program, wheel
 from package.project import DIST
 
-from bench.rows import Row, Scope, Theme
+from bench.rows import Row, Scope, Theme, timed
 
 _MB = 1e6
 
@@ -22,7 +21,7 @@ def run(scope: Scope) -> Iterator[Theme]:
     if not program.FOLDER.is_dir():
         wheel.build()
         program.build()
-    starts = [_start(program.FOLDER / "mikas") for _ in range(scope.of(11, 3))]
+    starts = timed(_start, scope.of(11, 3))
     inside = [
         each for each in program.FOLDER.rglob("*") if each.is_file() and not each.is_symlink()
     ]
@@ -42,7 +41,6 @@ def _size(files: list[Path]) -> float:
     return sum(file.stat().st_size for file in files) / _MB
 
 
-def _start(command: Path) -> float:
-    began = perf_counter()
-    subprocess.run([command, "--help"], check=True, stdout=subprocess.DEVNULL, env={})
-    return perf_counter() - began
+def _start() -> None:
+    command = [str(program.FOLDER / "mikas"), "--help"]
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL, env={})

@@ -6,17 +6,16 @@ import io
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
 from random import Random
-from time import perf_counter
 
 import numpy as np
 
 import mikas
 from bench.recorded import recorded
-from bench.rows import Row, Scope, Theme
+from bench.rows import Row, Scope, Theme, timed
 from mikas.framing import Decoder, encode
 from mikas.recording.exchanges.frames import BulkDecoder
 from mikas.replay import load
@@ -47,7 +46,7 @@ def recordings(scope: Scope) -> Theme:
     with tempfile.TemporaryDirectory() as folder:
         path = recorded(Path(folder) / "drive.pcapng", hours, lap=300 if hours > 1 else 60)
         size = path.stat().st_size / 1e6
-        opened = _seconds(lambda: mikas.open(path), runs)
+        opened = timed(lambda: mikas.open(path), runs)
         how = "`mikas.open`, which looks through the file for its channels and damage."
         limit = None if scope.quick else 2.0
         rows = [Row(f"open {hours} hour(s)", opened, "s", 2, at_most=limit, how=how)]
@@ -64,7 +63,7 @@ def recordings(scope: Scope) -> Theme:
                 )
             )
         part = recorded(Path(folder) / "part.pcapng", 1, lap=60)
-        seconds = _seconds(lambda: load(part), 1)
+        seconds = timed(lambda: load(part), 1)
         how = "an hour; what `sim --replay` and `replay:` do before they answer; once."
         rates = [3600 / each for each in seconds]
         aside = f"{seconds[0]:.1f} s"
@@ -88,26 +87,17 @@ def _in_a_notebook(part: Path, runs: int, scope: Scope) -> Iterator[Row]:
     mikas.open(part)._repr_html_()
     draw()
     limit = None if scope.quick else 2.0
-    shown = _seconds(lambda: mikas.open(part)._repr_html_(), runs)
+    shown = timed(lambda: mikas.open(part)._repr_html_(), runs)
     how = "an hour: `mikas.open` and what a notebook shows of it."
     yield Row("show in a notebook", shown, "s", 2, at_most=limit, how=how)
     how = "an hour: `mikas.open` and `plot()`, until the picture is a PNG."
-    yield Row("plot", _seconds(draw, runs), "s", 2, at_most=limit, how=how)
-
-
-def _seconds(work: Callable[[], object], runs: int) -> list[float]:
-    taken = []
-    for _ in range(runs):
-        began = perf_counter()
-        work()
-        taken.append(perf_counter() - began)
-    return taken
+    yield Row("plot", timed(draw, runs), "s", 2, at_most=limit, how=how)
 
 
 def _exported(path: Path, suffix: str, runs: int) -> list[float]:
     out = path.with_suffix(f".{suffix}")
     command = [sys.executable, "-m", "mikas", "export", str(path), "-o", str(out), "--overwrite"]
-    taken = _seconds(lambda: subprocess.run(command, check=True, capture_output=True), runs)
+    taken = timed(lambda: subprocess.run(command, check=True, capture_output=True), runs)
     out.unlink()
     return taken
 
@@ -121,8 +111,8 @@ def decoders(scope: Scope) -> Theme:
     target[:] = 0  # the pages are there before the first copy
     shares, speeds, copies = [], [], []
     for _ in range(runs):
-        (copy,) = _seconds(lambda: np.copyto(target, wire), 1)
-        (decode,) = _seconds(lambda: _bulk(wire), 1)
+        (copy,) = timed(lambda: np.copyto(target, wire), 1)
+        (decode,) = timed(lambda: _bulk(wire), 1)
         shares.append(100 * copy / decode)
         speeds.append(wire.size / decode / 1e6)
         copies.append(wire.size / copy / 1e9)
@@ -131,7 +121,7 @@ def decoders(scope: Scope) -> Theme:
     part = pattern[: scope.of(1_000_000, 200_000)]
     for name, piece in (("whole", len(part)), ("byte by byte", 1)):
         chunks = [part[at : at + piece] for at in range(0, len(part), piece)]
-        rates = [len(part) / each / 1e6 for each in _seconds(partial(_fed, chunks), runs)]
+        rates = [len(part) / each / 1e6 for each in timed(partial(_fed, chunks), runs)]
         aside = f"{sorted(rates)[len(rates) // 2] * 1e6 / 960:,.0f} times the wire"
         rows.append(Row(f"incremental decoder, fed {name}", rates, "MB/s", 2, aside=aside))
     return Theme("Decoders", _DECODERS.format(runs=runs, megabytes=megabytes), rows)

@@ -14,15 +14,15 @@ from urllib.error import URLError
 from urllib.request import urlopen
 
 from bench.rig import serving
-from bench.rows import Row, Scope, Theme
+from bench.rows import Row, Scope, Theme, timed
 
 _LONG = 30.0  # s; then something is wrong
 
 
 def run(scope: Scope) -> Iterator[Theme]:
     runs = scope.of(11, 3)
-    bare = median(_seconds("-c", "pass") for _ in range(runs))
-    helped = [1000 * _seconds("-m", "mikas", "--help") for _ in range(runs)]
+    bare = median(timed(lambda: _run("-c", "pass"), runs))
+    helped = [1000 * each for each in timed(lambda: _run("-m", "mikas", "--help"), runs)]
     aside = f"of which {bare * 1000:.0f} ms are Python's own"
     with serving() as url:
         watched = [_first_of_watch(url) for _ in range(runs)]
@@ -36,10 +36,8 @@ def run(scope: Scope) -> Iterator[Theme]:
     yield Theme("Start-up", f"Whole processes, {runs} times (`dash` fewer).", rows)
 
 
-def _seconds(*arguments: str) -> float:
-    began = perf_counter()
+def _run(*arguments: str) -> None:
     subprocess.run([sys.executable, *arguments], check=True, stdout=subprocess.DEVNULL)
-    return perf_counter() - began
 
 
 @contextmanager
