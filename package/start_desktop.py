@@ -1,5 +1,5 @@
 """The program `mikas-dashboard` of the one folder: what an icon starts, without a console."""
 
-from mikas.cli.desktop import main
+from mikas.cli.main import desktop_main
 
-main()
+desktop_main()

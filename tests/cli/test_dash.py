@@ -6,8 +6,7 @@ import sys
 
 import pytest
 
-from mikas.cli import desktop
-from mikas.cli.main import run
+from mikas.cli.main import desktop_main, run
 from mikas.client.connecting import STATE_VARIABLE
 from mikas.dashboard.settings import VirtualCars
 from mikas.errors import RecordingOver
@@ -98,5 +97,5 @@ def test_without_a_console_the_icon_starts_the_same(monkeypatch):
     monkeypatch.setattr("sys.argv", ["mikas-dashboard", "--lan"])
     monkeypatch.setattr("sys.stdout", None)
     monkeypatch.setattr("sys.stderr", None)
-    desktop.main()
+    desktop_main()
     assert started == [["dash", "--desktop", "--lan"]]

@@ -27,14 +27,11 @@ color-scheme: light dark }} pre {{ font-size: 0.8rem; overflow: auto }}</style><
 """
 
 
-def main() -> None:
-    """Run `mikas dash --desktop` with the arguments of this process."""
+def open_streams() -> None:
+    """Open stdout and stderr on nothing where they are absent: on Windows without a console."""
     for name in ("stdout", "stderr"):
-        if getattr(sys, name) is None:  # a Windows program without a console
+        if getattr(sys, name) is None:
             setattr(sys, name, Path(os.devnull).open("w", encoding="utf-8"))  # noqa: SIM115  (as long as the process)
-    from mikas.cli.main import main as run
-
-    run(["dash", FLAG, *sys.argv[1:]])
 
 
 def open_page(url: str) -> bool:

@@ -74,6 +74,12 @@ def main(argv: Sequence[str] | None = None) -> None:
         sys.exit(run(sys.argv[1:] if argv is None else list(argv)))
 
 
+def desktop_main() -> None:
+    """Run `mikas dash --desktop` with the arguments of this process, as `mikas-dashboard`."""
+    desktop.open_streams()
+    main(["dash", desktop.FLAG, *sys.argv[1:]])
+
+
 def run(argv: list[str]) -> int:
     """Run one command line; return the exit status."""
     with escaping():
