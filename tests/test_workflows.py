@@ -76,11 +76,28 @@ def test_a_release_comes_of_a_tag_after_all_tests():
     }
     for name in rights:
         job = release["jobs"][name]
-        assert job["if"] == "github.ref_type == 'tag'"
-        assert "release" in (name, job["needs"])
+        assert job["if"] == "github.event_name == 'push'"  # never by hand, not even at a tag
+        assert name == "release" or "release" in job["needs"]
     assert set(release["jobs"]["release"]["needs"]) == {"tests", "packages", "programs"}
     assert "workflow_call" in workflow("ci.yml")["on"]
     assert release["jobs"]["pypi"]["environment"]["name"] == "pypi"
+
+
+def test_a_job_that_has_failed_can_be_run_again():
+    """What an earlier attempt has uploaded is still there: it is replaced, or has another name."""
+    for file in FILES:
+        for step in steps(file):
+            action, given = step.get("uses", "").partition("@")[0], step.get("with", {})
+            if action == "actions/upload-artifact":
+                assert given["overwrite"] is True, step
+            elif action == "actions/upload-pages-artifact":
+                assert "github.run_attempt" in given["name"], step
+    jobs = workflow("release.yml")["jobs"]
+    name = jobs["packages"]["outputs"]["pages"]
+    assert name in [step.get("with", {}).get("name") for step in jobs["packages"]["steps"]]
+    (deploy,) = jobs["pages"]["steps"]
+    assert "packages" in jobs["pages"]["needs"]
+    assert deploy["with"]["artifact_name"] == "${{ needs.packages.outputs.pages }}"
 
 
 def test_the_tag_is_that_of_the_version():

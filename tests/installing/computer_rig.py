@@ -40,7 +40,10 @@ class Computer:
             stdout=subprocess.PIPE,
             env={"PATH": "/usr/bin:/bin:/usr/sbin:/sbin"},
         )
-        assert self._holder.stdout.readline() == b"up\n"
+        assert self._holder.stdout.readline() == b"up\n", (
+            "this system keeps namespaces from users; on Ubuntu: "
+            "sudo sysctl kernel.apparmor_restrict_unprivileged_userns=0, or run this as root"
+        )
         return self
 
     def __exit__(self, *_):
