@@ -3,6 +3,7 @@
     /usr/lib/mikas                    the program; /usr/bin/mikas leads to it
     /usr/lib/udev/rules.d             the text of `mikas ports --install-rules`
     /usr/share/applications, icons    what menus show
+    /usr/share/metainfo               what software centres show (AppStream)
 
 It has no maintainer scripts: udev sees its rules, and triggers of Debian's packages see the rest.
 """
@@ -65,6 +66,7 @@ mikas ({version}) unstable; urgency=medium
 
  -- {maintainer}  {date}
 """
+_COMPONENT: Final = "io.github.mikas_diagnostics.mikas"
 _RELEASE = re.compile(r"(a|b|rc|\.dev)(\d+)$")
 
 
@@ -80,7 +82,7 @@ def build() -> list[Path]:
         maintainer=_MAINTAINER,
         kilobytes=used // 1024,
         depends=f"libc6 (>= {least_libc(_TREE)})",
-        homepage=project()["urls"]["Homepage"],
+        homepage=_homepage(),
     )
     _write("DEBIAN/control", control)
     DIST.mkdir(exist_ok=True)
@@ -126,18 +128,9 @@ def _fill(tree: Path) -> None:
     _write("usr/share/man/man1/mikas.1.gz", manual.page("en"))
     _write("usr/share/man/ru/man1/mikas.1.gz", manual.page("ru"))
     _write("usr/share/lintian/overrides/mikas", (HERE / "linux/lintian").read_text("utf-8"))
-    homepage = project()["urls"]["Homepage"]
-    copyright_, _, licence = (
-        (ROOT / "LICENSE").read_text("utf-8").partition("Copyright ")[2].partition("\n")
-    )
-    lines = [f" {line}" if line else " ." for line in licence.strip().splitlines()]
-    text = _COPYRIGHT.format(homepage=homepage, copyright=copyright_, licence="\n".join(lines))
-    _write("usr/share/doc/mikas/copyright", text)
-    date = format_datetime(datetime.fromtimestamp(time_of_source(), UTC))
-    text = _CHANGELOG.format(
-        version=debian_version(version()), homepage=homepage, maintainer=_MAINTAINER, date=date
-    )
-    _write("usr/share/doc/mikas/changelog.gz", text)
+    _write("usr/share/doc/mikas/copyright", _copyright())
+    _write("usr/share/doc/mikas/changelog.gz", _changelog())
+    _write(f"usr/share/metainfo/{_COMPONENT}.metainfo.xml", _metainfo())
     for path in tree.rglob("*"):
         if not path.is_symlink():
             runs = path.is_dir() or (path.name == "mikas" and path.parent.name == "mikas")
@@ -148,17 +141,35 @@ def _copyright() -> str:
     _, _, licence = (ROOT / "LICENSE").read_text("utf-8").partition("Copyright ")
     holder, _, terms = licence.partition("\n")
     lines = [f" {line}" if line else " ." for line in terms.strip().splitlines()]
-    homepage = project()["urls"]["Homepage"]
-    return _COPYRIGHT.format(homepage=homepage, copyright=holder, licence="\n".join(lines))
+    return _COPYRIGHT.format(homepage=_homepage(), copyright=holder, licence="\n".join(lines))
 
 
 def _changelog() -> str:
     return _CHANGELOG.format(
         version=debian_version(version()),
-        homepage=project()["urls"]["Homepage"],
+        homepage=_homepage(),
         maintainer=_MAINTAINER,
-        date=format_datetime(datetime.fromtimestamp(time_of_source(), UTC)),
+        date=format_datetime(_time()),
     )
+
+
+def _metainfo() -> str:
+    text = (HERE / "linux/metainfo.xml").read_text("utf-8")
+    pictures = f"{_homepage().replace('github.com', 'raw.githubusercontent.com')}/v{version()}"
+    return text.format(
+        homepage=_homepage(),
+        pictures=f"{pictures}/docs/pictures",
+        version=debian_version(version()),
+        date=_time().date(),
+    )
+
+
+def _homepage() -> str:
+    return str(project()["urls"]["Homepage"])
+
+
+def _time() -> datetime:
+    return datetime.fromtimestamp(time_of_source(), UTC)
 
 
 def _write(name: str, text: str) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shlex
 import shutil
 import subprocess
@@ -10,13 +11,14 @@ import subprocess
 import pytest
 from package.project import version
 
-from installing.computer_rig import built
+from installing.computer_rig import ROOT, built
 from mikas.link.udev_rules import rules
 
 REQUIRED = bool(os.environ.get("MIKAS_REQUIRE_LINTIAN"))
+JUDGES = ("lintian", "desktop-file-validate", "appstreamcli")
 needs_lintian = pytest.mark.skipif(
-    not REQUIRED and not (shutil.which("lintian") and shutil.which("desktop-file-validate")),
-    reason="lintian or desktop-file-validate is not installed",
+    not REQUIRED and not all(map(shutil.which, JUDGES)),
+    reason=f"one of these is not installed: {', '.join(JUDGES)}",
 )
 AS_ROOT = [] if os.geteuid() == 0 else ["sudo", "--non-interactive"]
 needs_root = pytest.mark.skipif(
@@ -92,6 +94,22 @@ def test_the_desktop_entry_is_valid(tmp_path, deb):
     for key in ("GenericName", "Comment", "Keywords"):
         assert f"\n{key}=" in text
         assert f"\n{key}[ru]=" in text
+
+
+@needs_lintian
+def test_what_software_centres_show_is_valid_in_both_languages(tmp_path, deb):
+    subprocess.run(["dpkg-deb", "--extract", deb, tmp_path], check=True)
+    judge = ["appstreamcli", "validate-tree", "--no-net", "--pedantic", "--no-color", tmp_path]
+    found = subprocess.run(judge, capture_output=True, text=True, check=False)
+    assert found.returncode == 0, found.stdout
+    (file,) = (tmp_path / "usr/share/metainfo").iterdir()
+    text = file.read_text("utf-8")
+    elements = re.findall('<(summary|p|li|caption|image)( xml:lang="ru")?>', text)
+    assert elements[0::2] == [(name, "") for name, _ in elements[1::2]]
+    assert all(russian for _, russian in elements[1::2])
+    assert f'<release version="{version()}" ' in text
+    for picture in re.findall(r"/docs/pictures/(?:en|ru)/[\w.]+", text):
+        assert (ROOT / picture[1:]).is_file(), picture
 
 
 @needs_root
