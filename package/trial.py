@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import json
+import plistlib
 import subprocess
 import sys
 import tempfile
@@ -49,10 +50,21 @@ class Trial:
 
     def everything(self) -> None:
         """Do all that a program with all formats has to do."""
+        self.is_an_application()
         self.begins()
         self.shows_its_page()
         self.records_and_exports(FORMATS)
         self.adds_to_a_fleet()
+
+    def is_an_application(self) -> None:
+        """Find what a double click starts, if the program is that of a folder `.app` (macOS)."""
+        application = self.program.parents[2]
+        if application.suffix != ".app":
+            return
+        facts = plistlib.loads((application / "Contents" / "Info.plist").read_bytes())
+        started = self.program.with_name(facts["CFBundleExecutable"])
+        self._holds(started.stem == "mikas-dashboard", f"a double click starts {started.name}")
+        self._holds(started.is_file(), f"no {started.name}")
 
     def begins(self) -> None:
         """Ask for the version, the help in both languages, parameters, ports, decoders, a value."""

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import json
 import os
+import plistlib
 import subprocess
 import tarfile
 import zipfile
 from configparser import ConfigParser
 
 import pytest
+from package.trial import Trial, Wrong
 
 import mikas
 from installing.computer_rig import Computer, built
@@ -99,6 +101,20 @@ def test_the_browser_gets_the_systems_libraries(folder, tmp_path):
             process.kill()
             process.communicate()
         assert "LD_LIBRARY_PATH=/my/own\n" in variables
+
+
+def test_the_trial_knows_what_a_double_click_on_macos_starts(tmp_path):
+    """PyInstaller takes the first program by name, `mikas`, which shows its help and ends."""
+    contents = tmp_path / "mikas.app" / "Contents"
+    (contents / "MacOS").mkdir(parents=True)
+    trial = Trial(contents / "MacOS" / "mikas", tmp_path)
+    for name in ("mikas", "mikas-dashboard"):
+        (contents / "MacOS" / name).touch()
+        (contents / "Info.plist").write_bytes(plistlib.dumps({"CFBundleExecutable": name}))
+        if name == "mikas":
+            with pytest.raises(Wrong, match="a double click starts mikas"):
+                trial.is_an_application()
+    trial.is_an_application()
 
 
 def test_the_licences_of_all_that_is_inside(folder):
