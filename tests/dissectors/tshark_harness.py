@@ -6,6 +6,7 @@ import json
 import os
 import subprocess
 from dataclasses import dataclass, field
+from datetime import datetime
 from pathlib import Path
 
 TSHARK = "tshark"
@@ -59,7 +60,7 @@ def _packet(layers: list) -> Shown:
     known = dict(about) | dict(dict(about)["frame.interface_id_tree"])
     packet = Shown(
         int(known["frame.number"]),
-        float(known["frame.time_epoch"]),
+        _time(known["frame.time_epoch"]),
         recording := int(known["frame.section_number"]) - 1,
         # Wireshark 4.0 takes the names of later sections' ports from the first one.
         "" if recording else known["frame.interface_name"],
@@ -70,6 +71,15 @@ def _packet(layers: list) -> Shown:
         elif name != "mikas.frame":
             packet.about[name.removeprefix("mikas.")] = value
     return packet
+
+
+def _time(text: str) -> float:
+    """Return seconds since 1970; from Wireshark 4.6 on they are printed as a date."""
+    if not text.endswith("Z"):
+        return float(text)
+    date, _, fraction = text.removesuffix("Z").partition(".")
+    seconds = datetime.fromisoformat(f"{date}+00:00").timestamp()
+    return round(seconds + float(f"0.{fraction}"), 6)
 
 
 def _flat(pairs: list):
