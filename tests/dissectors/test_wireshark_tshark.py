@@ -13,6 +13,8 @@ import pytest
 
 from dissectors import oracle_harness as oracle
 from dissectors.sessions_harness import (
+    INBOUND,
+    OUTBOUND,
     crafted,
     hostile,
     section,
@@ -23,6 +25,7 @@ from dissectors.tshark_harness import TSHARK, decoded, run, shown
 from mikas.catalog import load, shipped
 from mikas.dissectors.wireshark import source
 from mikas.framing import encode
+from mikas.recording.capture import blocks as pcapng
 
 pytestmark = pytest.mark.skipif(
     shutil.which(TSHARK) is None and not os.environ.get("MIKAS_REQUIRE_TSHARK"),
@@ -146,6 +149,24 @@ def test_requests_responses_and_echoes_refer_to_each_other(twice, packets, captu
                 sent = [dict(each) for each in later[int(item["echo_of"])].items]
                 wires = [each.get("wire", each.get("damage.data")) for each in sent]
                 assert item.get("wire", item.get("damage.data")) in wires
+
+
+def test_two_adapters_of_one_name_are_two_lines(tmp_path, script):
+    ports = (
+        pcapng.Interface(name="/dev/ttyUSB0", description=each, speed=9600)
+        for each in ("FT232", "CH340")
+    )
+    exchanges = [(OUTBOUND, b"\x61\x1a", 0), (OUTBOUND, b"\x61\x29", 1),
+                 (INBOUND, b"\x15", 1), (INBOUND, b"\x7d", 0)]  # fmt: skip
+    capture = tmp_path / "two.pcapng"
+    packets = [
+        pcapng.EnhancedPacket(port, 1_000_000 + at, encode(body), flags)
+        for at, (flags, body, port) in enumerate(exchanges)
+    ]
+    capture.write_bytes(section(packets, *ports))
+    found = decoded(shown(capture, script))
+    assert found == list(map(oracle.line, oracle.parts(capture)))
+    assert [line["meaning"] for line in found[2:]] == ["FREQ=840rpm", "TWAT=85°C"]
 
 
 # As a user has it: installed, with filters, another language, a file that is cut off

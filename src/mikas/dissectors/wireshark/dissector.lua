@@ -12,6 +12,7 @@ end
 local section_number = optional_field("frame.section_number")
 local interface_id = optional_field("frame.interface_id")
 local interface_name = optional_field("frame.interface_name")
+local interface_description = optional_field("frame.interface_description")
 
 local KEPT = {
   "reason", "sent", "echo_of", "answers", "listed", "is_first", "since", "raw", "irregular",
@@ -33,15 +34,17 @@ local function completed(number, by)
   packets[number].continued = by
 end
 
--- Returns the port of the present packet. Two interfaces of one name are one port: times below zero
--- need an interface of their own. In later sections Wireshark 4.0 gives the names of the first one.
+-- Returns the port of the present packet. Two interfaces of one name and description are one port:
+-- times below zero need an interface of their own. In later sections Wireshark 4.0 gives those of
+-- the first one.
 local function present_port()
   local number = text_of(section_number)
   if number ~= section then
     section, ports = number, {}
   end
   local is_first = number == "1" or number == ""
-  local name = is_first and text_of(interface_name) or text_of(interface_id)
+  local name = is_first and text_of(interface_name) .. "\n" .. text_of(interface_description)
+    or text_of(interface_id)
   ports[name] = ports[name] or new_port(completed)
   return ports[name]
 end
