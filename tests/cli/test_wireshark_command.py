@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
 from mikas.dissectors import installing
@@ -23,6 +25,15 @@ def test_it_is_printed(mikas):
     assert ran.out.startswith(MARK)
     assert "Coolant temperature" in ran.out
     assert "Температура охлаждающей жидкости" in mikas("wireshark", "--lang", "ru").out
+
+
+def test_a_redirected_stdout_of_another_encoding_gets_the_same_program(mikas, monkeypatch):
+    whole = mikas("wireshark", "--lang", "ru").out
+    monkeypatch.setattr("mikas.cli.render.terminal.is_utf8_out", lambda: False)
+    printed = mikas("wireshark", "--lang", "ru").out
+    assert printed.isascii()
+    escaped = re.sub(rb"\\(\d{3})", lambda byte: bytes([int(byte[1])]), printed.encode())
+    assert escaped == re.sub(rb"\\(\d{3})", lambda byte: bytes([int(byte[1])]), whole.encode())
 
 
 def test_as_json(mikas):

@@ -37,6 +37,12 @@ def source(catalog: Catalog, language: Language, interpretation: str, version: s
     return "\n".join([head, *data, *parts])
 
 
+def in_ascii(text: str) -> str:
+    """Return the same program in ASCII: in its texts, a byte of UTF-8 is an escape, `\\194`."""
+    encoded = text.encode()
+    return "".join(chr(byte) if byte < 128 else f"\\{byte}" for byte in encoded)
+
+
 def lua(value: object, indent: str = "") -> str:
     """Return `value` as a Lua literal: what `plain` gives."""
     deeper = f"{indent}  "

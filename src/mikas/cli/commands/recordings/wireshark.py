@@ -8,6 +8,7 @@ import sys
 from mikas.cli.click_extensions import command, option
 from mikas.cli.context import CommandContext
 from mikas.cli.language import current_language
+from mikas.cli.render import terminal
 from mikas.i18n import Text
 
 _FILTER = "mikas.param.TWAT > 90"
@@ -40,7 +41,7 @@ _FILTER = "mikas.param.TWAT > 90"
 )
 def wireshark(context: CommandContext, *, install: bool) -> None:
     import mikas
-    from mikas.dissectors.wireshark import source
+    from mikas.dissectors.wireshark import in_ascii, source
 
     options = context.options
     text = source(
@@ -51,7 +52,8 @@ def wireshark(context: CommandContext, *, install: bool) -> None:
     elif context.output.json:
         context.output.data({"path": None, "text": text})
     else:
-        context.output.line(text.rstrip("\n"))
+        # Another encoding: a redirected stdout of Windows.
+        terminal.write_out(text if terminal.is_utf8_out() else in_ascii(text))
         if sys.stdout.isatty():
             context.say(
                 "To put it where Wireshark looks for it: mikas wireshark --install",
