@@ -149,6 +149,11 @@ def test_faults_models_and_errata_are_the_catalogs():
         assert (row is None) == (not fault.known)
     assert TABLES.models == {code: model.text for code, model in CATALOG.models.items()}
     assert {name for row in TABLES.parameters for name in row.errata} <= set(TABLES.errata)
+    erratum = CATALOG.errata["E1"]
+    assert TABLES.errata["E1"] == {
+        "corrected": erratum.default, "literal": erratum.alternative,
+        "alternative": erratum.default,
+    }  # fmt: skip
 
 
 def test_the_users_own_catalog_is_in_them(tmp_path):

@@ -234,6 +234,17 @@ def test_russian_and_another_interpretation(tmp_path, small, interpretation):
     assert meanings == [getattr(part, "meaning", None) and part.meaning.ru for part in expected]
 
 
+def test_a_field_has_the_unit_and_errata_of_the_interpretation_it_was_made_with(tmp_path):
+    folder = tmp_path / ".local/lib/wireshark/plugins"
+    folder.mkdir(parents=True)
+    plugin(folder / "mikas.lua", interpretation="literal")
+    fields = [line.split("\t") for line in run(tmp_path, "-G", "fields").stdout.splitlines()]
+    ((name, about),) = ((it[1], it[-1]) for it in fields if it[2] == "mikas.param.FREQ")
+    assert name == "Crankshaft speed, 1/s"
+    assert about.startswith(f"{name}. E1: ")
+    assert "rpm" not in about
+
+
 def test_the_users_own_parameter_is_a_field(tmp_path):
     own = tmp_path / "own.toml"
     own.write_text(

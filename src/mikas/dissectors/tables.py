@@ -31,7 +31,7 @@ from dataclasses import dataclass, fields, is_dataclass
 from typing import Any, Final
 
 from mikas import commands as c
-from mikas.catalog import INTERPRETATIONS, Catalog, Conversion, Fault, Parameter
+from mikas.catalog import INTERPRETATIONS, Catalog, Conversion, Erratum, Fault, Parameter
 from mikas.commands.base import NO_COMPLETION_CODE
 from mikas.commands.memory import OTHER_COUNT
 from mikas.commands.unit import NO_SEPARATOR, OTHER_NUMBER_OF_FAULTS
@@ -135,14 +135,16 @@ class FaultRow:
 
 @dataclass(frozen=True, slots=True)
 class Tables:
-    """All of it. `errata`: what is taken by default; `messages`: `MESSAGES`."""
+    """All of it. `errata`: by the name, then by the interpretation, what is taken; `messages`:
+    `MESSAGES`.
+    """
 
     version: str
     commands: dict[int, CommandRow]
     parameters: tuple[ParameterRow, ...]
     faults: dict[int, FaultRow]
     models: dict[int, Text]
-    errata: dict[str, Text]
+    errata: dict[str, dict[str, Text]]
     messages: dict[str, Text]
 
 
@@ -156,7 +158,7 @@ def tables_of(catalog: Catalog) -> Tables:
         parameters=tuple(map(_parameter, catalog.parameters)),
         faults={number: _fault(fault) for number, fault in sorted(catalog.faults.items())},
         models={code: model.text for code, model in sorted(catalog.models.items())},
-        errata={name: erratum.default for name, erratum in catalog.errata.items()},
+        errata={name: _senses(erratum) for name, erratum in catalog.errata.items()},
         messages=MESSAGES,
     )
 
@@ -214,6 +216,13 @@ def _conversion(conversion: Conversion) -> ConversionRow:
         denominator=conversion.denominator,
         unit=conversion.unit_text,
     )
+
+
+def _senses(erratum: Erratum) -> dict[str, Text]:
+    return {
+        name: erratum.alternative if name == erratum.selected_by else erratum.default
+        for name in INTERPRETATIONS
+    }
 
 
 def _fault(fault: Fault) -> FaultRow:

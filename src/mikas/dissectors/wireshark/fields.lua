@@ -70,16 +70,17 @@ for _, field in pairs(F) do
   all_fields[#all_fields + 1] = field
 end
 
--- Returns the field of a parameter. Its description has the errata, as the catalog takes them.
+-- Returns the field of a parameter. Its unit, and the errata in its description, are those of the
+-- interpretation with which this file was made: a preference can't rename a field.
 local function field_of(row)
-  local reading, is_flag = row.readings.corrected, true
+  local reading, is_flag = row.readings[INTERPRETATION], true
   for _, each in pairs(row.readings) do
     is_flag = is_flag and each.mask ~= 0
   end
   local name = row.text .. (reading.unit ~= "" and ", " .. reading.unit or "")
   local about = { name }
   for _, erratum in ipairs(row.errata) do
-    about[#about + 1] = erratum .. ": " .. TABLES.errata[erratum]
+    about[#about + 1] = erratum .. ": " .. TABLES.errata[erratum][INTERPRETATION]
   end
   local abbreviation, description = "mikas.param." .. row.name, table.concat(about, ". ")
   if is_flag then
