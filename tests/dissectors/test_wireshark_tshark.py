@@ -206,6 +206,18 @@ def test_parameters_and_marks_are_fields_to_filter_by(installed, small, few):
     assert set(numbers(installed, small, "-Y", "mikas.echo")) == echoes != set()
 
 
+def test_the_results_of_writes_are_a_field(tmp_path, script):
+    exchanges = [
+        (flags, encode(body))
+        for result in (b"\0", b"\1", b"\x0d")
+        for flags, body in ((OUTBOUND, b"\x64\x1a"), (INBOUND, result))
+    ]
+    capture = tmp_path / "results.pcapng"
+    capture.write_bytes(section([(*each, 1 + at / 10) for at, each in enumerate(exchanges)]))
+    answers = [dict(packet.items[0]) for packet in shown(capture, script)][1::2]
+    assert [answer["result"] for answer in answers] == ["0x00", "0x01", "0x0d"]
+
+
 def test_a_read_filter_gives_the_number_of_a_refused_packet_to_the_next(installed, small, few):
     chosen = ("-2", "-R", "mikas.request", "-T", "fields", "-e", "mikas.meaning")
     lines = run(installed, "-r", str(small), *chosen).stdout.splitlines()

@@ -10,6 +10,7 @@ local DAMAGES = {
   unfinished = { E.unfinished, LABELS.expert_unfinished },
 }
 local REFUSALS = { refused = true, not_supported = true, value_or_refusal = true }
+local OTHER_RESULTS = { refused = true, no_completion_code = true } -- than 00
 
 local visible = true -- of the present packet
 
@@ -162,6 +163,9 @@ local function show_response(tree, range, item, said, time)
   if said.parts then
     show_parts(tree, range, said.parts)
   elseif said.message then
+    if OTHER_RESULTS[said.message] then
+      add(tree, F.result, range(1, 1), said.body:byte())
+    end
     tree:add_proto_expert_info(REFUSALS[said.message] and E.refused or E.unfit, said.words)
   end
   if request.number then
@@ -229,7 +233,7 @@ local function show_frame(tree, item, wire, bytes, time)
   add(branch, F.wire, bytes)
   show_body(branch, range, body)
   if item.answers then
-    local said = { parts = parts, message = message, words = words }
+    local said = { body = body, parts = parts, message = message, words = words }
     show_response(branch, range, item, said, time)
   else
     show_request(branch, range, item, body, asked)
