@@ -216,10 +216,14 @@ def crafted() -> bytes:
     ]  # fmt: skip
     cut = pcapng.EnhancedPacket(0, 1_100_000, answer[:1], INBOUND, cut=2)
     is_cut = [(OUTBOUND, request, 1.0), cut, (INBOUND, answer, 1.2), (OUTBOUND, request, 1.3)]
-    every_kind = [  # flags, a stored fault, an irregular escape, a response of another length
+    every_kind = [  # flags, a stored fault, an irregular escape, a response of another length,
+        # a refusal, an unknown request, damage of each reason
         (OUTBOUND, encode(b"\x61\x07"), 1.0), (INBOUND, encode(b"\x24"), 1.1),
         (OUTBOUND, encode(b"\x02"), 1.2), (INBOUND, encode(b"\x01\x0d\xe0"), 1.3),
         (INBOUND, b"\x40\x01\xbf\r", 1.4), (INBOUND, encode(b"\x01\x02"), 1.5),
+        (OUTBOUND, encode(b"\x64\x1a"), 1.6), (INBOUND, encode(b"\x01"), 1.7),
+        (OUTBOUND, encode(b"\x99"), 1.8), (INBOUND, b"\x01\x02\r", 1.9),
+        (INBOUND, b"\x15", 2.0), (INBOUND, b"\x15" * 4100 + b"\r", 6.6),
     ]  # fmt: skip
     list_set = [(OUTBOUND, encode(b"\x64\x1a"), 1.0), (INBOUND, encode(b"\0"), 1.1)]
     list_unknown = [(OUTBOUND, encode(b"\x64\x55"), 1.2), (INBOUND, encode(b"\0"), 1.3)]

@@ -24,6 +24,7 @@ from dissectors.sessions_harness import (
 from dissectors.tshark_harness import TSHARK, decoded, run, shown
 from mikas.catalog import load, shipped
 from mikas.dissectors.wireshark import source
+from mikas.dissectors.wireshark.labels import LABELS
 from mikas.framing import encode
 from mikas.recording.capture import blocks as pcapng
 
@@ -31,6 +32,8 @@ pytestmark = pytest.mark.skipif(
     shutil.which(TSHARK) is None and not os.environ.get("MIKAS_REQUIRE_TSHARK"),
     reason="tshark is not installed",
 )
+REASONS = ("checksum", "too long", "unfinished")
+REPLACED = {"the response does not fit", "refused", "stored fault"}  # by a text that says more
 HOSTILE = 400 if os.environ.get("HYPOTHESIS_PROFILE") == "ci" else 16  # lines
 
 
@@ -229,12 +232,21 @@ def test_a_read_filter_gives_the_number_of_a_refused_packet_to_the_next(installe
     assert lines == [",".join(texts) for texts in expected]
 
 
-def test_damage_and_faults_are_expert_information(installed, small):
+def test_damage_refusals_and_faults_are_expert_information(installed, small, few):
     told = run(installed, "-r", str(small), "-q", "-z", "expert").stdout
-    for text in ("wrong checksum", "irregular escape", "Bytes in the response", "unknown request"):
+    texts = [text.en for name, text in LABELS.items() if name.startswith("expert_")]
+    for text in {*texts, "Bytes in the response", "The ECU refused"} - REPLACED:
         assert text in told
     assert "Air mass signal low" in told  # a stored fault
-    assert "not said whether it was sent or received" in told
+    names = {reason: f"mikas.expert.{reason.replace(' ', '_')}" for reason in REASONS}
+    for reason, name in names.items():
+        expected = {
+            packet.number
+            for packet in few
+            for item in packet.items
+            if dict(item).get("damage") == reason
+        }
+        assert set(numbers(installed, small, "-Y", name)) == expected != set()
 
 
 @pytest.mark.parametrize("interpretation", ["literal", "alternative"])
