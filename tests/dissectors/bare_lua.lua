@@ -1,0 +1,45 @@
+-- Runs the dissector `arg[1]` without Wireshark: reads packets from stdin (`port way time bytes`; `!`
+-- is a gap), and prints each frame or damage with what it says.
+
+-- What the dissector takes from Wireshark; it does nothing here.
+local anything = {}
+setmetatable(anything, {
+  __index = function() return anything end,
+  __call = function() return anything end,
+})
+for _, name in ipairs({
+  "Proto", "ProtoField", "ProtoExpert", "Pref", "Field", "DissectorTable", "base", "expert",
+  "frametype", "wtap", "wtap_encaps",
+}) do
+  _G[name] = anything
+end
+
+-- It shares the dissector's scope.
+local READER = [[
+mikas.prefs = { interpretation = 1, baud = 9600 }
+mikas.init()
+for line in io.lines() do
+  local name, way, time, digits = line:match("^(%S+) (%d) (%S+) (%x*)$")
+  if name then
+    local port = ports[name] or new_port(completed)
+    ports[name] = port
+    local bytes = digits:gsub("..", function(pair) return string.char(tonumber(pair, 16)) end)
+    local packet = { number = #packets + 1, time = tonumber(time), bytes = bytes }
+    packets[packet.number] = {}
+    for _, item in ipairs(port:feed(tonumber(way), packet)) do
+      follow(port, item, packet)
+      if item.reason then
+        print(item.reason, hex(item.wire))
+      else
+        local body = body_of(item.wire, item.is_double)
+        print(hex(body), meaning_of(item, body) or "")
+      end
+    end
+  else
+    interrupt()
+  end
+end
+]]
+
+local file = assert(io.open(arg[1]))
+assert(load(file:read("a") .. READER))()
