@@ -85,10 +85,14 @@ class InProcessBroker:
 
 
 class Relay:
-    """A port in front of a broker's, which can be cut off as a network is."""
+    """A port in front of a broker's, which can be cut off as a network is.
+
+    `breaks`: each connection ends with the first bytes behind the handshake.
+    """
 
     def __init__(self, to: int) -> None:
         self.port = free_port()
+        self.breaks = False
         self._to = to
         self._loop = _Loop()
         self._server: asyncio.Server | None = None
@@ -105,8 +109,16 @@ class Relay:
         there, out = await asyncio.open_connection("127.0.0.1", self._to)
         self._open |= {writer, out}
         with suppress(OSError):
-            await asyncio.gather(_copy(reader, out), _copy(there, writer))
+            await asyncio.gather(self._send(reader, out), _copy(there, writer))
         self._open -= {writer, out}
+
+    async def _send(self, reader: asyncio.StreamReader, out: asyncio.StreamWriter) -> None:
+        if self.breaks:
+            out.write(await reader.read(65536))
+            await reader.read(1)
+            out.close()
+        else:
+            await _copy(reader, out)
 
     def cut(self) -> None:
         """Close the port and all connections."""

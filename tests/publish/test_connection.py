@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import socket
 import threading
 
@@ -135,6 +136,43 @@ def test_after_an_outage_all_that_is_kept_is_sent_again_and_losses_are_reported(
         ("car/availability", b"offline"),
     ]
     assert len(changes) == 4  # each failure once, however often it was tried
+
+
+def test_losses_are_reported_though_the_connection_breaks_off_before_it_is_online(
+    connect, relay, listener
+):
+    changes, outbox = Changes(), Outbox(most_events=2)
+    outbox.put([message(Kind.RETAINED, 1, "car/state")])
+    outbox.put(message(Kind.EVENT, number, "car/event") for number in range(5))
+    relay.breaks = True
+    connection = connect(outbox, Broker("127.0.0.1", relay.port), on_change=changes)
+    connection.open(patient=True)
+    assert isinstance(changes.wait_for(1).error, BrokerLost)
+    relay.breaks = False
+    back = next(it for it in map(changes.wait_for, range(2, 9)) if it.is_connected)
+    assert back.lost.events == 3
+
+
+def test_a_broker_that_answers_too_late_makes_no_noise_on_the_terminal(
+    connect, monkeypatch, caplog
+):
+    """The client library has given up by then, and leaves an error that asyncio would print."""
+    monkeypatch.setattr(module, "_ANSWER", 0.2)
+    changes = Changes()
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        to = Broker("127.0.0.1", server.getsockname()[1])
+        connection = connect(to=to, on_change=changes)
+        connection.open(patient=True)
+        for number in range(3):
+            peer, _ = server.accept()
+            with peer:
+                peer.recv(4096)
+                if number == 0:
+                    changes.wait_for(1)
+                    peer.sendall(b"\x20\x02\x00\x00")  # the connection is accepted
+    connection.close()
+    gc.collect()
+    assert [it.getMessage() for it in caplog.records if it.name == "asyncio"] == []
 
 
 def test_a_bug_in_the_thread_is_seen_by_the_caller(connect):

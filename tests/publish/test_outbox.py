@@ -38,7 +38,8 @@ def test_every_sample_and_event_is_sent_waiting_or_counted_as_lost(actions):
     put, sent, lost, connected = [], [], Lost(), False
     for number, action in enumerate(actions):
         if action == "connect":
-            once = outbox.connected()
+            outbox.connected()
+            once = outbox.take_lost()
             lost, connected = Lost(lost.samples + once.samples, lost.events + once.events), True
         elif action == "disconnect":
             outbox.disconnected()
@@ -50,12 +51,13 @@ def test_every_sample_and_event_is_sent_waiting_or_counted_as_lost(actions):
             kind, topic, size = action
             put.append(message(kind, number, topic, size))
             outbox.put([put[-1]])
-    waiting = outbox.waiting
-    assert waiting.events <= 5
-    once = outbox.connected()
+    unsent = outbox.unsent
+    assert not outbox.take_lost() or unsent
+    assert outbox.unsent.events <= 5  # what is still there
+    outbox.connected()
     for kind, count, rows in (
-        (Kind.EVENT, lost.events + once.events + waiting.events, 1),
-        (Kind.SAMPLES, lost.samples + once.samples + waiting.samples, 3),
+        (Kind.EVENT, lost.events + unsent.events, 1),
+        (Kind.SAMPLES, lost.samples + unsent.samples, 3),
     ):
         there = [it for it in put if it.kind is kind]
         gone = [it for it in sent if it.kind is kind]
@@ -95,8 +97,26 @@ def test_a_message_that_was_replaced_while_it_was_sent_stays():
 def test_what_was_lost_has_its_first_and_last_time():
     outbox = Outbox(most_bytes=8)
     outbox.put(message(Kind.SAMPLES, number) for number in range(5))
-    assert outbox.connected() == Lost(samples=9, since=0.0, until=2.0)
-    assert not outbox.connected()
+    outbox.connected()
+    assert outbox.take_lost() == Lost(samples=9, since=0.0, until=2.0)
+    assert not outbox.take_lost()
+
+
+def test_samples_begin_with_their_first_row_and_events_may_be_older():
+    outbox = Outbox()
+    rows = Message("t", b"", Kind.SAMPLES, time=90.0, since=30.0, rows=3)
+    outbox.put([rows, message(Kind.EVENT, 40), message(Kind.EVENT, 20)])
+    assert outbox.unsent == Lost(samples=3, events=2, since=20.0, until=90.0)
+
+
+def test_what_had_no_room_is_unsent_too_until_it_was_reported():
+    outbox = Outbox(most_events=2)
+    outbox.put(message(Kind.EVENT, number) for number in range(5))
+    outbox.connected()
+    outbox.disconnected()
+    assert outbox.unsent.events == 5
+    assert outbox.take_lost().events == 3
+    assert outbox.unsent.events == 2
 
 
 def test_samples_stand_behind_all_others():

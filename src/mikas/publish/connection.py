@@ -145,6 +145,7 @@ class BrokerConnection:
         with asyncio.Runner(loop_factory=asyncio.SelectorEventLoop) as runner:
             self._loop = runner.get_loop()
             self._loop.set_default_executor(_DaemonThreads())
+            self._loop.set_exception_handler(_log)
             try:
                 runner.run(self._keep())
             except Exception as error:  # any: a bug, which the caller has to see
@@ -260,8 +261,8 @@ class BrokerConnection:
 
     async def _send(self, client: Client) -> None:
         """Send what the outbox has, and "offline" after `close`."""
-        loop, lost = asyncio.get_running_loop(), self._outbox.connected()
-        until = inf
+        loop, until = asyncio.get_running_loop(), inf
+        self._outbox.connected()
         while True:
             if self._stopping.is_set():
                 until = min(until, loop.time() + LONGEST_END / 2)
@@ -269,7 +270,7 @@ class BrokerConnection:
             message = self._outbox.next()
             if not self.is_connected and (message is None or not message.retain):
                 await self._publish(client, self._online)
-                self._report_connected(lost)
+                self._report_connected()
             elif message is not None and loop.time() < until:
                 await self._publish(client, message)
                 self._outbox.sent(message)
@@ -283,17 +284,22 @@ class BrokerConnection:
     async def _publish(self, client: Client, message: Message) -> None:
         await client.publish(message.topic, message.payload, message.qos, message.retain)
 
-    def _report_connected(self, lost: Lost) -> None:
+    def _report_connected(self) -> None:
         self.is_connected = True
         if not self._first.done():
             self._first.set_result(None)
-        self._on_change(BrokerChange(lost=lost))
+        self._on_change(BrokerChange(lost=self._outbox.take_lost()))
 
 
 async def _watch(client: Client) -> None:
     """Wait until the connection breaks off, and raise its error."""
     async for _ in client.messages:
         pass
+
+
+def _log(_: object, context: dict[str, Any]) -> None:
+    """Log what asyncio would print: errors that the library leaves where it has given up."""
+    _logger.debug("%s", context["message"], exc_info=context.get("exception"))
 
 
 def check_library() -> None:

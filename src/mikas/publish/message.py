@@ -24,7 +24,10 @@ class Kind(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Message:
-    """A `payload` for `topic`. `time`: of the link's clock. `rows`: samples in it."""
+    """A `payload` for `topic`. `time`: of the link's clock.
+
+    `rows`: samples in it, of which `since` is the first one's time and `time` the last one's.
+    """
 
     topic: str
     payload: bytes
@@ -32,6 +35,7 @@ class Message:
     qos: int = 1
     time: float | None = None
     rows: int = 0
+    since: float | None = None
 
     @property
     def retain(self) -> bool:

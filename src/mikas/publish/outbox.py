@@ -14,8 +14,8 @@ from __future__ import annotations
 
 import threading
 from collections import deque
-from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from typing import Final
 
 from mikas.publish.message import Kind, Message
@@ -26,7 +26,7 @@ MOST_BYTES: Final = 16 << 20
 
 @dataclass(frozen=True, slots=True)
 class Lost:
-    """The number of samples and events that had no room, and their first and last time."""
+    """A number of samples and events, and their first and last time."""
 
     samples: int = 0
     events: int = 0
@@ -39,13 +39,18 @@ class Lost:
 
     def plus(self, message: Message) -> Lost:
         """Return the sum with one more message."""
-        return replace(
-            self,
-            samples=self.samples + message.rows,
-            events=self.events + (message.kind is Kind.EVENT),
-            since=message.time if self.since is None else self.since,
-            until=message.time,
+        begins = message.time if message.since is None else message.since
+        return Lost(
+            self.samples + message.rows,
+            self.events + (message.kind is Kind.EVENT),
+            _chosen(min, self.since, begins),
+            _chosen(max, self.until, message.time),
         )
+
+
+def _chosen(choose: Callable[..., float], *times: float | None) -> float | None:
+    """Return one of the times that are known; None without any."""
+    return choose((time for time in times if time is not None), default=None)
 
 
 class Outbox:
@@ -91,11 +96,15 @@ class Outbox:
         self._bytes -= len(message.payload)
         return message
 
-    def connected(self) -> Lost:
-        """Begin a connection: all retained messages are due. Return, and forget, what was lost."""
+    def connected(self) -> None:
+        """Begin a connection: all retained messages are due."""
         with self._lock:
             self._connected = True
             self._pending = dict(self._retained)
+
+    def take_lost(self) -> Lost:
+        """Return, and forget, what had no room: it is reported now."""
+        with self._lock:
             lost, self._lost = self._lost, Lost()
             return lost
 
@@ -128,10 +137,10 @@ class Outbox:
                 self._take_samples()
 
     @property
-    def waiting(self) -> Lost:
-        """The samples and events that are still here."""
+    def unsent(self) -> Lost:
+        """The samples and events that are still here, and those that had no room meanwhile."""
         with self._lock:
-            waiting = Lost()
+            unsent = self._lost
             for message in (*self._samples, *self._events):
-                waiting = waiting.plus(message)
-            return waiting
+                unsent = unsent.plus(message)
+            return unsent

@@ -25,7 +25,7 @@ class SampleBatch:
         self._qos = qos
         self._rows: list[list[Plain]] = []
         self._count = 0  # of all rows before these
-        self._time = 0.0
+        self._since = self._time = 0.0  # of the first row and of the last one
         self._session: float | None = None
 
     def take(self, sample: Sampled) -> None:
@@ -33,6 +33,8 @@ class SampleBatch:
         values = plain_values(sample)
         if self._session is None:
             self._session = rounded(sample.time)
+        if not self._rows:
+            self._since = sample.time
         self._rows.append([rounded(sample.time), *map(values.get, self._names)])
         self._time = sample.time
 
@@ -50,4 +52,9 @@ class SampleBatch:
         payload = json_payload(
             {"session": self._session, "first": first, "names": self._names, "samples": rows}
         )
-        yield Message(self._topic, payload, Kind.SAMPLES, self._qos, self._time, len(rows))
+        yield Message(
+            *(self._topic, payload, Kind.SAMPLES, self._qos),
+            time=self._time,
+            rows=len(rows),
+            since=self._since,
+        )

@@ -101,7 +101,7 @@ class Publisher:
     @property
     def unsent(self) -> Lost:
         """The samples and events that the broker has not got."""
-        return self._outbox.waiting
+        return self._outbox.unsent
 
     def _discover(self) -> None:
         if self._home_assistant is not None:
