@@ -47,6 +47,15 @@ def test_a_wrong_address_is_refused_without_showing_it(text):
     assert caught.value.__cause__ is None
 
 
+def test_signs_of_a_password_that_end_the_address_are_named():
+    for sign in "/?#[]":
+        with pytest.raises(UsageError) as caught:
+            parse_address(f"mqtt://u:{SECRET}{sign}1@host")
+        for words in caught.value.text:
+            assert quote(sign, safe="") in words
+            assert SECRET not in words
+
+
 @given(st.text(min_size=1), st.text(min_size=1))
 def test_any_user_and_password_can_be_written_in_the_address(user, password):
     if any("\ud800" <= sign <= "\udfff" for sign in user + password):
@@ -87,6 +96,31 @@ def test_a_password_without_a_user_or_in_no_file_is_refused(tmp_path):
     for file in (empty, tmp_path / "none", tmp_path):
         with pytest.raises(UsageError, match=file.name):
             with_credentials(bare, user="u", password_file=file)
+
+
+def test_a_password_file_of_windows_is_read_too(tmp_path):
+    """Its editor puts a mark before the text, and its shell writes two bytes a character."""
+    file, bare = tmp_path / "pw.txt", parse_address("mqtt://h")
+    for encoding in ("utf-8", "utf-8-sig", "utf-16"):
+        file.write_bytes("пароль\r\nsecond line\r\n".encode(encoding))
+        assert with_credentials(bare, user="u", password_file=file).password == "пароль"
+    file.write_bytes("пароль".encode("cp1251"))
+    with pytest.raises(UsageError, match=r"pw\.txt.*UTF-8") as caught:
+        with_credentials(bare, user="u", password_file=file)
+    assert caught.value.__cause__ is None  # it would have the bytes
+
+
+@pytest.mark.parametrize("word", ["\udcff", "x" * 65536, "ж" * 32768])
+def test_credentials_that_mqtt_can_not_carry_are_refused_without_showing_them(word):
+    """Half a character comes from an argument in another encoding."""
+    bare, secret = parse_address("mqtt://h"), f"{SECRET}{word}"
+    for options, environment, what in (
+        ({"user": secret}, {}, "user name"),
+        ({"user": "u"}, {PASSWORD: secret}, "password"),
+    ):
+        with pytest.raises(UsageError, match=what) as caught:
+            with_credentials(bare, **options, environment=environment)
+        assert SECRET not in "".join(caught.value.text)
 
 
 def test_files_of_tls_have_to_fit(tmp_path):

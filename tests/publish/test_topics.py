@@ -45,7 +45,22 @@ def test_identifiers_can_be_read():
 
 @pytest.mark.parametrize(
     "topic",
-    ["", "/a", "a/", "a//b", "a/+", "#", "a/#/b", "$SYS/a", "a\0b", "a\nb", "a\u202eb", "я" * 101],
+    [
+        "",
+        "/a",
+        "a/",
+        "a//b",
+        "a/+",
+        "#",
+        "a/#/b",
+        "$SYS/a",
+        "a\0b",
+        "a\nb",
+        "a\u202eb",
+        "я" * 101,
+        "a\ufdd0",
+        "a\U0001ffff",
+    ],
 )
 def test_a_topic_that_no_broker_takes_is_refused(topic):
     with pytest.raises(UsageError) as caught:

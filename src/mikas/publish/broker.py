@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import os
 import ssl
 from collections.abc import Mapping
@@ -18,7 +19,17 @@ from mikas.i18n import Text
 USER: Final = "MIKAS_MQTT_USER"
 PASSWORD: Final = "MIKAS_MQTT_PASSWORD"
 _PORTS: Final = {"mqtt": 1883, "mqtts": 8883}
-_LONGEST_PASSWORD: Final = 64 << 10  # bytes: MQTT's own limit
+_LONGEST: Final = 65535  # bytes of a text: MQTT's own limit
+_SIGNS: Final = Text(
+    "signs like / # ? [ ] in a password are written as %2F %23 %3F %5B %5D",
+    "знаки / # ? [ ] в пароле пишутся как %2F %23 %3F %5B %5D",
+)
+_ENCODINGS: Final = {
+    codecs.BOM_UTF8: "utf-8-sig",
+    codecs.BOM_UTF16_LE: "utf-16",
+    codecs.BOM_UTF16_BE: "utf-16",
+}
+"""By the mark with which Windows' programs begin a text."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +57,9 @@ def parse_address(text: str) -> Broker:
         parts = urlsplit(text)
         port = parts.port
     except ValueError:
-        raise _wrong("the port is a number up to 65535", "порт — число до 65535") from None
+        raise _wrong(
+            f"the port is a number up to 65535; {_SIGNS.en}", f"порт — число до 65535; {_SIGNS.ru}"
+        ) from None
     if parts.scheme not in _PORTS:
         raise _wrong(
             "the address begins with mqtt://, or with mqtts:// for TLS",
@@ -56,9 +69,8 @@ def parse_address(text: str) -> Broker:
         raise _wrong("the host is missing", "нет имени компьютера")
     if parts.path.strip("/") or parts.query or parts.fragment:
         raise _wrong(
-            "nothing follows the host and the port; signs like / # ? in a password are written as "
-            "%2F %23 %3F",
-            "после имени и порта ничего нет; знаки / # ? в пароле пишутся как %2F %23 %3F",
+            f"nothing follows the host and the port; {_SIGNS.en}",
+            f"после имени и порта ничего нет; {_SIGNS.ru}",
         )
     encrypted = parts.scheme == "mqtts"
     return Broker(
@@ -93,7 +105,8 @@ def with_credentials(
 ) -> Broker:
     """Return the broker with the credentials: options, then the address, then the environment.
 
-    Raises `UsageError` for a file without a password, and for a password without a user.
+    Raises `UsageError` for a file without a password, for a password without a user, and for texts
+    that MQTT does not carry.
     """
     password = None if password_file is None else _password_of(password_file)
     named = user or broker.user or environment.get(USER) or None
@@ -103,16 +116,38 @@ def with_credentials(
             f"there is a password, and no user name: --user NAME, or {USER}",
             f"есть пароль, но нет имени: --user NAME или {USER}",
         )
+    check_text(named, Text("the user name", "имя"))
+    check_text(secret, Text("the password", "пароль"))
     return replace(broker, user=named, password=secret)
+
+
+def check_text(text: str | None, title: Text) -> None:
+    """Raise `UsageError`, without the text, if it is none that MQTT carries."""
+    try:
+        fits = text is None or len(text.encode()) <= _LONGEST
+    except UnicodeEncodeError:
+        fits = False
+    if not fits:
+        raise usage_error(
+            f"{title.en} is no text of up to {_LONGEST} bytes (UTF-8)",
+            f"{title.ru}: это не текст до {_LONGEST} байт (UTF-8)",
+        )
 
 
 def _password_of(file: Path) -> str:
     """Return the first line of `file`."""
     try:
-        content = files.read_regular(file, _LONGEST_PASSWORD, follow=True)
+        content = files.read_regular(file, 2 * _LONGEST, follow=True)
+        encoding = next(
+            (it for mark, it in _ENCODINGS.items() if content.startswith(mark)), "utf-8"
+        )
+        first, *_ = content.decode(encoding).splitlines() or [""]
+    except UnicodeDecodeError:
+        raise usage_error(
+            f"{file}: this is no text in UTF-8", f"{file}: это не текст в UTF-8"
+        ) from None  # the error has the bytes
     except OSError as error:
         raise UsageError(problem=reason_at(file, error)) from error
-    first, *_ = content.decode(errors="replace").splitlines() or [""]
     if not first:
         raise usage_error(
             f"{file}: the first line is empty; the password belongs there",

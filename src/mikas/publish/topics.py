@@ -122,8 +122,15 @@ def check_topic(topic: str) -> None:
             f"“{topic}”: a topic has words between its slashes, like {DEFAULT_BASE}",
             f"«{topic}»: в теме между косыми чертами должны быть слова, например {DEFAULT_BASE}",
         )
-    if clean_line(topic) != topic or len(topic.encode(errors="replace")) > _LONGEST:
+    is_text = clean_line(topic) == topic and not any(map(_is_none, topic))
+    if not is_text or len(topic.encode(errors="replace")) > _LONGEST:
         raise usage_error(
             f"a topic has up to {_LONGEST} bytes of text, without control characters",
             f"тема — это до {_LONGEST} байт текста без управляющих символов",
         )
+
+
+def _is_none(character: str) -> bool:
+    """Return whether Unicode has kept this place empty: Mosquitto ends the connection for it."""
+    code = ord(character)
+    return code & 0xFFFE == 0xFFFE or 0xFDD0 <= code <= 0xFDEF

@@ -34,7 +34,7 @@ class BrokerOptions:
 
     def destination(self, *, patient: bool = False) -> Destination:
         """Return the destination. Raises `UsageError`."""
-        from mikas.publish.broker import parse_address, with_credentials, with_tls
+        from mikas.publish.broker import check_text, parse_address, with_credentials, with_tls
         from mikas.publish.session import Destination
         from mikas.publish.topics import DEFAULT_BASE, Topics
 
@@ -43,6 +43,7 @@ class BrokerOptions:
         )
         broker = with_tls(named, ca=self.tls_ca, cert=self.tls_cert, key=self.tls_key)
         topics = Topics(DEFAULT_BASE if self.topic is None else self.topic)
+        check_text(self.client_id, Text("--client-id", "--client-id"))
         return Destination(broker, topics, self.client_id or topics.identifier, patient)
 
 
