@@ -35,7 +35,13 @@ CLASSES = {  # Home Assistant's units by class of sensor (components/sensor/cons
     "distance": {"km", "m"},
     "power": {"kW", "W"},
     "volume": {"L", "mL"},
+    "volume_storage": {"L", "mL"},
 }
+SUMS = {"total", "total_increasing"}
+STATE_CLASSES = {  # the state classes that go with a class (DEVICE_CLASS_STATE_CLASSES there)
+    "duration": {"measurement"} | SUMS, "distance": {"measurement"} | SUMS, "volume": SUMS,
+}  # fmt: skip
+LONGEST_STATE = 255  # characters; a longer one makes the entity unknown
 
 
 def made(*names: str, **settings: object) -> HomeAssistant:
@@ -87,8 +93,45 @@ def test_every_entity_has_what_its_platform_needs():
                 unit, kind = entity.get("unit_of_measurement"), entity.get("device_class")
                 if entity["platform"] == "sensor" and kind not in (None, "enum"):
                     assert unit in CLASSES[kind]
+                    agrees(entity)
                 assert kind != "enum" or "state_class" not in entity
             assert len({each["unique_id"] for each in found.values()}) == len(found)
+
+
+def agrees(entity: dict) -> None:
+    """Check that the class of a sensor has such states: Home Assistant warns of others."""
+    kind = entity.get("device_class")
+    assert kind is None or entity["state_class"] in STATE_CLASSES.get(kind, {"measurement"})
+
+
+def test_a_level_in_litres_is_no_sum_and_a_sum_has_a_class_of_sums(tmp_path):
+    own = tmp_path / "own.toml"
+    own.write_text(
+        '[parameter.TANK]\ncode = 0x33\nsize = 1\nunit = "l"\ntext = { en = "Tank", ru = "Бак" }\n'
+        '[derived.HEAT]\nformula = "TWAT"\naccumulates = true\nunit = "°C"\n'
+        'text = { en = "Heat", ru = "Тепло" }\n',
+        "utf-8",
+    )
+    catalog = load(own)
+    names = ("TANK", "HEAT", "FUEL_USED")
+    found = components(HomeAssistant(TOPICS, [*map(catalog.channel, names)], "Volga", "1"))
+    assert (found["TANK"]["device_class"], found["TANK"]["state_class"]) == (
+        "volume_storage",
+        "measurement",
+    )
+    assert found["HEAT"]["state_class"] == "total_increasing"
+    for name in names:
+        agrees(found[name])
+
+
+def test_very_many_faults_are_as_many_as_a_state_has_room_for():
+    template = components(made())["faults"]["value_template"]
+    codes = range(100, 228)  # a response has no more
+    message = {"current": True, "faults": [{"code": code} for code in codes]}
+    shown = rendered(template, message)
+    assert shown.startswith("100, 101, ")
+    assert shown.endswith(", 149 …")
+    assert len(shown) <= LONGEST_STATE
 
 
 def test_units_and_classes_are_in_home_assistants_spelling():

@@ -68,6 +68,9 @@ _UNITS: Final = {
 }
 """By the catalog's unit. Another unit stays as it is, without a class."""
 
+_SUMS: Final = ("volume", "distance", "duration")  # the classes that a sum may have
+_MOST_NUMBERS: Final = 50  # of faults; a state has room for 255 characters
+
 _TEXTS: Final = {
     "state": Text("Line", "Линия"),
     "fault": Text("Faults stored", "Есть ошибки в памяти"),
@@ -192,15 +195,20 @@ class HomeAssistant:
         config["platform"] = "sensor"
         config["value_template"] = f"{{{{ {value} }}}}"
         config["suggested_display_precision"] = channel.decimals
+        sums = isinstance(channel, Derived) and channel.accumulates
         if channel.name != MINERR:  # a number of a fault has no average
-            sums = isinstance(channel, Derived) and channel.accumulates
             config["state_class"] = "total_increasing" if sums else "measurement"
         key, text = unit_of(channel, self.interpretation)
         if key:
             unit = _UNITS.get(key) or _Unit(text.to(self.language))
             config["unit_of_measurement"] = unit.spelling
-            if unit.device_class is not None:
-                config["device_class"] = unit.device_class
+            kind = unit.device_class
+            if sums and kind not in _SUMS:
+                kind = None
+            elif kind == "volume" and not sums:
+                kind = "volume_storage"
+            if kind is not None:
+                config["device_class"] = kind
         return config
 
     def _fault(self) -> dict[str, Any]:
@@ -215,7 +223,9 @@ class HomeAssistant:
 
     def _faults(self) -> dict[str, Any]:
         none = _TEXTS["none"].to(self.language)
-        numbers = f"(value_json.faults | map(attribute='code') | join(', ')) or '{none}'"
+        codes = "(value_json.faults | map(attribute='code') | list)"
+        more = f"(' …' if value_json.faults | length > {_MOST_NUMBERS} else '')"
+        numbers = f"({codes}[:{_MOST_NUMBERS}] | join(', ') ~ {more}) or '{none}'"
         return {
             "platform": "sensor",
             "name": _TEXTS["faults"].to(self.language),
