@@ -106,6 +106,7 @@ class Recording:
             each.name for each in self.channels if not is_recorded(each.name, catalog, recorded)
         )
         self._capture = capture
+        self._begins: dict[int, float] = {}  # of sessions, by number: the time of the first row
 
     @cached_property
     def about(self) -> dict[str, str]:
@@ -166,6 +167,13 @@ class Recording:
         times = self._windows.times
         return (float(times[0]), float(times[-1])) if times.size else None
 
+    def session_after(self, number: int, time: float) -> float | None:
+        """Return the first row's time of the next session behind session `number` and `time`."""
+        if self.span is None:  # else all rows have been read
+            return None
+        begins = (begin for session, begin in self._begins.items() if session > number)
+        return min((begin for begin in begins if begin > time), default=None)
+
     @property
     def row_count(self) -> int:
         """The number of its rows."""
@@ -183,7 +191,14 @@ class Recording:
         conversions = {
             each.name: each.interpretation(self.interpretation) for each in self.catalog.parameters
         }
-        return Windows(self.rows(), conversions)
+        return Windows(self._noting_begins(), conversions)
+
+    def _noting_begins(self) -> Iterator[Rows]:
+        """Yield the rows, and note the begins of the sessions."""
+        for source, rows in self.stretches():
+            if len(rows.times):
+                self._begins.setdefault(source.recording, float(rows.times[0]))
+            yield rows
 
     @property
     def problems(self) -> tuple[Problem, ...]:

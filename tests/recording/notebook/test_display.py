@@ -156,6 +156,25 @@ def test_a_file_that_is_gone_is_said_in_words(car, tmp_path):
     assert "Mikas 7.1" in recording._repr_html_()
 
 
+def test_a_course_is_interrupted_as_the_plot_is(tmp_path):
+    """By a gap that was noted, and by a minute without values; a slow channel is not."""
+    lively = [n / 10 for n in range(20)]
+    for number, (times, pieces, events) in enumerate(
+        (
+            ([*lively, *(60 + t for t in lively)], 2, ()),
+            ([n / 10 for n in range(1200)], 1, ()),
+            ([*(n / 10 for n in range(600)), *(600 + n / 10 for n in range(600))], 2, ()),
+            ([n * 5.0 for n in range(30)], 1, ()),
+            (lively, 2, [Gap(NOON + 1.05, NOON + 1.05, NOON + 1.1)]),
+        )
+    ):
+        values = [(time, 20 + at % 3) for at, time in enumerate(times)]
+        path = of_values(tmp_path / f"{number}.pcapng", values, *events)
+        html = mikas.open(path)._repr_html_()
+        drawn = ET.fromstring(html).find(".//path").attrib["d"]
+        assert drawn.count("M") == pieces, times
+
+
 def test_damage_is_shown_and_the_rest_too(car, tmp_path):
     path = tmp_path / "damaged.pcapng"
     data = bytearray(car.read_bytes())

@@ -7,11 +7,13 @@ import subprocess
 import sys
 from datetime import datetime
 from itertools import pairwise
+from math import isnan
 
 import matplotlib as mpl
 import numpy as np
 import pytest
 from matplotlib import pyplot as plt
+from matplotlib.colors import to_rgb
 from notebook_harness import NOON, of_a_car, of_values
 
 import mikas
@@ -136,6 +138,42 @@ def test_gaps_are_hatched_break_the_line_and_say_why(hill):
     assert (span.x0, span.x1) == pytest.approx((4.09, 5.89), abs=0.02)
     assert any("echo, but the ECU" in text.replace("\n", " ") for text in annotations(pane))
     assert png(plot).size
+
+
+def test_a_session_that_ends_in_a_gap_leaves_the_next_ones_values_alone(tmp_path):
+    lively = [(n / 10, 20 + n % 3) for n in range(50)]
+    first = of_values(tmp_path / "1.pcapng", lively, Gap(NOON + 4.95, NOON + 4.95, None))
+    second = of_values(tmp_path / "2.pcapng", lively, zero=NOON + 60)
+    first.write_bytes(first.read_bytes() + second.read_bytes())
+    recording = mikas.open(first)
+    plot = recording.plot("FREQ")
+    assert np.isnan(plot.lines["FREQ"].get_ydata()).sum() == 1
+    (hatched,) = [it for it in plot.panes[0].collections if it.get_hatch()]
+    assert hatched.get_paths()[0].get_extents().x1 == pytest.approx(60, abs=0.1)
+    (channel,) = [it for it in recording.overview.channels if it.channel.name == "FREQ"]
+    assert sum(isnan(value) for _, value in channel.curve) == 1
+
+
+def of_colour(plot, name):
+    """How many pixels of a pane's picture have the colour of a line."""
+    plot.panes[0].get_legend().remove()
+    pixels = png(plot)[:, :, :3]
+    return int((abs(pixels - to_rgb(plot.lines[name].get_color())).max(axis=2) < 0.1).sum())
+
+
+def test_a_value_that_stands_alone_is_seen(tmp_path):
+    """Alone in the recording, or between two gaps: a line has two ends."""
+    one = mikas.open(of_values(tmp_path / "one.pcapng", [(0, 20)])).plot("FREQ")
+    assert of_colour(one, "FREQ") > 3
+    lively = [(n / 10, 20) for n in range(20)]
+    later = [(100 + time, raw) for time, raw in lively]
+    between, without = (
+        mikas.open(of_values(tmp_path / f"{len(values)}.pcapng", values)).plot("FREQ")
+        for values in ([*lively, (50, 20), *later], [*lively, *later])
+    )
+    assert of_colour(between, "FREQ") > of_colour(without, "FREQ") + 3
+    assert list(between.lines["FREQ"].get_markevery()) == [21]
+    assert without.lines["FREQ"].get_marker() in ("", "None")
 
 
 def test_markers_and_alarms_stand_over_the_panes_as_they_were_written(hill):

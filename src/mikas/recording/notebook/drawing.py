@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Final
 
+import numpy as np
 from matplotlib import pyplot as plt
 from matplotlib.colors import to_rgb
 from matplotlib.ticker import FuncFormatter, Locator, MaxNLocator
@@ -45,6 +46,7 @@ _SIDE: Final = 0.65  # an axis with labels
 _MARGIN: Final = 0.3
 _LETTER: Final = 0.07  # inches; the width of one
 _SMALL: Final = 8.5
+_DOT: Final = 2.5  # points; the width of a value that stands alone
 _BESIDE: Final = 0.03  # inches between two lines that would cover each other
 _STRIPE, _EDGE = 0.13, 0.5  # how opaque a reference's range and its edges are
 _MOST_GAPS: Final = 500  # hatched one by one
@@ -185,6 +187,9 @@ class _Pane:
             for edge in line.band:
                 ax.axhline(edge, color=colour, alpha=_EDGE, linewidth=0.8)
         style: dict[str, Any] = {"drawstyle": "steps-post"} if channel.is_flag else {}
+        alone = _alone(line)
+        if alone:
+            style |= {"marker": "o", "markersize": _DOT, "markevery": alone}
         if line.covered:
             up = ScaledTranslation(0, line.covered * _BESIDE, ax.figure.dpi_scale_trans)
             style["transform"] = ax.transData + up
@@ -234,6 +239,12 @@ class _Pane:
             linewidth=0,
             zorder=0.5,
         )
+
+
+def _alone(line: PlottedLine) -> list[int]:
+    """Return the places of the values that stand alone: a line from there leads nowhere."""
+    there = np.isfinite(np.concatenate([[np.nan], line.values, [np.nan]]))
+    return np.flatnonzero(there[1:-1] & ~there[:-2] & ~there[2:]).tolist()
 
 
 def _reasons(foot: Axes, picture: Picture, palette: Palette) -> None:

@@ -8,11 +8,14 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from mikas.recording.table.channels import Rows
+from mikas.recording.table.decimation import decimated
 from mikas.sampling.events import Event, Gap, StateChanged
 
 if TYPE_CHECKING:
     from mikas.i18n import Text
     from mikas.recording.exchanges.arrays import Floats
+    from mikas.recording.recording import Recording
 
 Span = tuple[float, float]
 
@@ -43,6 +46,17 @@ def reasons_of_gaps(events: Sequence[Event]) -> Iterator[tuple[Gap, Text | None]
             last = bisect_right(times, ended) - 1
             in_it = last >= 0 and times[last] >= gap.began
             yield gap, states[last][1] if in_it else gap.reason
+
+
+def span_of(gap: Gap, recording: Recording) -> Span:
+    """Return begin and end of a gap.
+
+    One that its session ended in lasts until the next session, or without one to infinity.
+    """
+    if gap.ended is not None:
+        return gap.began, gap.ended
+    following = recording.session_after(gap.recording, gap.began)
+    return gap.began, np.inf if following is None else following
 
 
 def longest_interval(times: Floats) -> float:
@@ -85,3 +99,16 @@ def broken(times: Floats, values: Floats, spans: Sequence[Span]) -> tuple[Floats
     cut = np.flatnonzero((ends[following] > times[:-1]) & (begins[following] < times[1:]))
     places = np.maximum(times[cut], begins[following[cut]])
     return np.insert(times, cut + 1, places), np.insert(values, cut + 1, np.nan)
+
+
+def course(
+    times: Floats, values: Floats, gaps: Iterable[Span], points: int
+) -> tuple[Floats, Floats]:
+    """Return a line of about `points` points at most, with a NaN where it is interrupted.
+
+    `times`: of its values, all of which there are.
+    """
+    spans = interruptions(times, gaps)
+    fewer = decimated(Rows(times, {"": values}), points)
+    present = np.isfinite(fewer.values[""])  # a piece of time without values is no gap
+    return broken(fewer.times[present], fewer.values[""][present], spans)

@@ -13,15 +13,15 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from mikas.recording.notebook.interruptions import reasons_of_gaps
+from mikas.recording.notebook.interruptions import course, reasons_of_gaps, span_of
 from mikas.recording.recorded_faults import RecordedFaults, faults_in
 from mikas.recording.summary import Summary, summarise
-from mikas.recording.table.channels import Channel, Rows
-from mikas.recording.table.decimation import decimated
+from mikas.recording.table.channels import Channel
 from mikas.sampling.events import Gap, Marker
 
 if TYPE_CHECKING:
     from mikas.i18n import Text
+    from mikas.recording.exchanges.arrays import Floats
     from mikas.recording.recording import Recording
 
 _CURVE: Final = 120  # points of a channel's course, two for each of its columns
@@ -76,6 +76,7 @@ def overview_of(recording: Recording) -> Overview:
 
 def _channels(recording: Recording) -> Iterator[ChannelOverview]:
     begin, end = recording.span or (0.0, 0.0)
+    gaps = [span_of(event, recording) for event in recording.events if isinstance(event, Gap)]
     for channel in recording.channels:
         is_derived = channel.name in recording.catalog.derived
         rows, _ = recording.window(begin, end, sys.maxsize, [channel.name])
@@ -95,10 +96,9 @@ def _channels(recording: Recording) -> Iterator[ChannelOverview]:
             most=float(values.max()),
             share=float(values.mean()) if channel.is_flag else None,
             rate=1 / usual if usual > 0 else None,
-            curve=_curve(Rows(times, {"": values})),
+            curve=_curve(*course(times, values, gaps, _CURVE)),
         )
 
 
-def _curve(rows: Rows) -> Curve:
-    shown = decimated(rows, _CURVE)
-    return tuple(zip(shown.times.tolist(), shown.values[""].tolist(), strict=True))
+def _curve(times: Floats, values: Floats) -> Curve:
+    return tuple(zip(times.tolist(), values.tolist(), strict=True))

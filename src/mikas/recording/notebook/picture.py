@@ -10,7 +10,7 @@ import sys
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from datetime import datetime
-from math import isfinite
+from math import isfinite, isinf
 from numbers import Real
 from typing import TYPE_CHECKING, Final
 
@@ -22,11 +22,9 @@ from mikas.errors import usage_error
 from mikas.i18n import Text
 from mikas.recording.annotations.car import car_of
 from mikas.recording.formatting import date_of
-from mikas.recording.notebook.interruptions import Span, broken, interruptions, reasons_of_gaps
+from mikas.recording.notebook.interruptions import Span, course, reasons_of_gaps, span_of
 from mikas.recording.notebook.panes import Pane, Trace, axis_key
 from mikas.recording.notebook.value_axes import Axis, Line, axes_of, scale_of, stacked_axes
-from mikas.recording.table.channels import Rows
-from mikas.recording.table.decimation import decimated
 from mikas.sampling.events import AlarmChanged, Event, Marker, UnitFound
 
 if TYPE_CHECKING:
@@ -117,7 +115,7 @@ def picture_of(
             "График кончается раньше, чем начинается: start должен быть раньше end и раньше "
             "последней строки",
         )
-    gaps = list(_gaps(recording.events, begin, last))
+    gaps = list(_gaps(recording, begin, last))
     window = _Window(recording, begin, last, [span for span, _ in gaps], points)
     bands = _references(recording) if reference else {}
     car = car_of(recording.notes).name
@@ -154,12 +152,12 @@ def _time(moment: Moment, zero: float) -> float:
     return zero + float(moment)
 
 
-def _gaps(events: Sequence[Event], begin: float, end: float) -> Iterator[tuple[Span, Text | None]]:
-    """Yield the gaps that overlap the window; an open one lasts until its end."""
-    for gap, reason in reasons_of_gaps(events):
-        ended = end if gap.ended is None else gap.ended
-        if max(begin, gap.began) <= min(end, ended):
-            yield (gap.began, ended), reason
+def _gaps(recording: Recording, begin: float, end: float) -> Iterator[tuple[Span, Text | None]]:
+    """Yield the gaps that overlap the window; one without an end lasts until the window's."""
+    for gap, reason in reasons_of_gaps(recording.events):
+        began, ended = span_of(gap, recording)
+        if max(begin, began) <= min(end, ended):
+            yield (began, end if isinf(ended) else ended), reason
 
 
 def _flags(events: Iterable[Event], begin: float, end: float, zero: float) -> Iterator[Flag]:
@@ -246,10 +244,7 @@ class _Window:
 
     def _points_of(self, times: Floats, values: Floats) -> tuple[Floats, Floats]:
         """Return the points of a line, broken where it is interrupted."""
-        spans = interruptions(times, self._gaps)
-        fewer = decimated(Rows(times, {"": values}), self._points)
-        present = np.isfinite(fewer.values[""])  # a piece of time without values is no gap
-        times, values = broken(fewer.times[present], fewer.values[""][present], spans)
+        times, values = course(times, values, self._gaps, self._points)
         return times - self._zero, values
 
 
