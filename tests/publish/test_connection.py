@@ -153,6 +153,7 @@ def test_losses_are_reported_though_the_connection_breaks_off_before_it_is_onlin
     assert back.lost.events == 3
 
 
+@pytest.mark.filterwarnings("ignore::ResourceWarning")  # of the tests before: all is collected
 def test_a_broker_that_answers_too_late_makes_no_noise_on_the_terminal(
     connect, monkeypatch, caplog
 ):
