@@ -308,6 +308,17 @@ def test_a_long_silence_ends_an_unfinished_message():
     assert sigrok.texts("frame")[-1] == "01 FF 0D"
 
 
+def test_bytes_of_another_bit_rate_are_named_by_what_they_lack():
+    """They have no stop bits, so no terminator either: the whole recording may be one message."""
+    sigrok = SimulatedSigrok(MODULE)
+    for data in (b"\x61\x1a", b"\x55" * (MODULE.LONGEST + 1)):
+        sigrok.feed(data, sound=False)
+        sigrok.wait(SILENCE)
+    sigrok.feed(encode(b"\x01"))
+    assert sigrok.texts("warning") == ["a byte without its stop bit"] * 2
+    assert sigrok.texts("frame") == ["01 FF 0D"]
+
+
 def test_two_channels_with_an_echo_that_differs():
     sigrok = SimulatedSigrok(MODULE)
     for request, echoed in ((b"\x01", b"\x01"), (b"\x61\x1a", b"\x61\x1b")):

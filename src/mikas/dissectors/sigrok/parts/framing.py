@@ -102,7 +102,8 @@ class Framer(object):
         elif self._overflowed:
             self._wire = []
         elif len(self._wire) > LONGEST:
-            messages.append(Message(self._wire[:LONGEST], "too long"))
+            wire = self._wire[:LONGEST]
+            messages.append(Message(wire, reason_of(wire, "too long")))
             self._wire = []
             self._overflowed = True
         return messages
@@ -113,7 +114,7 @@ class Framer(object):
         self._wire, self._held, self._overflowed = [], False, False
         if held:
             return damaged(wire[:-1], wire[-1])
-        return [Message(wire, "unfinished")] if wire else []
+        return [Message(wire, reason_of(wire, "unfinished"))] if wire else []
 
     def drop(self, ss):
         """Forget the last byte if it began at this sample: it was the beginning of a break."""
@@ -187,5 +188,9 @@ def damaged(wire, end):
     for position in range(1, len(wire)):
         if is_pause(wire, position) and is_whole(wire[position:]):
             return [Message(wire[:position], "unfinished"), frame(wire[position:], end)]
-    reason = "checksum" if all(byte.sound for byte in wire) else "stop bit"
-    return [Message(wire, reason)]
+    return [Message(wire, reason_of(wire, "checksum"))]
+
+
+def reason_of(wire, otherwise):
+    """Return why bytes are damage: a byte without its stop bit is worse than `otherwise`."""
+    return otherwise if all(byte.sound for byte in wire) else "stop bit"
