@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import ast
+from pathlib import Path
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -15,6 +17,7 @@ from mikas.dissectors.sigrok import source
 from mikas.framing import encode
 from mikas.recording.inspect import Describer
 
+ROOT = Path(__file__).parents[2]
 MODULE = loaded()
 CATALOG = shipped()
 TURN = 0.002  # s
@@ -213,6 +216,16 @@ def test_each_annotation_has_its_row():
     rows = [number for _, _, numbers in decoder.annotation_rows for number in numbers]
     assert sorted(rows) == list(range(len(decoder.annotations)))
     assert decoder.inputs == ["uart"]
+
+
+@pytest.mark.parametrize("page", ["docs/how-to/sigrok.md", "docs/ru/how-to/sigrok.md"])
+def test_the_page_has_the_names_of_all_rows_and_kinds(page):
+    text, decoder = (ROOT / page).read_text("utf-8"), MODULE.Decoder
+    for row, _, numbers in decoder.annotation_rows:
+        kinds = ", ".join(f"`{decoder.annotations[number][0]}`" for number in numbers)
+        assert f", `{row}` | {kinds} |" in text
+    for name, _ in decoder.binary:
+        assert f"`{name}`" in text
 
 
 def test_its_own_names_are_in_the_language_in_which_it_was_made():

@@ -7,7 +7,9 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
+from pathlib import Path
 
 import pytest
 
@@ -32,6 +34,7 @@ pytestmark = pytest.mark.skipif(
     shutil.which(TSHARK) is None and not os.environ.get("MIKAS_REQUIRE_TSHARK"),
     reason="tshark is not installed",
 )
+ROOT = Path(__file__).parents[2]
 REASONS = ("checksum", "too long", "unfinished")
 REPLACED = {"the response does not fit", "refused", "stored fault"}  # by a text that says more
 HOSTILE = 400 if os.environ.get("HYPOTHESIS_PROFILE") == "ci" else 16  # lines
@@ -209,6 +212,15 @@ def test_parameters_and_marks_are_fields_to_filter_by(installed, small, few):
     assert set(numbers(installed, small, "-Y", "mikas.echo")) == echoes != set()
 
 
+@pytest.mark.parametrize("page", ["docs/how-to/wireshark.md", "docs/ru/how-to/wireshark.md"])
+def test_every_filter_of_the_page_is_one(installed, small, page):
+    found = re.findall(r"^\| `(mikas\.[^`]+)` \|", (ROOT / page).read_text("utf-8"), re.MULTILINE)
+    assert len(found) > 5
+    chosen = " or ".join(f"({each})" for each in found)
+    meant = numbers(installed, small, "-Y", "mikas.meaning")
+    assert set(numbers(installed, small, "-Y", chosen)) > set(meant)
+
+
 def test_the_results_of_writes_are_a_field(tmp_path, script):
     exchanges = [
         (flags, encode(body))
@@ -233,11 +245,11 @@ def test_a_read_filter_gives_the_number_of_a_refused_packet_to_the_next(installe
 
 
 def test_damage_refusals_and_faults_are_expert_information(installed, small, few):
-    told = run(installed, "-r", str(small), "-q", "-z", "expert").stdout
+    printed = run(installed, "-r", str(small), "-q", "-z", "expert").stdout
     texts = [text.en for name, text in LABELS.items() if name.startswith("expert_")]
     for text in {*texts, "Bytes in the response", "The ECU refused"} - REPLACED:
-        assert text in told
-    assert "Air mass signal low" in told  # a stored fault
+        assert text in printed
+    assert "Air mass signal low" in printed  # a stored fault
     names = {reason: f"mikas.expert.{reason.replace(' ', '_')}" for reason in REASONS}
     for reason, name in names.items():
         expected = {

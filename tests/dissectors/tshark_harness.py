@@ -28,7 +28,7 @@ class Shown:
 
 
 def environment(home: Path) -> dict[str, str]:
-    """Nobody's plugins and preferences but those in `home`."""
+    """Return what makes tshark use the plugins and preferences in `home` only."""
     kept = {name: os.environ[name] for name in ("PATH", "LANG") if name in os.environ}
     return {**kept, "HOME": str(home), "TZ": "UTC"}
 

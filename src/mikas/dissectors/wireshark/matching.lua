@@ -97,8 +97,9 @@ function Direction:drop_before(start)
   end
 end
 
--- Completes an event: its `way`, `first` and `last` number of the packets with its bytes, and `at`, its place
--- in the present packet if it lies in it whole. `completed` is told of every other packet.
+-- Completes an event: its `way`, `first` and `last` number of the packets with its bytes, and `at`,
+-- its place in the present packet if it lies in it whole. `completed` gets the number of every
+-- other packet.
 function Direction:locate(item, present, completed)
   self:drop_before(item.offset)
   item.way = self.way

@@ -1,6 +1,6 @@
 -- A frame, or damage, in the tree of a packet.
 --
--- While nobody looks at a tree (`visible`), only fields that a filter or a column needs are added:
+-- While a tree is not shown (`visible`), only fields that a filter or a column needs are added:
 -- most of the time of a long recording would go into the others.
 
 local DIRECTIONS = { [SENT] = "sent", [RECEIVED] = "received" }

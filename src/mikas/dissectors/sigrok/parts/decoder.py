@@ -11,7 +11,7 @@ OUTPUT_PYTHON, for stacked decoders: [kind, ...] with
  - 'REQUEST', body, name: the name is None for an unknown command;
  - 'RESPONSE', body, body of its request: the latter is None where it is not known;
  - 'VALUE', name, value, unit: a parameter in a response; flags are True or False;
- - 'ECHO', body: a request that the line returned; 'UNCLEAR', body: neither can be told;
+ - 'ECHO', body: a request that the line returned; 'UNCLEAR', body: a request or a response;
  - 'DAMAGE', reason, bytes: 'checksum', 'stop bit', 'unfinished', 'too long' or 'break'.
 Bodies are without stuffing and checksum.
 """
