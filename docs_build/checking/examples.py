@@ -3,8 +3,10 @@
     console            sessions.py
     python             run, against the virtual unit; `no-run` behind it: compiled only
     toml, json         parsed; JSON with `…` in it is not
+    sql                run by `mikas fleet sql dataset` if the page has made one, or by DuckDB
 
-A document that reads a recording without having made it finds drive.pcapng, a minute of a drive.
+Commands in a block without a language are a finding: they would not be checked. A document that
+reads a recording without having made it finds drive.pcapng, a minute of a drive.
 """
 
 from __future__ import annotations
@@ -25,11 +27,13 @@ from types import FrameType
 from docs_build.checking import sessions, virtual_unit
 from docs_build.checking.finding import Finding
 from docs_build.checking.virtual_unit import on_virtual_unit
-from docs_build.markdown import Code
+from docs_build.markdown import Code, Document
 from docs_build.pages import RUSSIAN, document
 from mikas.cli.main import run
 
 RECORDING = "drive.pcapng"
+DATASET = "dataset"
+_PROGRAMS = frozenset({"$", "mikas", "tshark"})
 LONGEST = 60  # seconds of a block
 
 
@@ -44,9 +48,9 @@ def recording(file: Path) -> None:
 def findings(file: PurePosixPath, drive: Path) -> list[Finding]:
     """Return what is wrong with the blocks of `file`; `drive`: the recording."""
     code = document(file).code
+    found = [Finding(file, line, text) for line, text in unmarked(document(file))]
     if not any(each.language in _CHECKS for each in code):
-        return []
-    found: list[Finding] = []
+        return found
     made = any(f"-o {RECORDING}" in each.command for each in _run(code))
     with tempfile.TemporaryDirectory() as folder, _inside(Path(folder), russian=_russian(file)):
         if not made:
@@ -61,6 +65,16 @@ def findings(file: PurePosixPath, drive: Path) -> list[Finding]:
                         problems = [(each.line, f"takes longer than {LONGEST} s")]
                 found += [Finding(file, line, text) for line, text in problems]
     return found
+
+
+def unmarked(page: Document) -> Iterator[tuple[int, str]]:
+    """Yield the blocks of commands that have no language."""
+    for token in page.tokens:
+        bare = token.type == "code_block" or (token.type == "fence" and not token.info.strip())
+        if bare and token.map:
+            programs = {line.split()[0] for line in token.content.splitlines() if line.strip()}
+            if programs & _PROGRAMS:
+                yield token.map[0] + 1, "commands without ```console: they are not checked"
 
 
 def _run(code: Iterable[Code]) -> Iterator[sessions.Step]:
@@ -113,11 +127,33 @@ def _json(code: Code, _: dict[str, object]) -> Iterator[tuple[int, str]]:
         yield code.line + error.lineno, error.msg
 
 
+def _sql(code: Code, _: dict[str, object]) -> Iterator[tuple[int, str]]:
+    import duckdb
+
+    for statement in duckdb.extract_statements(code.text):
+        line = code.line + 1 + code.text[: code.text.index(statement.query.strip())].count("\n")
+        if Path(DATASET).is_dir():
+            status, printed = sessions.run_here(["fleet", "sql", DATASET, statement.query])
+            if status:
+                yield line, printed.strip()
+            continue
+        try:
+            duckdb.execute(statement.query)
+        except duckdb.Error as error:
+            yield line, str(error)
+
+
 def _console(code: Code, _: dict[str, object]) -> Iterator[tuple[int, str]]:
     return sessions.problems(code)
 
 
-_CHECKS = {"console": _console, "json": _json, "python": _python, "toml": _toml}
+_CHECKS = {
+    "console": _console,
+    "json": _json,
+    "python": _python,
+    "sql": _sql,
+    "toml": _toml,
+}
 
 
 @contextmanager

@@ -2,7 +2,7 @@
 
     $ mikas read TWAT          a command; what follows, to the next `$`, is its output
     TWAT  86 °C  …             `…` stands for anything in a line; alone, for any lines
-    $ tshark -r drive.pcapng   a program of somebody else: not run here
+    $ tshark -r drive.pcapng   run where it is installed; other programs are not run
 
 As many spaces as one likes stand for the spaces or the tab between two words.
 
@@ -16,6 +16,7 @@ from __future__ import annotations
 import os
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 from collections.abc import Iterator, Sequence
@@ -34,6 +35,7 @@ from mikas.cli.main import cli, run
 
 NOT_RUN = "no-run"
 _ENDLESS = frozenset({"dash", "demo", "publish", "sim"})
+_OTHERS = frozenset({"tshark"})  # programs that read our files, and need nothing else
 _ABSENT = "there is no file"  # only a command that is run needs its files
 _VARIABLE = re.compile(r"\w+=\S*")
 _ENDS = frozenset({"|", ">", "<", "&&", ";"})  # of the program's own arguments, in a shell
@@ -63,6 +65,12 @@ class Step:
     def ours(self) -> bool:
         """Whether it calls the program."""
         return self.words[:1] == ["mikas"]
+
+    @property
+    def runs(self) -> bool:
+        """Whether it can be run here: ours, or a program that is installed."""
+        program = self.words[0] if self.words else ""
+        return self.ours or (program in _OTHERS and shutil.which(program) is not None)
 
     @property
     def for_shell(self) -> bool:
@@ -106,13 +114,13 @@ def commands_of(text: str) -> list[str]:
 def problems(code: Code) -> Iterator[tuple[int, str]]:
     """Run a block in the present folder; yield a line and what is wrong there."""
     for step in steps(code.text):
-        if not step.ours:
-            continue
         line = code.line + 1 + step.line
-        if not step.session or NOT_RUN in code.info.split() or not step.ends:
+        if step.session and NOT_RUN not in code.info.split() and step.runs and step.ends:
+            problem = _not_as_shown(step)
+        elif step.ours:
             problem = misused(step.words[1:])
         else:
-            problem = _not_as_shown(step)
+            continue
         if problem:
             yield line, f"{step.command}: {problem}"
 
@@ -174,11 +182,12 @@ def _run(step: Step) -> tuple[int, list[str]]:
     if step.for_shell:
         status, text = _run_by_shell(command)
     else:
-        status, text = _run_here(shlex.split(command, comments=True)[1:])
+        status, text = run_here(shlex.split(command, comments=True)[1:])
     return status, without_edges(as_written(text).splitlines())
 
 
-def _run_here(argv: list[str]) -> tuple[int, str]:
+def run_here(argv: list[str]) -> tuple[int, str]:
+    """Run a command line of ours in this process; return its status and all that it printed."""
     written = TextIOWrapper(BytesIO(), "utf-8", write_through=True)
     typed, sys.stdin = sys.stdin, StringIO()  # nobody types here
     with redirect_stdout(written), redirect_stderr(written):

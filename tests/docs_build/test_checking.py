@@ -151,6 +151,19 @@ def test_an_ellipsis_stands_for_anything(shown, printed, same):
     assert sessions.matches(shown, printed) is same
 
 
+@pytest.mark.posix  # by a shell
+def test_other_programs_are_run_where_they_are_installed(tmp_path, monkeypatch):
+    assert console("$ tshark -r absent.pcapng\n", "console no-run") == []
+    program = tmp_path / "tshark"
+    program.write_text("#!/bin/sh\necho read $2; exit $1\n")
+    program.chmod(0o755)
+    monkeypatch.setenv("PATH", f"{tmp_path}:/usr/bin:/bin")
+    monkeypatch.chdir(tmp_path)
+    assert console("$ tshark 0 a\nread a\n$ ls absent\n") == []
+    assert console("$ tshark 0 a\nread b\n") == ["tshark 0 a: prints something else:"]
+    assert console("$ tshark 2 a\n") == ["tshark 2 a: status 2: read a"]
+
+
 def console(text, info="console"):
     return [problem.split("\n")[0] for _, problem in sessions.problems(Code(info, text, 1))]
 
@@ -200,6 +213,20 @@ def test_python_is_run_and_json_and_toml_are_read(repository):
     problems = ran(repository, text)
     assert [line for line, _ in problems] == [9, 15, 18, 23]
     assert problems[0][1] == "AssertionError: "
+
+
+def test_commands_stand_in_a_block_that_is_checked(repository):
+    text = "```\nmikas raed\n```\n\n    tshark -r a\n\n```text\nmikas says\n```\n\n    TWAT 86\n"
+    problem = "commands without ```console: they are not checked"
+    assert ran(repository, text) == [(1, problem), (5, problem)]
+
+
+@pytest.mark.posix  # an alarm clock for each block
+def test_sql_is_run(repository):
+    text = "```sql\n-- one\nSELECT 1;\nSELECT nothing;\n```\n"
+    ((line, problem),) = ran(repository, text)
+    assert line == 4
+    assert "nothing" in problem
 
 
 def test_ports_become_the_virtual_unit():
