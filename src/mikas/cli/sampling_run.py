@@ -152,7 +152,7 @@ class SamplingRun:
         return self.samples > 0 and self.waiting is None
 
     def is_recording(self) -> bool:
-        """Return whether a file takes what is read."""
+        """Return whether the run writes to a file."""
         status = self.recorder.status
         return status is not None and status.failure is None
 

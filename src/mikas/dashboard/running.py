@@ -83,8 +83,8 @@ class RunningDashboard:
 def starting(folder: Path) -> Iterator[None]:
     """Wait until no other program is about to start: of two clicks, the second one finds the first.
 
-    A program that is killed meanwhile lets the next one in. Where nothing can be written, nobody
-    waits.
+    A program that is killed meanwhile lets the next one in. Where nothing can be written, no
+    program waits.
     """
     with ExitStack() as held:
         with suppress(OSError):

@@ -50,7 +50,7 @@ def _text_in(file: Path) -> str:
 
 
 def is_running(program: str) -> bool:
-    """Return whether a program of this name runs; False where the system does not tell."""
+    """Return whether a program of this name runs; False where the system does not say."""
     wanted = program.lower()
     return any(name.lower().removesuffix(".exe") == wanted for name in _running())
 

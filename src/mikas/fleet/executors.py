@@ -116,7 +116,7 @@ class HereRunner(Runner):
 
 
 class ProcessRunner(Runner):
-    """`workers` processes, started anew (spawn). They end with this one, however it ends."""
+    """`workers` new processes (spawn). They end with this one, however it ends."""
 
     def __init__(self, workers: int) -> None:
         self._workers = workers

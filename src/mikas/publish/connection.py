@@ -5,7 +5,8 @@
        └──────── 1 s, 2 s, 4 s … half a minute ◄─────┘
 
 The last will is "offline" too: the broker sends it when the process is killed or the network fails.
-"online" comes behind the retained messages, so that nobody sees an old state as the present one.
+"online" comes after the retained messages, so that no subscriber takes an old
+state for the present one.
 
 The library is blocking where it resolves names and opens sockets. That is done in daemon threads:
 the end of the program waits for none of them.

@@ -28,7 +28,7 @@ class _Sent(NamedTuple):
 class RequestAhead:
     """The request under way on `line`; the caller holds the tester's lock.
 
-    `announced`: what is sent next, by `send`; any thread may set it.
+    `announced`: the request that `send` sends next; any thread may set it.
     """
 
     def __init__(self, line: Line, sync: LineSync, statistics: Statistics) -> None:
@@ -48,7 +48,7 @@ class RequestAhead:
         self.announced = self._sent = None
 
     def send(self) -> None:
-        """Send what is announced. On a line without an echo nothing is sent (D2)."""
+        """Send the announced request. On a line without an echo nothing is sent (D2)."""
         command, self.announced = self.announced, None
         if command is None or not self._line.echo:
             return

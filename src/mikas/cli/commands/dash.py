@@ -35,11 +35,11 @@ _FAULTS = "17"  # air temperature: a fault to find and to erase, with the engine
 
 @dataclass(frozen=True, slots=True)
 class Start:
-    """How `dash` was started. `folder`: where it can be found; `begun`: lets the next one start."""
+    """How `dash` was started. `folder`: where it can be found; `starting`: held until it serves."""
 
     folder: Path
     desktop: bool
-    begun: ExitStack
+    starting: ExitStack
 
 
 @command(
@@ -179,7 +179,7 @@ def _serve(
         dashboard = Dashboard(settings, port=context.port, lan=options.lan)
         if start is not None:
             found.enter_context(RunningDashboard(access.port, access.instance).kept(start.folder))
-            start.begun.close()
+            start.starting.close()
         try:
             # The unit is found meanwhile: these imports take as long as the handshake.
             dashboard.connection.begin()

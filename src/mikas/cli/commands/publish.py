@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class PublishOptions:
-    """What is published, and how often."""
+    """Which messages are published, and how often."""
 
     every: float = 1.0
     each: bool = False

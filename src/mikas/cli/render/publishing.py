@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 class PublishingReport:
-    """Says what becomes of the connection `url`, in whichever thread; `run` is what is published.
+    """Reports on the connection `url`, from any thread; `run` is the run that is published.
 
     With JSON, a line for each change of the broker and of the unit's line.
     """

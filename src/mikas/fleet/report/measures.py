@@ -1,4 +1,4 @@
-"""What is compared between the cars and followed over time: one figure of each drive.
+"""The measures that are compared between the cars and followed over time: one figure of each drive.
 
 `least`: the smallest difference that counts, whatever the statistics say. With a normal range it is
 half of its width; the others are the smallest that a mechanic would act on.

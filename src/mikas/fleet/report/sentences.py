@@ -53,7 +53,7 @@ def car_sentences(car: CarFindings, found: FleetFindings) -> Iterator[Text]:
 
 
 def remarks(car: CarFindings) -> Iterator[Text]:
-    """Yield what is not known of a car."""
+    """Yield the gaps in the knowledge of a car."""
     figures = car.figures
     if not figures.readings:
         yield Text("Its stored faults were never read.", "Ошибки ни разу не считывались.")

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 def as_html(recording: Recording, language: Language) -> str:
-    """Return the recording as a notebook shows it. Raises nothing for what is in its file."""
+    """Return the recording as a notebook shows it. Raises nothing, whatever its file holds."""
     try:
         return html_of(worded(recording, recording.overview, language))
     except (MikasError, OSError) as error:
@@ -29,7 +29,7 @@ def as_html(recording: Recording, language: Language) -> str:
 
 
 def as_text(recording: Recording, language: Language) -> str:
-    """Return the recording as `print` shows it. Raises nothing for what is in its file."""
+    """Return the recording as `print` shows it. Raises nothing, whatever its file holds."""
     try:
         return text_of(worded(recording, recording.overview, language))
     except (MikasError, OSError) as error:

@@ -1,7 +1,7 @@
 """A picture of a recording, drawn with matplotlib (the extra `plot`).
 
 As the dashboard's chart: panes that share time, an axis for each unit, at most two of which have
-labels; gaps hatched behind the lines, flags in lanes at the foot, markers and alarms above. A text
+labels; gaps hatched below the lines, flags in lanes at the foot, markers and alarms above. A text
 from a recording is never taken for mathematics between two `$`.
 """
 

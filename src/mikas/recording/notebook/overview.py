@@ -49,7 +49,7 @@ class ChannelOverview:
 
 @dataclass(frozen=True, slots=True)
 class Overview:
-    """What is shown. `zero`: the time of the first row, from which a table counts; 0.0: no rows."""
+    """`zero`: the time of the first row, from which a table counts; 0.0 without rows."""
 
     summary: Summary
     zero: float

@@ -1,4 +1,4 @@
-"""The value axes of the lines in one pane: one for each unit, fitted to what is visible.
+"""The value axes of the lines in one pane: one for each unit, fitted to its visible part.
 
 The rule of the dashboard's chart (`web/src/lib/series/valueAxis.ts`); the cases in
 `valueAxis.cases.json` beside it hold both equal. An axis is never narrower than the catalog's least

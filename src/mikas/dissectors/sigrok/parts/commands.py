@@ -95,7 +95,7 @@ class Commands(object):
         return "%s: %s" % (title, names) if names else title
 
     def response_parts(self, request, listed, body, is_first):
-        """Return the parts of a response, and None; or nothing, and what is said instead.
+        """Return the parts of a response, and None; or nothing, and the remark that stands instead.
 
         Both are empty where the request, or the list that it needs, is not known. `is_first`: the
         first response of a stream.

@@ -1,6 +1,6 @@
 """Whose turn it is: which message is a request, and which request a response answers (D13).
 
-Neither is in a message. Where two wires are tapped, the channel tells. One wire carries both
+Neither is in a message. Where two wires are tapped, the channel shows it. One wire carries both
 directions, so `OneWire` follows every course of the exchange that the bytes and the pauses allow. A
 message gets its role as soon as all courses agree about it; one about which they never agree is
 unclear, and so is what it says. So a value is shown under a parameter only if it can be no other's.
