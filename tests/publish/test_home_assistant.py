@@ -7,11 +7,12 @@ from __future__ import annotations
 
 import json
 import re
+from functools import cache
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from jinja2 import StrictUndefined
+from jinja2 import StrictUndefined, Template
 from jinja2.sandbox import SandboxedEnvironment
 from publication_harness import CATALOG, TOPICS, Published, content, drive, publication
 
@@ -55,8 +56,12 @@ def components(home: HomeAssistant) -> dict[str, dict]:
 
 def rendered(template: str, message: dict) -> str:
     """What Home Assistant makes of a message; `None` is “unknown” to it."""
-    environment = SandboxedEnvironment(undefined=StrictUndefined)
-    return environment.from_string(template).render(value_json=message, value=json.dumps(message))
+    return compiled(template).render(value_json=message, value=json.dumps(message))
+
+
+@cache
+def compiled(template: str) -> Template:
+    return SandboxedEnvironment(undefined=StrictUndefined).from_string(template)
 
 
 def test_the_device_is_one_retained_message_with_an_origin():

@@ -22,8 +22,11 @@ from mikas.errors import BrokerNotTrusted, BrokerRefused, NoBroker
 from mikas.publish import connection as module
 from mikas.publish.broker import parse_address, with_tls
 from mikas.publish.connection import BrokerChange, BrokerConnection
+from mikas.publish.home_assistant import discovery_topic
 from mikas.publish.message import Kind, Message
 from mikas.publish.outbox import Outbox
+from mikas.publish.session import Destination, remove
+from mikas.publish.topics import Topics
 
 pytestmark = [
     pytest.mark.realtime,
@@ -35,6 +38,11 @@ pytestmark = [
 ]
 SECRET = "s3cret-WORD"
 BASE = "garage/volga"
+# The command itself waits longer before it tries again, and for what the broker keeps.
+PROGRAM = (
+    "from mikas.publish import connection; connection._FIRST_PAUSE = connection._KEPT = 0.1; "
+    "from mikas.cli.main import main; main()"
+)
 
 
 @pytest.fixture
@@ -48,7 +56,7 @@ def start(tmp_path):
 
     def started(*argv: str, **more: str) -> subprocess.Popen:
         process = subprocess.Popen(
-            [sys.executable, "-c", "from mikas.cli.main import main; main()", *argv],
+            [sys.executable, "-c", PROGRAM, *argv],
             env=environment | more,
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
@@ -86,8 +94,10 @@ def listen():
         each.close()
 
 
-def publishing(start, port: int, *words: str, unit: str = "sim:") -> subprocess.Popen:
-    where = (f"mqtt://127.0.0.1:{port}", "--topic", BASE, "--port", unit)
+def publishing(
+    start, port: int, *words: str, unit: str = "sim:", base: str = BASE
+) -> subprocess.Popen:
+    where = (f"mqtt://127.0.0.1:{port}", "--topic", base, "--port", unit)
     return start("publish", *where, "--method", "batch", *words)
 
 
@@ -108,38 +118,54 @@ def test_a_killed_publisher_is_offline_by_its_last_will(start, broker, listen):
         "homeassistant/device/garage--volga/config"}  # fmt: skip
 
 
-@pytest.mark.parametrize(("number", "status"), [(signal.SIGTERM, 0), (signal.SIGINT, 130)])
-def test_an_ended_publisher_says_so_itself(start, broker, listen, number, status):
+def test_an_ended_publisher_says_so_itself(start, broker, listen):
     listener = listen(broker.port)
-    process = publishing(start, broker.port, "TWAT", "--every", "0.2")
-    listener.wait_for(is_(f"{BASE}/values"))
-    process.send_signal(number)
-    out, err = process.communicate(timeout=PATIENCE)
-    assert (process.returncode, out) == (status, "")
-    assert "Traceback" not in err
-    listener.wait_for(is_(f"{BASE}/availability", b"offline"))
-    states = [it.json["state"] for it in listener.got if it.topic == f"{BASE}/state"]
-    assert states[-1] == "stopped"
-    assert "messages, " in err
+    ends = {"garage/volga": (signal.SIGTERM, 0), "garage/gazelle": (signal.SIGINT, 130)}
+    running = {
+        base: publishing(start, broker.port, "TWAT", "--every", "0.2", base=base) for base in ends
+    }
+    for base, (number, status) in ends.items():
+        listener.wait_for(is_(f"{base}/values"))
+        process = running[base]
+        process.send_signal(number)
+        out, err = process.communicate(timeout=PATIENCE)
+        assert (process.returncode, out) == (status, ""), base
+        assert "Traceback" not in err
+        listener.wait_for(is_(f"{base}/availability", b"offline"))
+        states = [it.json["state"] for it in listener.got if it.topic == f"{base}/state"]
+        assert states[-1] == "stopped"
+        assert "messages, " in err
 
 
-def test_broker_and_unit_may_be_lost_both_at_once(start, broker, listen):
-    """Sampling goes on without the broker, its samples are kept; the states are told when it is
-    back.
+def wait_until_recorded(file: Path, more: int) -> None:
+    """Wait until the recording has so many more bytes."""
+    waiting, wanted = threading.Event(), file.stat().st_size + more
+    for _ in range(int(PATIENCE / 0.02)):
+        if file.stat().st_size >= wanted:
+            return
+        waiting.wait(0.02)
+    raise AssertionError(file.stat().st_size)
+
+
+def test_broker_and_unit_may_be_lost_both_at_once(start, broker, listen, tmp_path):
+    """Sampling and recording go on without the broker, samples are kept; the states are told when
+    it is back.
     """
-    relay = Relay(broker.port)
+    relay, recorded = Relay(broker.port), tmp_path / "line.pcapng"
     before = listen(broker.port)
     try:
         unit = start("sim")
         process = publishing(
             *(start, relay.port, "TWAT", "--every", "0.2", "--samples", "--json"),
+            *("--capture", str(recorded)),
             unit=unit.stdout.readline().strip(),
         )
-        before.wait_for(is_(f"{BASE}/samples"))
+        before.wait_for(is_(f"{BASE}/faults", current=True))  # what is read first
         relay.cut()
         broker.kill()
-        for _ in range(2):  # lost, and half a second later not there
+        for _ in range(2):  # lost, and soon later not there
             assert any('"connected": false' in line for line in process.stdout)
+        wait_until_recorded(recorded, 1000)
         unit.kill()
         assert any('"state": "no-port"' in line for line in process.stdout)
         broker.start()
@@ -286,12 +312,13 @@ def test_two_clients_of_one_name_are_told_so(connect, broker):
 
 
 def test_all_that_is_kept_can_be_removed(start, broker, listen):
-    process = publishing(start, broker.port, "TWAT", "--home-assistant", "--count", "5")
+    some = ("TWAT", "--home-assistant", "--count", "5")
+    process = publishing(start, broker.port, *some, unit="sim:?clock=simulated")
     assert process.wait(PATIENCE) == 0
     listen(broker.port).wait_for(is_(f"{BASE}/availability", b"offline"))
-    removing = publishing(start, broker.port, "--remove")
-    out, _ = removing.communicate(timeout=PATIENCE)
-    assert (removing.returncode, out.count(BASE)) == (0, 1)
+    topics = Topics(BASE)
+    there = Destination(parse_address(f"mqtt://127.0.0.1:{broker.port}"), topics, "mikas")
+    remove(there, discovery_topic("homeassistant", topics))
     late = listen(broker.port)
     first = connect_marker(broker.port)
     late.wait_for(is_(first))
