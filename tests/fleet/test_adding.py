@@ -81,6 +81,13 @@ def test_a_beginning_next_to_the_whole_recording_does_not_count(tmp_path) -> Non
     assert plan(places, str(tmp_path / "set"), SETTINGS).files == ()  # nothing is read again
 
 
+def test_a_name_as_long_as_can_be_ends_nothing(tmp_path) -> None:
+    make(tmp_path / "in" / "1.pcapng", plate="", car="🚗" * 60)
+    make(tmp_path / "in" / "2.pcapng", began=BEGAN + DAY)
+    assert counts(add_here(tmp_path / "in", to=tmp_path / "set")) == (2, 0, 0, 0)
+    assert ask(tmp_path / "set", "SELECT count(DISTINCT car) FROM drives") == [(2,)]
+
+
 def test_copies_that_two_workers_read_at_once_count_once(tmp_path) -> None:
     file = make(tmp_path / "in" / "a.pcapng")
     (tmp_path / "in" / "b.pcapng").write_bytes(file.read_bytes())
@@ -278,6 +285,7 @@ def test_a_damaged_or_hostile_ledger_touches_no_other_file(tmp_path) -> None:
         {"obsolete": ["samples/car=../../../outside.parquet"]},
         {"files": ["samples/car=x/day=../../../../outside.parquet"]},
         {"files": 7}, {"bytes": "many"}, {"key": "../x"}, {"sources": []},
+        {"sources": {"/a": []}}, {"heads": 7}, {"replaces": [sound["key"]]},
     ):  # fmt: skip
         entry.write_text(json.dumps(sound | changed))
         assert counts(add_here(file, to=tmp_path / "set"))[0] == 1, changed

@@ -50,6 +50,13 @@ def test_a_unit_without_a_passport_of_its_own_is_unknown(passport) -> None:
     assert car_key("", CarDetails(), unit) == (None, None)
 
 
+@given(st.text(alphabet="🚗Ў/ a\U00020000", min_size=1))
+def test_a_long_name_is_cut_to_what_a_folder_may_have(text) -> None:
+    for details in (CarDetails(text), CarDetails("", text)):
+        name, _ = car_key("", details, None)
+        assert len(partition(name, None).partition("/")[0].encode()) <= 255
+
+
 @given(st.text())
 def test_a_partition_is_two_folders_whatever_the_name(name) -> None:
     car, day = partition(name, None).split("/")

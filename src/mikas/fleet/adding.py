@@ -8,23 +8,29 @@ counts but what it had finished; the same command continues. Several runs may ad
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import suppress
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from hashlib import sha256
+from typing import Final
 from uuid import uuid4
 
 from mikas.catalog import Catalog
-from mikas.errors import FleetError, MikasError, usage_error
+from mikas.errors import FleetError, usage_error
 from mikas.fleet.executors import Runner
+from mikas.fleet.growing import earlier, longer, settle
 from mikas.fleet.interpreting import Settings
-from mikas.fleet.job import HEAD, Outcome, digest_of, work
+from mikas.fleet.job import Outcome, work
 from mikas.fleet.ledger import Entry, Ledger, begin
-from mikas.fleet.places import FoundFile, as_local, as_path, is_url, recordings_in, shown
+from mikas.fleet.places import FoundFile, as_path, is_url, recordings_in, shown
 from mikas.fleet.stores import store
 from mikas.fleet.tables import RESERVED
 from mikas.i18n import Text
+
+_LOST: Final = Text(
+    "its tables are no longer in the dataset; it does not count until it is added again",
+    "её таблиц в наборе больше нет; она не считается, пока её не добавят снова",
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,11 +57,14 @@ class Added:
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """The files to look at, and those that are as they were."""
+    """The files to look at, the number of those that are as they were, and the entries that do not
+    count any more, as their tables are gone.
+    """
 
     files: tuple[FoundFile, ...]
     skipped: int
     ledger: Ledger
+    lost: tuple[Entry, ...] = ()
 
 
 def check_names(catalog: Catalog) -> None:
@@ -73,6 +82,7 @@ def plan(places: Iterable[str], dataset: str, settings: Settings) -> Plan:
     check_names(settings.catalog)
     found = {file.url: file for place in places for file in recordings_in(place)}
     ledger = begin(store(dataset))
+    lost = ledger.drop_lost()
     files = []
     known = {
         (url, stamp): entry for entry in ledger.entries.values() for url, stamp in
@@ -83,7 +93,7 @@ def plan(places: Iterable[str], dataset: str, settings: Settings) -> Plan:
         if entry is None or not entry.is_current(settings.version, settings.car):
             files.append(file)
     files.sort(key=lambda file: (file.bytes, file.url))  # an earlier state before the later one
-    return Plan(tuple(files), len(found) - len(files), ledger)
+    return Plan(tuple(files), len(found) - len(files), ledger, tuple(lost))
 
 
 def add(
@@ -97,88 +107,83 @@ def add(
     result = Added(skipped=planned.skipped)
     run = uuid4().hex
     lasting = dataset if is_url(dataset) else str(as_path(dataset))  # whatever a worker's folder
-    job = partial(work, dataset=lasting, settings=settings, run=run)
+    files_of: dict[str, Sequence[FoundFile]] = {settings.car: planned.files}  # by the given car
     try:
-        for outcome in runner.outcomes(job, planned.files):
-            _take(outcome, planned.ledger, result)
-            on_file(outcome)
+        settle(planned.ledger)
+        while files_of:
+            car, files = files_of.popitem()
+            job = partial(work, dataset=lasting, settings=replace(settings, car=car), run=run)
+            again: dict[str, list[FoundFile]] = defaultdict(list)
+            for outcome in runner.outcomes(job, files):
+                if (known := _take(outcome, planned.ledger, result)) is not None:
+                    again[known].append(outcome.file)
+                else:
+                    on_file(outcome)
+            files_of |= again
+        if result.added:
+            planned.ledger.refresh()
+            settle(planned.ledger)
+        for entry in planned.lost:
+            if entry.key not in planned.ledger.entries:
+                result.bad.append(BadFile(next(iter(entry.sources), entry.key), _LOST))
     finally:
         runner.close()
         planned.ledger.files.clear(run)
     return result
 
 
-def _take(outcome: Outcome, ledger: Ledger, result: Added) -> None:
+def _take(outcome: Outcome, ledger: Ledger, result: Added) -> str | None:
+    """Let a recording count. Return the car that was given for an earlier state of it, if its
+    tables are to be made again for that car.
+    """
     file, entry = outcome.file, outcome.entry
     if entry is None:
         reason = outcome.bad or Text("", "")
         if outcome.ends:
             raise FleetError(shown(ledger.files.place), reason)
         result.bad.append(BadFile(shown(file.url), reason))
-        return
+        return None
     if not outcome.is_new:
-        result.skipped += 1
         ledger.entries.setdefault(entry.key, entry)  # of another run
-        ledger.note_source(entry.key, file.url, file.stamp)
-        return
+        _skip(file, entry, ledger, result)
+        return None
     before = ledger.entries.get(entry.key)
-    if before is not None and before.is_current(entry.version, entry.given):  # a copy, meanwhile
-        result.skipped += 1
-        ledger.note_source(entry.key, file.url, file.stamp)
-        return
-    if (longer := _longer(file, entry, ledger)) is not None:
-        result.skipped += 1
-        for name in entry.files:
-            ledger.files.remove(name)
-        ledger.note_source(longer.key, file.url, file.stamp)
-        return
-    older = list(_earlier(file, entry, outcome.opening, ledger))
-    replaces = dict.fromkeys(key for it in older for key in (it.key, *it.replaces))
+    if before is not None and before.is_current(entry.version, entry.given):
+        ledger.refresh()  # a copy was read meanwhile, or another run has replaced it
+        if (before := ledger.entries.get(entry.key)) is not None:
+            _skip(file, before, ledger, result)
+            return None
+    if (whole := longer(file, entry, ledger)) is not None:
+        _remove_tables(entry, ledger)
+        _skip(file, whole, ledger, result)
+        return None
+    older = list(earlier(file, entry, ledger))
+    given = "" if entry.given else next((it.given for it, _ in older if it.given), "")
+    if given:
+        _remove_tables(entry, ledger)
+        return given
+    replaces = [*(before.replaces if before else ())]
     sources: dict[str, str] = {}
-    for each in (*older, *([before] if before else []), entry):
+    for each, is_beginning in older:
         sources |= each.sources
-    kept = before.replaces if before else ()
-    entry = replace(entry, replaces=(*kept, *replaces), sources=sources)
-    ledger.commit(entry, older)
+        replaces += (each.key, *each.replaces) if is_beginning else ()
+    sources |= (before.sources if before else {}) | entry.sources
+    entry = replace(entry, replaces=tuple(dict.fromkeys(replaces)), sources=sources)
+    ledger.commit(entry, [each for each, _ in older])
     result.added += 1
     result.replaced += bool(older or before)
     result.seconds += entry.seconds
     if entry.damaged:
         result.damaged.append((shown(file.url), entry.damaged))
-
-
-def _earlier(file: FoundFile, entry: Entry, opening: bytes, ledger: Ledger) -> Iterator[Entry]:
-    """Yield the entries of earlier states of this recording: its content begins with theirs, or it
-    has the same beginning and lies where they lay.
-    """
-    for known in ledger.entries.values():
-        if known.key == entry.key:
-            continue
-        if known.bytes < HEAD:
-            is_begin = sha256(opening[: known.bytes]).hexdigest() == known.sha256
-            if known.bytes < entry.bytes and is_begin:
-                yield known
-        elif known.head == entry.head and (
-            shown(file.url) in known.sources
-            or (known.bytes < entry.bytes and _begins(file.url, known))
-        ):
-            yield known
-
-
-def _begins(url: str, known: Entry) -> bool:
-    with suppress(OSError, MikasError), as_local(url) as path:
-        return digest_of(path, known.bytes)[0] == known.sha256
-    return False
-
-
-def _longer(file: FoundFile, entry: Entry, ledger: Ledger) -> Entry | None:
-    """Return the recording in the dataset that begins with this one's content."""
-    for known in ledger.entries.values():
-        if entry.key in known.replaces:
-            return known
-    for known in ledger.entries.values():
-        near = known.head == entry.head and known.bytes > entry.bytes
-        elsewhere = near and shown(file.url) not in known.sources
-        if elsewhere and any(_begins(url, entry) for url in known.sources):
-            return known
     return None
+
+
+def _skip(file: FoundFile, entry: Entry, ledger: Ledger, result: Added) -> None:
+    result.skipped += 1
+    ledger.note_source(entry.key, file.url, file.stamp)
+
+
+def _remove_tables(entry: Entry, ledger: Ledger) -> None:
+    """Remove the tables of an entry that does not come to count."""
+    for name in entry.files:
+        ledger.files.remove(name)

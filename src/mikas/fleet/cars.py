@@ -21,6 +21,7 @@ from mikas.virtual import VIRTUAL_PASSPORT
 
 UNKNOWN: Final = "__HIVE_DEFAULT_PARTITION__"  # what the field's tools read as NULL
 LONGEST: Final = 60  # characters of a name
+_LONGEST_FOLDER: Final = 200  # bytes of its folder, of which systems take 255
 # The letters of Russian plates look like Latin ones, and are typed as either.
 _LOOKALIKES: Final = str.maketrans("АВЕКМНОРСТУХ", "ABEKMHOPCTYX")
 
@@ -64,11 +65,18 @@ def plate_key(text: str) -> str:
     """
     name = re.sub(r"[\s·-]+", "", unicodedata.normalize("NFKC", text)).upper()
     latin = name.translate(_LOOKALIKES)
-    return (latin if latin.isascii() else name)[:LONGEST]
+    return _cut(latin if latin.isascii() else name)
 
 
 def _name_key(text: str) -> str:
-    return " ".join(unicodedata.normalize("NFKC", text).casefold().split())[:LONGEST].strip()
+    return _cut(" ".join(unicodedata.normalize("NFKC", text).casefold().split())).strip()
+
+
+def _cut(name: str) -> str:
+    name = name[:LONGEST]
+    while len(_folder(name).encode()) > _LONGEST_FOLDER:
+        name = name[:-1]
+    return name
 
 
 def partition(name: str | None, day: str | None) -> str:
@@ -78,7 +86,7 @@ def partition(name: str | None, day: str | None) -> str:
 
 def _folder(name: str | None) -> str:
     """Return a folder's name: letters and digits of any script as they are, the rest as `%20`."""
-    if name is None or not name:
+    if not name:
         return UNKNOWN
     return "".join(it if it.isalnum() or it in "-_" else _escaped(it) for it in name)
 

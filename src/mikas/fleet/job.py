@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Final
 
 from mikas.errors import CaptureError, FleetError, MikasError, UnfitFile, reason_of
 from mikas.files import open_regular
-from mikas.fleet.ledger import FOLDER, Entry, read_entry
+from mikas.fleet.ledger import FOLDER, MARKER, Entry, read_entry
 from mikas.fleet.places import FoundFile, as_local, shown
 from mikas.fleet.stores import store
 from mikas.i18n import Text
@@ -24,8 +24,9 @@ if TYPE_CHECKING:
     from mikas.fleet.interpreting import Settings
 
 _BLOCK: Final = 1 << 20
-HEAD: Final = 4096
-"""Bytes by which recordings are found that may be states of one."""
+STEP: Final = 512
+HEAD: Final = 8 * STEP
+"""Bytes by which recordings are found that may be states of one, compared step by step."""
 
 _NO_ROOM: Final = (errno.ENOSPC, errno.EDQUOT, errno.EROFS)
 LARGEST: Final = 2 << 30
@@ -35,9 +36,11 @@ _TOO_LARGE: Final = Text(
     "the file has more than {most} GB: no recording of a line is that large",
     "файл больше {most} ГБ: таких записей линии не бывает",
 ).filled(most=LARGEST >> 30)
-_LINK: Final = Text(
-    "this is a link to another file, which is not followed; name that file itself",
-    "это ссылка на другой файл, по ней не переходят; назовите сам файл",
+_NOT_SEEN: Final = Text(
+    "the computer that does the work does not see this dataset; use a place that every computer "
+    "reaches by the same name",
+    "компьютер, выполняющий работу, этого набора не видит; возьмите место, доступное всем "
+    "компьютерам под одним именем",
 )
 _BUG: Final = Text(
     "this is a bug in mikas ({kind}); please report it with the file",
@@ -48,14 +51,13 @@ _BUG: Final = Text(
 @dataclass(frozen=True, slots=True)
 class Outcome:
     """What became of a file. `entry`: of its recording; `is_new`: its tables were written now;
-    `opening`: its first bytes. Without an entry: `bad`, why nothing was read; `ends`: it would be
-    the same for every other file.
+    without an entry: `bad`, why nothing was read; `ends`: it would be the same for every other
+    file.
     """
 
     file: FoundFile
     entry: Entry | None = None
     is_new: bool = False
-    opening: bytes = b""
     bad: Text | None = None
     ends: bool = False
 
@@ -65,8 +67,8 @@ def work(file: FoundFile, dataset: str, settings: Settings, run: str = "") -> Ou
 
     `run`: the name of the run, by which its unfinished files are known.
     """
-    if file.is_link:
-        return Outcome(file, bad=_LINK)
+    if file.bad is not None:
+        return Outcome(file, bad=file.bad)
     if file.bytes > LARGEST:
         return Outcome(file, bad=_TOO_LARGE)
     try:
@@ -87,13 +89,15 @@ def _work(file: FoundFile, dataset: str, settings: Settings, run: str) -> Outcom
     from mikas.fleet.interpreting import interpret
 
     target = store(dataset)
+    if target.read(MARKER) is None:
+        raise FleetError(shown(dataset), _NOT_SEEN)
     with as_local(file.url) as path:
         CaptureReader(path)  # raises, if it is no capture
         digest, size, opening = digest_of(path)
-        key, head = digest[:32], sha256(opening).hexdigest()
+        key = digest[:32]
         if (known := target.read(f"{FOLDER}/{key}.json")) and (entry := read_entry(known)):
             if entry.is_current(settings.version, settings.car):
-                return Outcome(file, entry, opening=opening)
+                return Outcome(file, entry)
             settings = replace(settings, car=settings.car or entry.given)
         name = PurePath(shown(file.url)).name
         with target.workshop(run) as folder:
@@ -102,10 +106,16 @@ def _work(file: FoundFile, dataset: str, settings: Settings, run: str) -> Outcom
                 target.put(each, part)
     sources = {shown(file.url): file.stamp} if file.stamp else {}
     entry = Entry(
-        key, digest, size, head, settings.version, settings.car, made.car, made.drives,
+        key, digest, size, _heads(opening), settings.version, settings.car, made.car, made.drives,
         made.rows, made.seconds, made.damaged, tuple(made.files), sources,
     )  # fmt: skip
-    return Outcome(file, entry, is_new=True, opening=opening)
+    return Outcome(file, entry, is_new=True)
+
+
+def _heads(opening: bytes) -> tuple[str, ...]:
+    """Return a digest of the first step, of the first two, and so on."""
+    ends = range(STEP, len(opening) + 1, STEP)
+    return tuple(sha256(opening[:end]).hexdigest()[:16] for end in ends)
 
 
 def digest_of(path: Path, most: int | None = None) -> tuple[str, int, bytes]:

@@ -50,15 +50,15 @@ _LATER: Final = Text(
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """One recording. `head`: of its first bytes; `version`: of what interpreted it; `given`: the
-    car given for it; `sources`: where it was found, each with its stamp then; `replaces`: earlier,
-    shorter states of it.
+    """One recording. `heads`: digests of its beginning; `version`: of what interpreted it; `given`:
+    the car given for it; `sources`: where it was found, each with its stamp then; `replaces`: its
+    beginnings, which count no more, whoever writes them.
     """
 
     key: str
     sha256: str
     bytes: int
-    head: str
+    heads: tuple[str, ...]
     version: str
     given: str = ""
     car: str | None = None
@@ -86,7 +86,7 @@ def read_entry(data: bytes) -> Entry | None:
     try:
         value = clean_json(json.loads(data))
         known = {name: value[name] for name in Entry.__dataclass_fields__ if name in value}
-        for name in ("files", "replaces", "obsolete"):
+        for name in ("heads", "files", "replaces", "obsolete"):
             known[name] = tuple(map(str, known.get(name, ())))
         entry = Entry(**known)
     except (ValueError, TypeError, RecursionError):
@@ -97,12 +97,14 @@ def read_entry(data: bytes) -> Entry | None:
 def _is_sound(entry: Entry) -> bool:
     """Return whether its names are those of a dataset: they are read and removed."""
     gone = (_DATA.fullmatch(name) or _ENTRY.fullmatch(name) for name in entry.obsolete)
-    texts: tuple[Any, ...] = (entry.key, entry.sha256, entry.head, entry.version, entry.given)
+    if not isinstance(entry.sources, dict):
+        return False
+    texts: tuple[Any, ...] = (entry.key, entry.sha256, entry.version, entry.given)
     return (
-        all(isinstance(text, str) for text in texts)
+        all(isinstance(text, str) for text in (*texts, *entry.sources.values()))
         and bool(_KEY.fullmatch(entry.key))
+        and entry.key not in entry.replaces
         and isinstance(entry.bytes, int)
-        and isinstance(entry.sources, dict)
         and all(map(_DATA.fullmatch, entry.files))
         and all(gone)
     )
@@ -113,9 +115,16 @@ class Ledger:
 
     def __init__(self, files: Store) -> None:
         self.files = files
-        read = map(read_entry, files.contents(FOLDER).values())
+        self.entries: dict[str, Entry] = {}
+        self.refresh()
+
+    def refresh(self) -> None:
+        """Read the entries anew: other runs may have changed them."""
+        read = map(read_entry, self.files.contents(FOLDER).values())
         found = {entry.key: entry for entry in read if entry is not None}
         gone = {name for entry in found.values() for name in entry.obsolete}
+        # Another run may write an entry back, with a source of it, that was just replaced.
+        gone |= {f"{FOLDER}/{key}.json" for entry in found.values() for key in entry.replaces}
         self.entries = {key: entry for key, entry in found.items() if entry.name not in gone}
 
     def commit(self, entry: Entry, older: Iterable[Entry] = ()) -> None:
@@ -137,16 +146,38 @@ class Ledger:
         if entry.obsolete:
             for name in entry.obsolete:
                 self.files.remove(name)
-            self.entries[entry.key] = replace(entry, obsolete=())
-            self._write(self.entries[entry.key])
+            self._change(replace(entry, obsolete=()))
+
+    def drop_lost(self) -> list[Entry]:
+        """Let no entry count whose files are gone; return those entries."""
+        lost = self._lost()
+        if lost:  # or replaced by another run, while they were looked for
+            self.refresh()
+            lost = self._lost()
+        for entry in lost:
+            self.files.remove(entry.name)
+            del self.entries[entry.key]
+        return lost
+
+    def _lost(self) -> list[Entry]:
+        every = self.entries.values()
+        gone = self.files.missing(name for entry in every for name in entry.files)
+        return [entry for entry in every if not gone.isdisjoint(entry.files)]
 
     def note_source(self, key: str, url: str, stamp: str) -> None:
         """Note another place of a recording, so that it need not be read there again."""
         entry = self.entries[key]
         if stamp and entry.sources.get(shown(url)) != stamp:
             sources = {**entry.sources, shown(url): stamp}
-            self.entries[key] = replace(entry, sources=sources)
-            self._write(self.entries[key])
+            self._change(replace(entry, sources=sources))
+
+    def _change(self, entry: Entry) -> None:
+        """Write an entry that is there, unless another run has replaced it meanwhile."""
+        if self.files.read(entry.name) is None:
+            del self.entries[entry.key]
+        else:
+            self.entries[entry.key] = entry
+            self._write(entry)
 
     def _write(self, entry: Entry) -> None:
         text = json.dumps(asdict(entry), ensure_ascii=False, indent=1)

@@ -23,15 +23,19 @@ if TYPE_CHECKING:
 PARTS: Final = ".parts"  # unfinished files on a disk; readers of Parquet pass names with a dot over
 _SECRETS: Final = ("AWS_SECRET_ACCESS_KEY", "AWS_SESSION_TOKEN", "AWS_ACCESS_KEY_ID")
 _NOT_THERE: Final = Text("there is no such file or folder", "такого файла или папки нет")
+_LINK: Final = Text(
+    "this is a link to another file, which is not followed; name that file itself",
+    "это ссылка на другой файл, по ней не переходят; назовите сам файл",
+)
 
 
 class FoundFile(NamedTuple):
-    """A file to add. `stamp` changes with its content; `is_link`: it is not read."""
+    """A file to add. `stamp` changes with its content; `bad`: why it is not read."""
 
     url: str
     bytes: int
     stamp: str
-    is_link: bool = False
+    bad: Text | None = None
 
 
 def require_database() -> None:
@@ -43,8 +47,11 @@ def require_database() -> None:
 
 
 def shown(place: str) -> str:
-    """Return the place as it may be shown and kept: without a user's name and password."""
-    return re.sub(r"(?<=://)[^/@]*@", "", place)
+    """Return the place as it may be shown and kept: without a user's name and password, and in
+    UTF-8, which the name of a file need not be.
+    """
+    public = re.sub(r"(?<=://)[^/@]*@", "", place)
+    return public.encode("utf-8", "backslashreplace").decode()
 
 
 def is_url(place: str) -> bool:
@@ -58,7 +65,7 @@ def as_path(place: str) -> Path:
 
 
 @contextmanager
-def told(place: str) -> Iterator[None]:
+def errors_of(place: str) -> Iterator[None]:
     """Turn what storage raises into a `FleetError` that names `place`."""
     try:
         yield
@@ -91,7 +98,7 @@ def file_system(place: str) -> tuple[AbstractFileSystem, str]:
         raise MissingExtra(feature="fleet", extra="fleet") from error
     protocol = place.partition("://")[0]
     try:
-        with told(place):
+        with errors_of(place):
             system, path = url_to_fs(place)
     except FleetError as error:
         cause = error.__cause__
@@ -102,10 +109,12 @@ def file_system(place: str) -> tuple[AbstractFileSystem, str]:
 
 
 def recordings_in(place: str) -> Iterator[FoundFile]:
-    """Yield the recordings of a place in a lasting order: of a folder, and those below it, all
-    `.pcapng`; or the one file that it is. Raises `FleetError` if there is no such place.
+    """Yield the recordings of a place: of a folder, and those below it, all `.pcapng`, and as bad
+    ones the folders that can't be read; or the one file that it is.
+
+    Raises `FleetError` if there is no such place.
     """
-    with told(place):
+    with errors_of(place):
         yield from _of_url(place) if is_url(place) else _of_disk(place)
 
 
@@ -117,15 +126,19 @@ def _of_disk(place: str) -> Iterator[FoundFile]:
         yield _on_disk(top.resolve())
         return
 
+    closed: list[FoundFile] = []
+
     def refuse(error: OSError) -> None:
         if error.filename == str(top):
             raise error
+        closed.append(FoundFile(error.filename, 0, "", bad=reason_of(error)))
 
     for folder, below, names in os.walk(top, onerror=refuse):
-        below[:] = sorted(name for name in below if name != PARTS)
-        for name in sorted(names):
+        below[:] = (name for name in below if name != PARTS)
+        for name in names:
             if _is_recording(name):
                 yield _on_disk(Path(folder, name))
+    yield from closed
 
 
 def _on_disk(path: Path) -> FoundFile:
@@ -134,28 +147,39 @@ def _on_disk(path: Path) -> FoundFile:
     except OSError:  # gone since; reported when it is read
         return FoundFile(str(path), 0, "")
     stamp = f"{status.st_size}-{status.st_mtime_ns}"
-    return FoundFile(str(path), status.st_size, stamp, is_link=path.is_symlink())
+    return FoundFile(str(path), status.st_size, stamp, bad=_LINK if path.is_symlink() else None)
 
 
 def _of_url(place: str) -> Iterator[FoundFile]:
     system, path = file_system(place)
     system.invalidate_cache()
     if system.isfile(path):
-        yield _at_url(system, system.info(path))
+        yield _at_url(place, system.info(path))
         return
     found = system.find(path, detail=True)
     if not found and not system.exists(path):
         raise FleetError(shown(place), _NOT_THERE)
     for name, info in sorted(found.items()):
         if _is_recording(name):
-            yield _at_url(system, info)
+            yield _at_url(_url_in(place, path, name), info)
 
 
-def _at_url(system: AbstractFileSystem, info: dict[str, Any]) -> FoundFile:
+def _url_in(place: str, path: str, name: str) -> str:
+    """Return the URL of a file below `place`, whose path is `path`: with the host of the place, and
+    before what it is chained to (`zip://in::s3://bucket/all.zip`).
+    """
+    own = place.find("://") + 3
+    end = place.find("::", own)
+    end = len(place) if end < 0 else end
+    below = name.removeprefix(path).lstrip("/")
+    return "/".join((place[:end].rstrip("/"), below)) + place[end:]
+
+
+def _at_url(url: str, info: dict[str, Any]) -> FoundFile:
     changed = next((info[key] for key in ("ETag", "mtime", "LastModified") if info.get(key)), "")
     size = int(info.get("size") or 0)
     stamp = f"{size}-{changed}" if changed else ""
-    return FoundFile(str(system.unstrip_protocol(info["name"])), size, stamp)
+    return FoundFile(url, size, stamp)
 
 
 def _is_recording(name: str) -> bool:
@@ -171,6 +195,6 @@ def as_local(url: str) -> Iterator[Path]:
     system, path = file_system(url)
     with TemporaryDirectory(prefix="mikas-", ignore_cleanup_errors=True) as folder:
         copy = Path(folder) / (PurePosixPath(path).name or "recording.pcapng")
-        with told(url):
+        with errors_of(url):
             system.get_file(path, str(copy))
         yield copy

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path, PurePosixPath
 from shutil import rmtree
@@ -17,9 +17,10 @@ from time import time
 from typing import Final
 from uuid import uuid4
 
-from mikas.fleet.places import PARTS, as_path, file_system, is_url, told
+from mikas.fleet.places import PARTS, as_path, errors_of, file_system, is_url
 
 _OLD: Final = 86_400.0  # s after which a part is a killed program's
+_TIMES: Final = 5  # that a folder is read which changes meanwhile
 _OBJECT_STORES: Final = frozenset(
     ("s3", "s3a", "gs", "gcs", "abfs", "abfss", "az", "adl", "oci", "oss", "r2", "memory")
 )
@@ -61,9 +62,21 @@ class Store(ABC):
             yield Path(folder)
 
     def contents(self, folder: str) -> dict[str, bytes]:
-        """Return all files of a folder by name."""
-        found = {name: self.read(f"{folder}/{name}") for name in self.names(folder)}
+        """Return all files of a folder by name, as they were at one time."""
+        for _ in range(_TIMES):
+            names = self.names(folder)
+            found = self._read_all(folder, names)
+            if len(found) == len(names):  # else one was replaced meanwhile, by a name not listed
+                break
+        return found
+
+    def _read_all(self, folder: str, names: list[str]) -> dict[str, bytes]:
+        found = {name: self.read(f"{folder}/{name}") for name in names}
         return {name: data for name, data in found.items() if data is not None}
+
+    @abstractmethod
+    def missing(self, names: Iterable[str]) -> set[str]:
+        """Return those of the names that no file has."""
 
     @abstractmethod
     def clear(self, run: str) -> None:
@@ -82,14 +95,14 @@ class DiskStore(Store):
         self.root = as_path(place)
 
     def read(self, name: str) -> bytes | None:
-        with told(self.place):
+        with errors_of(self.place):
             try:
                 return (self.root / name).read_bytes()
             except FileNotFoundError:
                 return None
 
     def write(self, name: str, data: bytes) -> None:
-        with told(self.place):
+        with errors_of(self.place):
             part = self._part()
             try:
                 part.write_bytes(data)
@@ -98,18 +111,18 @@ class DiskStore(Store):
                 part.unlink(missing_ok=True)  # Ctrl-C may have come between
 
     def put(self, name: str, file: Path) -> None:
-        with told(self.place):
+        with errors_of(self.place):
             self._rename(file, name)
 
     def remove(self, name: str) -> None:
-        with told(self.place):
+        with errors_of(self.place):
             (self.root / name).unlink(missing_ok=True)
             with suppress(OSError):  # the folder of a car or a day that has no other file
                 for folder in list((self.root / name).relative_to(self.root).parents)[:-2]:
                     (self.root / folder).rmdir()
 
     def names(self, folder: str) -> list[str]:
-        with told(self.place):
+        with errors_of(self.place):
             try:
                 return sorted(entry.name for entry in os.scandir(self.root / folder))
             except FileNotFoundError:
@@ -118,12 +131,16 @@ class DiskStore(Store):
     @contextmanager
     def workshop(self, run: str) -> Iterator[Path]:
         folder = self.root / PARTS / f"{run}-{uuid4().hex}"
-        with told(self.place):
+        with errors_of(self.place):
             folder.mkdir(parents=True)
         try:
             yield folder
         finally:
             rmtree(folder, ignore_errors=True)
+
+    def missing(self, names: Iterable[str]) -> set[str]:
+        with errors_of(self.place):
+            return {name for name in names if not (self.root / name).is_file()}
 
     def clear(self, run: str) -> None:
         for left in (self.root / PARTS).glob(f"{run}-*"):
@@ -163,7 +180,7 @@ class UrlStore(Store):
         self._puts_whole = bool(known & _OBJECT_STORES)
 
     def read(self, name: str) -> bytes | None:
-        with told(self.place):
+        with errors_of(self.place):
             try:
                 data: bytes = self.system.cat_file(self._at(name))
             except FileNotFoundError:
@@ -171,23 +188,23 @@ class UrlStore(Store):
             return data
 
     def write(self, name: str, data: bytes) -> None:
-        with told(self.place):
+        with errors_of(self.place):
             target = self._target(name)
             self.system.pipe_file(target, data)
             self._finish(target, name)
 
     def put(self, name: str, file: Path) -> None:
-        with told(self.place):
+        with errors_of(self.place):
             target = self._target(name)
             self.system.put_file(str(file), target)
             self._finish(target, name)
 
     def remove(self, name: str) -> None:
-        with told(self.place), suppress(FileNotFoundError):
+        with errors_of(self.place), suppress(FileNotFoundError):
             self.system.rm_file(self._at(name))
 
     def names(self, folder: str) -> list[str]:
-        with told(self.place):
+        with errors_of(self.place):
             self.system.invalidate_cache()
             try:
                 listed = self.system.ls(self._at(folder), detail=False)
@@ -195,15 +212,28 @@ class UrlStore(Store):
                 return []
             return sorted(PurePosixPath(name).name for name in listed)
 
-    def contents(self, folder: str) -> dict[str, bytes]:
-        """As `Store.contents`; many at a time where the store can."""
-        names = self.names(folder)
+    def _read_all(self, folder: str, names: list[str]) -> dict[str, bytes]:
         if not names:
             return {}
-        with told(self.place):
+        with errors_of(self.place):  # many at a time where the store can
             paths = [self._at(f"{folder}/{name}") for name in names]
-            found = self.system.cat(paths, on_error="omit")
-            return {PurePosixPath(path).name: data for path, data in found.items()}
+            found = self.system.cat(paths, on_error="return")
+            for each in found.values():
+                if isinstance(each, Exception) and not isinstance(each, FileNotFoundError):
+                    raise each
+            read = {PurePosixPath(path).name: data for path, data in found.items()}
+            return {name: data for name, data in read.items() if isinstance(data, bytes)}
+
+    def missing(self, names: Iterable[str]) -> set[str]:
+        with errors_of(self.place):
+            self.system.invalidate_cache()
+            return set(names) - {path.removeprefix(f"{self.root}/") for path in self._found()}
+
+    def _found(self) -> list[str]:
+        try:
+            return list(self.system.find(self.root))
+        except FileNotFoundError:
+            return []
 
     def clear(self, run: str) -> None:
         """Nothing: they are in the folders of the computers that did the work."""
