@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import sys
 
 import pytest
@@ -132,6 +133,10 @@ def test_sql_in_its_forms(mikas, recordings) -> None:
     russian = mikas("fleet", "sql", "set", "SELECT 1.5::DOUBLE AS x", "--lang", "ru")
     assert russian.lines == ["x", "1,5"]
     assert mikas("fleet", "sql", "set", "SELECT 1.5::DOUBLE AS x", "--csv").lines == ["x", "1.5"]
+    numbers = "SELECT 1234567.25::DOUBLE, 0.1::DOUBLE + 0.2::DOUBLE, max(utc) FROM samples"
+    whole, third, time = mikas("fleet", "sql", "set", numbers).lines[1].split("\t")
+    assert (whole, third) == ("1234567.25", "0.3")
+    assert re.fullmatch(r"2026-03-03 07:30:59\.\d{6}", time)
     special = "SELECT 'nan'::DOUBLE, [1, 2], {'a': 1.5}, 'x'::BLOB, 1.5::DECIMAL(3,1)"
     ((row,),) = (mikas("fleet", "sql", "set", special, "--json").object["rows"],)
     assert row == [None, [1, 2], {"a": 1.5}, "78", 1.5]

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import sys
+from pathlib import Path
+
 import pytest
 
-from fleet_rig import BEGAN, DAY, add_here, ask, make
+from fleet_rig import BEGAN, DAY, add_here, ask, counts, make
 from mikas.errors import FleetError, UsageError
 from mikas.fleet.database import opened
 from mikas.fleet.tables import PARTITIONS, TABLES
@@ -58,6 +61,8 @@ def test_a_table_without_a_file_is_empty(tmp_path) -> None:
         "ATTACH '/tmp/x.db'",
         "PRAGMA database_list",
         "SELECT 1; DROP VIEW drives",
+        "/* */ EXPLAIN ANALYZE CREATE TABLE mine AS SELECT 1",
+        "EXPLAIN ANALYZE DROP VIEW drives",
         "SELECT * FROM database",
         "",
         "  ;  ",
@@ -69,6 +74,100 @@ def test_nothing_but_the_views_can_be_reached_or_changed(dataset, sql) -> None:
         with pytest.raises(UsageError):
             list(database.ask(sql).rows())
         assert len(list(database.ask("SELECT * FROM drives").rows())) == 3
+
+
+@pytest.mark.parametrize(
+    "sql",
+    [
+        "EXPLAIN SELECT car FROM drives",
+        "explain analyze FROM drives",
+        "EXPLAIN (FORMAT json) FROM drives",
+        "DESCRIBE drives",
+        "SUMMARIZE drives",
+        "WITH it AS (FROM drives) FROM it",
+        "VALUES (1)",
+    ],
+)
+def test_every_question_is_answered(dataset, sql) -> None:
+    assert ask(dataset, sql)
+
+
+def test_explain_writes_nothing_into_the_dataset(tmp_path) -> None:
+    add_here(make(tmp_path / "drive.pcapng"), to=tmp_path / "set")
+    for more in ("", "/* and */ ", "(FORMAT json) "):
+        sql = f"EXPLAIN ANALYZE {more}COPY drives TO '{tmp_path / 'set' / 'more.parquet'}'"
+        with pytest.raises(UsageError):
+            ask(tmp_path / "set", sql)
+    assert not (tmp_path / "set" / "more.parquet").exists()
+
+
+@pytest.mark.parametrize("parent", ["car=OTHER/day=2020-01-01", "drive=D", "a=b"])
+def test_folders_above_a_dataset_are_no_columns_of_it(tmp_path, parent) -> None:
+    home = tmp_path / parent / "set"
+    home.mkdir(parents=True)
+    add_here(make(tmp_path / "drive.pcapng"), to=home)
+    ((key,),) = ask(home, "SELECT DISTINCT recording FROM drives")
+    assert ask(home, "SELECT car, CAST(day AS VARCHAR), drive FROM drives") == [
+        ("A101MP52", "2026-03-02", key)
+    ]
+    assert [row[0] for row in ask(home, "DESCRIBE gaps")] == [
+        "car", "day", "drive", "time", "utc", "seconds", "en", "ru"
+    ]  # fmt: skip
+
+
+def test_now_is_in_utc_as_the_dataset_is(dataset, monkeypatch) -> None:
+    monkeypatch.setenv("TZ", "Asia/Vladivostok")
+    asked = "SELECT TIMESTAMP '2026-03-02 12:00' = TIMESTAMPTZ '2026-03-02 12:00+00'"
+    assert ask(dataset, asked) == [(True,)]
+    assert ask(dataset, "SELECT now()::TIMESTAMP > max(utc) FROM samples") == [(True,)]
+
+
+def test_a_time_with_a_zone_is_an_error_that_says_what_to_write(dataset, monkeypatch) -> None:
+    monkeypatch.setitem(sys.modules, "pytz", None)
+    with pytest.raises(UsageError, match=r"now\(\)::TIMESTAMP"):
+        ask(dataset, "SELECT now()")
+
+
+def test_a_file_of_the_dataset_that_is_gone_or_damaged(tmp_path) -> None:
+    recording = make(tmp_path / "in" / "drive.pcapng")
+    add_here(recording, to=tmp_path / "set")
+    (table,) = (tmp_path / "set").glob("faults/*/*/*.parquet")
+    with opened(str(tmp_path / "set")) as database:
+        sound = table.read_bytes()
+        table.write_bytes(b"PAR1")
+        for question in (database.rows, lambda sql: list(database.ask(sql).rows())):
+            with pytest.raises(FleetError, match="faults"):
+                question("SELECT * FROM faults")
+        table.write_bytes(sound)
+    table.write_bytes(b"PAR1")
+    with pytest.raises(FleetError, match="`mikas fleet add` makes it anew") as failed:
+        ask(tmp_path / "set", "SELECT 1")
+    assert table.name in str(failed.value)
+    table.unlink()
+    assert counts(add_here(recording, to=tmp_path / "set")) == (1, 0, 0, 0)
+    assert table.read_bytes() == sound
+    table.unlink()
+    recording.unlink()
+    (bad,) = add_here(tmp_path / "in", to=tmp_path / "set").bad
+    assert (bad.file, "no longer in the dataset" in bad.reason.en) == (str(recording), True)
+    assert ask(tmp_path / "set", "SELECT count(*) FROM drives") == [(0,)]
+    assert counts(add_here(tmp_path / "in", to=tmp_path / "set")) == (0, 0, 0, 0)
+
+
+@pytest.mark.posix
+def test_more_files_than_a_process_may_open_at_first(tmp_path) -> None:
+    import resource
+
+    for number in range(5):
+        make(tmp_path / "in" / f"{number}.pcapng", seconds=3.0, began=BEGAN + number * DAY)
+    add_here(tmp_path / "in", to=tmp_path / "set")
+    before = resource.getrlimit(resource.RLIMIT_NOFILE)
+    used = len(list(Path("/dev/fd").iterdir()))
+    resource.setrlimit(resource.RLIMIT_NOFILE, (used + 3, before[1]))
+    try:
+        assert ask(tmp_path / "set", "SELECT count(*) FROM drives, faults") == [(5 * 5,)]
+    finally:
+        resource.setrlimit(resource.RLIMIT_NOFILE, before)
 
 
 def test_python_variables_are_no_tables(dataset) -> None:

@@ -19,10 +19,12 @@ from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 import duckdb
 
-from mikas.errors import usage_error
+from mikas.errors import FleetError, UsageError, usage_error
 from mikas.fleet.ledger import Ledger, open_ledger
+from mikas.fleet.places import shown
 from mikas.fleet.stores import DiskStore, Store, store
 from mikas.fleet.tables import PARTITIONS, TABLES
+from mikas.i18n import Text
 from mikas.recording.export.parquet import quoted
 
 if TYPE_CHECKING:
@@ -33,63 +35,102 @@ T = TypeVar("T")
 _PROTOCOL: Final = "dataset"
 _MEMORY: Final = "1GB"
 _WAIT: Final = 0.2  # s
-_GLOB: Final = re.compile(r"[*?\[\]{}]")  # duckdb would take such a folder for a pattern
+_MISREAD: Final = re.compile(r"[*?\[\]{}=]")  # of a folder: as a pattern, or as another car or day
+_EXPLAIN: Final = re.compile(r"EXPLAIN\s+(?:ANALYZE\s+)?(?:\([^)]*\)\s*)?", re.IGNORECASE)
+_FILE: Final = re.compile(r"File '[^']+\.parquet'")  # of an error: the file is damaged
+_SPARE: Final = 200
 
 
 class Database:
     """The views of a dataset, read-only. Not for two threads at a time."""
 
     def __init__(self, dataset: str) -> None:
-        self.ledger: Ledger = open_ledger(store(dataset))
-        files = self.ledger.files
-        self._connection = duckdb.connect(
-            config={
-                "autoload_known_extensions": "false",
-                "autoinstall_known_extensions": "false",
-                "memory_limit": _MEMORY,
-            }
-        )
+        files = store(dataset)
+        self._place = shown(files.place)
         self._registered = False
-        try:
-            self._run(lambda: self._prepare(files))
-        except BaseException:
-            self.close()
-            raise
+        while True:
+            self.ledger: Ledger = open_ledger(files)
+            _allow_open(sum(len(entry.files) for entry in self.ledger.entries.values()))
+            self._connection = duckdb.connect(
+                config={
+                    "autoload_known_extensions": "false",
+                    "autoinstall_known_extensions": "false",
+                    "memory_limit": _MEMORY,
+                }
+            )
+            try:
+                self._run(lambda: self._prepare(files))
+            except duckdb.Error as error:
+                self.close()
+                if open_ledger(files).entries.keys() == self.ledger.entries.keys():
+                    raise _unreadable(self._place, error) from error
+            except BaseException:
+                self.close()
+                raise
+            else:
+                return
 
     def close(self) -> None:
         """Drop the database."""
         if self._registered:
             with suppress(duckdb.Error):
                 self._connection.unregister_filesystem(_PROTOCOL)
+            self._registered = False
         self._connection.close()
 
     def ask(self, sql: str) -> Answer:
-        """Return the answer to one SELECT, DESCRIBE, SUMMARIZE or EXPLAIN. Raises `UsageError`."""
-        with _told(sql):
-            statements = self._run(lambda: self._connection.extract_statements(sql))
-        kinds = {statement.type for statement in statements}
-        allowed = {duckdb.StatementType.SELECT, duckdb.StatementType.EXPLAIN}
-        if len(statements) != 1 or not kinds <= allowed:
+        """Return the answer to one SELECT, DESCRIBE, SUMMARIZE or EXPLAIN. Raises `UsageError`;
+        `FleetError` for a file of the dataset that can't be read.
+        """
+        with self.errors_of(sql):
+            is_question = self._run(lambda: self._is_question(sql))
+        if not is_question:
             raise usage_error(
                 "a dataset is only read: one SELECT, DESCRIBE, SUMMARIZE or EXPLAIN at a time",
                 "набор можно только читать: один запрос SELECT, DESCRIBE, SUMMARIZE или EXPLAIN",
             )
-        with _told(sql):
+        with self.errors_of(sql):
             self._run(lambda: self._connection.execute(sql))
             names = [column[0] for column in self._connection.description or ()]
         return Answer(self, sql, names)
 
     def rows(self, sql: str, *values: object) -> list[tuple[Any, ...]]:
-        """Return all rows of a question of the program's own."""
-        rows: list[tuple[Any, ...]] = self._run(
-            lambda: self._connection.execute(sql, list(values)).fetchall()
-        )
+        """Return all rows of a question of the program's own. Raises `FleetError`."""
+        try:
+            rows: list[tuple[Any, ...]] = self._run(
+                lambda: self._connection.execute(sql, list(values)).fetchall()
+            )
+        except duckdb.Error as error:
+            raise _unreadable(self._place, error) from error
         return rows
 
     def some(self, count: int) -> list[tuple[Any, ...]]:
         """Return the next rows of the latest answer."""
         rows: list[tuple[Any, ...]] = self._run(lambda: self._connection.fetchmany(count))
         return rows
+
+    @contextmanager
+    def errors_of(self, sql: str) -> Iterator[None]:
+        """Raise a duckdb error as a `UsageError` with its place in `sql`; as a `FleetError`, if a
+        file can't be read.
+        """
+        try:
+            yield
+        except duckdb.Error as error:
+            if isinstance(error, duckdb.IOException) or _FILE.search(str(error)):
+                raise _unreadable(self._place, error) from error
+            raise _wrong(sql, error) from error
+
+    def _is_question(self, sql: str) -> bool:
+        """Return whether it is one statement that only reads: EXPLAIN ANALYZE executes another."""
+        statements = self._connection.extract_statements(sql)
+        if len(statements) != 1:
+            return False
+        (statement,) = statements
+        if statement.type == duckdb.StatementType.EXPLAIN:
+            inner, count = _EXPLAIN.subn("", statement.query.strip(), count=1)
+            (statement,) = self._connection.extract_statements(inner) if count else statements
+        return bool(statement.type == duckdb.StatementType.SELECT)
 
     def _run(self, work: Callable[[], T]) -> T:
         """Do it in a thread, as duckdb does not notice Ctrl-C."""
@@ -114,12 +155,13 @@ class Database:
 
     def _prepare(self, files: Store) -> None:
         run = self._connection.execute
-        by_url = not isinstance(files, DiskStore) or bool(_GLOB.search(str(files.root)))
+        by_url = not isinstance(files, DiskStore) or bool(_MISREAD.search(str(files.root)))
         if by_url:
             self._connection.register_filesystem(_file_system(files))
             self._registered = True
         root = f"{_PROTOCOL}://" if by_url else f"{files.root}/"  # type: ignore[attr-defined]  # a folder
         run("SET enable_progress_bar = false")
+        run("SET TimeZone = 'UTC'")  # else `utc > now()` compares with the local time
         run("SET python_enable_replacements = false")
         run(f"SET allowed_directories = [{quoted(root)}]")
         run("SET enable_external_access = false")
@@ -151,9 +193,9 @@ class Answer:
         self._database, self._sql = database, sql
 
     def rows(self, at_once: int = 10_000) -> Iterator[tuple[Any, ...]]:
-        """Yield the rows. Raises `UsageError` for a value that can't be computed."""
+        """Yield the rows. Raises `UsageError` for a value that can't be computed; `FleetError`."""
         while True:
-            with _told(self._sql):
+            with self._database.errors_of(self._sql):
                 rows = self._database.some(at_once)
             if not rows:
                 return
@@ -174,22 +216,52 @@ _PLACE: Final = re.compile(r"\n\nLINE (\d+): (.*)\n( *)\^", re.DOTALL)
 _KIND: Final = re.compile(r"^[A-Z][A-Za-z]+(?: [A-Za-z]+)? Error: ")
 
 
-@contextmanager
-def _told(sql: str) -> Iterator[None]:
-    """Turn an error of SQL into a `UsageError` with its place."""
+def _wrong(sql: str, error: duckdb.Error) -> UsageError:
+    """Return an error of SQL with its place."""
+    if "'pytz'" in str(error):
+        return usage_error(
+            "SQL: a time with a time zone can't be printed; convert it, as in now()::TIMESTAMP",
+            "SQL: время с часовым поясом вывести нельзя; преобразуйте его: now()::TIMESTAMP",
+        )
+    words = _words(error)
+    if "file system operations are disabled" in words:
+        words = words.partition(" - ")[0]
+    where = _place(str(error), sql)
+    en, ru = "", ""
+    if where:
+        en = f", line {where[0]}, column {where[1]}" if "\n" in sql else f", column {where[1]}"
+        ru = f", строка {where[0]}, знак {where[1]}" if "\n" in sql else f", знак {where[1]}"
+    return usage_error(f"SQL{en}: {words}", f"SQL{ru}: {words}")
+
+
+def _unreadable(place: str, error: duckdb.Error) -> FleetError:
+    words = _words(error).rstrip(".")
+    return FleetError(
+        place,
+        Text(
+            f"a file of it can't be read: {words}. Remove a damaged file: `mikas fleet add` makes "
+            "it anew from its recording",
+            f"файл набора не читается: {words}. Повреждённый файл удалите: `mikas fleet add` "
+            "создаст его заново из записи",
+        ),
+    )
+
+
+def _words(error: duckdb.Error) -> str:
+    return _KIND.sub("", _PLACE.split(str(error))[0]).strip().replace("\n", " ")
+
+
+def _allow_open(files: int) -> None:
+    """Let this process open so many files at a time, as far as the system lets it."""
     try:
-        yield
-    except duckdb.Error as error:
-        text = str(error)
-        words = _KIND.sub("", _PLACE.split(text)[0]).strip().replace("\n", " ")
-        if "file system operations are disabled" in words:
-            words = words.partition(" - ")[0]
-        where = _place(text, sql)
-        en, ru = "", ""
-        if where:
-            en = f", line {where[0]}, column {where[1]}" if "\n" in sql else f", column {where[1]}"
-            ru = f", строка {where[0]}, знак {where[1]}" if "\n" in sql else f", знак {where[1]}"
-        raise usage_error(f"SQL{en}: {words}", f"SQL{ru}: {words}") from error
+        import resource
+    except ImportError:  # Windows, which has no such limit
+        return
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    wanted = files + _SPARE if hard == resource.RLIM_INFINITY else min(files + _SPARE, hard)
+    if soft != resource.RLIM_INFINITY and soft < wanted:
+        with suppress(ValueError, OSError):
+            resource.setrlimit(resource.RLIMIT_NOFILE, (wanted, hard))
 
 
 def _place(text: str, sql: str) -> tuple[int, int] | None:

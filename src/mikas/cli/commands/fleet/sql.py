@@ -97,11 +97,11 @@ def _cell(value: object) -> str:
         case bool():
             return "true" if value else "false"
         case float():
-            return decimal(f"{value:.6g}") if math.isfinite(value) else str(value)
+            return decimal(f"{value:.12g}") if math.isfinite(value) else str(value)
         case Decimal():
             return decimal(str(value))
         case datetime():
-            return value.isoformat(" ", "seconds")
+            return value.isoformat(" ")
         case date():
             return value.isoformat()
     return str(value)
