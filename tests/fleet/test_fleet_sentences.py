@@ -42,7 +42,7 @@ def car(name: str = "A", readings=((),), known_by: str = "plate", **series) -> C
     count = max((len(values) for values in series.values()), default=1)
     return CarFigures(
         name, frozenset({KnownBy(known_by)}), "Волга", count, 0, 0, 3600.0 * count, at[0],
-        at[max(0, count - 1)], valued, heard,
+        at[max(0, count - 1)], valued, heard, bool(heard),
     )  # fmt: skip
 
 
@@ -123,7 +123,7 @@ RULES: dict[str, Callable[[FleetFindings], bool]] = {
     "stored at the latest reading; first seen {}": some(lambda _, it: stored(it)),
     "no longer stored at the latest reading; seen from {} to {}": some(lambda _, it: gone(it)),
     "unknown fault number": some(lambda _, it: any(99 in reading.codes for reading in it.readings)),
-    "Its stored faults were never read.": some(lambda _, it: not it.readings),
+    "Its stored faults were never read.": some(lambda _, it: not it.read),
     (
         "Known by its unit's passport only: several cars with the same program would be one here."
     ): some(lambda _, it: it.known_by == {KnownBy.UNIT}),
@@ -206,7 +206,8 @@ def cases() -> list[FleetFindings]:
         fleet(car(idle_valve=[30.0 + 3 * n for n in range(10)])),
         fleet(car(idle_voltage=long), unknown=3),
         fleet(*five, car("F", readings=((), (13,)))), fleet(car(readings=((13,), ()))),
-        fleet(car(readings=((99, 13), (99,)))), fleet(replace(car(), readings=[])),
+        fleet(car(readings=((99, 13), (99,)))), fleet(car(readings=())),
+        fleet(replace(car(readings=()), read=True, undated=1)),
         fleet(car(known_by="unit")), fleet(replace(car(), undated=2, ahead=1)),
         fleet(*(car(name, **{key: [10.0] * 8 for key in MEASURE}) for name in "ABCDEF")),
     ]  # fmt: skip

@@ -18,15 +18,15 @@ from mikas.report.measurements.warm_idle import ENOUGH
 _AHEAD: Final = timedelta(days=1)  # that a right clock can be ahead of this computer's
 
 _DRIVES: Final = """
-SELECT car, drive, began, seconds, known_by, name, plate, virtual, warm_idle_seconds
+SELECT car, drive, began, seconds, known_by, name, plate, warm_idle_seconds
 FROM drives ORDER BY car, began, drive
 """
 _STATISTICS: Final = """
 SELECT drive, channel, state, median FROM statistics WHERE state <> 'all' AND count >= ?
 """
 _FAULTS: Final = """
-SELECT drive, reading, utc, list(code ORDER BY code) FILTER (code IS NOT NULL AND NOT message)
-FROM faults WHERE NOT before GROUP BY drive, reading, utc ORDER BY drive, reading
+SELECT drive, before, utc, list(code ORDER BY code) FILTER (code IS NOT NULL AND NOT message)
+FROM faults GROUP BY drive, reading, before, utc ORDER BY drive, reading
 """
 
 
@@ -41,7 +41,8 @@ class FaultReading:
 @dataclass(slots=True)
 class CarFigures:
     """One car. `series`: by measure, (time, value) of each dated drive that has it, in order;
-    `readings`: of the faults; `undated`: drives without a date; `ahead`: dated in the future.
+    `readings`: of the faults, in dated drives; `read`: whether they were read in any drive;
+    `undated`: drives without a date; `ahead`: dated in the future.
     """
 
     car: str
@@ -55,6 +56,7 @@ class CarFigures:
     last: datetime | None = None
     series: dict[str, list[tuple[datetime, float]]] = field(default_factory=dict)
     readings: list[FaultReading] = field(default_factory=list)
+    read: bool = False
 
     def values(self, measure: str) -> list[float]:
         """Return the values of a measure in the order of the drives."""
@@ -74,13 +76,14 @@ def figures(database: Database, catalog: Catalog, now: datetime) -> FleetFigures
     """Return the figures of a dataset. `now`: UTC; a drive after it has a wrong clock."""
     cars: dict[str, CarFigures] = {}
     dated: dict[str, tuple[CarFigures, datetime]] = {}
+    car_of: dict[str, CarFigures] = {}
     idle: set[str] = set()
     unknown = 0
-    for car, drive, began, seconds, known_by, name, plate, _, warm in database.rows(_DRIVES):
+    for car, drive, began, seconds, known_by, name, plate, warm in database.rows(_DRIVES):
         if car is None:
             unknown += 1
             continue
-        it = cars.setdefault(car, CarFigures(car))
+        it = car_of[drive] = cars.setdefault(car, CarFigures(car))
         it.drives += 1
         it.seconds += seconds or 0.0
         it.known_by |= {KnownBy(known_by)} if known_by in tuple(KnownBy) else set()
@@ -95,22 +98,29 @@ def figures(database: Database, catalog: Catalog, now: datetime) -> FleetFigures
             dated[drive] = it, began
             if (warm or 0.0) >= ENOUGH:
                 idle.add(drive)
-    stored = _add_readings(database, dated)
+    stored = _add_readings(database, car_of, dated)
     _add_series(database, catalog, dated, idle, stored)
     return FleetFigures(tuple(cars.values()), unknown, now)
 
 
 def _add_readings(
-    database: Database, dated: dict[str, tuple[CarFigures, datetime]]
+    database: Database,
+    car_of: dict[str, CarFigures],
+    dated: dict[str, tuple[CarFigures, datetime]],
 ) -> dict[str, set[int]]:
-    """Add the readings of the faults; return the faults of each drive."""
+    """Add the readings of the faults, each once: several recordings may have one that was before
+    them. Return the faults that were stored in each drive.
+    """
     stored: dict[str, set[int]] = defaultdict(set)
-    for drive, _, time, codes in database.rows(_FAULTS):
-        stored[drive] |= set(codes or ())
+    found: dict[str, set[FaultReading]] = defaultdict(set)
+    for drive, before, time, codes in database.rows(_FAULTS):
+        stored[drive] = set(codes or ()) | (set() if before else stored[drive])
+        if drive in car_of:
+            car_of[drive].read = True
         if drive in dated and time is not None:
-            dated[drive][0].readings.append(FaultReading(time, tuple(codes or ())))
+            found[dated[drive][0].car].add(FaultReading(time, tuple(codes or ())))
     for car, _ in dated.values():
-        car.readings.sort(key=lambda reading: reading.time)
+        car.readings = sorted(found[car.car], key=lambda reading: (reading.time, reading.codes))
     return stored
 
 

@@ -44,7 +44,7 @@ _MOST_CARS: Final = 40
 _LABELS: Final = {
     "title": Text("Fleet report", "Отчёт по автопарку"),
     "about": Text(
-        "{cars} cars, {drives} drives, {hours}", "машин: {cars}, поездок: {drives}, {hours}"
+        "Cars: {cars}, drives: {drives}, {hours}", "Машин: {cars}, поездок: {drives}, {hours}"
     ),
     "cars": Text("Cars", "Машины"),
     "car": Text("Car", "Машина"),

@@ -55,7 +55,7 @@ def car_sentences(car: CarFindings, found: FleetFindings) -> Iterator[Text]:
 def remarks(car: CarFindings) -> Iterator[Text]:
     """Yield the gaps in the knowledge of a car."""
     figures = car.figures
-    if not figures.readings:
+    if not figures.read:
         yield Text("Its stored faults were never read.", "Ошибки ни разу не считывались.")
     if figures.known_by == {KnownBy.UNIT}:
         yield Text(
