@@ -139,6 +139,21 @@ def test_sessions_appended_to_a_file_are_drives_of_their_own(tmp_path) -> None:
     ]
 
 
+def test_a_gap_at_the_end_of_a_session_is_a_row_of_that_session(tmp_path) -> None:
+    first = make(tmp_path / "a.pcapng", gap=(55.0, 80.0))
+    second = make(tmp_path / "b.pcapng", began=BEGAN + DAY, gap=(0.0, 5.0))
+    both = tmp_path / "both" / "drive.pcapng"
+    both.parent.mkdir()
+    both.write_bytes(first.read_bytes() + second.read_bytes())
+    add_here(both, to=tmp_path / "set")
+    ((key,),) = ask(tmp_path / "set", "SELECT DISTINCT recording FROM drives")
+    asked = "SELECT drive, CAST(day AS VARCHAR), count(*) - count(FREQ) FROM samples GROUP BY ALL"
+    assert sorted(ask(tmp_path / "set", asked)) == [
+        (key, "2026-03-02", 1),
+        (f"{key}-2", "2026-03-03", 1),
+    ]
+
+
 def sessions(path, count: int, step: float) -> None:
     """Write a file of so many sessions, each of some rows, `step` seconds apart."""
     piece = path.with_name("piece.pcapng")

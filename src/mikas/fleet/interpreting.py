@@ -163,6 +163,7 @@ class _Reader:
     def rows(self) -> Iterator[tuple[_Drive, Rows]]:
         """Yield the rows as an export has them, gaps too, each with its drive."""
         drive: _Drive | None = None
+        former: _Drive | None = None
 
         def read() -> Iterator[Rows]:
             nonlocal drive
@@ -181,8 +182,20 @@ class _Reader:
             if self.zero is None:
                 self.zero = float(rows.times[0])
             assert drive is not None  # of the stretch that `with_gaps` has just read
-            yield drive, rows
+            late = self._gaps_of(former, drive, rows)
+            if former is not None and late:
+                yield former, _part(rows, slice(late))
+            yield drive, _part(rows, slice(late, None))
+            former = drive
         self._finish()
+
+    def _gaps_of(self, former: _Drive | None, drive: _Drive, rows: Rows) -> int:
+        """Return how many of the first rows are gaps at the end of the session before."""
+        if former is None or former.source.recording == drive.source.recording:
+            return 0
+        assert drive.began is not None  # it has rows
+        gaps = (it.began for it in self._events[drive.source.recording] if isinstance(it, Gap))
+        return int((rows.times < min((drive.began, *gaps))).cumprod().sum())
 
     def add_without_rows(self) -> None:
         """Add a drive for each session with readings of the faults and no rows."""
@@ -210,6 +223,10 @@ class _Reader:
         self._open[source] = new
         self._seen.add(source)
         return new
+
+
+def _part(rows: Rows, part: slice) -> Rows:
+    return Rows(rows.times[part], {name: column[part] for name, column in rows.values.items()})
 
 
 def _by_recording(items: Iterable[_Numbered]) -> dict[int, list[_Numbered]]:
