@@ -82,6 +82,23 @@ def test_a_scheduler_that_is_not_there_is_said_in_words() -> None:
             DaskRunner("dask://not a host:x", timeout=1)
 
 
+@pytest.mark.parametrize(
+    ("place", "asked"),
+    [("dask://10.0.0.1", "tcp://10.0.0.1:8786"), ("dask://pi:9000", "tcp://pi:9000")],
+)
+def test_a_scheduler_has_the_port_of_dask_if_none_is_named(monkeypatch, place, asked) -> None:
+    seen = []
+
+    def client(address, **_):
+        seen.append(address)
+        raise OSError
+
+    monkeypatch.setattr("distributed.Client", client)
+    with pytest.raises(FleetError):
+        DaskRunner(place)
+    assert seen == [asked]
+
+
 def test_without_dask_the_error_says_what_to_install(monkeypatch) -> None:
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(MissingExtra, match=r"mikas\[dask\]"):

@@ -7,6 +7,7 @@ a time. A worker that dies takes only its own file with it, which is tried once 
 from __future__ import annotations
 
 import logging
+import re
 import signal
 import threading
 from abc import ABC, abstractmethod
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 
 Work: TypeAlias = Callable[[FoundFile], Outcome]
 _EACH: Final = 2  # jobs under way for each worker
+_PORT: Final = 8786  # of a Dask scheduler, if none is named
 _LOOK: Final = 0.5  # s; a wait without an end can't be interrupted everywhere
 _DIED: Final = Text(
     "the process that read it was ended by the system, twice (too little memory?)",
@@ -175,7 +177,7 @@ def _end_with(lifeline: Connection) -> None:
 
 
 class DaskRunner(Runner):
-    """The workers of a Dask cluster; `place`: `dask://host:port` of its scheduler."""
+    """The workers of a Dask cluster; `place`: of its scheduler, `dask://host` or `dask://host:port`."""
 
     def __init__(self, place: str, timeout: float = 10.0) -> None:
         try:
@@ -185,6 +187,8 @@ class DaskRunner(Runner):
         logging.getLogger("distributed").setLevel(logging.CRITICAL)
         self._place = place
         host = place.removeprefix("dask://")
+        if not re.search(r":\w+$", host):
+            host = f"{host}:{_PORT}"
         try:
             make: Any = Client
             self._client = make(f"tcp://{host}", timeout=timeout, set_as_default=False)
@@ -221,6 +225,6 @@ def runner_of(executor: str, workers: int) -> Runner:
     if executor.startswith("dask://") and len(executor) > len("dask://"):
         return DaskRunner(executor)
     raise usage_error(
-        f"There is no executor “{executor}”; there is processes, and dask://HOST:PORT",
-        f"Исполнителя «{executor}» нет; есть processes и dask://HOST:PORT",
+        f"There is no executor “{executor}”; there is processes, and dask://HOST[:PORT]",
+        f"Исполнителя «{executor}» нет; есть processes и dask://HOST[:PORT]",
     )

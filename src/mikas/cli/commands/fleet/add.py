@@ -56,7 +56,7 @@ MOST_WORKERS = 256
 @option(
     "--executor",
     default="processes",
-    metavar="processes|dask://HOST:PORT",
+    metavar="processes|dask://HOST[:PORT]",
     text=Text(
         "who does the work: processes of this computer, or a Dask cluster (processes)",
         "кто выполняет работу: процессы этого компьютера или кластер Dask (processes)",
