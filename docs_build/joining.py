@@ -30,7 +30,8 @@ def join(docs: Path, site: Path) -> None:
         front = joined / language / "index.html"
         text = front.read_text("utf-8")
         assert _PLACE in text, front
-        link = f'<p><a class="md-button" href="../../index.html">{_LINK.to(language)}</a></p>'
+        style = "md-button md-button--primary"
+        link = f'<p><a class="{style}" href="../../index.html">{_LINK.to(language)}</a></p>'
         front.write_text(text.replace(_PLACE, link), "utf-8", newline="\n")
 
 
