@@ -136,7 +136,7 @@ def misused(argv: Sequence[str]) -> str:
             context = group.make_context(group.name, arguments, parent=context)
             if not isinstance(group, click.Group):
                 return ""
-            rest = [*context._protected_args, *context.args]  # noqa: SLF001
+            rest = [*context._protected_args, *context.args]  # noqa: SLF001  (as click itself)
             if not rest:
                 return ""
             _, following, arguments = group.resolve_command(context, rest)

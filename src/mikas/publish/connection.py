@@ -306,7 +306,7 @@ def _log(_: object, context: dict[str, Any]) -> None:
 def check_library() -> None:
     """Raise `MissingExtra` without the client library."""
     try:
-        import aiomqtt  # noqa: F401
+        import aiomqtt  # noqa: F401  (whether it is there)
     except ImportError as error:
         raise MissingExtra(feature="MQTT", extra="mqtt") from error
 
