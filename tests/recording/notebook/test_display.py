@@ -190,6 +190,10 @@ def test_a_recording_without_values(tmp_path):
     recording = mikas.open(path, language="en")
     assert "0 responses" in recording._repr_html_()
     assert "0 responses" in str(recording)
+    named = mikas.open(path, names=["UOZ", "FREQ"], language="en")
+    assert named._repr_html_().count("no values") == 2
+    rows, _ = named.window(0, 1)
+    assert {name: len(column) for name, column in rows.values.items()} == {"UOZ": 0, "FREQ": 0}
     absent = mikas.open(of_values(tmp_path / "a.pcapng", [(0, 20), (1, 20)]), names=["UOZ", "FREQ"])
     assert "no values" in absent._repr_html_() or "нет значений" in absent._repr_html_()
 

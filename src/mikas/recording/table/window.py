@@ -86,6 +86,8 @@ class Windows:
         """Return the rows from `begin` to `end`, and whether there were more than `points`."""
         if points < 2:
             raise ValueError("a picture has at least two points")
+        if not self.times.size:  # without rows there are no columns
+            return Rows(self.times, {name: np.empty(0) for name in names}), False
         first, last = self.times.searchsorted([begin, np.nextafter(end, np.inf)])
         first, last = int(first), int(max(first, last))
         if last - first <= points:
