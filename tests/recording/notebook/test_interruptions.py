@@ -67,3 +67,12 @@ def test_a_gap_has_the_state_of_the_line_in_it_or_else_its_own_reason():
     ]
     found = [reason for _, reason in reasons_of_gaps(events)]
     assert found == [LineState.ECHO_ONLY.text, WHY, None]
+
+
+def test_a_gap_that_a_session_ended_in_has_no_reason_of_the_next_session():
+    lost = StateChanged(50.0, LineState.NO_PORT, reason=SILENT, recording=1)
+    silent = StateChanged(5.0, LineState.ECHO_ONLY, reason=SILENT)
+    first, second = Gap(4.0, 4.0, None), Gap(49.0, 49.0, None, recording=1)
+    found = [reason for _, reason in reasons_of_gaps([first, silent, second, lost])]
+    assert found == [LineState.ECHO_ONLY.text, LineState.NO_PORT.text]
+    assert [reason for _, reason in reasons_of_gaps([first, lost])] == [None]

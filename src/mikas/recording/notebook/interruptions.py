@@ -33,18 +33,18 @@ def reasons_of_gaps(events: Sequence[Event]) -> Iterator[tuple[Gap, Text | None]
     """
     states = sorted(
         (
-            (event.time, event.text)
+            ((event.recording, event.time), event.text)
             for event in events
             if isinstance(event, StateChanged) and event.reason is not None
         ),
         key=lambda state: state[0],
     )
-    times = [time for time, _ in states]
+    times = [time for time, _ in states]  # each in its session
     for gap in events:
         if isinstance(gap, Gap):
             ended = np.inf if gap.ended is None else gap.ended
-            last = bisect_right(times, ended) - 1
-            in_it = last >= 0 and times[last] >= gap.began
+            last = bisect_right(times, (gap.recording, ended)) - 1
+            in_it = last >= 0 and times[last] >= (gap.recording, gap.began)
             yield gap, states[last][1] if in_it else gap.reason
 
 
