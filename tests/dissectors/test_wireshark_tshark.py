@@ -117,7 +117,7 @@ def test_every_value_is_the_catalogs(capture, packets, parts):
         assert names == [f"param.{name}" for name, _ in values]
         texts = [text for name, text in item if name.startswith("param.")]
         for text, (_, value) in zip(texts, values, strict=True):
-            assert text == f"{value:.15g}" if value is not True else "1"
+            assert text == f"{float(value):.15g}"
 
 
 def test_requests_responses_and_echoes_refer_to_each_other(twice, packets, capture, parts):
