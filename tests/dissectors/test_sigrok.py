@@ -289,6 +289,23 @@ def test_a_request_without_a_response_is_named():
     assert not sigrok.of("unclear")
 
 
+@pytest.mark.parametrize("sending", [0, 1])
+def test_a_damaged_response_is_no_silence_but_a_glitch_is(sending):
+    """On one wire, and on two."""
+    for heard, silent in ((b"\x6d\x83\x0d", False), (b"\x6d\x83", False), (b"\xff", True)):
+        sigrok = SimulatedSigrok(MODULE)
+        for data, channel, pause in (
+            (encode(b"\x01"), sending, TURN), (encode(b"\x0a"), 0, TURN),
+            (encode(b"\x61\x1a"), sending, TURN), (heard, 0, TURN),
+            (encode(b"\x01"), sending, SILENCE), (encode(b"\x0a"), 0, TURN),
+            (encode(b"\x01"), sending, SILENCE), (encode(b"\x0a"), 0, TURN),
+        ):  # fmt: skip
+            sigrok.wait(pause)
+            sigrok.feed(data, channel=channel)
+        assert ("no response" in sigrok.texts("warning")) == silent
+        assert sigrok.of("damage")
+
+
 def test_a_false_start_bit_is_no_byte():
     sigrok = SimulatedSigrok(MODULE)
     wire = encode(b"\x01")

@@ -21,7 +21,7 @@ import sigrokdecode as srd
 from .commands import READ_LIST, Commands
 from .framing import Byte, Framer, Message
 from .tables import DEFAULTS, INTERPRETATIONS, LANGUAGES
-from .turns import OneWire, TwoWires
+from .turns import OneWire, TwoWires, is_noise
 
 WIRE_BYTES = 960.0  # a second (§1)
 RX, TX = 0, 1
@@ -128,6 +128,7 @@ class Decoder(srd.Decoder):
         self._wires = None  # where both channels carry bytes
         self._waiting = []  # received while a request is being sent
         self._silent = None  # the last request, while it has no response
+        self._heard = -1  # first sample of the last damage that may be a response
         self._started = False  # a stream, without a response yet
 
     def metadata(self, key, value):
@@ -176,6 +177,8 @@ class Decoder(srd.Decoder):
         """Show a frame or damage at once, and its role as soon as that is certain."""
         if message.body is None:
             self._show_damage(message)
+            if (self._wires is None or channel == RX) and not is_noise(message):
+                self._heard = message.ss
         else:
             self._show_frame(message)
         if self._wires is None:
@@ -233,6 +236,7 @@ class Decoder(srd.Decoder):
                 self._warn(message.ss, message.es, self._word("other echo"))
             self._pass(message, ["ECHO", message.body])
         else:
+            self._silent = None  # this may be its response
             word = self._word("unclear")
             self._put(message, DOUBTFUL, [word, "?"])
             self._warn(message.ss, message.es, word)
@@ -240,7 +244,7 @@ class Decoder(srd.Decoder):
 
     def _show_request(self, message):
         body = message.body
-        if self._silent is not None and not self._commands.is_unanswered(self._silent.body):
+        if self._silent is not None and self._is_without_response(self._silent, message.ss):
             self._warn(self._silent.ss, self._silent.es, self._word("silent"))
         self._silent = message
         self._started = True
@@ -251,6 +255,13 @@ class Decoder(srd.Decoder):
         self._put(message, ASKING, [text for text in texts if text])
         self._dump(message, REQUESTS)
         self._pass(message, ["REQUEST", body, name])
+
+    def _is_without_response(self, request, end):
+        """Return whether a response is missing: also no damage before `end` can have been one."""
+        if self._commands.is_unanswered(request.body) or self._heard >= request.es:
+            return False
+        left = self._framers[RX].left()  # of two wires: on one, the next request has ended it
+        return left is None or not request.es <= left.ss < end or is_noise(left)
 
     def _show_response(self, message, request, listed):
         self._dump(message, RESPONSES)

@@ -108,13 +108,18 @@ class Framer(object):
             self._overflowed = True
         return messages
 
+    def left(self):
+        """Return the unfinished message as damage; None: there is none."""
+        wire = self._wire
+        return Message(wire, reason_of(wire, "unfinished")) if wire else None
+
     def abandon(self):
-        """Return the unfinished message as damage, if there is one."""
-        wire, held = self._wire, self._held
+        """Return the unfinished message as damage, if there is one, and forget it."""
+        wire, held, left = self._wire, self._held, self.left()
         self._wire, self._held, self._overflowed = [], False, False
         if held:
             return damaged(wire[:-1], wire[-1])
-        return [Message(wire, reason_of(wire, "unfinished"))] if wire else []
+        return [left] if left else []
 
     def drop(self, ss):
         """Forget the last byte if it began at this sample: it was the beginning of a break."""

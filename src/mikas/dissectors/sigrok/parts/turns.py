@@ -136,7 +136,7 @@ class OneWire(object):
 
     def _interrupt(self, damage):
         """Continue behind damage, which may have been a request, a response, or both."""
-        if damage.reason == "unfinished" and damage.data() == NOISE:
+        if is_noise(damage):
             return
         courses = []
         for before, roles in self._courses.items():
@@ -161,6 +161,11 @@ class OneWire(object):
             found.append((self.held.pop(0), roles.pop() if len(roles) == 1 else UNCLEAR))
             self._courses = merged([(each, roles[1:]) for each, roles in self._courses.items()])
         return found
+
+
+def is_noise(damage):
+    """Return whether damage is one byte of a glitch, and no part of a message."""
+    return damage.reason == "unfinished" and damage.data() == NOISE
 
 
 def unknown(listed):
