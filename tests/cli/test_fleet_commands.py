@@ -137,6 +137,12 @@ def test_sql_in_its_forms(mikas, recordings) -> None:
     whole, third, time = mikas("fleet", "sql", "set", numbers).lines[1].split("\t")
     assert (whole, third) == ("1234567.25", "0.3")
     assert re.fullmatch(r"2026-03-03 07:30:59\.\d{6}", time)
+    nested = "SELECT [1.5, 2], {'a': 'ж', 'b': NULL}, 'x'::BLOB, 2.5::DECIMAL(4, 2)"
+    assert mikas("fleet", "sql", "set", nested, "--csv").lines[1] == (
+        '"[1.5, 2.0]","{""a"": ""ж"", ""b"": null}",78,2.50'
+    )
+    cells = ["[1.5, 2.0]", '{"a": "ж", "b": null}', "78", "2.50"]
+    assert mikas("fleet", "sql", "set", nested).lines[1].split("\t") == cells
     special = "SELECT 'nan'::DOUBLE, [1, 2], {'a': 1.5}, 'x'::BLOB, 1.5::DECIMAL(3,1)"
     ((row,),) = (mikas("fleet", "sql", "set", special, "--json").object["rows"],)
     assert row == [None, [1, 2], {"a": 1.5}, "78", 1.5]

@@ -128,6 +128,26 @@ def test_a_time_with_a_zone_is_an_error_that_says_what_to_write(dataset, monkeyp
         ask(dataset, "SELECT now()")
 
 
+def test_a_file_that_is_gone_from_a_dataset_read_by_python(tmp_path) -> None:
+    home = tmp_path / "a [set]"
+    add_here(make(tmp_path / "drive.pcapng"), to=home)
+    (table,) = home.rglob("faults/*/*/*.parquet")
+    with opened(str(home)) as database:
+        table.unlink()
+        with pytest.raises(FleetError, match=table.name) as at_question:
+            list(database.ask("FROM faults").rows())
+    with pytest.raises(FleetError, match=table.name) as at_once:
+        ask(home, "FROM faults")
+    for failed in (at_question, at_once):
+        assert "Traceback" not in str(failed.value)
+
+
+def test_a_text_that_is_not_utf_8_is_no_question(dataset) -> None:
+    with pytest.raises(UsageError, match="not UTF-8"):
+        ask(dataset, "SELECT '\udcff'")
+    assert ask(dataset, "SELECT 's3://me@host'") == [("s3://me@host",)]
+
+
 def test_a_file_of_the_dataset_that_is_gone_or_damaged(tmp_path) -> None:
     recording = make(tmp_path / "in" / "drive.pcapng")
     add_here(recording, to=tmp_path / "set")

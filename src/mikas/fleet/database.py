@@ -21,7 +21,7 @@ import duckdb
 
 from mikas.errors import FleetError, UsageError, usage_error
 from mikas.fleet.ledger import Ledger, open_ledger
-from mikas.fleet.places import shown
+from mikas.fleet.places import is_utf_8, shown
 from mikas.fleet.stores import DiskStore, Store, store
 from mikas.fleet.tables import PARTITIONS, TABLES
 from mikas.i18n import Text
@@ -37,7 +37,9 @@ _MEMORY: Final = "1GB"
 _WAIT: Final = 0.2  # s
 _MISREAD: Final = re.compile(r"[*?\[\]{}=]")  # of a folder: as a pattern, or as another car or day
 _EXPLAIN: Final = re.compile(r"EXPLAIN\s+(?:ANALYZE\s+)?(?:\([^)]*\)\s*)?", re.IGNORECASE)
-_FILE: Final = re.compile(r"File '[^']+\.parquet'")  # of an error: the file is damaged
+_IN_PYTHON: Final = re.compile(r"Traceback \(most recent.*\b\w+Error: ", re.DOTALL)
+_FILE: Final = re.compile(rf"File '[^']+\.parquet'|{_IN_PYTHON.pattern}", re.DOTALL)  # unreadable
+_ZONE: Final = "'pytz'"  # which Python needs for a time with a zone
 _SPARE: Final = 200
 
 
@@ -82,6 +84,8 @@ class Database:
         """Return the answer to one SELECT, DESCRIBE, SUMMARIZE or EXPLAIN. Raises `UsageError`;
         `FleetError` for a file of the dataset that can't be read.
         """
+        if not is_utf_8(sql):
+            raise usage_error("SQL: the text is not UTF-8", "SQL: текст не в UTF-8")
         with self.errors_of(sql):
             is_question = self._run(lambda: self._is_question(sql))
         if not is_question:
@@ -117,7 +121,8 @@ class Database:
         try:
             yield
         except duckdb.Error as error:
-            if isinstance(error, duckdb.IOException) or _FILE.search(str(error)):
+            text = str(error)
+            if isinstance(error, duckdb.IOException) or (_FILE.search(text) and _ZONE not in text):
                 raise _unreadable(self._place, error) from error
             raise _wrong(sql, error) from error
 
@@ -218,7 +223,7 @@ _KIND: Final = re.compile(r"^[A-Z][A-Za-z]+(?: [A-Za-z]+)? Error: ")
 
 def _wrong(sql: str, error: duckdb.Error) -> UsageError:
     """Return an error of SQL with its place."""
-    if "'pytz'" in str(error):
+    if _ZONE in str(error):
         return usage_error(
             "SQL: a time with a time zone can't be printed; convert it, as in now()::TIMESTAMP",
             "SQL: время с часовым поясом вывести нельзя; преобразуйте его: now()::TIMESTAMP",
@@ -248,7 +253,8 @@ def _unreadable(place: str, error: duckdb.Error) -> FleetError:
 
 
 def _words(error: duckdb.Error) -> str:
-    return _KIND.sub("", _PLACE.split(str(error))[0]).strip().replace("\n", " ")
+    words = _KIND.sub("", _PLACE.split(str(error))[0])
+    return _IN_PYTHON.sub("", words).strip().replace("\n", " ")
 
 
 def _allow_open(files: int) -> None:

@@ -54,6 +54,11 @@ def shown(place: str) -> str:
     return public.encode("utf-8", "backslashreplace").decode()
 
 
+def is_utf_8(text: str) -> bool:
+    """Return whether a text from the system can be written in UTF-8."""
+    return text == text.encode("utf-8", "replace").decode()
+
+
 def is_url(place: str) -> bool:
     """Return whether the place is a URL, not a path."""
     return "://" in place and not place.startswith("file://")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import json
 import math
 import sys
 from collections.abc import Iterable, Iterator
@@ -104,7 +105,7 @@ def _cell(value: object) -> str:
             return value.isoformat(" ")
         case date():
             return value.isoformat()
-    return str(value)
+    return _text(value)
 
 
 def _csv(answer: Answer) -> Iterator[str]:
@@ -119,7 +120,17 @@ def _plain(value: object) -> object:
             return "true" if value else "false"
         case datetime():
             return value.isoformat()
-    return value
+        case float() | Decimal():
+            return value
+    return _text(value)
+
+
+def _text(value: object) -> str:
+    match value:
+        case list() | tuple() | dict() | bytes():
+            value = _json(value)
+            return value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
+    return str(value)
 
 
 def _line(values: Iterable[object]) -> str:
@@ -130,8 +141,10 @@ def _line(values: Iterable[object]) -> str:
 
 def _json(value: object) -> Any:  # noqa: ANN401  (any JSON)
     match value:
-        case None | bool() | int() | str() | bytes():
+        case None | bool() | int() | str():
             return value
+        case bytes():
+            return value.hex()
         case float():
             return value if math.isfinite(value) else None
         case Decimal():
