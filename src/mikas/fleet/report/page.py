@@ -16,6 +16,8 @@ from mikas.cancellation import check_cancelled
 from mikas.fleet.report.findings import CarFindings, FleetFindings, FleetValue, StoredFault
 from mikas.fleet.report.measures import MEASURES, Measure
 from mikas.fleet.report.sentences import (
+    CARS,
+    DRIVES,
     car_sentences,
     date,
     fault_state,
@@ -25,7 +27,7 @@ from mikas.fleet.report.sentences import (
     remarks,
     unknowns,
 )
-from mikas.i18n import Language, Text
+from mikas.i18n import Language, Text, counted
 from mikas.recording.formatting import duration, number, with_unit
 from mikas.report.charts import chart
 from mikas.report.measurements.statistics import BlockTimes, Envelope
@@ -43,9 +45,6 @@ _MOST_CARS: Final = 40
 
 _LABELS: Final = {
     "title": Text("Fleet report", "Отчёт по автопарку"),
-    "about": Text(
-        "Cars: {cars}, drives: {drives}, {hours}", "Машин: {cars}, поездок: {drives}, {hours}"
-    ),
     "cars": Text("Cars", "Машины"),
     "car": Text("Car", "Машина"),
     "drives": Text("Drives", "Поездки"),
@@ -91,9 +90,7 @@ def _context(found: FleetFindings, language: Language) -> dict[str, Any]:
         "style": Markup(page_style()),
         "outcome": found.outcome,
         "date": date(figures.now),
-        "about": label["about"].format(
-            cars=len(found.cars), drives=drives, hours=duration(seconds).to(language)
-        ),
+        "about": _about(len(found.cars), drives, duration(seconds)).to(language),
         "headline": headline(found).to(language),
         "cars": [_row(car, language) for car in ranked],
         "values": [_value(value, found, language) for value in found.values],
@@ -106,6 +103,13 @@ def _context(found: FleetFindings, language: Language) -> dict[str, Any]:
         "unknowns": [text.to(language) for text in unknowns(found)],
         "made_by": label["made_by"].format(program=f"mikas {version('mikas')}"),
     }
+
+
+def _about(cars: int, drives: int, length: Text) -> Text:
+    return Text(
+        f"{counted(cars, *CARS).en}, {counted(drives, *DRIVES).en}, {length.en}",
+        f"машин: {cars}, поездок: {drives}, {length.ru}",
+    )
 
 
 def _row(car: CarFindings, language: Language) -> dict[str, object]:

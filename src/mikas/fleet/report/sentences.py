@@ -22,8 +22,8 @@ from mikas.i18n import Language, Text, counted
 from mikas.recording.formatting import band, number, with_unit
 from mikas.report.findings import Outcome
 
-_CARS = (("car", "cars"), ("машина", "машины", "машин"))
-_DRIVES = (("drive", "drives"), ("поездка", "поездки", "поездок"))
+CARS = (("car", "cars"), ("машина", "машины", "машин"))
+DRIVES = (("drive", "drives"), ("поездка", "поездки", "поездок"))
 
 
 def headline(found: FleetFindings) -> Text:
@@ -70,13 +70,13 @@ def remarks(car: CarFindings) -> Iterator[Text]:
             f"Не сравнивается: ни одного значения хотя бы в {FEWEST_DRIVES} поездках.",
         )
     if figures.ahead:
-        drives = counted(figures.ahead, *_DRIVES)
+        drives = counted(figures.ahead, *DRIVES)
         yield Text(
             f"Left out: {drives.en} dated in the future, so the clock was wrong.",
             f"Не учтено: {drives.ru} с датой из будущего, то есть с неверными часами.",
         )
     if figures.undated:
-        drives = counted(figures.undated, *_DRIVES)
+        drives = counted(figures.undated, *DRIVES)
         yield Text(f"Left out: {drives.en} without a date.", f"Не учтено: {drives.ru} без даты.")
 
 
@@ -94,7 +94,7 @@ def method(found: FleetFindings) -> Iterator[Text]:
             f"Сравнивалось с другими машинами: {_listed(found.compared).ru}.",
         )
     if found.followed:
-        cars = counted(found.followed, *_CARS)
+        cars = counted(found.followed, *CARS)
         yield Text(
             f"Followed over time, with {FEWEST_OF_TREND} drives or more: {cars.en}.",
             f"Прослежено во времени, от {FEWEST_OF_TREND} поездок: {cars.ru}.",
@@ -110,14 +110,14 @@ def unknowns(found: FleetFindings) -> Iterator[Text]:
             f"Слишком мало машин для сравнения (нужно {FEWEST_OTHERS + 1}): {listed.ru}.",
         )
     if len(found.cars) > found.followed:
-        cars = counted(len(found.cars) - found.followed, *_CARS)
+        cars = counted(len(found.cars) - found.followed, *CARS)
         yield Text(
             f"Too few drives for changes over time ({FEWEST_OF_TREND} are needed): {cars.en}.",
             f"Слишком мало поездок, чтобы судить об изменениях (нужно {FEWEST_OF_TREND}): "
             f"{cars.ru}.",
         )
     if found.figures.unknown:
-        drives = counted(found.figures.unknown, *_DRIVES)
+        drives = counted(found.figures.unknown, *DRIVES)
         yield Text(
             f"Of which car: {drives.en} have neither a plate nor a name nor a unit's passport.",
             f"Чьи это поездки: {drives.ru} без номера, названия машины и паспорта блока.",
