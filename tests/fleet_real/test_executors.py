@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import signal
 import subprocess
@@ -155,7 +156,6 @@ def cluster(folder: Path) -> Iterator[Cluster]:
 
 @pytest.mark.posix
 def test_a_cluster_of_two_workers_of_which_one_is_killed(tmp_path) -> None:
-    pytest.importorskip("distributed")
     folder = some(tmp_path / "in", 10)
     with cluster(tmp_path) as it:
         with pytest.raises(FleetError, match="no workers"):
@@ -183,3 +183,36 @@ def test_a_cluster_of_two_workers_of_which_one_is_killed(tmp_path) -> None:
         it.processes[0].kill()
         with pytest.raises(FleetError, match="gone"):
             add_by(runner, folder, tmp_path / "set")
+
+
+@pytest.mark.posix
+def test_a_scheduler_that_is_killed_amid_the_work(tmp_path) -> None:
+    folder = some(tmp_path / "in", 10)
+    with cluster(tmp_path) as it:
+        it.worker()
+        seen = []
+
+        def on_file(outcome) -> None:
+            seen.append(outcome)
+            if len(seen) == 2:
+                it.processes[0].kill()
+
+        with pytest.raises(FleetError, match="gone"):
+            add_by(DaskRunner(f"dask://{it.address}"), folder, tmp_path / "set", on_file)
+    ((rows, drives),) = ask(tmp_path / "set", TOTAL)
+    assert 1 <= drives <= 10
+    assert rows == 239 * drives
+    assert counts(add_by(ProcessRunner(1), folder, tmp_path / "set"))[0] == 10 - drives
+    loggers = [name for name in logging.root.manager.loggerDict if name.startswith("distributed.")]
+    assert "distributed.utils" in loggers  # from which a traceback came on the terminal
+    assert not any(logging.getLogger(name).isEnabledFor(logging.ERROR) for name in loggers)
+
+
+def test_a_worker_that_does_not_see_the_dataset_adds_nothing(tmp_path) -> None:
+    folder = some(tmp_path / "in", 1)
+    files = plan([str(folder / "0.pcapng")], str(tmp_path / "set"), SETTINGS).files
+    outcome = work(files[0], str(tmp_path / "on another computer"), SETTINGS)
+    assert outcome.ends
+    assert outcome.bad is not None
+    assert "does not see this dataset" in outcome.bad.en
+    assert not (tmp_path / "on another computer").exists()

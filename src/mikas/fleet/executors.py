@@ -184,7 +184,9 @@ class DaskRunner(Runner):
             from distributed import Client
         except ImportError as error:
             raise MissingExtra(feature="Dask", extra="dask") from error
-        logging.getLogger("distributed").setLevel(logging.CRITICAL)
+        for name in ("distributed", *logging.root.manager.loggerDict):
+            if name.split(".")[0] == "distributed":  # each has a level of its own
+                logging.getLogger(name).setLevel(logging.CRITICAL)
         self._place = place
         host = place.removeprefix("dask://")
         if not re.search(r":\w+$", host):
