@@ -247,6 +247,15 @@ def test_what_is_no_place_or_no_dataset_is_said(tmp_path) -> None:
         add_here(tmp_path / "in", to=tmp_path / "set")
 
 
+def test_a_dataset_and_a_car_without_a_name_are_refused(tmp_path) -> None:
+    make(tmp_path / "in" / "drive.pcapng")
+    with pytest.raises(FleetError, match="must be UTF-8"):
+        add_here(tmp_path / "in", to=tmp_path / "set\udcff")
+    with pytest.raises(UsageError, match="no letter and no digit"):
+        add_here(tmp_path / "in", to=tmp_path / "set", settings=replace(SETTINGS, car="--"))
+    assert [path.name for path in tmp_path.iterdir()] == ["in"]
+
+
 def test_a_channel_may_not_be_called_as_a_column(tmp_path) -> None:
     own = tmp_path / "own.toml"
     own.write_text('[parameter.DAY]\ncode = 0x33\nsize = 1\ntext = { en = "Day", ru = "День" }\n')

@@ -111,6 +111,18 @@ def test_a_dataset_in_it_and_recordings_in_it(place, tmp_path) -> None:
         list(recordings_in(f"{place}/nothing"))
 
 
+def test_an_empty_folder_made_in_a_console_is_a_place_for_a_dataset(bucket, tmp_path) -> None:
+    import fsspec
+
+    file = make(tmp_path / "drive.pcapng")
+    home = f"{bucket}/{uuid.uuid4().hex}"
+    system, path = fsspec.core.url_to_fs(home)
+    for folder in ("", "/_ledger"):
+        system.pipe_file(f"{path}{folder}/", b"")
+        assert add_here(file, to=home).bad == []
+        assert ask(home, "SELECT count(*) FROM samples") == [(239,)]
+
+
 def test_a_url_shows_no_name_and_no_password() -> None:
     assert shown(f"sftp://me:{SECRET}@host/x") == "sftp://host/x"
     assert shown("s3://bucket/a@b") == "s3://bucket/a@b"

@@ -17,6 +17,7 @@ from uuid import uuid4
 
 from mikas.catalog import Catalog
 from mikas.errors import FleetError, usage_error
+from mikas.fleet.cars import plate_key
 from mikas.fleet.executors import Runner
 from mikas.fleet.growing import earlier, longer, settle
 from mikas.fleet.interpreting import Settings
@@ -80,6 +81,11 @@ def check_names(catalog: Catalog) -> None:
 def plan(places: Iterable[str], dataset: str, settings: Settings) -> Plan:
     """Return what there is to do. Raises `FleetError`, `MissingExtra`, `UsageError`."""
     check_names(settings.catalog)
+    if settings.car and not plate_key(settings.car):
+        raise usage_error(
+            f"--car: “{settings.car}” has no letter and no digit",
+            f"--car: в «{settings.car}» нет ни буквы, ни цифры",
+        )
     found = {file.url: file for place in places for file in recordings_in(place)}
     ledger = begin(store(dataset))
     lost = ledger.drop_lost()

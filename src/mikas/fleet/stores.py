@@ -17,8 +17,14 @@ from time import time
 from typing import Final
 from uuid import uuid4
 
-from mikas.fleet.places import PARTS, as_path, errors_of, file_system, is_url
+from mikas.errors import FleetError
+from mikas.fleet.places import PARTS, as_path, errors_of, file_system, is_url, is_utf_8, shown
+from mikas.i18n import Text
 
+_NOT_UTF_8: Final = Text(
+    "the name of a dataset's folder must be UTF-8; choose another one",
+    "имя папки набора должно быть в UTF-8; выберите другое",
+)
 _OLD: Final = 86_400.0  # s after which a part is a killed program's
 _TIMES: Final = 5  # that a folder is read which changes meanwhile
 _OBJECT_STORES: Final = frozenset(
@@ -93,6 +99,8 @@ class DiskStore(Store):
     def __init__(self, place: str) -> None:
         super().__init__(place)
         self.root = as_path(place)
+        if not is_utf_8(str(self.root)):
+            raise FleetError(shown(place), _NOT_UTF_8)
 
     def read(self, name: str) -> bytes | None:
         with errors_of(self.place):
@@ -210,7 +218,8 @@ class UrlStore(Store):
                 listed = self.system.ls(self._at(folder), detail=False)
             except FileNotFoundError:
                 return []
-            return sorted(PurePosixPath(name).name for name in listed)
+            mine = self._at(folder).rstrip("/")  # as a console of S3 makes an empty folder
+            return sorted(PurePosixPath(it).name for it in listed if it.rstrip("/") != mine)
 
     def _read_all(self, folder: str, names: list[str]) -> dict[str, bytes]:
         if not names:
