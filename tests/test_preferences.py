@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from mikas.errors import UsageError
 from mikas.preferences import config_path, parsed_config, user_language
 
 
@@ -30,6 +31,17 @@ def test_the_language_is_the_first_that_is_named(config, monkeypatch):
 def test_a_wrong_file_names_no_language(config, content):
     config.write_bytes(content)
     assert user_language() == "en"
+
+
+@pytest.mark.posix
+def test_a_file_that_can_not_be_looked_for_is_an_error_in_words(monkeypatch):
+    """As in the folder of another user, which a service was given; root may enter all of them."""
+    monkeypatch.setenv("MIKAS_CONFIG", f"/tmp/{'x' * 300}.toml")
+    monkeypatch.setenv("LC_ALL", "ru_RU.UTF-8")
+    monkeypatch.delenv("MIKAS_LANG", raising=False)
+    assert user_language() == "ru"
+    with pytest.raises(UsageError, match=r"The config file /tmp/xxx.*: File name too long"):
+        parsed_config(config_path())
 
 
 def test_without_a_file_there_are_no_settings(config):

@@ -30,11 +30,11 @@ def config_path() -> Path:
 
 def parsed_config(file: Path) -> dict[str, Any]:
     """Return what the config file holds, nothing without a file. Raises `UsageError`."""
-    if not file.is_file():
-        return {}
-    from mikas import toml
-
     try:
+        if not file.is_file():
+            return {}
+        from mikas import toml
+
         return toml.parse(toml.text_of(toml.read_bytes(file)))
     except OSError as error:
         reason = reason_of(error)
