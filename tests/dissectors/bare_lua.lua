@@ -1,6 +1,8 @@
 -- Runs the dissector `arg[1]` without Wireshark: reads packets from stdin (`port way time bytes`; `!`
 -- is a gap), and prints each frame or damage with what it says.
 
+-- With `fields` as `arg[2]` it prints the names and descriptions of parameters instead.
+
 -- What the dissector takes from Wireshark; it does nothing here.
 local anything = {}
 setmetatable(anything, {
@@ -8,14 +10,25 @@ setmetatable(anything, {
   __call = function() return anything end,
 })
 for _, name in ipairs({
-  "Proto", "ProtoField", "ProtoExpert", "Pref", "Field", "DissectorTable", "base", "expert",
+  "Proto", "ProtoExpert", "Pref", "Field", "DissectorTable", "base", "expert",
   "frametype", "wtap", "wtap_encaps",
 }) do
   _G[name] = anything
 end
+FIELDS = {}
+ProtoField = setmetatable({
+  double = function(...)
+    FIELDS[#FIELDS + 1] = table.concat({ ... }, "\t")
+    return anything
+  end,
+}, getmetatable(anything))
 
 -- It shares the dissector's scope.
 local READER = [[
+if arg[2] == "fields" then
+  print(table.concat(FIELDS, "\n"))
+  return
+end
 mikas.prefs = { interpretation = 1, baud = 9600 }
 mikas.init()
 for line in io.lines() do
