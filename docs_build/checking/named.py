@@ -1,4 +1,4 @@
-"""Every path and every name of Python in a document exists."""
+"""Every path and every name of Python in a document exists; files of a release are of this one."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from functools import cache
 from pathlib import PurePosixPath
 from pkgutil import resolve_name
 
+import mikas
 from docs_build.checking.finding import Finding
 from docs_build.pages import ROOT, document
 from mikas.catalog import shipped
@@ -21,6 +22,7 @@ _NAME = re.compile(r"\bmikas(?:\.[A-Za-z_]\w*)+")
 # The group of entry points; udev's 70-mikas.rules; Wireshark's plugin; programs of Windows and
 # macOS.
 _OTHER_NAMES = frozenset({"mikas.app", "mikas.exe", "mikas.links", "mikas.rules", "mikas.lua"})
+_RELEASED = re.compile(r"\bmikas[-_](\d+\.\d+\.\d+(?:(?:a|b|rc)\d+)?)")
 _WIRESHARK = "src/mikas/dissectors/wireshark"
 _PLACEHOLDER = re.compile(r"[A-Z]{3,}|…")  # web/src/screens/NAME/Screen.svelte
 
@@ -31,6 +33,9 @@ def findings(file: PurePosixPath) -> Iterator[Finding]:
         for path in _PATH.findall(line):
             if not _PLACEHOLDER.search(path) and not exists_in_repository(path):
                 yield Finding(file, number, f"{path}: no such file")
+        for version in _RELEASED.findall(line):
+            if version != mikas.__version__:
+                yield Finding(file, number, f"{version}: the version is {mikas.__version__}")
         for name in _NAME.findall(line):
             others = _OTHER_NAMES | fields_of_wireshark()
             if name not in others and not exists_in_python(name):

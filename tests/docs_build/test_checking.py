@@ -9,6 +9,7 @@ from docs_build.checking import built, examples, links, named, sessions, structu
 from docs_build.checking.virtual_unit import as_written, on_virtual_unit
 from docs_build.markdown import Code
 
+import mikas
 from docs_build import pages
 from mikas.cli.language import set_language
 
@@ -68,6 +69,11 @@ def test_paths_and_names_that_do_not_exist(repository):
         (1, "src/o.py: no such file"),
         (3, "mikas.Ecu.guess: no such name"),
     ]
+
+
+def test_files_of_another_release(repository):
+    repository({"docs/ours.md": f"`mikas-{mikas.__version__}.tar.gz` mikas_0.0.9_amd64.deb\n"})
+    assert told(named.findings(OURS)) == [(1, f"0.0.9: the version is {mikas.__version__}")]
 
 
 ENGLISH = """\
