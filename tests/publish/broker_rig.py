@@ -108,9 +108,14 @@ class Relay:
     async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         there, out = await asyncio.open_connection("127.0.0.1", self._to)
         self._open |= {writer, out}
-        with suppress(OSError):
+        try:
             await asyncio.gather(self._send(reader, out), _copy(there, writer))
-        self._open -= {writer, out}
+        except OSError:
+            pass
+        finally:
+            for each in (writer, out):
+                each.close()
+            self._open -= {writer, out}
 
     async def _send(self, reader: asyncio.StreamReader, out: asyncio.StreamWriter) -> None:
         if self.breaks:
