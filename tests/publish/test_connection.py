@@ -180,6 +180,25 @@ def test_a_broker_that_answers_too_late_makes_no_noise_on_the_terminal(
     assert [it.getMessage() for it in caplog.records if it.name == "asyncio"] == []
 
 
+def test_a_call_that_was_given_up_ends_without_a_traceback(monkeypatch):
+    """As with Ctrl-C while the name is resolved, or the port opened."""
+    raised, started, go = [], threading.Event(), threading.Event()
+    monkeypatch.setattr(threading, "excepthook", raised.append)
+
+    def call() -> None:
+        started.set()
+        assert go.wait(PATIENCE)
+
+    before = set(threading.enumerate())
+    future = module._DaemonThreads().submit(call)
+    assert started.wait(PATIENCE)
+    (thread,) = set(threading.enumerate()) - before
+    future.cancel()
+    go.set()
+    thread.join(PATIENCE)
+    assert raised == []
+
+
 def test_a_bug_in_the_thread_is_seen_by_the_caller(connect):
     ended = threading.Event()
 
