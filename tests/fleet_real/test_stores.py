@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import logging
 import os
+import threading
 import uuid
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
+from typing import ClassVar
 
 import pytest
+from fsspec.implementations.local import LocalFileSystem
 
 from fleet_rig import BEGAN, DAY, add_here, ask, counts, make
 from mikas.errors import FleetError
@@ -121,6 +125,55 @@ def test_an_empty_folder_made_in_a_console_is_a_place_for_a_dataset(bucket, tmp_
         system.pipe_file(f"{path}{folder}/", b"")
         assert add_here(file, to=home).bad == []
         assert ask(home, "SELECT count(*) FROM samples") == [(239,)]
+
+
+class OneConnection(LocalFileSystem):
+    """A file system like FTP's: one request at a time, no file that stays open, and a folder that
+    another process makes at the same time is an error.
+    """
+
+    protocol = "one"
+    requests = threading.Lock()
+    tried: ClassVar[set[str]] = set()
+
+    @contextmanager
+    def alone(self) -> Iterator[None]:
+        assert self.requests.acquire(blocking=False), "two requests at a time"
+        try:
+            yield
+        finally:
+            self.requests.release()
+
+    def info(self, path: str, **given) -> dict:
+        with self.alone():
+            return super().info(path, **given)
+
+    def cat_file(self, path: str, start=None, end=None, **_) -> bytes:
+        with self.alone():
+            return Path(self._strip_protocol(path)).read_bytes()
+
+    def makedirs(self, path: str, exist_ok: bool = False) -> None:
+        if path not in self.tried:
+            self.tried.add(path)
+            raise FileExistsError(path)
+        super().makedirs(path, exist_ok=exist_ok)
+
+    def _open(self, path: str, mode: str = "rb", **given):
+        assert "r" not in mode
+        return super()._open(path, mode, **given)
+
+
+def test_a_dataset_behind_one_connection(tmp_path) -> None:
+    import fsspec
+
+    fsspec.register_implementation("one", OneConnection, clobber=True)
+    for number in range(4):
+        make(tmp_path / "in" / f"{number}.pcapng", began=BEGAN + number * DAY)
+    home = f"one://{tmp_path / 'set'}"
+    assert counts(add_here(tmp_path / "in", to=home)) == (4, 0, 0, 0)
+    assert counts(add_here(tmp_path / "in", to=home)) == (0, 0, 4, 0)
+    rows = "SELECT count(*), count(DISTINCT file) FROM samples JOIN drives USING (drive)"
+    assert ask(home, rows) == [(4 * 239, 4)]
 
 
 def test_a_url_shows_no_name_and_no_password() -> None:

@@ -13,8 +13,9 @@ import re
 import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future, wait
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
 from datetime import UTC, datetime
+from io import BytesIO
 from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 import duckdb
@@ -22,7 +23,7 @@ import duckdb
 from mikas.errors import FleetError, UsageError, usage_error
 from mikas.fleet.ledger import Ledger, open_ledger
 from mikas.fleet.places import is_utf_8, shown
-from mikas.fleet.stores import DiskStore, Store, store
+from mikas.fleet.stores import DiskStore, Store, UrlStore, store
 from mikas.fleet.tables import PARTITIONS, TABLES
 from mikas.i18n import Text
 from mikas.recording.export.parquet import quoted
@@ -290,11 +291,14 @@ def _file_system(files: Store) -> AbstractFileSystem:
     from fsspec import AbstractFileSystem
     from fsspec.implementations.local import LocalFileSystem
 
-    if isinstance(files, DiskStore):
-        system: Any = LocalFileSystem()
-        root = str(files.root)
+    at_a_time: AbstractContextManager[Any] = nullcontext()
+    if isinstance(files, UrlStore):
+        system: Any = files.system
+        root = files.root
+        if not files.is_object_store:
+            at_a_time = threading.Lock()  # one connection, as of FTP, and duckdb has many threads
     else:
-        system, root = files.system, files.root  # type: ignore[attr-defined]  # a store of fsspec
+        system, root = LocalFileSystem(), str(files.root)  # type: ignore[attr-defined]  # a folder
 
     class DatasetFileSystem(AbstractFileSystem):  # type: ignore[misc]  # fsspec has no types
         """The dataset as duckdb sees it, `dataset://samples/…`."""
@@ -309,7 +313,8 @@ def _file_system(files: Store) -> AbstractFileSystem:
             return f"{root}/{name}"
 
         def info(self, path: str, **_: object) -> dict[str, Any]:
-            return {**system.info(self._at(path)), "name": path}
+            with at_a_time:
+                return {**system.info(self._at(path)), "name": path}
 
         def glob(self, path: str, **_: object) -> list[str]:
             return [str(self._strip_protocol(path))]
@@ -320,6 +325,9 @@ def _file_system(files: Store) -> AbstractFileSystem:
         def _open(self, path: str, mode: str = "rb", **_: object) -> object:
             if mode != "rb":
                 raise PermissionError(path)
-            return system.open(self._at(path), "rb")
+            if isinstance(at_a_time, nullcontext):
+                return system.open(self._at(path), "rb")
+            with at_a_time:
+                return BytesIO(system.cat_file(self._at(path)))
 
     return DatasetFileSystem()

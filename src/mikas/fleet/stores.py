@@ -26,7 +26,7 @@ _NOT_UTF_8: Final = Text(
     "имя папки набора должно быть в UTF-8; выберите другое",
 )
 _OLD: Final = 86_400.0  # s after which a part is a killed program's
-_TIMES: Final = 5  # that a folder is read which changes meanwhile
+_TIMES: Final = 5  # that a folder is read or made which another process changes
 _OBJECT_STORES: Final = frozenset(
     ("s3", "s3a", "gs", "gcs", "abfs", "abfss", "az", "adl", "oci", "oss", "r2", "memory")
 )
@@ -185,7 +185,7 @@ class UrlStore(Store):
         self.system, self.root = file_system(place)
         protocol = self.system.protocol
         known = {protocol} if isinstance(protocol, str) else set(protocol)
-        self._puts_whole = bool(known & _OBJECT_STORES)
+        self.is_object_store = bool(known & _OBJECT_STORES)
 
     def read(self, name: str) -> bytes | None:
         with errors_of(self.place):
@@ -254,9 +254,16 @@ class UrlStore(Store):
         return f"{self.root}/{name}"
 
     def _target(self, name: str) -> str:
-        if not self._puts_whole:
-            self.system.makedirs(self._at(str(PurePosixPath(name).parent)), exist_ok=True)
-        return self._at(name) if self._puts_whole else f"{self._at(name)}.{uuid4().hex}.part"
+        if not self.is_object_store:
+            self._make_folder(self._at(str(PurePosixPath(name).parent)))
+        return self._at(name) if self.is_object_store else f"{self._at(name)}.{uuid4().hex}.part"
+
+    def _make_folder(self, path: str) -> None:
+        for _ in range(_TIMES):
+            self.system.invalidate_cache()
+            with suppress(Exception):  # another process made a part of it; a write says the rest
+                self.system.makedirs(path, exist_ok=True)
+                return
 
     def _finish(self, target: str, name: str) -> None:
         if target != self._at(name):
