@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from concurrent.futures import Future
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -12,11 +14,29 @@ from bench.virtual_fleet import BEGAN, DAY, Drive, record
 from mikas.catalog import shipped
 from mikas.fleet.adding import Added, add, plan
 from mikas.fleet.database import opened
-from mikas.fleet.executors import HereRunner
+from mikas.fleet.executors import Runner, Work
 from mikas.fleet.interpreting import Settings
+from mikas.fleet.job import Outcome
+from mikas.fleet.places import FoundFile
 
 MINUTE = Drive(BEGAN, seconds=60.0, rate=4.0, plate="а 101 мр 52", car="ГАЗ-3110")
 SETTINGS = Settings(shipped())
+
+
+class HereRunner(Runner):
+    """This process itself."""
+
+    window = 1
+
+    def submit(self, work: Work, file: FoundFile) -> Future[Outcome]:
+        done: Future[Outcome] = Future()
+        done.set_result(work(file))
+        return done
+
+    def close(self) -> None: ...
+
+    def failed(self, _: Work, __: list[FoundFile], error: BaseException) -> Iterator[Outcome]:
+        raise error
 
 
 @cache

@@ -9,7 +9,7 @@ import sys
 import pytest
 
 import mikas as program
-from fleet_rig import BEGAN, DAY, make
+from fleet_rig import BEGAN, DAY, HereRunner, make
 from mikas import fleet
 
 
@@ -26,7 +26,7 @@ def _here(monkeypatch) -> None:
     from mikas.fleet import executors
 
     def of(executor: str, workers: int):
-        return executors.HereRunner() if executor == "processes" else original(executor, workers)
+        return HereRunner() if executor == "processes" else original(executor, workers)
 
     original = executors.runner_of
     monkeypatch.setattr(executors, "runner_of", of)

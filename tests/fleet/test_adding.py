@@ -10,12 +10,11 @@ from dataclasses import replace
 
 import pytest
 
-from fleet_rig import BEGAN, DAY, SETTINGS, add_here, ask, counts, files_of, make
+from fleet_rig import BEGAN, DAY, SETTINGS, HereRunner, add_here, ask, counts, files_of, make
 from mikas.catalog import load
 from mikas.client.cars import CarDetails
 from mikas.errors import FleetError, UsageError
 from mikas.fleet.adding import add, plan
-from mikas.fleet.executors import HereRunner
 from mikas.fleet.interpreting import Settings
 from mikas.fleet.job import LARGEST
 from mikas.fleet.ledger import FOLDER, MARKER, open_ledger
@@ -264,7 +263,7 @@ def test_a_channel_may_not_be_called_as_a_column(tmp_path) -> None:
 
 
 def test_two_runs_at_once_add_each_recording_once(tmp_path) -> None:
-    for number in range(8):
+    for number in range(4):
         make(tmp_path / "in" / f"{number}.pcapng", began=BEGAN + number * DAY)
     results: list = []
     runs = [
@@ -279,8 +278,8 @@ def test_two_runs_at_once_add_each_recording_once(tmp_path) -> None:
         run.join()
     assert len(results) == 3
     assert not any(it.bad for it in results)
-    assert ask(tmp_path / "set", TOTAL) == [(8 * 239, 8, 8)]
-    assert counts(add_here(tmp_path / "in", to=tmp_path / "set")) == (0, 0, 8, 0)
+    assert ask(tmp_path / "set", TOTAL) == [(4 * 239, 4, 4)]
+    assert counts(add_here(tmp_path / "in", to=tmp_path / "set")) == (0, 0, 4, 0)
 
 
 def test_a_damaged_or_hostile_ledger_touches_no_other_file(tmp_path) -> None:

@@ -176,20 +176,20 @@ def test_each_of_many_sessions_is_a_drive_and_little_is_kept_of_it(tmp_path, mon
             most.append(len(alive))
 
     monkeypatch.setattr(module, "MeasurementCollector", Collector)
-    sessions(tmp_path / "drive.pcapng", 15, 600.0)
+    sessions(tmp_path / "drive.pcapng", 8, 600.0)
     add_here(tmp_path / "drive.pcapng", to=tmp_path / "set")
     asked = "SELECT count(*), count(DISTINCT drive), sum(rows), max(gaps) FROM drives"
-    assert ask(tmp_path / "set", asked) == [(15, 15, 15 * 11, 0)]
-    assert ask(tmp_path / "set", "SELECT count(DISTINCT drive) FROM statistics") == [(15,)]
-    assert ask(tmp_path / "set", "SELECT count(DISTINCT drive) FROM samples") == [(15,)]
+    assert ask(tmp_path / "set", asked) == [(8, 8, 8 * 11, 0)]
+    assert ask(tmp_path / "set", "SELECT count(DISTINCT drive) FROM statistics") == [(8,)]
+    assert ask(tmp_path / "set", "SELECT count(DISTINCT drive) FROM samples") == [(8,)]
     assert max(most) <= 3
 
 
 def test_a_clock_that_jumps_over_many_days_is_damage(tmp_path, monkeypatch) -> None:
-    monkeypatch.setattr("mikas.fleet.writing.MOST_DAYS", 5)
-    sessions(tmp_path / "drive.pcapng", 5, DAY)
+    monkeypatch.setattr("mikas.fleet.writing.MOST_DAYS", 2)
+    sessions(tmp_path / "drive.pcapng", 2, DAY)
     assert add_here(tmp_path / "drive.pcapng", to=tmp_path / "set").added == 1
-    sessions(tmp_path / "drive.pcapng", 7, DAY)
+    sessions(tmp_path / "drive.pcapng", 3, DAY)
     (bad,) = add_here(tmp_path / "drive.pcapng", to=tmp_path / "set").bad
     assert "the clock is damaged" in bad.reason.en
 

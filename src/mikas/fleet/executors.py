@@ -100,23 +100,6 @@ class Runner(ABC):
             yield from self.failed(work, files, error or CancelledError())
 
 
-class HereRunner(Runner):
-    """This process itself."""
-
-    window = 1
-
-    def submit(self, work: Work, file: FoundFile) -> Future[Outcome]:
-        done: Future[Outcome] = Future()
-        done.set_result(work(file))
-        return done
-
-    def close(self) -> None:
-        """Nothing to end."""
-
-    def failed(self, _: Work, __: list[FoundFile], error: BaseException) -> Iterator[Outcome]:
-        raise error
-
-
 class ProcessRunner(Runner):
     """`workers` new processes (spawn). They end with this one, however it ends."""
 

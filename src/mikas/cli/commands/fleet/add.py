@@ -19,7 +19,7 @@ from mikas.i18n import Text
 if TYPE_CHECKING:
     from mikas.fleet.adding import Added
 
-MOST_WORKERS = 256
+MOST_WORKERS = 61  # that a pool may have on Windows
 
 
 @command(
@@ -99,7 +99,7 @@ def add(
 
     options = context.options
     settings = Settings(options.catalog, options.interpretation, clean_line(car, 100).strip())
-    runner = runner_of(executor, workers or os.cpu_count() or 1)
+    runner = runner_of(executor, workers or min(os.cpu_count() or 1, MOST_WORKERS))
     try:
         planned = plan(folders, dataset, settings)
         count = len(planned.files)
