@@ -12,7 +12,16 @@ from dataclasses import dataclass
 import click
 
 from mikas.cli.language import capital, localized, tr
-from mikas.errors import EcuRefused, LineError, MikasError, NoConnection, NotConfirmed, UsageError
+from mikas.cli.render.terminal import OutputError
+from mikas.errors import (
+    EcuRefused,
+    LineError,
+    MikasError,
+    NoConnection,
+    NotConfirmed,
+    UsageError,
+    reason_of,
+)
 
 DONE, BUG, USAGE, NO_CONNECTION, LINE, REFUSED, NOT_CONFIRMED = range(7)
 INTERRUPTED = 130
@@ -48,6 +57,10 @@ def failure_of(error: Exception) -> FailureReport:
         return _expected(error)
     if isinstance(error, click.ClickException):
         return _wrong_command_line(error)
+    if isinstance(error, OutputError):
+        reason = localized(reason_of(error))
+        message = tr(f"The output can't be written: {reason}.", f"Вывод не записать: {reason}.")
+        return FailureReport(USAGE, "OutputError", message, message)
     kind = f"{type(error).__name__}: {error}"
     message = tr(f"This is a bug in mikas ({kind}).", f"Это ошибка в программе mikas ({kind}).")
     advice = tr(

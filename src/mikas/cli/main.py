@@ -9,7 +9,6 @@ import gc
 import itertools
 import sys
 from collections.abc import Sequence
-from contextlib import suppress
 
 import click
 
@@ -20,6 +19,7 @@ from mikas.cli.failures import BUG, DONE, INTERRUPTED, failure_of
 from mikas.cli.language import detect_language, set_language
 from mikas.cli.options.common import LocalizedOption, common_options
 from mikas.cli.render.terminal import (
+    OutputError,
     cell_text,
     discard_output,
     escaping,
@@ -110,11 +110,18 @@ def _run(argv: list[str]) -> int:
 def _failed(error: Exception, argv: list[str]) -> int:
     """Report `error`; return the exit status."""
     failure = failure_of(error)
-    if "--json" in itertools.takewhile(lambda word: word != "--", argv):
+    if isinstance(error, OutputError):
+        discard_output()
+        _print_error(failure.text)
+    elif "--json" in itertools.takewhile(lambda word: word != "--", argv):
         from mikas.cli.render.output import Output
 
-        with suppress(BrokenPipeError):
+        try:
             Output(json=True).data(failure.as_json())
+        except BrokenPipeError:
+            pass
+        except OutputError as unwritten:
+            return _failed(unwritten, argv)
     else:
         _print_error(cell_text(failure.text))  # a paragraph, whatever lines a file's name has
     if desktop.FLAG in argv:
@@ -138,5 +145,5 @@ def _print_error(text: str) -> None:
     try:
         flush_out()
         write_error(f"{text}\n")
-    except BrokenPipeError:
+    except (BrokenPipeError, OutputError):
         discard_output()

@@ -263,6 +263,16 @@ def test_doctor_on_a_wire_of_another_pace(start):
     assert steps["ecu"]["ok"] is True
 
 
+def test_a_full_disk_behind_stdout_is_one_sentence(start):
+    for argv in (["params"], ["params", "--json"], ["wireshark"], ["--help"], ["no", "--json"]):
+        with Path("/dev/full").open("w", encoding="utf-8") as full:
+            process = start(*argv, stdout=full)
+            _, err = process.communicate(timeout=PATIENCE)
+        assert process.returncode == 2
+        assert err.count("\n") == 1
+        assert "No space left on device; make room" in err
+
+
 @contextmanager
 def terminal(rows: int = 24, columns: int = 80):
     """A terminal of this size: what is behind it, and what a program gets."""

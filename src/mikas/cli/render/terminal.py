@@ -27,8 +27,15 @@ CLEAR_LINE: Final = "\r\x1b[K"
 _DRAWING: Final = re.compile(r"(\x1b\[[\d;]*[ABHKm]|\x1b\[\?(?:25|1049)[hl]|\r)")
 
 
+class OutputError(OSError):
+    """What is printed can't be written: a full disk behind a redirection."""
+
+
 class _Stream:
-    """A text stream in front of `raw`, with `make_safe` on all that is written."""
+    """A text stream in front of `raw`, with `make_safe` on all that is written.
+
+    Raises `OutputError`, and `BrokenPipeError` if the reader of a pipe has closed it.
+    """
 
     def __init__(self, raw: TextIO, make_safe: Callable[[str], str]) -> None:
         self.raw = raw
@@ -36,8 +43,22 @@ class _Stream:
 
     def write(self, text: str) -> int:
         """Write `text`, escaped; return the length of `text`."""
-        self.raw.write(self._make_safe(text))
+        try:
+            self.raw.write(self._make_safe(text))
+        except BrokenPipeError:
+            raise
+        except OSError as error:
+            raise OutputError(error.errno, error.strerror) from error
         return len(text)
+
+    def flush(self) -> None:
+        """Pass on what was written so far."""
+        try:
+            self.raw.flush()
+        except BrokenPipeError:
+            raise
+        except OSError as error:
+            raise OutputError(error.errno, error.strerror) from error
 
     def writelines(self, lines: Iterable[str]) -> None:
         """Write each of `lines`."""
@@ -150,9 +171,9 @@ def make_writable() -> None:
 
 
 def discard_output() -> None:
-    """Discard the rest of the output: the reader of the pipe is gone."""
+    """Discard the rest of the output: the reader of the pipe is gone, or the disk is full."""
     for stream in (sys.stdout, sys.stderr):
         try:
             stream.flush()
-        except BrokenPipeError:
+        except (BrokenPipeError, OutputError):
             os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
