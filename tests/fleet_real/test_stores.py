@@ -128,8 +128,8 @@ def test_an_empty_folder_made_in_a_console_is_a_place_for_a_dataset(bucket, tmp_
 
 
 class OneConnection(LocalFileSystem):
-    """A file system like FTP's: one request at a time, no file that stays open, and a folder that
-    another process makes at the same time is an error.
+    """A file system like FTP's: one request at a time, no file that stays open, lists of names in
+    another encoding, and a folder that another process makes at the same time is an error.
     """
 
     protocol = "one"
@@ -152,6 +152,9 @@ class OneConnection(LocalFileSystem):
         with self.alone():
             return Path(self._strip_protocol(path)).read_bytes()
 
+    def find(self, path: str, **_) -> list[str]:
+        return [name.encode().decode("latin-1") for name in super().find(path)]
+
     def makedirs(self, path: str, exist_ok: bool = False) -> None:
         if path not in self.tried:
             self.tried.add(path)
@@ -168,7 +171,7 @@ def test_a_dataset_behind_one_connection(tmp_path) -> None:
 
     fsspec.register_implementation("one", OneConnection, clobber=True)
     for number in range(4):
-        make(tmp_path / "in" / f"{number}.pcapng", began=BEGAN + number * DAY)
+        make(tmp_path / "in" / f"{number}.pcapng", plate="Волга 1", began=BEGAN + number * DAY)
     home = f"one://{tmp_path / 'set'}"
     assert counts(add_here(tmp_path / "in", to=home)) == (4, 0, 0, 0)
     assert counts(add_here(tmp_path / "in", to=home)) == (0, 0, 4, 0)

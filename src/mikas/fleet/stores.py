@@ -236,7 +236,9 @@ class UrlStore(Store):
     def missing(self, names: Iterable[str]) -> set[str]:
         with errors_of(self.place):
             self.system.invalidate_cache()
-            return set(names) - {path.removeprefix(f"{self.root}/") for path in self._found()}
+            listed = {path.removeprefix(f"{self.root}/") for path in self._found()}
+            # A list may have names in another encoding: what it does not have is read.
+            return {name for name in set(names) - listed if self.read(name) is None}
 
     def _found(self) -> list[str]:
         try:
