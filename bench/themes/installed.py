@@ -5,11 +5,12 @@ Where nothing was built yet, it is built, which needs a network once.
 
 from __future__ import annotations
 
+import shutil
 import subprocess
 from collections.abc import Iterator
 from pathlib import Path
 
-from package import program, wheel
+from package import deb, program, wheel
 from package.project import DIST
 
 from bench.rows import Row, Scope, Theme, timed
@@ -21,6 +22,8 @@ def run(scope: Scope) -> Iterator[Theme]:
     if not program.FOLDER.is_dir():
         wheel.build()
         program.build()
+    if not [*DIST.glob("*.deb")] and shutil.which("dpkg-deb"):
+        deb.build()
     starts = timed(_start, scope.of(11, 3))
     inside = [
         each for each in program.FOLDER.rglob("*") if each.is_file() and not each.is_symlink()
