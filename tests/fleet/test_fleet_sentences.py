@@ -21,7 +21,7 @@ import mikas.fleet.report.sentences as module
 from mikas.catalog import shipped
 from mikas.fleet.cars import KnownBy
 from mikas.fleet.report.comparing import FEWEST_DRIVES, FEWEST_OF_TREND, outlier, trend, value_of
-from mikas.fleet.report.figures import CarFigures, FaultReading, FleetFigures
+from mikas.fleet.report.figures import CarFigures, DatedFaults, FleetFigures
 from mikas.fleet.report.findings import FleetFindings, find
 from mikas.fleet.report.measures import MEASURES
 from mikas.fleet.report.page import render
@@ -38,7 +38,7 @@ def car(name: str = "A", readings=((),), known_by: str = "plate", **series) -> C
     """A car with drives a day apart; `series`: the values of its measures."""
     at = [FIRST + timedelta(days=number) for number in range(100)]
     valued = {key: list(zip(at, values, strict=False)) for key, values in series.items()}
-    heard = [FaultReading(*it) for it in zip(at, readings, strict=False)]
+    heard = [DatedFaults(*it) for it in zip(at, readings, strict=False)]
     count = max((len(values) for values in series.values()), default=1)
     return CarFigures(
         name, frozenset({KnownBy(known_by)}), "Волга", count, 0, 0, 3600.0 * count, at[0],

@@ -31,7 +31,7 @@ FROM faults GROUP BY drive, reading, before, utc ORDER BY drive, reading
 
 
 @dataclass(frozen=True, slots=True)
-class FaultReading:
+class DatedFaults:
     """The real faults that were stored at a time."""
 
     time: datetime
@@ -55,7 +55,7 @@ class CarFigures:
     first: datetime | None = None
     last: datetime | None = None
     series: dict[str, list[tuple[datetime, float]]] = field(default_factory=dict)
-    readings: list[FaultReading] = field(default_factory=list)
+    readings: list[DatedFaults] = field(default_factory=list)
     read: bool = False
 
     def values(self, measure: str) -> list[float]:
@@ -112,13 +112,13 @@ def _add_readings(
     them. Return the faults that were stored in each drive.
     """
     stored: dict[str, set[int]] = defaultdict(set)
-    found: dict[str, set[FaultReading]] = defaultdict(set)
+    found: dict[str, set[DatedFaults]] = defaultdict(set)
     for drive, before, time, codes in database.rows(_FAULTS):
         stored[drive] = set(codes or ()) | (set() if before else stored[drive])
         if drive in car_of:
             car_of[drive].read = True
         if drive in dated and time is not None:
-            found[dated[drive][0].car].add(FaultReading(time, tuple(codes or ())))
+            found[dated[drive][0].car].add(DatedFaults(time, tuple(codes or ())))
     for car, _ in dated.values():
         car.readings = sorted(found[car.car], key=lambda reading: (reading.time, reading.codes))
     return stored

@@ -49,7 +49,7 @@ class OutOfRange:
 
 
 @dataclass(frozen=True, slots=True)
-class StoredFault:
+class CarFault:
     """A fault of a car: first and last reading with it, and whether the latest reading had it.
 
     `marks`: of each reading, whether it had it.
@@ -70,7 +70,7 @@ class CarFindings:
     stands_out: tuple[StandsOut, ...]
     changes: tuple[Changes, ...]
     out_of_range: tuple[OutOfRange, ...]
-    faults: tuple[StoredFault, ...]
+    faults: tuple[CarFault, ...]
 
     @property
     def found(self) -> bool:
@@ -167,8 +167,8 @@ def _car(car: CarFigures, values: dict[str, dict[str, float]], catalog: Catalog)
     return CarFindings(car, tuple(stands_out), tuple(changes), tuple(out_of_range), faults)
 
 
-def _faults(car: CarFigures, catalog: Catalog) -> Iterator[StoredFault]:
+def _faults(car: CarFigures, catalog: Catalog) -> Iterator[CarFault]:
     for code in sorted({code for reading in car.readings for code in reading.codes}):
         marks = tuple(code in reading.codes for reading in car.readings)
         times = [it.time for it, has in zip(car.readings, marks, strict=True) if has]
-        yield StoredFault(catalog.fault(code), times[0], times[-1], marks[-1], marks)
+        yield CarFault(catalog.fault(code), times[0], times[-1], marks[-1], marks)

@@ -13,7 +13,7 @@ import numpy as np
 from markupsafe import Markup
 
 from mikas.cancellation import check_cancelled
-from mikas.fleet.report.findings import CarFindings, FleetFindings, FleetValue, StoredFault
+from mikas.fleet.report.findings import CarFault, CarFindings, FleetFindings, FleetValue
 from mikas.fleet.report.measures import MEASURES, Measure
 from mikas.fleet.report.sentences import (
     CARS,
@@ -155,7 +155,7 @@ def _part(
     }
 
 
-def _fault(fault: StoredFault, language: Language) -> dict[str, object]:
+def _fault(fault: CarFault, language: Language) -> dict[str, object]:
     marks = fault.marks[-_MOST_MARKS:]
     return {
         "code": fault.fault.code,

@@ -10,12 +10,12 @@ from datetime import UTC, datetime
 from mikas.fleet.cars import KnownBy
 from mikas.fleet.report.comparing import FEWEST_DRIVES, FEWEST_OF_TREND, FEWEST_OTHERS, LATEST
 from mikas.fleet.report.findings import (
+    CarFault,
     CarFindings,
     Changes,
     FleetFindings,
     OutOfRange,
     StandsOut,
-    StoredFault,
 )
 from mikas.fleet.report.measures import Measure
 from mikas.i18n import Language, Text, counted
@@ -130,7 +130,7 @@ def unknowns(found: FleetFindings) -> Iterator[Text]:
     )
 
 
-def fault_state(fault: StoredFault) -> Text:
+def fault_state(fault: CarFault) -> Text:
     """Return whether a fault is stored, and when it was seen."""
     first, last = date(fault.first), date(fault.last)
     if fault.is_stored:
@@ -149,13 +149,13 @@ def date(time: datetime) -> str:
     return f"{time.replace(tzinfo=UTC).astimezone():%d.%m.%Y}"
 
 
-def fault_text(fault: StoredFault) -> Text:
+def fault_text(fault: CarFault) -> Text:
     """Return the fault in words."""
     unknown = Text("unknown fault number", "неизвестный номер ошибки")
     return fault.fault.text if fault.fault.known else unknown
 
 
-def _stored(fault: StoredFault) -> Text:
+def _stored(fault: CarFault) -> Text:
     words, code = fault_text(fault), fault.fault.code
     return Text(
         f"Fault {code} is stored: {words.en}.", f"В памяти блока ошибка {code}: {words.ru}."
