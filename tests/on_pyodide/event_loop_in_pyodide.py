@@ -29,8 +29,9 @@ def run(coroutine):
 def test_timers_come_in_order():
     async def scenario():
         loop, came = asyncio.get_running_loop(), []
+        now = loop.time()  # of all: between two calls more than a millisecond may pass
         for delay in (0.003, 0.001, 0.002):
-            loop.call_later(delay, came.append, delay)
+            loop.call_at(now + delay, came.append, delay)
         loop.call_soon(came.append, 0)
         await asyncio.sleep(0.004)
         while len(came) < 4:
