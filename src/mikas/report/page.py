@@ -91,6 +91,8 @@ class _Page:
             "policy": policy(),
             "style": Markup(page_style()),
             "title": " · ".join(filter(None, (label("title"), model, file))),
+            "heading": label("title"),
+            "unknown_title": label("unknown"),
             "date": date.strftime(label("date")) if date else label("no_date"),
             "about": " · ".join((*found.subject.notes[:3], about)),
             "found": found,
