@@ -152,9 +152,9 @@ def _run_cells(page: Page) -> None:
     page.click(".jp-Notebook .jp-CodeCell .cm-content >> nth=0")
     for _ in CELLS:
         page.keyboard.press("Shift+Enter")
-        sleep(1.5)
+        sleep(1.5)  # the next cell is there to be chosen
     page.wait_for_selector(".jp-OutputArea-output img", timeout=90_000)
-    sleep(3)
+    sleep(3)  # the figure has its final size
     page.evaluate("document.querySelector('.jp-WindowedPanel-outer').scrollTop = 0")
     sleep(1)
 

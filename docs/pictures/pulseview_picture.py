@@ -6,12 +6,11 @@ PYTHONPATH=tests python docs/pictures/pulseview_picture.py
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
 import tempfile
 import time
 from pathlib import Path
+
+from virtual_screen import Window, screen
 
 from dissectors.levels_rig import Tap, signals, write_session
 from mikas.catalog import shipped
@@ -61,16 +60,11 @@ def main() -> None:
         folder = Path(name)
         recorded(folder / "line.sr")
         (folder / "line.pvs").write_text(SETUP, "utf-8")
-        screen = ["Xvfb", DISPLAY, "-screen", "0", f"{WIDTH}x{HEIGHT}x24"]
-        xvfb = subprocess.Popen(screen, stderr=subprocess.DEVNULL)
-        try:
-            time.sleep(1)
+        with screen(DISPLAY, WIDTH, HEIGHT):
             for language in ("en", "ru"):
                 text = source(shipped(), language=language)
                 install(decoder_file(folder / "decoders"), text, MARK)
                 take(folder, Path(__file__).parent / language / "sigrok.png")
-        finally:
-            xvfb.terminate()
 
 
 def recorded(file: Path) -> None:
@@ -92,27 +86,15 @@ def recorded(file: Path) -> None:
 
 def take(folder: Path, out: Path) -> None:
     """Start PulseView with the recording and the decoders, and take its window."""
-    environment = os.environ | {
-        "DISPLAY": DISPLAY, "HOME": str(folder), "SIGROKDECODE_DIR": str(folder / "decoders"),
-    }  # fmt: skip
-    environment.pop("XDG_CONFIG_HOME", None)
     command = ["pulseview", "-c", "-D", "-i", "line.sr", "-s", "line.pvs"]
-    with (folder / "log").open("w") as log:
-        pulseview = subprocess.Popen(command, cwd=folder, env=environment, stdout=log, stderr=log)
-    try:
-        time.sleep(5)
-        window = ["xdotool", "search", "--name", "line.sr - PulseView"]
-        found = subprocess.run(window, env=environment, capture_output=True, check=True).stdout
-        number = found.decode().split()[-1]
-        for action in (["windowmove", number, "0", "0"], ["windowsize", number, "1500", "300"]):
-            subprocess.run(["xdotool", *action], env=environment, check=True)
+    decoders = str(folder / "decoders")
+    window = Window(command, DISPLAY, folder, SIGROKDECODE_DIR=decoders)
+    with window.opened(5):
+        number = window.act("search", "--name", "line.sr - PulseView").split()[-1]
+        window.act("windowmove", number, "0", "0")
+        window.act("windowsize", number, str(WIDTH), str(HEIGHT))
         time.sleep(3)
-        shot = ["import", "-window", "root", "+dither", "-colors", "96", f"png8:{out}"]
-        subprocess.run(shot, env=environment, check=True)
-        print(out, file=sys.stderr)
-    finally:
-        pulseview.terminate()
-        pulseview.wait()
+        window.picture(out)
 
 
 if __name__ == "__main__":

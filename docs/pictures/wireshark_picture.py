@@ -6,12 +6,11 @@ python docs/pictures/wireshark_picture.py
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
 import tempfile
 import time
 from pathlib import Path
+
+from virtual_screen import Window, screen
 
 import mikas
 from mikas.catalog import shipped
@@ -50,18 +49,12 @@ def main() -> None:
         columns = ", ".join(f'"{title}", "{form}"' for title, form in COLUMNS)
         settings.joinpath("preferences").write_text(f"gui.column.format: {columns}\n", "utf-8")
         settings.joinpath("recent_common").write_text(RECENT, "utf-8")
-        screen = ["Xvfb", DISPLAY, "-screen", "0", f"{WIDTH}x{HEIGHT}x24"]
-        xvfb = subprocess.Popen(screen, stderr=subprocess.DEVNULL)
-        try:
-            time.sleep(1)
+        with screen(DISPLAY, WIDTH, HEIGHT):
             for language in ("en", "ru"):
                 text = source(shipped(), language, "corrected", f"{mikas.__version__}")
                 install(folder / ".local/lib/wireshark/plugins/mikas.lua", text, MARK)
                 settings.joinpath("language").write_text(f"language: {language}\n", "utf-8")
                 take(folder, Path(__file__).parent / language / "wireshark.png")
-        finally:
-            xvfb.terminate()
-            xvfb.wait()
 
 
 def recorded(file: Path) -> None:
@@ -78,13 +71,9 @@ def recorded(file: Path) -> None:
 
 def take(folder: Path, out: Path) -> None:
     """Start Wireshark with the recording and the filter, open the tree, and take its window."""
-    environment = os.environ | {"DISPLAY": DISPLAY, "HOME": str(folder), "TZ": "UTC"}
-    environment.pop("XDG_CONFIG_HOME", None)
     command = ["wireshark", "-r", "drive.pcapng", "-Y", FILTER]
-    with (folder / "log").open("w") as log:
-        wireshark = subprocess.Popen(command, cwd=folder, env=environment, stdout=log, stderr=log)
-    try:
-        time.sleep(10)
+    window = Window(command, DISPLAY, folder, TZ="UTC")
+    with window.opened(10):
         for action in (
             dragged(*BELOW),
             dragged(*BESIDE),
@@ -92,14 +81,9 @@ def take(folder: Path, out: Path) -> None:
             [*clicked(*PROTOCOL), "key", "shift+Right"],
             clicked(*VALUE),
         ):
-            subprocess.run(["xdotool", *action], env=environment, check=True)
+            window.act(*action)
             time.sleep(1)
-        shot = ["import", "-window", "root", "+dither", "-colors", "96", f"png8:{out}"]
-        subprocess.run(shot, env=environment, check=True)
-        print(out, file=sys.stderr)
-    finally:
-        wireshark.terminate()
-        wireshark.wait()
+        window.picture(out)
 
 
 def clicked(x: int, y: int) -> list[str]:

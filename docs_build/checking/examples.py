@@ -102,7 +102,7 @@ def _python(code: Code, names: dict[str, object]) -> Iterator[tuple[int, str]]:
             exec(compiled, names)
     except TimeoutError:
         raise
-    except Exception as error:
+    except Exception as error:  # whatever the example raises is the finding
         line = 0
         step = error.__traceback__
         while step:

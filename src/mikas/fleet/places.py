@@ -78,10 +78,10 @@ def errors_of(place: str) -> Iterator[None]:
         raise
     except OSError as error:
         raise FleetError(shown(place), _scrubbed(reason_of(error), place)) from error
-    except Exception as error:
+    except Exception as error:  # each store's client has errors of its own
         if not is_url(place):
             raise
-        words = str(error).partition("\n")[0] or type(error).__name__  # of a client of the store
+        words = str(error).partition("\n")[0] or type(error).__name__
         raise FleetError(shown(place), _scrubbed(Text(words, words), place)) from error
 
 
