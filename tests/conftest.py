@@ -6,6 +6,7 @@ import gc
 import itertools
 import os
 import signal
+import sys
 import tempfile
 from pathlib import Path
 
@@ -64,6 +65,13 @@ def state_folder(monkeypatch):
     folder = Path(_STATE.name) / str(next(_count))
     monkeypatch.setenv("MIKAS_STATE", str(folder))
     return folder
+
+
+@pytest.fixture(autouse=True)
+def english():
+    """The language of messages, which another test of this process may have changed."""
+    if language := sys.modules.get("mikas.cli.language"):
+        language.set_language("en")
 
 
 @pytest.hookimpl(optionalhook=True)
