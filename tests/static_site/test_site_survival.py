@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import os
 import signal
+import time
 from contextlib import suppress
 from pathlib import Path
 
 import pytest
 
 from browser.chromium_rig import FLAGS
+from browser.rig import UNTIL
 
 from .site_rig import SiteTab, site_tab
 
@@ -49,6 +51,18 @@ def kill(*processes: int) -> None:
         os.kill(each, signal.SIGKILL)
 
 
+def kill_renderers(browser) -> None:
+    """Kill each of them, and wait until the browser knows it.
+
+    One that it keeps in reserve would become the next tab, which then crashes as it opens.
+    """
+    killed = renderers(browser)
+    kill(*killed)
+    until = time.monotonic() + UNTIL / 1000
+    while killed & renderers(browser):
+        assert time.monotonic() < until, "the browser does not notice that its processes died"
+
+
 def test_a_reload_amid_a_recording_asks_first(tab, recording):
     asked = []
     tab.page.on("dialog", lambda dialog: (asked.append(dialog.type), dialog.accept()))
@@ -64,7 +78,7 @@ def test_a_tab_that_is_closed(tab, recording):
 
 def test_a_page_whose_process_is_killed(tab, recording, chromium):
     with tab.page.expect_event("crash"):
-        kill(*renderers(chromium))
+        kill_renderers(chromium)
     is_kept(tab.renew(), recording)
 
 
