@@ -17,10 +17,16 @@ from pathlib import Path
 @contextmanager
 def screen(display: str, width: int, height: int) -> Iterator[None]:
     """Have this screen, in pixels; `display`: its name, as in `:77`."""
-    command = ["Xvfb", display, "-screen", "0", f"{width}x{height}x24"]
-    with subprocess.Popen(command, stderr=subprocess.DEVNULL) as xvfb:
+    ready, reports = os.pipe()
+    command = ["Xvfb", display, "-screen", "0", f"{width}x{height}x24", "-displayfd", str(reports)]
+    with (
+        os.fdopen(ready, "rb") as ready_line,
+        subprocess.Popen(command, stderr=subprocess.DEVNULL, pass_fds=[reports]) as xvfb,
+    ):
+        os.close(reports)
         try:
-            time.sleep(1)
+            if not ready_line.readline():
+                raise SystemExit(f"Xvfb did not start: is {display} in use?")
             yield
         finally:
             xvfb.terminate()
@@ -44,7 +50,7 @@ class Window:
             ) as program,
         ):
             try:
-                time.sleep(seconds)
+                time.sleep(seconds)  # nothing that can be waited for: see above
                 yield
             finally:
                 program.terminate()

@@ -119,7 +119,7 @@ class Ledger:
         self.refresh()
 
     def refresh(self) -> None:
-        """Read the entries anew: other runs may have changed them."""
+        """Read the entries again: other runs may have changed them."""
         read = map(read_entry, self.files.contents(FOLDER).values())
         found = {entry.key: entry for entry in read if entry is not None}
         gone = {name for entry in found.values() for name in entry.obsolete}
