@@ -108,7 +108,7 @@ def test_the_tag_is_that_of_the_version():
 
 
 def test_the_notes_are_those_of_the_version(monkeypatch):
-    assert notes().startswith("The first version.")
+    assert notes().startswith("The first version: ")
     assert "## [" not in notes()
     monkeypatch.setattr("package.notes.version", lambda: "9.9.9")
     with pytest.raises(Failed, match=r"towncrier build --version 9\.9\.9"):
