@@ -67,7 +67,7 @@ PAGES = (
         ("Channel", "Rows"),
     ),
     Module(
-        "mikas.recording.notebook.drawing",
+        "mikas.notebook.drawing",
         Text("What `Recording.plot` returns.", "То, что возвращает `Recording.plot`."),
         ("Plot",),
     ),
@@ -88,6 +88,9 @@ PAGES = (
         Text("What can go wrong: one tree.", "Что может пойти не так: одно дерево."),
     ),
 )  # fmt: skip
+# Its table is of a base class that has no page of its own.
+_WITH_INHERITED = frozenset({"mikas.Recording"})
+_INHERITED = "    options:\n      inherited_members: true\n"
 _ENGLISH = Text("", "Описания взяты из программы, поэтому они на английском языке.\n\n")
 
 
@@ -98,6 +101,9 @@ def path_of(module: Module) -> str:
 
 def python_page(module: Module, language: Language) -> str:
     """Return a module's page."""
-    names = "\n".join(f"::: {each}\n" for each in module.identifiers)
+    names = "\n".join(
+        f"::: {each}\n{_INHERITED if each in _WITH_INHERITED else ''}"
+        for each in module.identifiers
+    )
     about = f"{module.about.to(language)}\n\n{_ENGLISH.to(language)}"
     return f"# {module.name}\n\n{about}{names}"

@@ -28,15 +28,13 @@ from mikas.cli.main import run
 from mikas.errors import MikasError, UsageError
 from mikas.fleet.interpreting import Settings, interpret
 from mikas.i18n import Language
+from mikas.notebook.panes import chosen_panes, coloured
+from mikas.notebook.picture import picture_of
 from mikas.recording.annotations.events import comment_note
 from mikas.recording.capture.reader import CaptureReader, Problem
 from mikas.recording.capture.writer import append_note
 from mikas.recording.export import DIALECTS, export
 from mikas.recording.inspect import Describer, decode, to_json
-from mikas.recording.notebook.display import as_html
-from mikas.recording.notebook.panes import coloured
-from mikas.recording.notebook.picture import picture_of
-from mikas.recording.notebook.plot import chosen_panes
 from mikas.recording.recorded_faults import faults_in
 from mikas.recording.search import SearchCondition, search
 from mikas.recording.summary import summarise
@@ -135,12 +133,12 @@ def _in_a_notebook(path: Path) -> None:
     languages: tuple[Language, ...] = ("en", "ru")
     for language in languages:
         recording = mikas.open(path, language=language)
-        ET.fromstring(as_html(recording, language))
+        ET.fromstring(recording._repr_html_())
         str(recording).encode()
     panes = coloured(chosen_panes(recording, (), group_by_unit=True))
     for stacked in (False, True):
         with suppress(UsageError):  # it has no values
-            picture_of(recording, panes, stacked=stacked, reference=True)
+            picture_of(recording, panes, language="ru", stacked=stacked, reference=True)
 
 
 def _exported(suffix: str, dialect: str = "plain") -> Callable[[Path], None]:

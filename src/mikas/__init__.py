@@ -28,8 +28,8 @@ if TYPE_CHECKING:
         connect,
     )
     from mikas.errors import MikasError
-    from mikas.recording.recording import Recording
-    from mikas.recording.recording import open as open  # noqa: A004  (read as `mikas.open`)
+    from mikas.notebook.recording import Recording
+    from mikas.notebook.recording import open as open  # noqa: A004  (read as `mikas.open`)
 
 __all__ = [
     "AsyncEcu",
@@ -51,8 +51,8 @@ _MODULES = dict.fromkeys(__all__, "mikas.client") | {
     "Fault": "mikas.catalog",
     "MikasError": "mikas.errors",
     "Parameter": "mikas.catalog",
-    "Recording": "mikas.recording.recording",
-    "open": "mikas.recording.recording",  # not in `__all__`: `import *` would hide the built-in one
+    "Recording": "mikas.notebook.recording",
+    "open": "mikas.notebook.recording",  # not in `__all__`: `import *` would hide the built-in one
 }
 
 

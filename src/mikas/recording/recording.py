@@ -1,23 +1,17 @@
-"""A recording as a table, for notebooks and for exports: `mikas.open("drive.pcapng")`.
+"""A recording as a table, for exports and for what is shown of it (`mikas.notebook`).
 
-    recording = mikas.open("drive.pcapng")
-    frame = recording.to_pandas()          # or to_polars(), to_arrow(), rows()
-    recording.plot("FREQ", ["INJ", "JAIR"])
-
-As the last line of a notebook's cell it shows its car, faults, gaps and channels; `print` shows the
-same as text. Parameters are decoded from the raw bytes by the present catalog, derived channels
-computed from them. numpy, matplotlib and the data frames' libraries are imported on use.
+Parameters are decoded from the raw bytes by the present catalog, derived channels computed from
+them. numpy and the data frames' libraries are imported on use.
 """
 
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from functools import cached_property
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from mikas.catalog import Catalog, load
+from mikas.catalog import Catalog
 from mikas.cleaning import clean_line
 from mikas.errors import usage_error
 from mikas.recording.annotations.events import (
@@ -32,39 +26,7 @@ from mikas.recording.table.channels import Rows, all_channels, calendar, is_reco
 from mikas.sampling.events import Event, MethodChosen
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-    from mikas.i18n import Language
-    from mikas.recording.notebook.drawing import Plot
-    from mikas.recording.notebook.overview import Overview
-    from mikas.recording.notebook.picture import Moment
     from mikas.recording.table.window import Windows
-
-
-def open(  # noqa: A001  (read as `mikas.open`)
-    path: str | os.PathLike[str],
-    *,
-    interpretation: str = "corrected",
-    catalogs: Iterable[str | os.PathLike[str]] = (),
-    names: Iterable[str] = (),
-    language: Language | None = None,
-) -> Recording:
-    """Read a recording (.pcapng) and return it as a table.
-
-    `interpretation`: corrected, literal or alternative (errata). `catalogs`: your own files, which
-    add to and override the shipped definitions. `names`: the wanted channels in their order; by
-    default all recorded ones. `language`: `en` or `ru`, for what a notebook shows; by default that
-    of MIKAS_LANG, of the config file, or of the system.
-
-    Raises `CaptureError` for a file that is no capture, `UsageError` for an invalid name or
-    setting. `problems` lists damage in the file.
-    """
-    if language not in (None, "en", "ru"):
-        raise usage_error(
-            f"There is no language “{language}”; there are: en, ru",
-            f"Языка «{language}» нет; есть: en, ru",
-        )
-    return Recording(path, load(*map(Path, catalogs)), interpretation, names, language)
 
 
 class Recording:
@@ -82,7 +44,6 @@ class Recording:
         catalog: Catalog,
         interpretation: str = "corrected",
         names: Iterable[str] = (),
-        language: Language | None = None,
     ) -> None:
         from mikas.recording.table.reader import TableReader
 
@@ -93,7 +54,6 @@ class Recording:
         self.path = capture.path
         self.catalog = catalog
         self.interpretation = interpretation
-        self._language = language
         self._reader = TableReader(self.path, catalog, interpretation)
         self._corrected = self._reader
         recorded = {channel.name: channel for channel in self._reader.channels}
@@ -213,77 +173,6 @@ class Recording:
     def __repr__(self) -> str:
         names = " ".join(channel.name for channel in self.channels)
         return f"<Recording {str(self.path)!r}: {len(self.channels)} channels: {names}>"
-
-    @property
-    def language(self) -> Language:
-        """The language of what it shows."""
-        from mikas.preferences import user_language
-
-        return self._language or user_language()
-
-    @cached_property
-    def overview(self) -> Overview:
-        """What it shows of itself: car, faults, gaps, markers, each channel's range and rate.
-
-        Raises `CaptureError` if the file can't be read any more.
-        """
-        from mikas.recording.notebook.overview import overview_of
-
-        return overview_of(self)
-
-    def __str__(self) -> str:
-        from mikas.recording.notebook.display import as_text
-
-        return as_text(self, self.language)
-
-    def _repr_html_(self) -> str:
-        """Return the same for a notebook."""
-        from mikas.recording.notebook.display import as_html
-
-        return as_html(self, self.language)
-
-    def _repr_pretty_(self, printer: Any, cycle: bool) -> None:  # noqa: ANN401, ARG002  (IPython's)
-        """Show the same on IPython's console."""
-        printer.text(str(self))
-
-    def plot(
-        self,
-        *panes: str | Sequence[str],
-        start: Moment | None = None,
-        end: Moment | None = None,
-        by_unit: bool = False,
-        stacked: bool = False,
-        reference: bool = False,
-        points: int = 2000,
-        figsize: tuple[float, float] | None = None,
-        ax: Axes | None = None,
-    ) -> Plot:
-        """Draw channels over time with matplotlib, as the dashboard's chart; return the drawing.
-
-        `panes`: from top to bottom, each a channel or a list of channels; the chart's own by
-        default. `start`, `end`: seconds from the first row, as tables count, or a `datetime`.
-        `by_unit`: the named channels, or all, in a pane for each unit. `stacked`: each channel in a
-        lane of its own. `reference`: the catalog's range at warm idle behind each line. `points`:
-        of a line at most; its extremes are kept. `ax`: draw one pane there.
-
-        The result's `figure` and its `axes` by channel are matplotlib's, to go on with; their time
-        is in seconds from the first row. Raises `MissingExtra` without matplotlib, `UsageError` for
-        an unknown channel or if there is nothing to draw.
-        """
-        from mikas.recording.notebook.plot import drawn
-
-        return drawn(
-            self,
-            panes,
-            start=start,
-            end=end,
-            group_by_unit=by_unit,
-            stacked=stacked,
-            reference=reference,
-            points=points,
-            figsize=figsize,
-            ax=ax,
-        )
 
     def rows(self) -> Iterator[Rows]:
         """Yield the recording in stretches, read from the file at each call.

@@ -7,7 +7,7 @@ that the builder's state before and after a run is complete.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 
@@ -16,11 +16,9 @@ from mikas.recording.exchanges.arrays import ExchangeColumns, Floats, Index, Mas
 from mikas.recording.exchanges.layouts import STREAMS
 from mikas.recording.exchanges.pieces import joined
 from mikas.recording.exchanges.refusals import is_lone, is_twice
+from mikas.replay.builder import ReplayBuilder
 from mikas.replay.contents import ROUNDING, RecordedPort, Request
 from mikas.replay.model import Series
-
-if TYPE_CHECKING:
-    from mikas.replay.build import ReplayBuilder
 
 _MIN_RUN: Final = 16  # exchanges
 _RETRY_AFTER: Final = 64  # rows after an attempt that found no run

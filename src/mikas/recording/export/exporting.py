@@ -17,31 +17,13 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from mikas.errors import ExportError, MikasError, MissingExtra, reason_of
 from mikas.i18n import Language, Text
+from mikas.recording.export.dialects import PLAIN, Dialect
 from mikas.recording.table.channels import Channel, Rows
 
 if TYPE_CHECKING:
     from mikas.sampling.events import Event
 
 TIME = "time"  # a column of every format; no channel may have this name
-
-
-@dataclass(frozen=True, slots=True)
-class Dialect:
-    """`mark`: begin the file with a byte order mark, by which Excel recognises UTF-8."""
-
-    separator: str = ","
-    decimal: str = "."
-    mark: bool = False
-
-
-# For RomRaider's readers of logs, LibreOffice, pandas and an English Excel. These readers expect
-# the word `Time` at the file's start, where a mark would be.
-PLAIN = Dialect()
-
-# For Excel where the comma is the decimal sign (Russia, most of Europe), opened by a double click.
-EXCEL = Dialect(separator=";", decimal=",", mark=True)
-
-DIALECTS = {"plain": PLAIN, "excel": EXCEL}
 
 
 class Format(NamedTuple):

@@ -22,7 +22,7 @@ from mikas.recording.table.channels import Channel, Rows, calendar, with_gaps
 from mikas.sampling.events import AlarmChanged, Event, Gap, Marker, TextNote
 
 if TYPE_CHECKING:
-    from mikas.recording.export.exporting import Dialect
+    from mikas.recording.export.dialects import Dialect
 
 STRETCH = 32_768  # × 24 columns × 8 bytes: 6 MB
 

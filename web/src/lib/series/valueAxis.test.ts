@@ -136,7 +136,7 @@ describe("the axes of a pane", () => {
   });
 });
 
-describe("the cases that a plot in a notebook is held to as well (tests/recording/notebook)", () => {
+describe("the cases that a plot in a notebook is held to as well (tests/notebook)", () => {
   interface Case {
     lines: { name: string; flag: boolean; unit: string; span_least: number | null; lowest: number | null; seen: Line["seen"]; band: [number, number] | null }[];
     axes: { low: number; high: number; floor: boolean }[];

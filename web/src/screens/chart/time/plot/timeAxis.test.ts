@@ -42,7 +42,7 @@ describe("the labels of a picture's axis", () => {
   });
 });
 
-it("has the labels that a plot in a notebook is held to as well (tests/recording/notebook)", () => {
+it("has the labels that a plot in a notebook is held to as well (tests/notebook)", () => {
   const cases = JSON.parse(readFileSync(new URL("./timeAxis.test.json", import.meta.url), "utf8")) as { from: number; to: number; zero: number; labels: unknown }[];
   for (const { from, to, zero, labels } of cases) expect(axisTimes(from, to, zero)).toEqual(labels);
 });

@@ -20,11 +20,11 @@ from mikas.catalog import Derived
 from mikas.cleaning import clean_line
 from mikas.errors import usage_error
 from mikas.i18n import Text
+from mikas.notebook.interruptions import Span, course, reasons_of_gaps, span_of
+from mikas.notebook.panes import Pane, Trace, axis_key
+from mikas.notebook.value_axes import Axis, Line, axes_of, scale_of, stacked_axes
 from mikas.recording.annotations.car import car_of
 from mikas.recording.formatting import date_of
-from mikas.recording.notebook.interruptions import Span, course, reasons_of_gaps, span_of
-from mikas.recording.notebook.panes import Pane, Trace, axis_key
-from mikas.recording.notebook.value_axes import Axis, Line, axes_of, scale_of, stacked_axes
 from mikas.sampling.events import AlarmChanged, Event, Marker, UnitFound
 
 if TYPE_CHECKING:
@@ -92,6 +92,7 @@ def picture_of(
     recording: Recording,
     panes: Sequence[Pane],
     *,
+    language: Language,
     start: Moment | None = None,
     end: Moment | None = None,
     stacked: bool = False,
@@ -131,7 +132,7 @@ def picture_of(
         begin=begin - zero,
         end=last - zero,
         stacked=stacked,
-        language=recording.language,
+        language=language,
     )
 
 

@@ -19,17 +19,17 @@ from matplotlib.ticker import FuncFormatter, Locator, MaxNLocator
 from matplotlib.transforms import ScaledTranslation
 
 from mikas.i18n import Language
-from mikas.recording.formatting import short
-from mikas.recording.notebook.interruptions import united
-from mikas.recording.notebook.panes import DAY, NIGHT, Palette
-from mikas.recording.notebook.picture import Picture, PlottedLine
-from mikas.recording.notebook.time_axis import (
+from mikas.notebook.interruptions import united
+from mikas.notebook.panes import DAY, NIGHT, Palette
+from mikas.notebook.picture import Picture, PlottedLine
+from mikas.notebook.time_axis import (
     elapsed,
     midnight_offset,
     round_times,
     step_of,
     time_of_day,
 )
+from mikas.recording.formatting import short
 from mikas.recording.table.channels import calendar
 
 if TYPE_CHECKING:

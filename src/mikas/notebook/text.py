@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import Final
 
 from mikas.cleaning import clean_line
-from mikas.recording.notebook.wording import Wording
+from mikas.notebook.wording import Wording
 
 _WIDEST: Final = 44  # characters of a channel's text
 

@@ -8,9 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
-from mikas.recording.table.channels import Channel
+from mikas.errors import usage_error
+from mikas.recording.table.channels import Channel, named
+
+if TYPE_CHECKING:
+    from mikas.recording.recording import Recording
 
 FIRST: Final = (("FREQ", "THR"), ("INJ", "JAIR"), ("UOZ",), ("TWAT", "UACC"))
 MOST: Final = 5  # panes that the chart makes by itself
@@ -63,6 +67,26 @@ def axis_key(channel: Channel) -> str:
     A flag has an axis of its own, and so has a channel without a unit.
     """
     return f"own {channel.name}" if channel.is_flag or not channel.unit else channel.unit
+
+
+def chosen_panes(
+    recording: Recording, panes: Sequence[str | Sequence[str]], *, group_by_unit: bool
+) -> list[list[Channel]]:
+    """Return the panes that a person names; the chart's own if there are none."""
+    known = {channel.name: channel for channel in recording.channels}
+    recorded = [it for it in recording.channels if it.name not in recording.absent]
+    lists = [[each] if isinstance(each, str) else list(each) for each in panes]
+    names = [[named(recording.catalog, name) for name in names] for names in lists]
+    for name in (name for pane in names for name in pane if name not in known):
+        raise usage_error(
+            f"{name} is not among this recording's channels: {', '.join(known)}",
+            f"{name} нет среди каналов этой записи: {', '.join(known)}",
+        )
+    chosen = [[known[name] for name in dict.fromkeys(pane)] for pane in names if pane]
+    if group_by_unit:
+        each = {it.name: it for pane in chosen for it in pane}
+        return by_unit(each.values() if each else recorded)
+    return chosen or first_panes(recorded)
 
 
 def first_panes(channels: Sequence[Channel]) -> list[list[Channel]]:

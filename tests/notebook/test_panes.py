@@ -10,12 +10,12 @@ import pytest
 
 from mikas.catalog import shipped
 from mikas.i18n import Text
-from mikas.recording.notebook.panes import DAY, FIRST, MOST, NIGHT, by_unit, coloured, first_panes
-from mikas.recording.notebook.time_axis import elapsed, round_times, step_of, time_of_day
-from mikas.recording.notebook.value_axes import Line, Scale, axes_of, scale_of, stacked_axes
+from mikas.notebook.panes import DAY, FIRST, MOST, NIGHT, by_unit, coloured, first_panes
+from mikas.notebook.time_axis import elapsed, round_times, step_of, time_of_day
+from mikas.notebook.value_axes import Line, Scale, axes_of, scale_of, stacked_axes
 from mikas.recording.table.channels import Channel
 
-WEB = Path(__file__).parents[3] / "web" / "src"
+WEB = Path(__file__).parents[2] / "web" / "src"
 CHART = WEB / "screens" / "chart" / "time"
 
 

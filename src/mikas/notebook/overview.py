@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from mikas.recording.notebook.interruptions import course, reasons_of_gaps, span_of
+from mikas.notebook.interruptions import course, reasons_of_gaps, span_of
 from mikas.recording.recorded_faults import RecordedFaults, faults_in
 from mikas.recording.summary import Summary, summarise
 from mikas.recording.table.channels import Channel

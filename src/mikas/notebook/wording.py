@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Final
 
 from mikas.cleaning import clean_line
 from mikas.i18n import Language, Text, counted
+from mikas.notebook.overview import ChannelOverview, Curve, Overview
 from mikas.recording.formatting import CONFIDENCE, date_of, duration, number, percent
-from mikas.recording.notebook.overview import ChannelOverview, Curve, Overview
 from mikas.recording.summary import Summary
 from mikas.sampling.events import Gap
 

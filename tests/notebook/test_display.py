@@ -19,13 +19,13 @@ from mikas.catalog import shipped
 from mikas.client.cars import CarDetails
 from mikas.errors import UsageError
 from mikas.i18n import Text
+from mikas.notebook.html import html_of
+from mikas.notebook.overview import ChannelOverview
+from mikas.notebook.text import text_of
+from mikas.notebook.wording import List, Row, Wording, worded
 from mikas.recording.annotations.events import comment_note
 from mikas.recording.capture.reader import Problem
 from mikas.recording.capture.writer import append_note
-from mikas.recording.notebook.html import html_of
-from mikas.recording.notebook.overview import ChannelOverview
-from mikas.recording.notebook.text import text_of
-from mikas.recording.notebook.wording import List, Row, Wording, worded
 from mikas.recording.table.channels import Channel
 from mikas.sampling.events import Gap, LineState, Marker, StateChanged
 

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mikas.i18n import Text
-from mikas.recording.notebook.interruptions import (
+from mikas.notebook.interruptions import (
     broken,
     interruptions,
     longest_interval,

@@ -15,8 +15,8 @@ from markupsafe import Markup, escape
 
 from mikas.cleaning import clean_line
 from mikas.i18n import Language
-from mikas.recording.notebook.overview import Curve
-from mikas.recording.notebook.wording import COURSE, List, Row, Wording
+from mikas.notebook.overview import Curve
+from mikas.notebook.wording import COURSE, List, Row, Wording
 
 _NUMBERS: Final = 3  # the first column of numbers
 _WIDTH, _HEIGHT = 120, 18

@@ -19,7 +19,7 @@ from notebook_harness import NOON, of_a_car, of_values
 import mikas
 from mikas.errors import MissingExtra, UnknownParameter, UsageError
 from mikas.i18n import Text
-from mikas.recording.notebook.panes import DAY, FIRST, NIGHT
+from mikas.notebook.panes import DAY, FIRST, NIGHT
 from mikas.sampling.events import AlarmChanged, Gap, LineState, Marker, StateChanged
 
 WHY = Text("a long text about what to do $x$", "длинный текст о том, что делать")
