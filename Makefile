@@ -46,7 +46,7 @@ site: build/site/docs/index.html ## the page without installation and the docume
 	@echo "Put the folder build/site on a web server (https), under any address. On this computer: make page"
 
 page: build/site/docs/index.html ## that page on this computer, in a browser
-	@$(venv_python) -m site_build.serve
+	@$(venv_python) -m tools.site.serve
 
 package: .venv/with-test ## what people install, into dist/: wheel, sdist, one-folder program, .deb; installed and tried (docs/how-to/install.md)
 	@$(venv_python) -m package
@@ -79,10 +79,10 @@ check: .venv/with-check web/node_modules/installed build/docs/index.html ## lint
 	$(venv_python) -m ruff format --check .
 	$(venv_python) -m mypy
 	.venv/bin/lint-imports
-	$(venv_python) web/generate_types.py --check
+	$(venv_python) tools/generate_types.py --check
 	@$(venv_python) -m towncrier build --draft --version next >/dev/null
 	@$(npm) run check
-	@$(venv_python) -m docs_build.check
+	@$(venv_python) -m tools.docs.check
 
 bench: .venv/with-test ## rates, times, memory, kills and full disks against their targets, into docs/development/benchmarks.md: an hour
 	@$(venv_python) -m bench
@@ -117,12 +117,12 @@ lock: build/audit/installed ## write requirements/lock.txt, after a change of th
 clean: ## remove .venv and everything else that was generated
 	rm -rf .venv .coverage .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache build dist htmlcov \
 	  web/node_modules src/mikas/dashboard/page
-	find src tests bench fuzz package site_build docs_build -name __pycache__ -type d -prune -exec rm -rf {} + 2>/dev/null || true
+	find src tests bench fuzz tools -name __pycache__ -type d -prune -exec rm -rf {} + 2>/dev/null || true
 
 groups := test check docs package fuzz build audit
 
 # The page is built on installation, so its sources count as well; those of the site alone do not.
-page := pyproject.toml requirements/lock.txt hatch_build.py \
+page := pyproject.toml requirements/lock.txt tools/hatch_build.py \
   $(shell find web \( -path web/node_modules -o -path web/src/site -o -name '*site*' \) -prune -o -type f -print 2>/dev/null)
 
 .venv/installed: $(page)
@@ -152,23 +152,23 @@ web/node_modules/installed: web/package-lock.json .venv/with-test
 	@$(npm) ci
 	@touch $@
 
-site_sources := $(page) $(shell find web/site.html web/vite.site.config.ts web/src/site site_build src/mikas \
+site_sources := $(page) $(shell find web/site.html web/vite.site.config.ts web/src/site tools/site src/mikas \
   \( -name __pycache__ -o -path src/mikas/dashboard/page -o -path src/mikas/cli \) -prune -o -type f -print 2>/dev/null)
 
 build/site/files.json: $(site_sources) web/node_modules/installed
 	@echo "Building the page without installation"
-	@$(venv_python) -m site_build
+	@$(venv_python) -m tools.site
 
-docs_sources := pyproject.toml requirements/lock.txt web/public/icon.svg $(shell find docs docs_build src/mikas \
+docs_sources := pyproject.toml requirements/lock.txt web/public/icon.svg $(shell find docs tools/docs src/mikas \
   \( -name __pycache__ -o -path src/mikas/dashboard/page \) -prune -o -type f -print 2>/dev/null)
 
 build/docs/index.html: $(docs_sources) .venv/with-docs
 	@echo "Building the documentation"
-	@$(venv_python) -m docs_build
+	@$(venv_python) -m tools.docs
 
 # Beside the page, and no part of it: neither in files.json nor in its service worker.
 build/site/docs/index.html: build/site/files.json build/docs/index.html
-	@$(venv_python) -m docs_build.joining
+	@$(venv_python) -m tools.docs.joining
 
 # Debian's kernel and udev for `make cable`, unpacked here and not installed. Where they can't be had, the tests say so.
 build/cable/unpacked:

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 import yaml
-from package.notes import notes
-from package.project import Failed, check_tag, version
+from tools.package.notes import notes
+from tools.package.project import Failed, check_tag, version
 
 ROOT = Path(__file__).parent.parent
 FILES = sorted((ROOT / ".github" / "workflows").glob("*.yml"))
@@ -50,7 +50,7 @@ def test_each_command_is_there(file):
         elif words and words[0].endswith("python") and words[1] == "-m" and words[2] != "pytest":
             module = ROOT.joinpath(*words[2].split("."))
             assert module.is_dir() or module.with_suffix(".py").is_file(), line
-            if words[2] == "package":
+            if words[2] == "tools.package":
                 assert re.search(rf"^{words[3]}\b", package_help(), re.MULTILINE), line
         elif words and words[0].endswith("python"):
             assert words[1:2] == ["-m"] or (ROOT / words[1]).is_file(), line
@@ -59,7 +59,7 @@ def test_each_command_is_there(file):
 
 
 def package_help():
-    return (ROOT / "package" / "__main__.py").read_text("utf-8").split('"""')[1]
+    return (ROOT / "tools" / "package" / "__main__.py").read_text("utf-8").split('"""')[1]
 
 
 def test_a_release_comes_of_a_tag_after_all_tests():
@@ -110,6 +110,6 @@ def test_the_tag_is_that_of_the_version():
 def test_the_notes_are_those_of_the_version(monkeypatch):
     assert notes().startswith("The first version: ")
     assert "## [" not in notes()
-    monkeypatch.setattr("package.notes.version", lambda: "9.9.9")
+    monkeypatch.setattr("tools.package.notes.version", lambda: "9.9.9")
     with pytest.raises(Failed, match=r"towncrier build --version 9\.9\.9"):
         notes()

@@ -1,4 +1,4 @@
-// The page without installation: the same page, and the program in workers beside it. `python -m site_build` runs this
+// The page without installation: the same page, and the program in workers beside it. `python -m tools.site` runs this
 // (`make site`): it says where to, and which files the workers will load.
 import { svelte } from "@sveltejs/vite-plugin-svelte";
 import { defineConfig } from "vite";

@@ -10,8 +10,8 @@ import subprocess
 from collections.abc import Iterator
 from pathlib import Path
 
-from package import deb, program, wheel
-from package.project import DIST
+from tools.package import deb, program, wheel
+from tools.package.project import DIST
 
 from bench.rows import Row, Scope, Theme, timed
 

@@ -8,7 +8,7 @@ import threading
 from pathlib import Path
 
 import pytest
-from site_build.serve import server_of
+from tools.site.serve import server_of
 
 from browser.chromium_rig import installed, must_not_miss, started
 

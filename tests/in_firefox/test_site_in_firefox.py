@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 
 import pytest
-from site_build.serve import server_of
+from tools.site.serve import server_of
 
 from static_site.site_rig import ASK, BUILT, KEPT, RECORDED, missing
 

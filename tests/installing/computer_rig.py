@@ -12,7 +12,7 @@ import shutil
 import subprocess
 from pathlib import Path
 
-from package.trial import Trial
+from tools.package.trial import Trial
 
 ROOT = Path(__file__).resolve().parents[2]
 DIST = ROOT / "dist"

@@ -9,7 +9,7 @@ import shutil
 import subprocess
 
 import pytest
-from package.project import version
+from tools.package.project import version
 
 from installing.computer_rig import ROOT, built
 from mikas.link.udev_rules import rules

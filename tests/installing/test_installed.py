@@ -9,7 +9,7 @@ import tarfile
 import zipfile
 
 import pytest
-from package.environment import python, wheelhouse
+from tools.package.environment import python, wheelhouse
 
 from installing.computer_rig import Computer, built
 

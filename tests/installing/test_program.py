@@ -11,7 +11,7 @@ import zipfile
 from configparser import ConfigParser
 
 import pytest
-from package.trial import Trial, Wrong
+from tools.package.trial import Trial, Wrong
 
 import mikas
 from installing.computer_rig import Computer, built

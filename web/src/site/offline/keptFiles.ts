@@ -1,4 +1,4 @@
-// The files of one version of the site in the browser's cache, by the list that the build makes of them (`site_build/listing.py`).
+// The files of one version of the site in the browser's cache, by the list that the build makes of them (`tools/site/listing.py`).
 
 export interface SiteFiles {
   version: string;

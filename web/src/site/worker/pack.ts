@@ -1,4 +1,4 @@
-// An archive of the program (`site_build/archives.py`): a ZIP of uncompressed files, compressed as a whole, which is smaller and unpacks in
+// An archive of the program (`tools/site/archives.py`): a ZIP of uncompressed files, compressed as a whole, which is smaller and unpacks in
 // one go. Its files are parts of one buffer: none is copied.
 
 const END = 0x06054b50;

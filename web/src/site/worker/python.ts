@@ -3,7 +3,7 @@ import type { PyodideAPI, PyodideConfig } from "pyodide";
 import { counted } from "./counted";
 import { filesOf, inflated } from "./pack";
 
-/** What `python -m site_build` has packed: the folder, and the size of each of its files, bare and as it travels. */
+/** What `python -m tools.site` has packed: the folder, and the size of each of its files, bare and as it travels. */
 interface Program {
   folder: string;
   files: Record<string, { bytes: number; compressed: number }>;

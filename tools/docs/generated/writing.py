@@ -1,0 +1,41 @@
+"""Which generated pages and drawings are files of the repository, and which only on the site.
+
+Files are what GitHub should show as well; `make check` fails while one is stale.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import PurePosixPath
+
+from mikas.catalog import Catalog, shipped
+from mikas.i18n import Language
+from tools.docs.generated import catalog_pages, command_pages, frames, help_pages, python_pages
+from tools.docs.pages import DOCS, LANGUAGES, RUSSIAN
+
+_PAGES: dict[str, Callable[[Catalog, Language], str]] = {
+    "reference/parameters.md": catalog_pages.parameters,
+    "reference/faults.md": catalog_pages.faults,
+    "reference/channels.md": catalog_pages.channels,
+    "reference/commands.md": command_pages.commands,
+}
+
+
+def files() -> Iterator[tuple[PurePosixPath, str]]:
+    """Yield every generated file of the repository, with its text."""
+    catalog = shipped()
+    for language in LANGUAGES:
+        home = RUSSIAN if language == "ru" else DOCS
+        for path, made in _PAGES.items():
+            yield home / path, made(catalog, language)
+        for name, drawing in frames.drawings(catalog, language):
+            yield DOCS / "pictures" / language / f"{name}.svg", drawing
+
+
+def of_the_site(language: Language) -> dict[str, str]:
+    """Return the pages that are on the site only, by their paths."""
+    python = {
+        python_pages.path_of(each): python_pages.python_page(each, language)
+        for each in python_pages.PAGES
+    }
+    return {"reference/help.md": help_pages.help_page(language)} | python

@@ -1,0 +1,112 @@
+"""The pages of the site, once for both languages. A page that is not here is an error.
+
+A path is that of the English page below docs/; the Russian one has the same below docs/ru/.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from mikas.i18n import Text
+from tools.docs.generated import python_pages as python
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """A page, with its title in the navigation."""
+
+    path: str
+    title: Text
+
+
+@dataclass(frozen=True, slots=True)
+class Section:
+    """Pages, and sections of pages, under one title."""
+
+    title: Text
+    entries: tuple[Entry | Section, ...]
+
+
+def _page(path: str, en: str, ru: str) -> Entry:
+    return Entry(path, Text(en, ru))
+
+
+HOME = "index.md"
+NAVIGATION: tuple[Entry | Section, ...] = (
+    _page(HOME, "What mikas is", "Что такое mikas"),
+    Section(
+        Text("Tutorials", "Первые шаги"),
+        (
+            _page("tutorials/owner.md", "For the owner", "Владельцу"),
+            _page("tutorials/mechanic.md", "For the mechanic", "Мастеру"),
+            _page("tutorials/tuner.md", "For the tuner", "Настройщику"),
+            _page("tutorials/developer.md", "For the developer", "Разработчику"),
+        ),
+    ),
+    Section(
+        Text("How to …", "Как сделать"),
+        (
+            _page("how-to/wiring.md", "Wire the cable", "Подключить кабель"),
+            _page("how-to/install.md", "Install", "Установить"),
+            _page("how-to/wireshark.md", "Wireshark", "Wireshark"),
+            _page("how-to/sigrok.md", "sigrok and PulseView", "sigrok и PulseView"),
+            _page("how-to/notebooks.md", "Notebooks", "Блокноты Jupyter"),
+            _page("how-to/fleet.md", "Many recordings, a fleet", "Много записей, автопарк"),
+            _page("how-to/mqtt.md", "MQTT and Home Assistant", "MQTT и Home Assistant"),
+        ),
+    ),
+    Section(
+        Text("Reference", "Справочник"),
+        (
+            _page("reference/screens.md", "The dashboard", "Панель в браузере"),
+            _page("reference/cli.md", "The command line", "Командная строка"),
+            _page("reference/help.md", "Help of every command", "Справка всех команд"),
+            _page("reference/guided-tests.md", "Guided tests", "Проверки"),
+            _page("reference/report.md", "The report", "Отчёт"),
+            _page("reference/exports.md", "Exports", "Экспорт"),
+            _page("reference/capture.md", "Captures", "Файлы записей"),
+            _page("reference/catalog.md", "Catalog files", "Файлы каталога"),
+            Section(
+                Text("What the program knows", "Что программа знает"),
+                (
+                    _page("reference/parameters.md", "Parameters", "Параметры"),
+                    _page("reference/faults.md", "Fault numbers", "Коды неисправностей"),
+                    _page("reference/channels.md", "Derived channels", "Производные каналы"),
+                    _page("reference/commands.md", "Commands", "Команды"),
+                ),
+            ),
+            Section(
+                Text("Python", "Python"),
+                tuple(_page(python.path_of(each), each.name, each.name) for each in python.PAGES),
+            ),
+            _page("reference/simulator.md", "The simulator", "Виртуальный блок"),
+            _page("reference/scenarios.md", "Scenarios", "Сценарии"),
+            _page("reference/api.md", "The dashboard's interface", "Интерфейс панели"),
+            _page("reference/security.md", "Security", "Безопасность"),
+            _page("reference/facts.md", "Facts about the car", "Сведения о машине"),
+        ),
+    ),
+    _page("protocol.md", "The protocol", "Протокол"),
+    Section(
+        Text("Development", "Разработка"),
+        (
+            _page("development/architecture.md", "Architecture", "Устройство программы"),
+            _page("development/where-do-i.md", "Where do I …?", "Где что менять"),
+            _page("development/site.md", "The page without installation", "Страница без установки"),
+            _page("development/docs.md", "These pages", "Эти страницы"),
+            _page("development/cable.md", "Tests on a cable", "Испытания на кабеле"),
+            _page("development/soak.md", "A million exchanges", "Миллион обменов"),
+            _page("development/benchmarks.md", "Figures", "Измерения"),
+        ),
+    ),
+)
+
+
+def entries(within: tuple[Entry | Section, ...] = NAVIGATION) -> Iterator[Entry]:
+    """Yield every page of the navigation, in its order."""
+    for each in within:
+        if isinstance(each, Entry):
+            yield each
+        else:
+            yield from entries(each.entries)
