@@ -181,14 +181,15 @@ class Broadcaster:
                     async with asyncio.timeout(STATE_EVERY):
                         await news.wait()
             try:
-                self._tick()
+                self.tick()
                 failed = False
             except Exception as bug:  # any: the next messages are sent all the same
                 if not failed:  # once, if it repeats
                     _log.error("a bug in the live data", exc_info=bug)
                 failed = True
 
-    def _tick(self) -> None:
+    def tick(self) -> None:
+        """Offer each listener a message of what is new."""
         dashboard = self._dashboard
         dashboard.refresh()
         batch = dashboard.monitor.drain()
