@@ -20,12 +20,7 @@ export default defineConfig({
   server: {
     proxy: {
       // The server accepts only its own Host and Origin; the proxy speaks in its name.
-      "/api": {
-        target: server,
-        changeOrigin: true,
-        ws: true,
-        headers: { origin: server },
-      },
+      "/api": { target: server, changeOrigin: true, ws: true, headers: { origin: server } },
     },
   },
   test: {

@@ -22,9 +22,7 @@ export default defineConfig({
     rolldownOptions: {
       checks: { pluginTimings: false }, // slow only on a machine that is busy
       input: { site: "site.html", "service-worker": "src/site/serviceWorker.ts" },
-      output: {
-        entryFileNames: ({ name }) => (name === "service-worker" ? "[name].js" : "assets/[name]-[hash].js"),
-      },
+      output: { entryFileNames: ({ name }) => (name === "service-worker" ? "[name].js" : "assets/[name]-[hash].js") },
     },
   },
   worker: { format: "es" },

@@ -31,11 +31,7 @@ const worker = (name: Role): Port => {
 };
 
 let program: Program | null = null;
-const owner: Owner = {
-  refusal: () => null,
-  leave: () => program?.terminate(),
-  restart: () => location.reload(),
-};
+const owner: Owner = { refusal: () => null, leave: () => program?.terminate(), restart: () => location.reload() };
 
 /** Wait until no other tab has the program. Without locks (plain http) nothing is kept that two could spoil. */
 async function alone(): Promise<void> {

@@ -49,12 +49,9 @@ describe.each(["night", "day"] as const)("by %s", (name) => {
     expect(of(over, ground)).toBeGreaterThanOrEqual(7);
   });
 
-  it.each(["ground", "raised", "sunken", "hover", "ok-ground", "warning-ground", "danger-ground"])(
-    "small words on %s ≥ 4.5",
-    (ground) => {
-      for (const over of ["muted", "accent", "ok", "warning", "danger"]) expect(of(over, ground)).toBeGreaterThanOrEqual(4.5);
-    },
-  );
+  it.each(["ground", "raised", "sunken", "hover", "ok-ground", "warning-ground", "danger-ground"])("small words on %s ≥ 4.5", (ground) => {
+    for (const over of ["muted", "accent", "ok", "warning", "danger"]) expect(of(over, ground)).toBeGreaterThanOrEqual(4.5);
+  });
 
   it("buttons ≥ 4.5", () => {
     expect(of("on-accent", "accent")).toBeGreaterThanOrEqual(4.5);

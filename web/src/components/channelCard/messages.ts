@@ -51,10 +51,7 @@ export const t = dictionary({
   warning_high: { en: "Warning above", ru: "Предупреждать выше" },
   danger_high: { en: "Danger above", ru: "Опасно выше" },
   hysteresis: { en: "Ends inside by", ru: "Отпускает за" },
-  hysteresisHelp: {
-    en: "How far inside its limit the value must be before the alarm ends",
-    ru: "Насколько значение должно вернуться за предел, чтобы тревога кончилась",
-  },
+  hysteresisHelp: { en: "How far inside its limit the value must be before the alarm ends", ru: "Насколько значение должно вернуться за предел, чтобы тревога кончилась" },
   when_true: { en: "Alarm while it is on", ru: "Тревога, пока включено" },
   none: { en: "none", ru: "нет" },
   gauge: { en: "Gauge from", ru: "Шкала прибора от" },

@@ -2,10 +2,8 @@
 import { address, json, lines, type Query } from "./http";
 import type * as Api from "./types";
 
-const get = <T>(path: string, query?: Query, signal?: AbortSignal) =>
-  json<T>("GET", path, { query, signal });
-const post = <T>(path: string, body: unknown = {}, query?: Query) =>
-  json<T>("POST", path, { body, query });
+const get = <T>(path: string, query?: Query, signal?: AbortSignal) => json<T>("GET", path, { query, signal });
+const post = <T>(path: string, body: unknown = {}, query?: Query) => json<T>("POST", path, { body, query });
 const put = <T>(path: string, body: unknown) => json<T>("PUT", path, { body });
 const part = encodeURIComponent;
 
@@ -20,15 +18,13 @@ export const api = {
   resetKeys: (name: string, keys: string[], version: string) =>
     json<Api.Catalog>("DELETE", `/channels/${part(name)}/keys`, { query: { keys, version } }),
   changeChannel: (name: string, channel: Api.NewChannel) => put<Api.Catalog>(`/channels/${part(name)}`, channel),
-  deleteChannel: (name: string, version: string) =>
-    json<Api.Catalog>("DELETE", `/channels/${part(name)}`, { query: { version } }),
+  deleteChannel: (name: string, version: string) => json<Api.Catalog>("DELETE", `/channels/${part(name)}`, { query: { version } }),
   tryFormula: (trial: Api.Trial) => post<Api.TrialResult>("/channels/try", trial),
   channelValue: (name: string, recording: string | null, at: number | null) =>
     get<Api.ChannelValue>(`/channels/${part(name)}/value`, { recording, at }),
   presets: () => get<Api.Presets>("/presets"),
   savePresets: (presets: Api.Preset[]) => put<Api.Presets>("/presets", { presets }),
-  history: (seconds: number, points: number, names?: string[]) =>
-    get<Api.History>("/history", { seconds, points, names }),
+  history: (seconds: number, points: number, names?: string[]) => get<Api.History>("/history", { seconds, points, names }),
 
   /** Moments at which a condition holds: in a recording, or in the live values (null). */
   find: (recording: string | null, expression: string) =>
@@ -37,17 +33,13 @@ export const api = {
   saveSearches: (searches: Api.KeptSearch[]) => put<Api.Searches>("/searches", { searches }),
 
   ports: () => get<Api.Ports>("/ports"),
-  connect: (port: string | null) =>
-    post<Api.State>("/connect", { port, echo: "auto", method: "auto", rate: null }),
+  connect: (port: string | null) => post<Api.State>("/connect", { port, echo: "auto", method: "auto", rate: null }),
   disconnect: () => post<Api.State>("/disconnect"),
-  doctor: (port: string | null, onStep: (step: Api.DoctorStep) => void) =>
-    lines<Api.DoctorStep>("/doctor", { body: { port } }, onStep),
+  doctor: (port: string | null, onStep: (step: Api.DoctorStep) => void) => lines<Api.DoctorStep>("/doctor", { body: { port } }, onStep),
   stopDoctor: () => post<Api.State>("/doctor/stop"),
-  plan: (wanted: Api.Wanted[], method: Api.Method, rate: number | null) =>
-    put<Api.State>("/plan", { wanted, method, rate }),
+  plan: (wanted: Api.Wanted[], method: Api.Method, rate: number | null) => put<Api.State>("/plan", { wanted, method, rate }),
   first: (names: readonly string[]) => put<Api.State>("/plan/first", { names }),
-  price: (wanted: Api.Wanted[], method: Api.Method, first: readonly string[]) =>
-    post<Api.Price>("/plan/price", { wanted, method, first }),
+  price: (wanted: Api.Wanted[], method: Api.Method, first: readonly string[]) => post<Api.Price>("/plan/price", { wanted, method, first }),
   relearn: () => post<Api.State>("/relearn"),
 
   tests: () => get<Api.TestList>("/tests"),
@@ -58,8 +50,7 @@ export const api = {
   cancelTest: () => post<Api.TestRunState>("/tests/run/cancel"),
   recordedTest: (recording: string, test: string, signal: AbortSignal) =>
     get<Api.RecordedTest>(`/recordings/${part(recording)}/tests/${part(test)}`, undefined, signal),
-  testInReport: (id: string, wanted: boolean) =>
-    put<Api.TestVerdict>(`/tests/results/${part(id)}`, { in_report: wanted }),
+  testInReport: (id: string, wanted: boolean) => put<Api.TestVerdict>(`/tests/results/${part(id)}`, { in_report: wanted }),
 
   network: (on: boolean, control: boolean) => put<Api.About>("/network", { on, control }),
   end: () => post<Api.About>("/end"),
@@ -99,11 +90,8 @@ export const api = {
   recordings: () => get<Api.Recordings>("/recordings"),
   addRecording: (name: string, file: Blob) => json<Api.AddedRecording>("POST", "/recordings", { query: { name }, bytes: file }),
   recording: (id: string) => get<Api.RecordingDetail>(`/recordings/${part(id)}`),
-  rows: (
-    id: string,
-    query: { from: number | null; to: number | null; points: number; names?: string[] },
-    signal?: AbortSignal,
-  ) => get<Api.RecordingRows>(`/recordings/${part(id)}/rows`, query, signal),
+  rows: (id: string, query: { from: number | null; to: number | null; points: number; names?: string[] }, signal?: AbortSignal) =>
+    get<Api.RecordingRows>(`/recordings/${part(id)}/rows`, query, signal),
   recordedFaults: (id: string) => get<Api.RecordedFaults>(`/recordings/${part(id)}/faults`),
   nameRecordedMarker: (id: string, time: number, label: string) => put<Api.Marker>(`/recordings/${part(id)}/marker`, { time, label }),
   removeRecordedMarker: (id: string, time: number) => json<Api.Marker>("DELETE", `/recordings/${part(id)}/marker`, { query: { time } }),
@@ -114,8 +102,7 @@ export const api = {
   references: () => get<Api.References>("/references"),
   markReference: (id: string, on: boolean) => put<Api.References>(`/recordings/${part(id)}/reference`, { on }),
   recordingFile: (id: string) => address(`/recordings/${part(id)}/file`),
-  exportFile: (id: string, format: Api.ExportFormat, names?: string[]) =>
-    address(`/recordings/${part(id)}/export`, { format, names }),
+  exportFile: (id: string, format: Api.ExportFormat, names?: string[]) => address(`/recordings/${part(id)}/export`, { format, names }),
   recordingReport: (id: string, lang: string, inline = false) =>
     address(`/recordings/${part(id)}/report`, { lang, inline: inline ? 1 : null }),
   report: (lang: string, inline = false) => address("/report", { lang, inline: inline ? 1 : null }),

@@ -6,12 +6,8 @@ import type { Catalog, Channel } from "./types";
 
 class CatalogStore {
   loaded = $state.raw<Catalog | null>(null);
-  readonly channels = $derived<Channel[]>(
-    this.loaded ? [...this.loaded.parameters, ...this.loaded.derived] : [],
-  );
-  private readonly byName = $derived(
-    new Map(this.channels.map((channel) => [channel.name, channel])),
-  );
+  readonly channels = $derived<Channel[]>(this.loaded ? [...this.loaded.parameters, ...this.loaded.derived] : []);
+  private readonly byName = $derived(new Map(this.channels.map((channel) => [channel.name, channel])));
   /** Called with the channels that a change computes otherwise, or that it has added or removed. */
   onrecomputed: (names: readonly string[]) => void = () => undefined;
 

@@ -47,10 +47,7 @@ export interface RequestOptions {
 
 /** Send a request and return its successful response. Throws `ApiError`, or the `AbortError` of the signal. */
 export async function send(method: string, path: string, options: RequestOptions = {}): Promise<Response> {
-  const headers: Record<string, string> = {
-    "X-Mikas-Client": clientId,
-    "X-Mikas-Name": encodeURIComponent(clientName()),
-  };
+  const headers: Record<string, string> = { "X-Mikas-Client": clientId, "X-Mikas-Name": encodeURIComponent(clientName()) };
   let body: BodyInit | undefined = options.bytes;
   if (options.bytes !== undefined) headers["Content-Type"] = "application/octet-stream";
   else if (options.body !== undefined) {

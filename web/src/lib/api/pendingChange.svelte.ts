@@ -45,9 +45,7 @@ export function lostText(item: unknown): string {
   if (typeof item !== "object" || item === null) return "";
   const fields = item as { en?: unknown; ru?: unknown; code?: unknown; text?: unknown };
   const text =
-    typeof fields.en === "string" && typeof fields.ru === "string"
-      ? localized({ en: fields.en, ru: fields.ru })
-      : lostText(fields.text);
+    typeof fields.en === "string" && typeof fields.ru === "string" ? localized({ en: fields.en, ru: fields.ru }) : lostText(fields.text);
   const code = fields.code === undefined ? "" : String(fields.code);
   return [code, text].filter(Boolean).join(" · ");
 }

@@ -13,7 +13,7 @@ export function recomputed(before: Catalog, after: Catalog): string[] {
     const [was, is] = [old.get(name), next.get(name)];
     if (!was || !is || computation(was) !== computation(is)) changed.add(name);
   }
-  for (let size = -1; size !== changed.size; ) {
+  for (let size = -1; size !== changed.size;) {
     size = changed.size;
     for (const channel of next.values()) {
       if (channel.inputs?.some((input) => changed.has(input))) changed.add(channel.name);

@@ -57,7 +57,13 @@ describe("the catalog", () => {
 
   it("is loaded although its first request failed", async () => {
     const got = { parameters: [], derived: [], presets: [] };
-    vi.stubGlobal("fetch", vi.fn().mockImplementationOnce(lost).mockImplementation(async () => answer(got)));
+    vi.stubGlobal(
+      "fetch",
+      vi
+        .fn()
+        .mockImplementationOnce(lost)
+        .mockImplementation(async () => answer(got)),
+    );
     const stop = catalog.follow("1")!;
     await vi.advanceTimersByTimeAsync(0);
     expect(catalog.loaded).toBeNull();

@@ -7,7 +7,10 @@ import { player } from "../recording/player.svelte";
 import { attempt, toasts } from "../frame/toasts.svelte";
 
 const t = dictionary({
-  ask: { en: "Whose car is this? Car, plate and mileage stand in the list and on the report.", ru: "Чья это машина? Марка, номер и пробег будут в списке и в отчёте." },
+  ask: {
+    en: "Whose car is this? Car, plate and mileage stand in the list and on the report.",
+    ru: "Чья это машина? Марка, номер и пробег будут в списке и в отчёте.",
+  },
   add: { en: "Add car details…", ru: "Указать машину…" },
 });
 
@@ -68,7 +71,11 @@ class CarDetails {
   }
 
   private offer(): void {
-    toasts.success(() => t("ask"), { duration: 20_000, code: "CarDetails", action: { text: () => t("add"), run: () => void this.editConnected() } });
+    toasts.success(() => t("ask"), {
+      duration: 20_000,
+      code: "CarDetails",
+      action: { text: () => t("add"), run: () => void this.editConnected() },
+    });
   }
 
   /** What is kept of the connected unit's car if it was not asked about before; from now on it was. A virtual car has no plate. */

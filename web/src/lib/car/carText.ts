@@ -4,8 +4,7 @@ import type { Car } from "../api/types";
 const MOST_MILEAGE = 9_999_999;
 
 /** Car and plate on one line; empty without them. */
-export const carName = ({ car, plate }: Pick<Car, "car" | "plate">): string =>
-  [car, plate].filter(Boolean).join(" · ");
+export const carName = ({ car, plate }: Pick<Car, "car" | "plate">): string => [car, plate].filter(Boolean).join(" · ");
 
 /** A mileage as typed, with spaces between thousands or without; null: none. Undefined: not a number of km. */
 export function parseMileage(typed: string): number | null | undefined {

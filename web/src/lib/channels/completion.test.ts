@@ -21,7 +21,11 @@ describe("completions", () => {
   });
 
   it("are not chosen unasked behind a whole name", () => {
-    const known = [...candidates, { name: "DET", about: "", kind: "channel" as const }, { name: "RDET", about: "", kind: "channel" as const }];
+    const known = [
+      ...candidates,
+      { name: "DET", about: "", kind: "channel" as const },
+      { name: "RDET", about: "", kind: "channel" as const },
+    ];
     expect(completions("not det", 7, known).map(({ name }) => name)).toEqual(["RDET"]);
     expect(isWhole("not det", 7, known)).toBe(true);
     expect(isWhole("not de", 6, known)).toBe(false);

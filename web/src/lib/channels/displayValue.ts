@@ -3,10 +3,7 @@
 import { live, type Latest } from "../live/live.svelte";
 import { display } from "../display/source.svelte";
 
-export type DisplayValue =
-  | { kind: "fresh"; value: number }
-  | { kind: "stale"; value: number; age: number }
-  | { kind: "none" };
+export type DisplayValue = { kind: "fresh"; value: number } | { kind: "stale"; value: number; age: number } | { kind: "none" };
 
 const NONE: DisplayValue = { kind: "none" };
 

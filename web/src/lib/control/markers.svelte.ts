@@ -11,7 +11,9 @@ export interface Mark {
 
 /** The markers among the events, in the order of their times. */
 export function markersOf(events: readonly LineEvent[]): Mark[] {
-  return events.flatMap((event) => (event.kind === "marker" ? [{ time: event.time, label: event.label }] : [])).sort((one, other) => one.time - other.time);
+  return events
+    .flatMap((event) => (event.kind === "marker" ? [{ time: event.time, label: event.label }] : []))
+    .sort((one, other) => one.time - other.time);
 }
 
 /** The next marker after a time, or the previous one; wraps around at the ends. */

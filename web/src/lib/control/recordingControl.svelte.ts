@@ -20,7 +20,10 @@ const t = dictionary({
   everythingNow: { en: "All values are recorded now", ru: "Теперь записываются все величины" },
   stopped: { en: "Recording saved: {file}", ru: "Запись сохранена: {file}" },
   lost: { en: "Nothing can be recorded: the program does not answer", ru: "Записать нельзя: программа не отвечает" },
-  view: { en: "This page may only view; recordings are started at the computer with the cable", ru: "Здесь доступен только просмотр; запись включают на компьютере с кабелем" },
+  view: {
+    en: "This page may only view; recordings are started at the computer with the cable",
+    ru: "Здесь доступен только просмотр; запись включают на компьютере с кабелем",
+  },
   off: { en: "Connect first: there is nothing to record yet", ru: "Сначала подключитесь: записывать пока нечего" },
   "no-port": { en: "Nothing to record: the port is not open", ru: "Записывать нечего: порт не открыт" },
   "no-echo": { en: "Nothing to record: no response, not even an echo", ru: "Записывать нечего: нет ответа, даже эха" },

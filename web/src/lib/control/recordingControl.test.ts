@@ -10,5 +10,10 @@ it("a recording can be asked for as soon as the port is being opened, and not wh
     return recordingControl.refusal !== null;
   };
   expect([refused("no-port"), refused("ecu-alive"), refused("sampling")]).toEqual([false, false, false]);
-  expect([refused("off"), refused("no-port", "PortNotFound"), refused("no-echo", "NoEcho"), refused("echo-only", "EchoOnly")]).toEqual([true, true, true, true]);
+  expect([refused("off"), refused("no-port", "PortNotFound"), refused("no-echo", "NoEcho"), refused("echo-only", "EchoOnly")]).toEqual([
+    true,
+    true,
+    true,
+    true,
+  ]);
 });

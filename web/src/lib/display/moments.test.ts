@@ -3,7 +3,11 @@ import { language } from "../i18n";
 import { cursors } from "./cursors.svelte";
 import { bandsOf, moments } from "./moments.svelte";
 
-const list = [{ from: 1, to: 2 }, { from: 5, to: 5 }, { from: 9, to: 12 }];
+const list = [
+  { from: 1, to: 2 },
+  { from: 5, to: 5 },
+  { from: 9, to: 12 },
+];
 
 describe("moments", () => {
   beforeEach(() => {
@@ -43,7 +47,10 @@ describe("moments", () => {
   it("are bands in a window, close ones joined", () => {
     expect(bandsOf(list, 2, 9, 0.5)).toEqual(list);
     expect(bandsOf(list, 2.5, 8, 0.5)).toEqual([list[1]]);
-    expect(bandsOf(list, 0, 20, 3.5)).toEqual([{ from: 1, to: 5 }, { from: 9, to: 12 }]);
+    expect(bandsOf(list, 0, 20, 3.5)).toEqual([
+      { from: 1, to: 5 },
+      { from: 9, to: 12 },
+    ]);
     expect(list[0]).toEqual({ from: 1, to: 2 });
   });
 });

@@ -5,7 +5,10 @@ import { toasts } from "./toasts.svelte";
 
 const t = dictionary({
   copied: { en: "Copied.", ru: "Скопировано." },
-  saved: { en: "The browser refuses to copy. The text was saved as {file} instead.", ru: "Браузер не даёт копировать. Текст сохранён в файл {file}." },
+  saved: {
+    en: "The browser refuses to copy. The text was saved as {file} instead.",
+    ru: "Браузер не даёт копировать. Текст сохранён в файл {file}.",
+  },
   refused: { en: "The browser refuses to copy.", ru: "Браузер не даёт копировать." },
 });
 

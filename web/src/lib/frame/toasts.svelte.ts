@@ -4,9 +4,7 @@ import { api } from "../api/api";
 import { ApiError } from "../api/http";
 import { dictionary } from "../i18n";
 
-const t = dictionary({
-  take: { en: "Take control", ru: "Взять управление" },
-});
+const t = dictionary({ take: { en: "Take control", ru: "Взять управление" } });
 
 export interface Toast {
   id: number;
@@ -85,10 +83,7 @@ export async function attempt<T>(job: () => Promise<T>): Promise<T | undefined> 
     if (!(error instanceof ApiError)) throw error;
     const action =
       error.code === "NotController"
-        ? {
-            text: () => t("take"),
-            run: () => void attempt(() => api.takeControl(true)).then((taken) => taken && attempt(job)),
-          }
+        ? { text: () => t("take"), run: () => void attempt(() => api.takeControl(true)).then((taken) => taken && attempt(job)) }
         : undefined;
     toasts.error(() => error.advice, { action, detail: bytes(error), code: error.code });
     return undefined;

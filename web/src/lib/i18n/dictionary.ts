@@ -11,14 +11,9 @@ type Forms = Partial<Record<Intl.LDMLPluralRule, string>>;
 type Message = string | Forms;
 type Params = Record<string, string | number>;
 
-const rules: Record<Code, Intl.PluralRules> = {
-  en: new Intl.PluralRules("en"),
-  ru: new Intl.PluralRules("ru"),
-};
+const rules: Record<Code, Intl.PluralRules> = { en: new Intl.PluralRules("en"), ru: new Intl.PluralRules("ru") };
 
-export function dictionary<Key extends string>(
-  messages: Record<Key, Record<Code, Message>>,
-): (key: Key, params?: Params) => string {
+export function dictionary<Key extends string>(messages: Record<Key, Record<Code, Message>>): (key: Key, params?: Params) => string {
   return (key, params) => {
     const message = messages[key][language.code];
     const text = typeof message === "string" ? message : form(message, Number(params?.n ?? 0));

@@ -41,10 +41,7 @@ describe("other formats", () => {
 
 describe("a dictionary", () => {
   const t = dictionary({
-    found: {
-      en: { one: "{n} fault", other: "{n} faults" },
-      ru: { one: "{n} ошибка", few: "{n} ошибки", many: "{n} ошибок" },
-    },
+    found: { en: { one: "{n} fault", other: "{n} faults" }, ru: { one: "{n} ошибка", few: "{n} ошибки", many: "{n} ошибок" } },
     rate: { en: "{rate} sets/s", ru: "{rate} наб/с" },
   });
 

@@ -47,10 +47,7 @@ export function clock(seconds: number | null | undefined): string {
   return `${Math.floor(minutes / 60)}:${two(minutes % 60)}:${two(whole % 60)}`;
 }
 
-const steps: Record<Code, string[]> = {
-  en: ["B", "KB", "MB", "GB"],
-  ru: ["Б", "КБ", "МБ", "ГБ"],
-};
+const steps: Record<Code, string[]> = { en: ["B", "KB", "MB", "GB"], ru: ["Б", "КБ", "МБ", "ГБ"] };
 
 export function size(bytes: number): string {
   let step = 0;
@@ -65,10 +62,7 @@ export function size(bytes: number): string {
 /** Format UNIX seconds as local date and time. */
 export function moment(time: number | null | undefined): string {
   if (time === null || time === undefined) return DASH;
-  return new Date(time * 1000).toLocaleString(locales[language.code], {
-    dateStyle: "medium",
-    timeStyle: "short",
-  });
+  return new Date(time * 1000).toLocaleString(locales[language.code], { dateStyle: "medium", timeStyle: "short" });
 }
 
 /** Format UNIX seconds as local time with seconds. */

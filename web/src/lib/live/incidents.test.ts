@@ -3,8 +3,21 @@ import { incidents } from "./incidents";
 import type { LineEvent } from "../api/types";
 
 const both = (text: string) => ({ en: text, ru: `по-русски ${text}` });
-const gap = (began: number, ended: number | null, reason: string): LineEvent => ({ kind: "gap", time: ended ?? began, began, ended, reason: both(reason) });
-const error = (time: number, text: string, sent = "0102", received: string | null = "0A1B"): LineEvent => ({ kind: "error", time, code: "E", text: both(text), sent, received });
+const gap = (began: number, ended: number | null, reason: string): LineEvent => ({
+  kind: "gap",
+  time: ended ?? began,
+  began,
+  ended,
+  reason: both(reason),
+});
+const error = (time: number, text: string, sent = "0102", received: string | null = "0A1B"): LineEvent => ({
+  kind: "error",
+  time,
+  code: "E",
+  text: both(text),
+  sent,
+  received,
+});
 
 it("shows an error that caused a gap once, with the gap", () => {
   const reason = "damaged (sent 01 02, received 0A 1B). Repeat.";
@@ -14,7 +27,12 @@ it("shows an error that caused a gap once, with the gap", () => {
 });
 
 it("shows each error of a gap that its reason does not tell, and what it lacks", () => {
-  const events = [error(5.1, "late", "0102", null), error(5.2, "damaged"), error(5.3, "damaged", "0102", "FF"), gap(5, null, "damaged (sent 01 02, received 0A 1B)")];
+  const events = [
+    error(5.1, "late", "0102", null),
+    error(5.2, "damaged"),
+    error(5.3, "damaged", "0102", "FF"),
+    gap(5, null, "damaged (sent 01 02, received 0A 1B)"),
+  ];
   const [only, ...more] = incidents(events);
   expect(more).toEqual([]);
   expect(only!.count).toBe(3);

@@ -53,7 +53,10 @@ export function stepped(from: number, step: number, to: number): number[] | null
 
 /** Edges typed by a person, separated by spaces or semicolons; commas are decimal. Null unless these are 2 or more ascending numbers. */
 export function typedEdges(text: string): number[] | null {
-  const edges = text.split(/[\s;]+/).filter(Boolean).map((word) => parsedNumber(word) ?? NaN);
+  const edges = text
+    .split(/[\s;]+/)
+    .filter(Boolean)
+    .map((word) => parsedNumber(word) ?? NaN);
   if (edges.length < 2 || edges.length > MOST_BINS + 1) return null;
   if (edges.some((edge) => !Number.isFinite(edge))) return null;
   return edges.every((edge, index) => index === 0 || edge > edges[index - 1]!) ? edges : null;

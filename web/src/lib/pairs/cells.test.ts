@@ -9,8 +9,20 @@ import { random } from "./testRandom";
 
 function pairsOf(rows: readonly (readonly [number, number, number, number])[]): Pairs {
   const columns = new Columns();
-  columns.append(["Z", "X", "Y"], rows.map(([time]) => time), [1, 2, 3].map((at) => rows.map((row) => row[at]!)));
-  const pairs = new Pairs({ name: "Z", partners: [{ name: "X", needed: true }, { name: "Y", needed: true }], age: 0, span: null });
+  columns.append(
+    ["Z", "X", "Y"],
+    rows.map(([time]) => time),
+    [1, 2, 3].map((at) => rows.map((row) => row[at]!)),
+  );
+  const pairs = new Pairs({
+    name: "Z",
+    partners: [
+      { name: "X", needed: true },
+      { name: "Y", needed: true },
+    ],
+    age: 0,
+    span: null,
+  });
   while (pairs.read(columns, [], 1000));
   return pairs;
 }
@@ -45,7 +57,11 @@ describe("cells", () => {
 
   it("have no value below the least count, and no deviation of one value", () => {
     const cells = new Cells([0, 1, 2], [0, 1]);
-    const pairs = pairsOf([[0, 5, 0.5, 0.5], [1, 6, 1.5, 0.5], [2, 8, 1.5, 0.5]]);
+    const pairs = pairsOf([
+      [0, 5, 0.5, 0.5],
+      [1, 6, 1.5, 0.5],
+      [2, 8, 1.5, 0.5],
+    ]);
     cells.take(pairs, 10);
     expect([0, 1].map((cell) => cells.value(cell, "mean", 2))).toEqual([NaN, 7]);
     expect([0, 1].map((cell) => cells.value(cell, "count", 2))).toEqual([1, 2]);
@@ -62,22 +78,36 @@ describe("bins", () => {
 
   it("have round edges that cover a range", () => {
     const channel = (given: Partial<Channel>) => ({ flag: false, gauge: null, range: null, decimals: 0, ...given }) as Channel;
-    expect(defaultEdges(channel({ gauge: [0, 400] }), undefined)).toEqual([0, 25, 50, 75, 100, 125, 150, 175, 200, 225, 250, 275, 300, 325, 350, 375, 400]);
-    expect(defaultEdges(channel({ gauge: [0.7, 1.3] }), undefined)).toEqual([0.7, 0.75, 0.8, 0.85, 0.9, 0.95, 1, 1.05, 1.1, 1.15, 1.2, 1.25, 1.3]);
+    expect(defaultEdges(channel({ gauge: [0, 400] }), undefined)).toEqual([
+      0, 25, 50, 75, 100, 125, 150, 175, 200, 225, 250, 275, 300, 325, 350, 375, 400,
+    ]);
+    expect(defaultEdges(channel({ gauge: [0.7, 1.3] }), undefined)).toEqual([
+      0.7, 0.75, 0.8, 0.85, 0.9, 0.95, 1, 1.05, 1.1, 1.15, 1.2, 1.25, 1.3,
+    ]);
     expect(defaultEdges(channel({ flag: true }), undefined)).toEqual([-0.5, 0.5, 1.5]);
     expect(fittedEdges(channel({}), { min: 870, max: 870 })).toEqual([870, 871]);
-    expect(fittedEdges(channel({ decimals: 1 }), { min: 12.3, max: 14.1 })).toEqual([12.2, 12.4, 12.6, 12.8, 13, 13.2, 13.4, 13.6, 13.8, 14, 14.2]);
-    expect(fittedEdges(channel({}), { min: 840, max: 880 })).toEqual([840, 842.5, 845, 847.5, 850, 852.5, 855, 857.5, 860, 862.5, 865, 867.5, 870, 872.5, 875, 877.5, 880]);
+    expect(fittedEdges(channel({ decimals: 1 }), { min: 12.3, max: 14.1 })).toEqual([
+      12.2, 12.4, 12.6, 12.8, 13, 13.2, 13.4, 13.6, 13.8, 14, 14.2,
+    ]);
+    expect(fittedEdges(channel({}), { min: 840, max: 880 })).toEqual([
+      840, 842.5, 845, 847.5, 850, 852.5, 855, 857.5, 860, 862.5, 865, 867.5, 870, 872.5, 875, 877.5, 880,
+    ]);
     expect(multiples(-7, 12, 5)).toEqual([-10, -5, 0, 5, 10, 15]);
   });
 
   it("are typed, or given by a step", () => {
     expect(typedEdges(" 600 900;1200,5 ")).toEqual([600, 900, 1200.5]);
-    expect(["600", "600 500", "600 600", "a b", "", "1 Infinity", Array.from({ length: 40 }, (_, at) => at).join(" ")].map(typedEdges)).toEqual(
-      new Array(7).fill(null),
-    );
+    expect(
+      ["600", "600 500", "600 600", "a b", "", "1 Infinity", Array.from({ length: 40 }, (_, at) => at).join(" ")].map(typedEdges),
+    ).toEqual(new Array(7).fill(null));
     expect(stepped(600, 0.1, 600.3)).toEqual([600, 600.1, 600.2, 600.3]);
-    expect([stepped(0, 0, 5), stepped(0, -1, 5), stepped(5, 1, 5), stepped(0, 1, 33), stepped(0, NaN, 5)]).toEqual([null, null, null, null, null]);
+    expect([stepped(0, 0, 5), stepped(0, -1, 5), stepped(5, 1, 5), stepped(0, 1, 33), stepped(0, NaN, 5)]).toEqual([
+      null,
+      null,
+      null,
+      null,
+      null,
+    ]);
     expect(stepped(0, 2, 5)).toEqual([0, 2, 4, 6]);
   });
 });

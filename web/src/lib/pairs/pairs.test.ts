@@ -7,7 +7,11 @@ type Row = { time: number; values: Record<string, number | null> };
 
 function columnsOf(rows: readonly Row[], names: readonly string[], capacity?: number): Columns {
   const columns = new Columns(capacity);
-  columns.append(names, rows.map(({ time }) => time), names.map((name) => rows.map(({ values }) => values[name] ?? null)));
+  columns.append(
+    names,
+    rows.map(({ time }) => time),
+    names.map((name) => rows.map(({ values }) => values[name] ?? null)),
+  );
   return columns;
 }
 
@@ -33,7 +37,10 @@ function naive(rows: readonly Row[], plan: PairPlan, gaps: readonly number[]): {
 }
 
 const listed = (pairs: Pairs) =>
-  Array.from({ length: pairs.length }, (_, at) => [pairs.times[at]!, ...pairs.values.map((column) => (Number.isNaN(column[at]!) ? null : column[at]!))]);
+  Array.from({ length: pairs.length }, (_, at) => [
+    pairs.times[at]!,
+    ...pairs.values.map((column) => (Number.isNaN(column[at]!) ? null : column[at]!)),
+  ]);
 
 describe("pairs", () => {
   it("are what the rule says, for random rows read in random portions", () => {
@@ -43,12 +50,18 @@ describe("pairs", () => {
       const names = ["A", "B", "C"];
       const rows = Array.from({ length: 120 }, () => {
         time += 0.05 + (next() < 0.05 ? 3 * next() : 0.2 * next());
-        return { time, values: Object.fromEntries(names.map((name, at) => [name, next() < 0.3 * (at + 1) ? null : Math.round(100 * next())])) };
+        return {
+          time,
+          values: Object.fromEntries(names.map((name, at) => [name, next() < 0.3 * (at + 1) ? null : Math.round(100 * next())])),
+        };
       });
       const gaps = rows.filter(() => next() < 0.05).map((row) => row.time + (next() < 0.5 ? 0 : 0.01));
       const plan: PairPlan = {
         name: names[Math.floor(next() * 3)]!,
-        partners: [{ name: names[Math.floor(next() * 3)]!, needed: true }, { name: names[Math.floor(next() * 3)]!, needed: next() < 0.5 }],
+        partners: [
+          { name: names[Math.floor(next() * 3)]!, needed: true },
+          { name: names[Math.floor(next() * 3)]!, needed: next() < 0.5 },
+        ],
         age: [0, 0.2, 1, 5][Math.floor(next() * 4)]!,
         span: next() < 0.5 ? null : [rows[20]!.time, rows[90]!.time - 0.001],
       };
@@ -68,7 +81,11 @@ describe("pairs", () => {
     const growing = new Pairs(plan);
     for (let at = 0; at < rows.length; at += 37) {
       const part = rows.slice(at, at + 37);
-      columns.append(["A", "B"], part.map(({ time }) => time), [part.map(({ values }) => values.A), part.map(({ values }) => values.B)]);
+      columns.append(
+        ["A", "B"],
+        part.map(({ time }) => time),
+        [part.map(({ values }) => values.A), part.map(({ values }) => values.B)],
+      );
       while (growing.read(columns, [], 10));
     }
     const once = new Pairs(plan);

@@ -4,11 +4,14 @@ import { host } from "./host";
 
 it("the program is reached beside the page, wherever that is", () => {
   const opened: string[] = [];
-  vi.stubGlobal("WebSocket", class {
-    constructor(url: URL) {
-      opened.push(url.href);
-    }
-  });
+  vi.stubGlobal(
+    "WebSocket",
+    class {
+      constructor(url: URL) {
+        opened.push(url.href);
+      }
+    },
+  );
   for (const page of ["http://127.0.0.1:8071/#/live", "https://host.example/tools/mikas/"]) {
     vi.stubGlobal("document", { baseURI: page });
     host.connect(address("/live", { client: "page-1 a" }));

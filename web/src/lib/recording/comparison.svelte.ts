@@ -22,7 +22,9 @@ class Comparison extends RecordingData {
   /** The name of a recording of the virtual car, whose id is none. */
   private named = $state.raw<Text | null>(null);
   /** The second recording's name for a person; of the virtual car: with these words. */
-  readonly title = $derived([localized(this.named) || (this.detail?.id ?? ""), this.detail?.virtual ? `(${t("virtual")})` : ""].filter(Boolean).join(" "));
+  readonly title = $derived(
+    [localized(this.named) || (this.detail?.id ?? ""), this.detail?.virtual ? `(${t("virtual")})` : ""].filter(Boolean).join(" "),
+  );
   readonly lag = $derived(this.zero - this.first + this.offset);
 
   /** Load a recording to compare with the one that starts at `zero`; `named`: its name, if not its id. Throws `ApiError`. */

@@ -13,7 +13,14 @@ beforeEach(async () => {
   vi.stubGlobal("cancelAnimationFrame", () => undefined);
   player.close();
   vi.spyOn(api, "recording").mockImplementation((id) =>
-    Promise.resolve({ id, first: BEGAN[id]! - 1, last: BEGAN[id]! + 9.9, samples: 100, rate: 10, events: [] } as unknown as RecordingDetail),
+    Promise.resolve({
+      id,
+      first: BEGAN[id]! - 1,
+      last: BEGAN[id]! + 9.9,
+      samples: 100,
+      rate: 10,
+      events: [],
+    } as unknown as RecordingDetail),
   );
   vi.spyOn(api, "rows").mockImplementation((id) => {
     const at = times(id);

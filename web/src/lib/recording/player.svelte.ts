@@ -102,12 +102,7 @@ class Player extends RecordingData implements Source {
 }
 
 /** The position after `seconds` of playing: it stays within the loop if it was in it, and ends at `last`. */
-export function advance(
-  position: number,
-  seconds: number,
-  last: number,
-  loop: { from: number; to: number } | null,
-): number {
+export function advance(position: number, seconds: number, last: number, loop: { from: number; to: number } | null): number {
   const next = position + seconds;
   if (loop && loop.to > loop.from && position <= loop.to && next > loop.to) {
     return loop.from + ((next - loop.to) % (loop.to - loop.from));

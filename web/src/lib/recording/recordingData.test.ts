@@ -21,7 +21,8 @@ describe("a recording that is shown", () => {
     open = (id: string) => this.load(id);
   }
   const detail = { id: "a.pcapng", first: 1, last: 3, samples: 3, rate: 1, events: [] } as unknown as RecordingDetail;
-  const rows = (value: number) => ({ names: ["A"], times: [1, 2, 3], values: [[value, value, value]], decimated: false }) as unknown as RecordingRows;
+  const rows = (value: number) =>
+    ({ names: ["A"], times: [1, 2, 3], values: [[value, value, value]], decimated: false }) as unknown as RecordingRows;
   const shown = ({ columns }: RecordingData) => columns.column("A")?.[0];
 
   async function opened() {

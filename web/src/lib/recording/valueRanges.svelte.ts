@@ -43,7 +43,13 @@ async function virtualOf(model: string): Promise<string | undefined> {
   return (virtual.find((it) => model.includes(it.model)) ?? virtual[0])?.id;
 }
 
-export function bandsOf({ names, values }: { names: readonly string[]; values: readonly (readonly (number | null)[])[] }): Map<string, Band> {
+export function bandsOf({
+  names,
+  values,
+}: {
+  names: readonly string[];
+  values: readonly (readonly (number | null)[])[];
+}): Map<string, Band> {
   const bands = new Map<string, Band>();
   names.forEach((name, index) => {
     const found = (values[index] ?? []).filter((value) => value !== null);

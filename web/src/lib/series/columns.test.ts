@@ -6,7 +6,14 @@ const range = (from: number, to: number) => Array.from({ length: to - from }, (_
 describe("Columns", () => {
   it("stores rows and returns views", () => {
     const columns = new Columns();
-    columns.append(["A", "B"], [1, 2, 3], [[10, null, 30], [true, false, null]]);
+    columns.append(
+      ["A", "B"],
+      [1, 2, 3],
+      [
+        [10, null, 30],
+        [true, false, null],
+      ],
+    );
     expect([...columns.times()]).toEqual([1, 2, 3]);
     expect([...columns.column("A")!]).toEqual([10, NaN, 30]);
     expect([...columns.column("B")!]).toEqual([1, 0, NaN]);

@@ -144,8 +144,7 @@ export class Columns {
   }
 }
 
-const numeric = (cell: Cell | undefined): number =>
-  cell === null || cell === undefined ? NaN : Number(cell);
+const numeric = (cell: Cell | undefined): number => (cell === null || cell === undefined ? NaN : Number(cell));
 
 function enlarged(column: Float64Array, allocated: number): Float64Array {
   const bigger = new Float64Array(allocated);

@@ -30,7 +30,12 @@ describe("decimate", () => {
     const columns = filled(60, (row) => (row < 20 ? 1 : row < 40 ? 2 : 1));
     const drawn = decimate(columns, ["A"], 1000, 1000.6, 100).values[0]!;
     expect(drawn.flatMap((value, row) => (value === undefined ? [] : [[row, value]]))).toEqual([
-      ...[0, 1, 2, 3].map((row) => [row, 1]), [19, 1], [20, 2], [39, 2], [40, 1], ...[56, 57, 58, 59].map((row) => [row, 1]),
+      ...[0, 1, 2, 3].map((row) => [row, 1]),
+      [19, 1],
+      [20, 2],
+      [39, 2],
+      [40, 1],
+      ...[56, 57, 58, 59].map((row) => [row, 1]),
     ]);
   });
 
@@ -41,8 +46,20 @@ describe("decimate", () => {
   });
 
   it("keeps the order of minimum and maximum", () => {
-    const rising = decimate(filled(1000, (row) => row), ["A"], 1000, 1010, 10);
-    const falling = decimate(filled(1000, (row) => -row), ["A"], 1000, 1010, 10);
+    const rising = decimate(
+      filled(1000, (row) => row),
+      ["A"],
+      1000,
+      1010,
+      10,
+    );
+    const falling = decimate(
+      filled(1000, (row) => -row),
+      ["A"],
+      1000,
+      1010,
+      10,
+    );
     expect(rising.values[0]).toEqual([...(rising.values[0] as number[])].sort((a, b) => a - b));
     expect(falling.values[0]).toEqual([...(falling.values[0] as number[])].sort((a, b) => b - a));
   });
@@ -71,7 +88,15 @@ describe("decimate", () => {
 
   it("accepts empty columns and an empty window", () => {
     expect(decimate(new Columns(), ["A"], 0, 10, 100)).toEqual({ times: [], values: [[]], width: 0 });
-    expect(decimate(filled(100, () => 1), ["A"], 5000, 6000, 10).times.length).toBeLessThanOrEqual(2);
+    expect(
+      decimate(
+        filled(100, () => 1),
+        ["A"],
+        5000,
+        6000,
+        10,
+      ).times.length,
+    ).toBeLessThanOrEqual(2);
   });
 });
 

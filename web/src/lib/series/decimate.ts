@@ -13,19 +13,17 @@ export interface Decimated {
   width: number;
 }
 
-export function decimate(
-  columns: Columns,
-  names: readonly string[],
-  from: number,
-  to: number,
-  pixels: number,
-): Decimated {
+export function decimate(columns: Columns, names: readonly string[], from: number, to: number, pixels: number): Decimated {
   // One row more on each side, so that the line continues to the edge.
   const first = Math.max(0, columns.rowAt(from));
   const last = Math.min(columns.length, columns.rowAt(to) + 2);
   const times = columns.times(first, last);
   if (times.length <= 2 * pixels || !(to > from)) {
-    return { times: [...times], values: names.map((name) => dropFlatPoints(allRows(columns.column(name, first, last), times.length))), width: 0 };
+    return {
+      times: [...times],
+      values: names.map((name) => dropFlatPoints(allRows(columns.column(name, first, last), times.length))),
+      width: 0,
+    };
   }
   const width = (to - from) / pixels;
   const grid = bucketsOf(times, width);
@@ -99,11 +97,7 @@ function minMax(column: Float64Array | undefined, edges: readonly number[]): (nu
 }
 
 /** Find where the line is interrupted: no value for longer than `threshold` seconds. */
-export function findHoles(
-  times: readonly number[],
-  values: Readonly<Cells>,
-  threshold: number,
-): [number, number][] {
+export function findHoles(times: readonly number[], values: Readonly<Cells>, threshold: number): [number, number][] {
   const found: [number, number][] = [];
   let before = NaN;
   for (let row = 0; row < values.length; row += 1) {

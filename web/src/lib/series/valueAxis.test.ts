@@ -138,7 +138,15 @@ describe("the axes of a pane", () => {
 
 describe("the cases that a plot in a notebook is held to as well (tests/notebook)", () => {
   interface Case {
-    lines: { name: string; flag: boolean; unit: string; span_least: number | null; lowest: number | null; seen: Line["seen"]; band: [number, number] | null }[];
+    lines: {
+      name: string;
+      flag: boolean;
+      unit: string;
+      span_least: number | null;
+      lowest: number | null;
+      seen: Line["seen"];
+      band: [number, number] | null;
+    }[];
     axes: { low: number; high: number; floor: boolean }[];
   }
   const cases = JSON.parse(readFileSync(new URL("./valueAxis.test.json", import.meta.url), "utf8")) as Case[];

@@ -76,7 +76,9 @@ export function fitted({ min, max, least, floor }: Wanted, rank = 0, count = 1):
 export function axesOf(lines: readonly Line[], height: number): Axis[] {
   const flags = lines.filter(({ channel }) => channel?.flag);
   const axes = new Map<string, Axis>(flags.map(({ name }, index) => [axisKey(name, flags[index]!.channel), flagAxis(index, flags.length)]));
-  const taken: number[] = flags.flatMap(({ name, channel, seen }) => heightsOf([{ name, channel, seen }], axes.get(axisKey(name, channel))!));
+  const taken: number[] = flags.flatMap(({ name, channel, seen }) =>
+    heightsOf([{ name, channel, seen }], axes.get(axisKey(name, channel))!),
+  );
   const keys = [...new Set(lines.filter(({ channel }) => !channel?.flag).map(({ name, channel }) => axisKey(name, channel)))];
   keys.forEach((key, rank) => {
     const own = lines.filter(({ name, channel }) => axisKey(name, channel) === key);
@@ -86,7 +88,9 @@ export function axesOf(lines: readonly Line[], height: number): Axis[] {
   });
   return lines.map((line, index) => {
     const axis = axes.get(axisKey(line.name, line.channel))!;
-    const covered = lines.slice(0, index).filter((other) => axisKey(other.name, other.channel) === axisKey(line.name, line.channel) && cover(line, other)).length;
+    const covered = lines
+      .slice(0, index)
+      .filter((other) => axisKey(other.name, other.channel) === axisKey(line.name, line.channel) && cover(line, other)).length;
     return covered === 0 ? axis : moved(axis, (covered * BESIDE) / Math.max(1, height));
   });
 }
@@ -149,7 +153,8 @@ export function anyCovered(lines: readonly Line[], axes: readonly Axis[], height
   const shares = lines.map((line, index) => heightsOf([line], axes[index]!)[0]);
   return lines.some((line, index) =>
     lines.slice(0, index).some((other, before) => {
-      if (axisKey(line.name, line.channel) === axisKey(other.name, other.channel)) return cover(line, other) && axes[index]!.low === axes[before]!.low;
+      if (axisKey(line.name, line.channel) === axisKey(other.name, other.channel))
+        return cover(line, other) && axes[index]!.low === axes[before]!.low;
       const [one, two] = [shares[index], shares[before]];
       return one !== undefined && two !== undefined && Math.abs(one - two) * height < BESIDE - 0.5;
     }),

@@ -1,7 +1,14 @@
 import { expect, it } from "vitest";
 import { lineOf, momentIn, ordered } from "./freezeFrame";
 
-const rows = { names: ["TWAT", "FREQ"], times: [0, 1, 2, 10], values: [[80, 90, null, 100], [null, 850, null, null]] };
+const rows = {
+  names: ["TWAT", "FREQ"],
+  times: [0, 1, 2, 10],
+  values: [
+    [80, 90, null, 100],
+    [null, 850, null, null],
+  ],
+};
 
 it("draws a channel over the whole frame, interrupted where values are missing", () => {
   expect(lineOf(rows, "TWAT")).toEqual({ path: "M0.00 28.00L10.00 15.00M100.00 2.00", low: 80, high: 100 });

@@ -2,13 +2,7 @@ import { describe, expect, it } from "vitest";
 import { changeText, codesOf, mergeEntries, parameterOf, valueOf } from "./journal";
 
 describe("mergeEntries", () => {
-  const begun = {
-    time: 1,
-    change: "erase 2 stored fault(s)",
-    command: "CWRITP",
-    state: "started",
-    before: "0D 35",
-  };
+  const begun = { time: 1, change: "erase 2 stored fault(s)", command: "CWRITP", state: "started", before: "0D 35" };
   it("merges a change and its result into one line", () => {
     const done = { ...begun, time: 2, state: "done", outcome: "" };
     const lines = mergeEntries([done, begun]);
@@ -25,15 +19,11 @@ describe("mergeEntries", () => {
   });
   it("pairs each start with one end only", () => {
     const done = { ...begun, time: 4, state: "done" };
-    expect(
-      mergeEntries([done, { ...begun, time: 3 }, { ...begun, time: 1 }]).map((line) => line.time),
-    ).toEqual([4, 1]);
+    expect(mergeEntries([done, { ...begun, time: 3 }, { ...begun, time: 1 }]).map((line) => line.time)).toEqual([4, 1]);
   });
   it("translates known English entries", () => {
     expect(changeText("write 2 byte(s) to ram 0042").ru).toBe("записать байтов: 2, ram 0042");
-    expect(changeText("set the unit's list to 21 code(s)").ru).toBe(
-      "задать список блока, кодов: 21",
-    );
+    expect(changeText("set the unit's list to 21 code(s)").ru).toBe("задать список блока, кодов: 21");
     expect(changeText("dance").ru).toBe("dance");
     expect(changeText({ en: "a", ru: "б" })).toEqual({ en: "a", ru: "б" });
   });

@@ -28,11 +28,7 @@ const labels: Labels = {
 
 describe("faultsText", () => {
   it("lists every fault, known or unknown", () => {
-    const text = faultsText(
-      { time: 0, count: 2, faults: [fault(13, "Air mass low"), fault(99, "")] },
-      ["Mikas 7.1"],
-      labels,
-    );
+    const text = faultsText({ time: 0, count: 2, faults: [fault(13, "Air mass low"), fault(99, "")] }, ["Mikas 7.1"], labels);
     expect(text).toBe(
       "Faults\nMikas 7.1\n\n13: Air mass low (confirmed)\n   check: the plug\n   now: JAIR 15.1 kg/h\n" +
         "99: not known (unknown)\n   now: JAIR 15.1 kg/h\n",

@@ -19,9 +19,7 @@ export function faultsText(faults: Faults, about: readonly string[], labels: Lab
   const lines = [labels.title, ...about.filter(Boolean), ""];
   if (faults.faults.length === 0) lines.push(labels.none);
   for (const fault of faults.faults) {
-    lines.push(
-      `${fault.code}: ${labels.text(fault) || labels.unknown} (${labels.sure(fault.confidence)})`,
-    );
+    lines.push(`${fault.code}: ${labels.text(fault) || labels.unknown} (${labels.sure(fault.confidence)})`);
     const check = labels.check_text(fault);
     if (check) lines.push(`   ${labels.check}: ${check}`);
     const readings = fault.related.map(labels.reading).filter((it) => it !== null);

@@ -30,14 +30,8 @@ export const t = dictionary({
   leaveFull: { en: "Leave full screen", ru: "Выйти из полного экрана" },
   soundOn: { en: "Alarm sound on", ru: "Звук тревог включён" },
   soundOff: { en: "Alarm sound off", ru: "Звук тревог выключен" },
-  soundWaits: {
-    en: "Alarm sound is on, but the browser plays nothing before a click or a key on this page.",
-    ru: "Звук тревог включён, но браузер не издаст ни звука до щелчка или нажатия клавиши на этой странице.",
-  },
-  staysOn: {
-    en: "This browser cannot keep the screen on here (that needs an encrypted page). Set the device so that its screen does not switch off.",
-    ru: "Здесь браузер не может удержать экран включённым (нужна страница с шифрованием). Отключите гашение экрана в настройках устройства.",
-  },
+  soundWaits: { en: "Alarm sound is on, but the browser plays nothing before a click or a key on this page.", ru: "Звук тревог включён, но браузер не издаст ни звука до щелчка или нажатия клавиши на этой странице." },
+  staysOn: { en: "This browser cannot keep the screen on here (that needs an encrypted page). Set the device so that its screen does not switch off.", ru: "Здесь браузер не может удержать экран включённым (нужна страница с шифрованием). Отключите гашение экрана в настройках устройства." },
   minute: { en: "last minute", ru: "последняя минута" },
   min: { en: "min", ru: "мин." },
   max: { en: "max", ru: "макс." },
@@ -78,9 +72,6 @@ export const t = dictionary({
   emptyHint: { en: "Add the values you want to watch.", ru: "Добавьте нужные величины." },
   // Nothing connected.
   offTitle: { en: "Not connected", ru: "Не подключено" },
-  offText: {
-    en: "Connect the cable to the car and choose its port, or try a virtual car.",
-    ru: "Подключите кабель к машине и выберите порт или попробуйте виртуальный автомобиль.",
-  },
+  offText: { en: "Connect the cable to the car and choose its port, or try a virtual car.", ru: "Подключите кабель к машине и выберите порт или попробуйте виртуальный автомобиль." },
   connect: { en: "Connect", ru: "Подключить" },
 });

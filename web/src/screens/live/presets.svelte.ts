@@ -14,9 +14,7 @@ class Presets {
   draft = $state.raw<Preset | null>(null);
 
   readonly all = $derived<Preset[]>([...(catalog.loaded?.presets ?? []), ...this.own]);
-  readonly chosen = $derived<Preset | undefined>(
-    this.all.find(({ id }) => id === this.id) ?? this.all[0],
-  );
+  readonly chosen = $derived<Preset | undefined>(this.all.find(({ id }) => id === this.id) ?? this.all[0]);
   readonly onScreen = $derived<Preset | undefined>(this.draft ?? this.chosen);
   /** Channels of the preset on the screen. */
   readonly names = $derived(this.onScreen ? namesOf(this.onScreen) : []);
@@ -40,12 +38,7 @@ class Presets {
     const from = this.chosen;
     if (!from) return;
     const name = from.shipped ? { en: `${from.name.en} 2`, ru: `${from.name.ru} 2` } : from.name;
-    this.draft = {
-      id: from.shipped ? newId(this.all) : from.id,
-      name,
-      shipped: false,
-      tiles: from.tiles.map((tile) => ({ ...tile })),
-    };
+    this.draft = { id: from.shipped ? newId(this.all) : from.id, name, shipped: false, tiles: from.tiles.map((tile) => ({ ...tile })) };
   }
 
   change(tiles: Tile[]): void {
@@ -87,8 +80,7 @@ export function namesOf(preset: Preset): string[] {
   return [...new Set(names)];
 }
 
-const everything = (tile: Tile): string[] =>
-  tile.kind === "table" ? catalog.channels.map(({ name }) => name) : [];
+const everything = (tile: Tile): string[] => (tile.kind === "table" ? catalog.channels.map(({ name }) => name) : []);
 
 function newId(taken: readonly Preset[]): string {
   for (let number = 1; ; number += 1) {

@@ -14,7 +14,13 @@ afterEach(() => {
 it("the user's presets are loaded although their first request failed", async () => {
   const response = () => new Response(JSON.stringify({ presets: [] }), { headers: { "Content-Type": "application/json" } });
   const lost = () => Promise.reject(new TypeError("Failed to fetch"));
-  vi.stubGlobal("fetch", vi.fn().mockImplementationOnce(lost).mockImplementation(async () => response()));
+  vi.stubGlobal(
+    "fetch",
+    vi
+      .fn()
+      .mockImplementationOnce(lost)
+      .mockImplementation(async () => response()),
+  );
   const stop = presets.load();
   await vi.advanceTimersByTimeAsync(0);
   expect(presets.loaded).toBe(false);

@@ -67,12 +67,7 @@ export class View {
 }
 
 class MemoryStore {
-  readonly views: Record<Space, View> = {
-    ram: new View("ram"),
-    xram: new View("xram"),
-    code: new View("code"),
-    sfr: new View("sfr"),
-  };
+  readonly views: Record<Space, View> = { ram: new View("ram"), xram: new View("xram"), code: new View("code"), sfr: new View("sfr") };
   space = $state<Space>("ram");
   charset = $state<Charset>("cp866");
   /** Whether the page and the watched cells are read repeatedly. */
@@ -103,9 +98,7 @@ class MemoryStore {
 
   keepCell(cell: Cell): void {
     const known = this.cells.some((it) => it.id === cell.id);
-    this.cells = known
-      ? this.cells.map((it) => (it.id === cell.id ? cell : it))
-      : [...this.cells, cell];
+    this.cells = known ? this.cells.map((it) => (it.id === cell.id ? cell : it)) : [...this.cells, cell];
     saveSetting("cells", JSON.stringify(this.cells));
   }
 
@@ -152,9 +145,7 @@ class MemoryStore {
   /** Replace one dump in the list. */
   put(dump: Dump): void {
     const others = this.dumps.value ?? [];
-    this.dumps.value = others.some((it) => it.id === dump.id)
-      ? others.map((it) => (it.id === dump.id ? dump : it))
-      : [dump, ...others];
+    this.dumps.value = others.some((it) => it.id === dump.id) ? others.map((it) => (it.id === dump.id ? dump : it)) : [dump, ...others];
   }
 }
 

@@ -29,10 +29,7 @@ export function unitLines(passport: Passport): Line[] {
     [t("version_code"), passport.version_code],
     [t("program"), piecesText(passport.program_passport)],
     [t("data"), piecesText(passport.data_passport)],
-    [
-      t("parameters"),
-      passport.parameter_count === null ? t("not_supported") : number(passport.parameter_count),
-    ],
+    [t("parameters"), passport.parameter_count === null ? t("not_supported") : number(passport.parameter_count)],
   ];
 }
 
@@ -43,10 +40,7 @@ export function lineLines(passport: Passport): Line[] {
     [t("port"), passport.port || DASH],
     [t("echo"), passport.echo ? t("echo_yes") : t("echo_no")],
     [t("baud"), t("baud_value", { n: passport.baud })],
-    [
-      t("latency"),
-      latency === null ? t("not_measured") : t("latency_value", { n: number(latency, 0) }),
-    ],
+    [t("latency"), latency === null ? t("not_measured") : t("latency_value", { n: number(latency, 0) })],
   ];
 }
 
@@ -56,10 +50,7 @@ export function measuredLines(passport: Passport): Line[] {
   return [
     [t("method"), methodText(passport.method)],
     ...rates.map(([name, rate]): Line => {
-      return [
-        methodText(name),
-        rate > 0 ? t("rate_value", { n: number(rate, 1) }) : t("rate_none"),
-      ];
+      return [methodText(name), rate > 0 ? t("rate_value", { n: number(rate, 1) }) : t("rate_none")];
     }),
     [t("max_list"), t("max_list_value", { n: list })],
     ...Object.entries(blocks).map(([space, count]): Line => {

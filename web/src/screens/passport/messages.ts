@@ -17,18 +17,12 @@ export const t = dictionary({
   not_filled: { en: "not filled in", ru: "не заполнен" },
   not_supported: { en: "not supported by this ECU", ru: "блок не сообщает" },
   parameters: { en: "Parameters", ru: "Параметров" },
-  private_note: {
-    en: "A passport can contain serial numbers of this unit. Check it before publishing.",
-    ru: "В паспорте могут быть номера именно этого блока. Проверьте его перед публикацией.",
-  },
+  private_note: { en: "A passport can contain serial numbers of this unit. Check it before publishing.", ru: "В паспорте могут быть номера именно этого блока. Проверьте его перед публикацией." },
 
   line: { en: "Adapter and line", ru: "Адаптер и линия" },
   adapter: { en: "Adapter", ru: "Адаптер" },
   unread: { en: "The passport has not been read yet", ru: "Паспорт ещё не прочитан" },
-  unread_more: {
-    en: "This page can only watch. The passport appears here when it is read at the computer with the cable, on the Passport screen.",
-    ru: "Эта страница только для просмотра. Паспорт появится здесь, когда его прочитают на компьютере с кабелем, на экране «Паспорт».",
-  },
+  unread_more: { en: "This page can only watch. The passport appears here when it is read at the computer with the cable, on the Passport screen.", ru: "Эта страница только для просмотра. Паспорт появится здесь, когда его прочитают на компьютере с кабелем, на экране «Паспорт»." },
   virtual: { en: "virtual ECU", ru: "виртуальный блок" },
   port: { en: "Port", ru: "Порт" },
   echo: { en: "Echo", ru: "Эхо" },
@@ -45,27 +39,18 @@ export const t = dictionary({
   not_measured: { en: "not reported by the system", ru: "система не сообщает" },
 
   measured: { en: "Measured about this ECU", ru: "Что измерено на этом блоке" },
-  measured_more: {
-    en: "Found by testing, stored, and used at once when this ECU is connected again.",
-    ru: "Определено пробами, сохранено и сразу применяется при следующем подключении этого блока.",
-  },
+  measured_more: { en: "Found by testing, stored, and used at once when this ECU is connected again.", ru: "Определено пробами, сохранено и сразу применяется при следующем подключении этого блока." },
   method: { en: "Sampling method in use", ru: "Способ опроса сейчас" },
   rate_value: { en: "{n} readings/s", ru: "{n} опр/с" },
   rate_none: { en: "does not work", ru: "не работает" },
   max_list: { en: "Longest list in one request", ru: "Самый длинный список в запросе" },
-  max_list_value: {
-    en: { one: "{n} parameter", other: "{n} parameters" },
-    ru: { one: "{n} параметр", few: "{n} параметра", many: "{n} параметров" },
-  },
+  max_list_value: { en: { one: "{n} parameter", other: "{n} parameters" }, ru: { one: "{n} параметр", few: "{n} параметра", many: "{n} параметров" } },
   max_block: { en: "Largest block of {space}", ru: "Самый большой блок {space}" },
   bytes: { en: { one: "{n} byte", other: "{n} bytes" }, ru: { one: "{n} байт", few: "{n} байта", many: "{n} байт" } },
   refused: { en: "Parameters it does not support", ru: "Неподдерживаемые параметры" },
   none: { en: "none", ru: "нет" },
   relearn: { en: "Forget and measure again", ru: "Забыть и измерить снова" },
-  relearn_more: {
-    en: "Takes a few seconds; sampling pauses meanwhile. Useful after changing the cable.",
-    ru: "Займёт несколько секунд, опрос на это время приостановится. Полезно после смены кабеля.",
-  },
+  relearn_more: { en: "Takes a few seconds; sampling pauses meanwhile. Useful after changing the cable.", ru: "Займёт несколько секунд, опрос на это время приостановится. Полезно после смены кабеля." },
   relearning: { en: "Measuring…", ru: "Измеряем…" },
   relearnt: { en: "Forgotten; measuring again.", ru: "Забыто; измеряется снова." },
 
@@ -86,10 +71,7 @@ export const t = dictionary({
   command: { en: "Command", ru: "Команда" },
   source: { en: "Name", ru: "Имя" },
   answer: { en: "This ECU", ru: "Этот блок" },
-  not_tried_more: {
-    en: "“Unknown”: commands that could change something are not tried, and not every response gives an answer.",
-    ru: "«Неизвестно»: команды, которые могут что-то изменить, не пробуются, и не всякий ответ однозначен.",
-  },
+  not_tried_more: { en: "“Unknown”: commands that could change something are not tried, and not every response gives an answer.", ru: "«Неизвестно»: команды, которые могут что-то изменить, не пробуются, и не всякий ответ однозначен." },
 });
 
 export const methods = dictionary({

@@ -10,8 +10,6 @@ export function sheetText(title: string, lines: readonly Line[]): string {
 
 /** A file name such as `mikas-7.1-A1234.json`, without characters that file systems reject. */
 export function fileName(parts: readonly (string | null | undefined)[], suffix: string): string {
-  const clean = parts
-    .map((part) => (part ?? "").replace(/[^\p{L}\p{N}.-]+/gu, "-").replace(/^[-.]+|[-.]+$/g, ""))
-    .filter(Boolean);
+  const clean = parts.map((part) => (part ?? "").replace(/[^\p{L}\p{N}.-]+/gu, "-").replace(/^[-.]+|[-.]+$/g, "")).filter(Boolean);
   return `${clean.join("-") || "mikas"}.${suffix}`;
 }

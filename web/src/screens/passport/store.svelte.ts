@@ -19,8 +19,7 @@ class PassportStore {
     const tried = this.read.value?.supported ?? null;
     const passport = await this.read.run(() => api.passport());
     // Keep the tried commands when the passport is read again.
-    if (passport && !passport.supported && tried)
-      this.read.value = { ...passport, supported: tried };
+    if (passport && !passport.supported && tried) this.read.value = { ...passport, supported: tried };
   }
 
   async probe(): Promise<void> {

@@ -5,25 +5,16 @@ export const t = dictionary({
   loading: { en: "Loading the recordings…", ru: "Загружаем записи…" },
   refresh: { en: "Refresh", ru: "Обновить" },
   add: { en: "Add…", ru: "Добавить…" },
-  added: {
-    en: { one: "{n} recording added.", other: "{n} recordings added." },
-    ru: { one: "Добавлена {n} запись.", few: "Добавлены {n} записи.", many: "Добавлено {n} записей." },
-  },
+  added: { en: { one: "{n} recording added.", other: "{n} recordings added." }, ru: { one: "Добавлена {n} запись.", few: "Добавлены {n} записи.", many: "Добавлено {n} записей." } },
   search: { en: "Search: car, plate, note, fault", ru: "Машина, номер, заметка, ошибка" },
-  count: {
-    en: { one: "{n} recording", other: "{n} recordings" },
-    ru: { one: "{n} запись", few: "{n} записи", many: "{n} записей" },
-  },
+  count: { en: { one: "{n} recording", other: "{n} recordings" }, ru: { one: "{n} запись", few: "{n} записи", many: "{n} записей" } },
   folder: { en: "in {folder}", ru: "в папке {folder}" },
   none: { en: "No recordings yet", ru: "Записей пока нет" },
   none_more: {
     en: "Press R or the Record button at the top while the ECU answers. Every byte on the line is stored, so corrected formulas also correct old recordings. Recordings from elsewhere: press “Add…”.",
     ru: "Нажмите R или кнопку «Запись» вверху, когда блок отвечает. Сохраняется каждый байт линии, поэтому исправленные формулы исправят и старые записи. Чужие записи: нажмите «Добавить…».",
   },
-  none_watching: {
-    en: "Recordings are made at the computer with the cable and then appear here.",
-    ru: "Записи делают на компьютере с кабелем, затем они появляются здесь.",
-  },
+  none_watching: { en: "Recordings are made at the computer with the cable and then appear here.", ru: "Записи делают на компьютере с кабелем, затем они появляются здесь." },
   none_found: { en: "Nothing matches “{text}”.", ru: "По запросу «{text}» ничего нет." },
 
   car: { en: "Car", ru: "Машина" },
@@ -52,31 +43,13 @@ export const t = dictionary({
 
   export_title: { en: "Export {name}", ru: "Экспорт: {name}" },
   export_some: { en: "Channels (all if none is selected)", ru: "Величины (если не выбраны — все)" },
-  csv: {
-    en: "for spreadsheets and simple tools; one row a sample, header with units",
-    ru: "для таблиц и простых программ: строка на замер, единицы в заголовке",
-  },
-  excel: {
-    en: "for Excel: opens by double click, with decimal commas",
-    ru: "для русского Excel: открывается двойным щелчком, с десятичной запятой",
-  },
-  mf4: {
-    en: "for asammdf, CANape, MATLAB; with units, texts and exact times",
-    ru: "для asammdf, CANape, MATLAB; с единицами, текстами и точным временем",
-  },
-  parquet: {
-    en: "for Python, duckdb, R; small and fast, even for hours",
-    ru: "для Python, duckdb, R; компактно и быстро даже для многих часов",
-  },
+  csv: { en: "for spreadsheets and simple tools; one row a sample, header with units", ru: "для таблиц и простых программ: строка на замер, единицы в заголовке" },
+  excel: { en: "for Excel: opens by double click, with decimal commas", ru: "для русского Excel: открывается двойным щелчком, с десятичной запятой" },
+  mf4: { en: "for asammdf, CANape, MATLAB; with units, texts and exact times", ru: "для asammdf, CANape, MATLAB; с единицами, текстами и точным временем" },
+  parquet: { en: "for Python, duckdb, R; small and fast, even for hours", ru: "для Python, duckdb, R; компактно и быстро даже для многих часов" },
   msl: { en: "for MegaLogViewer and TunerStudio, as text", ru: "для MegaLogViewer и TunerStudio, текстовый" },
-  mlg: {
-    en: "for MegaLogViewer, binary: smaller, opens faster",
-    ru: "для MegaLogViewer, двоичный: меньше и открывается быстрее",
-  },
-  pcapng: {
-    en: "the recording itself, every byte on the line: to keep, to send to a developer, for Wireshark",
-    ru: "сама запись, каждый байт линии: для хранения, для разработчика, для Wireshark",
-  },
+  mlg: { en: "for MegaLogViewer, binary: smaller, opens faster", ru: "для MegaLogViewer, двоичный: меньше и открывается быстрее" },
+  pcapng: { en: "the recording itself, every byte on the line: to keep, to send to a developer, for Wireshark", ru: "сама запись, каждый байт линии: для хранения, для разработчика, для Wireshark" },
   close: { en: "Close", ru: "Закрыть" },
 
   delete_title: { en: "Delete this recording?", ru: "Удалить эту запись?" },

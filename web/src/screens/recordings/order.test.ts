@@ -31,11 +31,7 @@ describe("the list", () => {
     expect(list.map((it) => it.id)).toEqual(["a", "b", "c"]);
   });
   it("is searched by every word in note, car and faults", () => {
-    const volga = recording("x", {
-      note: "Волга, холодный пуск",
-      model: { en: "Mikas 7.1", ru: "Микас 7.1" },
-      faults: [53],
-    });
+    const volga = recording("x", { note: "Волга, холодный пуск", model: { en: "Mikas 7.1", ru: "Микас 7.1" }, faults: [53] });
     expect(matching([volga, ...list], "ВОЛГА микас")).toEqual([volga]);
     expect(matching([volga, ...list], "53")).toEqual([volga]);
     expect(matching(list, "  ")).toHaveLength(3);

@@ -3,9 +3,7 @@ import { LIVE, mayFrame, reportAddress, reportFile, reportSource } from "./addre
 
 it("the address contains recording and language", () => {
   expect(reportAddress(null, "ru", true)).toBe("api/report?lang=ru&inline=1");
-  expect(reportAddress("a b.pcapng", "en", false)).toBe(
-    "api/recordings/a%20b.pcapng/report?lang=en",
-  );
+  expect(reportAddress("a b.pcapng", "en", false)).toBe("api/recordings/a%20b.pcapng/report?lang=en");
   expect(reportFile("a b.pcapng", "en")).toBe("a b-report-en.html");
 });
 

@@ -15,9 +15,7 @@ export function reportSource(asked: string | undefined, open: string | null): st
 }
 
 export function reportAddress(recording: string | null, lang: string, inline: boolean): string {
-  return recording === null
-    ? api.report(lang, inline)
-    : api.recordingReport(recording, lang, inline);
+  return recording === null ? api.report(lang, inline) : api.recordingReport(recording, lang, inline);
 }
 
 export function reportFile(recording: string | null, lang: string): string {

@@ -2,42 +2,21 @@
 import { dictionary } from "../../lib/i18n";
 
 export const t = dictionary({
-  lead: {
-    en: "Step by step, with a verdict. Nothing in the unit is changed.",
-    ru: "Шаг за шагом, с заключением. В блоке ничего не меняется.",
-  },
-  minutes: {
-    en: { one: "about {n} minute", other: "about {n} minutes" },
-    ru: { one: "около {n} минуты", few: "около {n} минут", many: "около {n} минут", other: "около {n} минуты" },
-  },
+  lead: { en: "Step by step, with a verdict. Nothing in the unit is changed.", ru: "Шаг за шагом, с заключением. В блоке ничего не меняется." },
+  minutes: { en: { one: "about {n} minute", other: "about {n} minutes" }, ru: { one: "около {n} минуты", few: "около {n} минут", many: "около {n} минут", other: "около {n} минуты" } },
   half: { en: "half a minute", ru: "полминуты" },
-  steps: {
-    en: { one: "{n} step", other: "{n} steps" },
-    ru: { one: "{n} шаг", few: "{n} шага", many: "{n} шагов" },
-  },
+  steps: { en: { one: "{n} step", other: "{n} steps" }, ru: { one: "{n} шаг", few: "{n} шага", many: "{n} шагов" } },
   own: { en: "your own", ru: "ваша" },
   start: { en: "Start", ru: "Начать" },
   test_recording: { en: "Test the recording", ru: "Проверить запись" },
-  over: {
-    en: "The tests look for their steps in the recording {name}.",
-    ru: "Проверки ищут свои шаги в записи {name}.",
-  },
-  over_more: {
-    en: "To test the connected car, close the recording.",
-    ru: "Чтобы проверить подключённую машину, закройте запись.",
-  },
+  over: { en: "The tests look for their steps in the recording {name}.", ru: "Проверки ищут свои шаги в записи {name}." },
+  over_more: { en: "To test the connected car, close the recording.", ru: "Чтобы проверить подключённую машину, закройте запись." },
   close: { en: "Close the recording", ru: "Закрыть запись" },
   reading: { en: "Reading the recording…", ru: "Читаю запись…" },
   stop: { en: "Cancel", ru: "Отмена" },
   no_verdict: { en: "No verdict from this recording", ru: "По этой записи заключения нет" },
-  left_out: {
-    en: "Left out: values don't show whether it was done",
-    ru: "Пропущено: по данным не видно, сделано ли это",
-  },
-  not_kept: {
-    en: "This result is not kept: the recording gives it again at any time.",
-    ru: "Этот результат не сохраняется: по записи проверку можно повторить в любое время.",
-  },
+  left_out: { en: "Left out: values don't show whether it was done", ru: "Пропущено: по данным не видно, сделано ли это" },
+  not_kept: { en: "This result is not kept: the recording gives it again at any time.", ru: "Этот результат не сохраняется: по записи проверку можно повторить в любое время." },
   in_recording: { en: "{name}, from {from} to {to}", ru: "{name}, с {from} по {to}" },
   show: { en: "Show in the chart", ru: "Показать на графике" },
   repeat: { en: "Repeat", ru: "Повторить" },
@@ -47,17 +26,11 @@ export const t = dictionary({
   p_start: { en: "Waiting for the conditions of the start", ru: "Жду условий для начала" },
   p_prepare: { en: "{n} s to get ready", ru: "{n} с на подготовку" },
   p_no_data: { en: "No values from the car: the test waits for them", ru: "Нет данных с машины: проверка ждёт их" },
-  ended: {
-    en: "The test has ended without a verdict: another unit answers, or another page ended it.",
-    ru: "Проверка закончилась без заключения: отвечает другой блок, или её прервали на другой странице.",
-  },
+  ended: { en: "The test has ended without a verdict: another unit answers, or another page ended it.", ru: "Проверка закончилась без заключения: отвечает другой блок, или её прервали на другой странице." },
   p_until: { en: "Waiting: {n} s", ru: "Жду: {n} с" },
   p_hold: { en: "{n} s more, change nothing", ru: "Ещё {n} с, ничего не меняйте" },
   late: { en: "This takes longer than usual.", ru: "Это длится дольше обычного." },
-  lacking: {
-    en: "No values of {names}. Is it sampled, does the unit give it?",
-    ru: "Нет данных {names}. Есть ли они в опросе, даёт ли их блок?",
-  },
+  lacking: { en: "No values of {names}. Is it sampled, does the unit give it?", ru: "Нет данных {names}. Есть ли они в опросе, даёт ли их блок?" },
   skip: { en: "Skip this step", ru: "Пропустить шаг" },
   skip_more: { en: "Without its numbers nothing can be called good.", ru: "Без его чисел «в порядке» сказать нельзя." },
   cancel: { en: "End the test", ru: "Прервать проверку" },
@@ -72,10 +45,7 @@ export const t = dictionary({
   unknown: { en: "Can't tell", ru: "Нельзя сказать" },
   check: { en: "Check next", ru: "Проверьте дальше" },
   numbers: { en: "Numbers", ru: "Числа" },
-  readings: {
-    en: { one: "{n} reading", other: "{n} readings" },
-    ru: { one: "{n} замер", few: "{n} замера", many: "{n} замеров" },
-  },
+  readings: { en: { one: "{n} reading", other: "{n} readings" }, ru: { one: "{n} замер", few: "{n} замера", many: "{n} замеров" } },
   rule: { en: "Rule", ru: "Правило" },
   doubt: { en: "Doubt", ru: "Сомнения" },
   c_high: { en: "confidence: high", ru: "уверенность: высокая" },
@@ -89,14 +59,8 @@ export const t = dictionary({
   copy: { en: "Copy as text", ru: "Скопировать текстом" },
   back: { en: "All tests", ru: "Все проверки" },
   wrong_file: { en: "A test could not be loaded", ru: "Проверка не загружена" },
-  own_more: {
-    en: "Tests of your own: .toml files in {folder}",
-    ru: "Свои проверки: файлы .toml в папке {folder}",
-  },
-  measures_live: {
-    en: "This test measures the car on the line, not the open recording",
-    ru: "Эта проверка измеряет машину на линии, а не открытую запись",
-  },
+  own_more: { en: "Tests of your own: .toml files in {folder}", ru: "Свои проверки: файлы .toml в папке {folder}" },
+  measures_live: { en: "This test measures the car on the line, not the open recording", ru: "Эта проверка измеряет машину на линии, а не открытую запись" },
   to_live: { en: "Back to live", ru: "К текущим данным" },
   without: { en: "A test needs values of the car.", ru: "Для проверки нужны данные машины." },
   gone: { en: "This result is no longer kept.", ru: "Этот результат больше не хранится." },

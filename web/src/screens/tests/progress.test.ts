@@ -8,11 +8,8 @@ test("a value against its target", () => {
 
 test("progress counts whole steps, and the part of a hold", () => {
   const steps = [{}, {}, {}, {}] as never[];
-  const at = (phase: string, step: number | null, held = 0) =>
-    shareDone({ phase, step, steps, held, hold: 8 } as never);
-  expect([at("start", null), at("until", 1), at("hold", 1, 4), at("hold", 1, 99), at("done", null)]).toEqual([
-    0, 0.25, 0.375, 0.5, 1,
-  ]);
+  const at = (phase: string, step: number | null, held = 0) => shareDone({ phase, step, steps, held, hold: 8 } as never);
+  expect([at("start", null), at("until", 1), at("hold", 1, 4), at("hold", 1, 99), at("done", null)]).toEqual([0, 0.25, 0.375, 0.5, 1]);
 });
 
 test("seconds are counted down while one has to wait or hold, else up", () => {

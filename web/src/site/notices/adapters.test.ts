@@ -56,7 +56,10 @@ it("like adapters have the same names in the page and in the worker, whichever c
   await change("disconnect", first);
   await change("connect", third, first);
   const numbers = (await worker.ports().promise).map(({ port, nth }) => [port, nth]);
-  expect(numbers).toEqual([[first, 2], [third, 1]]);
+  expect(numbers).toEqual([
+    [first, 2],
+    [third, 1],
+  ]);
   serial.requestPort.mockResolvedValueOnce(third);
   expect(await choosePort()).toBe("webserial:0403:6001");
 });

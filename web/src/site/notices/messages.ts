@@ -18,19 +18,13 @@ export const t = dictionary({
     ru: "В приватном окне или при запрете cookie записи пропадут, когда страница закроется. Скачайте их до этого или откройте страницу в обычном окне.",
   },
   little: { en: "Little room for recordings: {left} left", ru: "Мало места для записей: осталось {left}" },
-  little_do: {
-    en: "Download old recordings and delete them here, or free space on the disk.",
-    ru: "Скачайте старые записи и удалите их здесь или освободите место на диске.",
-  },
+  little_do: { en: "Download old recordings and delete them here, or free space on the disk.", ru: "Скачайте старые записи и удалите их здесь или освободите место на диске." },
   not_listed: { en: "The cable was not in the list?", ru: "Кабеля в списке не было?" },
   not_listed_plug: {
     en: "Plug it in, wait for a few seconds, and press “Choose the cable…” again. It is called by its chip: FT232R, USB-SERIAL CH340, CP2102. Try another USB socket, without a hub.",
     ru: "Вставьте его, подождите несколько секунд и снова нажмите «Выбрать кабель…». В списке он назван по микросхеме: FT232R, USB-SERIAL CH340, CP2102. Попробуйте другой разъём USB, без хаба.",
   },
-  not_listed_android: {
-    en: "Android: few phones show USB cables to the browser yet. If the list stays empty, use a computer.",
-    ru: "Android: пока мало телефонов показывают браузеру кабели USB. Если список остаётся пустым, возьмите компьютер.",
-  },
+  not_listed_android: { en: "Android: few phones show USB cables to the browser yet. If the list stays empty, use a computer.", ru: "Android: пока мало телефонов показывают браузеру кабели USB. Если список остаётся пустым, возьмите компьютер." },
   not_listed_windows: {
     en: "Windows: open Device Manager. A yellow mark at “USB Serial”, “USB2.0-Serial” or “FT232R USB UART” means that the driver is missing: FTDI's VCP driver for FT232, WCH's CH341SER for CH340. Windows Update often finds it by itself. Then plug the cable in again.",
     ru: "Windows: откройте «Диспетчер устройств». Жёлтый знак у «USB Serial», «USB2.0-Serial» или «FT232R USB UART» означает, что нет драйвера: для FT232 это VCP от FTDI, для CH340 — CH341SER от WCH. Часто его находит сам Центр обновления Windows. Затем вставьте кабель снова.",
@@ -42,26 +36,17 @@ export const t = dictionary({
 
   here: { en: "mikas in this browser", ru: "mikas в этом браузере" },
   private: { en: "Nothing leaves this computer.", ru: "Ничего не уходит с этого компьютера." },
-  private_more: {
-    en: "The whole program runs in this tab; the server only handed out its files.",
-    ru: "Вся программа работает в этой вкладке; сервер лишь отдал её файлы.",
-  },
+  private_more: { en: "The whole program runs in this tab; the server only handed out its files.", ru: "Вся программа работает в этой вкладке; сервер лишь отдал её файлы." },
   kept: {
     en: "Recordings are kept in this browser, on this computer. Clearing the browser's data of this page deletes them, and so does closing a private window: download what matters.",
     ru: "Записи хранятся в этом браузере, на этом компьютере. Очистка данных браузера для этой страницы удалит их, закрытие приватного окна тоже: важное скачайте.",
   },
   left: { en: "Room for recordings: {left}.", ru: "Место для записей: {left}." },
   offline: { en: "mikas is kept in this browser: it starts without a network, too.", ru: "mikas сохранён в этом браузере: запустится и без сети." },
-  new_version: {
-    en: "It is loaded already. The page reloads; not while the car is connected.",
-    ru: "Она уже загружена. Страница обновится; при подключённой машине этого не будет.",
-  },
+  new_version: { en: "It is loaded already. The page reloads; not while the car is connected.", ru: "Она уже загружена. Страница обновится; при подключённой машине этого не будет." },
   new_ready: { en: "A new version of mikas is ready.", ru: "Готова новая версия mikas." },
   use: { en: "Use it now", ru: "Перейти на неё" },
   install: { en: "Install", ru: "Установить" },
-  install_more: {
-    en: "mikas then has an icon and a window of its own. Removed like any program.",
-    ru: "У mikas появятся свой значок и своё окно. Удаляется как любая программа.",
-  },
+  install_more: { en: "mikas then has an icon and a window of its own. Removed like any program.", ru: "У mikas появятся свой значок и своё окно. Удаляется как любая программа." },
   documentation: { en: "Documentation: first steps, how-tos, the protocol", ru: "Документация: первые шаги, как сделать, протокол" },
 });

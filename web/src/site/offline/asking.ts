@@ -40,7 +40,8 @@ export async function askPages(pages: readonly Page[], address: string): Promise
   }
 }
 
-const text = (status: number, words: string): Response => new Response(words, { status, headers: { "Content-Type": "text/plain; charset=utf-8" } });
+const text = (status: number, words: string): Response =>
+  new Response(words, { status, headers: { "Content-Type": "text/plain; charset=utf-8" } });
 
 class Answer {
   readonly here: Promise<Answer>;

@@ -5,9 +5,7 @@ import { answer } from "./downloads";
 type Fetch = Parameters<typeof answer>[2];
 
 /** A page with the program. */
-const page = (fetch: Fetch): Page => ({
-  postMessage: ({ address }, [port]) => void answer(port as MessagePort, address, fetch),
-});
+const page = (fetch: Fetch): Page => ({ postMessage: ({ address }, [port]) => void answer(port as MessagePort, address, fetch) });
 /** A page that shows that another tab has the program: it does not answer. */
 const idle: Page = { postMessage: () => undefined };
 
@@ -25,12 +23,15 @@ it("the page with the program answers a download, head and bytes", async () => {
 
 it("a part is read when the browser wants more, not before", async () => {
   let made = 0;
-  const endless = new ReadableStream({
-    pull(controller) {
-      made += 1;
-      controller.enqueue(bytes(`${made} `));
+  const endless = new ReadableStream(
+    {
+      pull(controller) {
+        made += 1;
+        controller.enqueue(bytes(`${made} `));
+      },
     },
-  }, { highWaterMark: 0 });
+    { highWaterMark: 0 },
+  );
   const { response, over } = await askPages([page(() => Promise.resolve(new Response(endless)))], "api/x");
   const reader = response.body!.getReader();
   const read = async () => new TextDecoder().decode((await reader.read()).value);

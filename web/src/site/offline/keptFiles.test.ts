@@ -60,7 +60,8 @@ function publish(version: string, files: Record<string, string>): void {
   host = { ...files, "files.json": JSON.stringify({ version, files: listed }) };
 }
 
-const site = (version: string) => new KeptFiles(version, new URL(SITE), caches as unknown as CacheStorage, fetch as typeof globalThis.fetch);
+const site = (version: string) =>
+  new KeptFiles(version, new URL(SITE), caches as unknown as CacheStorage, fetch as typeof globalThis.fetch);
 
 beforeEach(() => {
   asked = [];
@@ -75,7 +76,10 @@ it("the page starts from what is kept, with the policy that a static host does n
   const found = async (address: string) => (await site("1").find(address))!;
   for (const address of [SITE, `${SITE}?from=home`, `${SITE}index.html`]) expect(await (await found(address)).text()).toBe("<one>");
   const script = await found(`${SITE}assets/a-1.js`);
-  expect([script.headers.get("Content-Type"), script.headers.get("Content-Security-Policy")]).toEqual(["text/javascript", `${POLICY}; frame-ancestors 'none'`]);
+  expect([script.headers.get("Content-Type"), script.headers.get("Content-Security-Policy")]).toEqual([
+    "text/javascript",
+    `${POLICY}; frame-ancestors 'none'`,
+  ]);
   expect(await site("1").find(`${SITE}assets/b-1.js`)).toBe(undefined);
 });
 

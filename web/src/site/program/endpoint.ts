@@ -82,7 +82,10 @@ export class Endpoint {
   }
 
   tell(situation: Situation): void {
-    this.ready.then(() => this.post({ kind: "situation", ...situation }), () => undefined);
+    this.ready.then(
+      () => this.post({ kind: "situation", ...situation }),
+      () => undefined,
+    );
   }
 
   /** End the program at once; what is kept stays kept. */

@@ -62,20 +62,30 @@ const make = (role: Role) => {
 
 beforeEach(() => {
   workers = [];
-  vi.stubGlobal("CloseEvent", class extends Event {
-    constructor(kind: string, readonly init: { code: number; reason: string }) {
-      super(kind);
-    }
-    get code() {
-      return this.init.code;
-    }
-  });
+  vi.stubGlobal(
+    "CloseEvent",
+    class extends Event {
+      constructor(
+        kind: string,
+        readonly init: { code: number; reason: string },
+      ) {
+        super(kind);
+      }
+      get code() {
+        return this.init.code;
+      }
+    },
+  );
   program = new Program(make, Promise.resolve(true));
 });
 
 describe("a request", () => {
   it("waits for the start, and is answered by a Response", async () => {
-    const asked = program.fetch("api/plan?x=%20y", { method: "PUT", headers: { "X-Mikas-Client": "page-1" }, body: JSON.stringify({ a: "ё" }) });
+    const asked = program.fetch("api/plan?x=%20y", {
+      method: "PUT",
+      headers: { "X-Mikas-Client": "page-1" },
+      body: JSON.stringify({ a: "ё" }),
+    });
     expect(line().received).toEqual([]);
     line().say({ kind: "ready" });
     const { method, path, headers, body } = await line().request();
@@ -132,7 +142,10 @@ describe("a request", () => {
     const reading = (await streamed).text();
     second.abort();
     await expect(reading).rejects.toMatchObject({ name: "AbortError" });
-    expect(line().received.filter(({ kind }) => kind === "abort")).toEqual([{ kind: "abort", id: 1 }, { kind: "abort", id: 2 }]);
+    expect(line().received.filter(({ kind }) => kind === "abort")).toEqual([
+      { kind: "abort", id: 1 },
+      { kind: "abort", id: 2 },
+    ]);
     line().say({ kind: "body", id, data: bytes("late") }, { kind: "end", id });
     await expect(program.fetch("api/state", { signal: second.signal })).rejects.toMatchObject({ name: "AbortError" });
     expect(line().requests().length).toBe(2);
@@ -190,7 +203,10 @@ describe("a socket", () => {
     expect(socket.readyState).toBe(WebSocket.OPEN);
     socket.send("hello");
     socket.close();
-    expect(line().received.slice(1)).toEqual([{ kind: "send", id, data: "hello" }, { kind: "close", id, code: 1000 }]);
+    expect(line().received.slice(1)).toEqual([
+      { kind: "send", id, data: "hello" },
+      { kind: "close", id, code: 1000 },
+    ]);
     line().say({ kind: "closed", id, code: 1000, reason: "" }, { kind: "message", id, data: "late" });
     expect([heard, socket.readyState]).toEqual([["{}", 1000], WebSocket.CLOSED]);
   });

@@ -67,9 +67,7 @@ test("after any step, and in the middle of any, the files are those of before or
           const found = content(await Pool.open(disk.after(steps, torn)));
           cuts++;
           if (!fits(found, before.files, after.files)) {
-            expect.fail(
-              `seed ${seed}, call ${index}, step ${steps}, ${torn}: ${JSON.stringify({ before, found, after })}`,
-            );
+            expect.fail(`seed ${seed}, call ${index}, step ${steps}, ${torn}: ${JSON.stringify({ before, found, after })}`);
           }
         }
       }
@@ -99,7 +97,7 @@ test("a power failure leaves the old file or the new one, each whole", async () 
   const pool = await Pool.open(disk);
   const done: number[] = [];
   const deleted: { from: number; to: number }[] = [];
-  const text = (version: number) => `version ${version} `.repeat(version % 5 + 1);
+  const text = (version: number) => `version ${version} `.repeat((version % 5) + 1);
   for (let version = 0; version < 30; version++) {
     // As mikas.saving.save, beside a file that is recorded and one that is deleted.
     const made = pool.create("x.new");

@@ -91,7 +91,8 @@ class Opfs implements Folder {
 
   async view(name: string): Promise<View> {
     // Browsers without the property ignore the mode, and open alone.
-    if ("mode" in FileSystemSyncAccessHandle.prototype) return Object.assign(await this.open(name, "shared"), { renew: () => Promise.resolve() });
+    if ("mode" in FileSystemSyncAccessHandle.prototype)
+      return Object.assign(await this.open(name, "shared"), { renew: () => Promise.resolve() });
     return Snapshot.of(await this.directory.getFileHandle(name));
   }
 }

@@ -90,9 +90,7 @@ with (folder / "x").open("r+b", buffering=0) as file:
 assert refused((folder / "x").open, "xb") == "EEXIST"
 `);
   await reload();
-  expect(
-    await run(`(Path(kept) / "a" / "b" / "x").read_text() + " " + " ".join(os.listdir(kept))`),
-  ).toBe("X123abcde a");
+  expect(await run(`(Path(kept) / "a" / "b" / "x").read_text() + " " + " ".join(os.listdir(kept))`)).toBe("X123abcde a");
 });
 
 test("stat says size, time, one name; none after it was deleted while open", async () => {

@@ -86,7 +86,11 @@ class Mount {
     for (const file of files) {
       const names = path(file).split("/");
       const last = names.pop()!;
-      this.#file(names.reduce((folder, name) => this.#folderIn(folder, name), this.root), last, file);
+      this.#file(
+        names.reduce((folder, name) => this.#folderIn(folder, name), this.root),
+        last,
+        file,
+      );
     }
   }
 
@@ -194,9 +198,7 @@ class Mount {
     readdir: (folder: Node) => [".", "..", ...folder.entries!.keys()],
   };
 
-  readonly #folderOps = {
-    llseek: (stream: Stream, offset: number, whence: number) => seek(stream, offset, whence, 0),
-  };
+  readonly #folderOps = { llseek: (stream: Stream, offset: number, whence: number) => seek(stream, offset, whence, 0) };
 
   readonly #fileOps = {
     open: (stream: Stream) => {
@@ -212,8 +214,7 @@ class Mount {
     close: ({ node }: Stream) => {
       if (this.files instanceof Pool) this.files.letGo(node.file!);
     },
-    llseek: (stream: Stream, offset: number, whence: number) =>
-      seek(stream, offset, whence, stream.node.file!.size),
+    llseek: (stream: Stream, offset: number, whence: number) => seek(stream, offset, whence, stream.node.file!.size),
     read: ({ node }: Stream, memory: ArrayBufferView, offset: number, length: number, at: number) =>
       node.file!.read(bytesOf(memory, offset, length), at),
     write: ({ node }: Stream, memory: ArrayBufferView, offset: number, length: number, at: number) =>

@@ -73,11 +73,17 @@ export class Slot {
   }
 
   #read(into: Uint8Array, at: number): number {
-    return counted(guarded(() => this.handle.read(into, { at })), into);
+    return counted(
+      guarded(() => this.handle.read(into, { at })),
+      into,
+    );
   }
 
   #write(bytes: Uint8Array, at: number): number {
-    return counted(guarded(() => this.handle.write(bytes, { at })), bytes);
+    return counted(
+      guarded(() => this.handle.write(bytes, { at })),
+      bytes,
+    );
   }
 }
 

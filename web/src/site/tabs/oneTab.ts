@@ -6,10 +6,7 @@ const NAME = "mikas.program";
 /** ms in which a tab answers; its page has time even while it draws. */
 const ANSWER_MS = 4000;
 
-type Message =
-  | { kind: "leave"; from: string }
-  | { kind: "left"; to: string }
-  | { kind: "refused"; to: string; refusal: Refusal };
+type Message = { kind: "leave"; from: string } | { kind: "left"; to: string } | { kind: "refused"; to: string; refusal: Refusal };
 
 type Channel = Pick<BroadcastChannel, "postMessage" | "onmessage">;
 

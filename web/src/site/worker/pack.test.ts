@@ -2,7 +2,8 @@ import { expect, test } from "vitest";
 import { filesOf, inflated } from "./pack";
 
 // compressed(zip_of({"mikas/a.pyc": b"one", "mikas/ё.toml": "два".encode(), "c": b""}, compressed=False)) of tools/site/archives.py.
-const PACK = "H4sIAAAAAAACAwvwZmYRYYAARQZkwAjEyQEo0h/bcqqYgSwQ5gbi3MzsxGL9RL2CyuT8vFSoWg6IWp1vOW/YgCwQ5oWrvThRryQ/N+fClgubLmwI8GZkEmHGbTsMLAFzktGVo7sGoVwe1W1wjTichtDoje7QAG9WkCqgHcwMi4F0DVghAKErhEQ1AQAA";
+const PACK =
+  "H4sIAAAAAAACAwvwZmYRYYAARQZkwAjEyQEo0h/bcqqYgSwQ5gbi3MzsxGL9RL2CyuT8vFSoWg6IWp1vOW/YgCwQ5oWrvThRryQ/N+fClgubLmwI8GZkEmHGbTsMLAFzktGVo7sGoVwe1W1wjTichtDoje7QAG9WkCqgHcwMi4F0DVghAKErhEQ1AQAA";
 
 const stream = (bytes: Uint8Array<ArrayBuffer>) => new Blob([bytes]).stream();
 const packed = () => inflated(stream(Uint8Array.from(atob(PACK), (letter) => letter.charCodeAt(0))));

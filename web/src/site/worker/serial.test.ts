@@ -71,7 +71,12 @@ describe("the granted ports", () => {
   it("are numbered among their kind", async () => {
     const ch340 = { usbVendorId: 0x1a86, usbProductId: 0x7523 };
     const host = hostOf(new FakePort(), new FakePort(ch340), new FakePort(), new FakePort({}));
-    expect(await names(host)).toEqual([[0x0403, 0x6001, 1], [0x1a86, 0x7523, 1], [0x0403, 0x6001, 2], [undefined, undefined, 1]]);
+    expect(await names(host)).toEqual([
+      [0x0403, 0x6001, 1],
+      [0x1a86, 0x7523, 1],
+      [0x0403, 0x6001, 2],
+      [undefined, undefined, 1],
+    ]);
   });
 
   it("keep their number while another of the kind is away", async () => {
@@ -83,7 +88,12 @@ describe("the granted ports", () => {
     there = [second];
     expect(await numbers()).toEqual(new Map([[second, 2]]));
     there = [again, second];
-    expect(await numbers()).toEqual(new Map([[second, 2], [again, 1]]));
+    expect(await numbers()).toEqual(
+      new Map([
+        [second, 2],
+        [again, 1],
+      ]),
+    );
   });
 
   it("are those that are plugged in", async () => {

@@ -150,7 +150,12 @@ export class OpenPort {
   /** Hold the wire low, or let it go; whether the adapter can. */
   pullLow(low: boolean): Pending<boolean> {
     const did = this.port.setSignals({ break: low });
-    return { promise: did.then(() => true, () => false) };
+    return {
+      promise: did.then(
+        () => true,
+        () => false,
+      ),
+    };
   }
 
   close(): void {

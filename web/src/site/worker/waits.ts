@@ -32,7 +32,10 @@ export const waits = {
   },
 
   follow(number: number, promise: Promise<unknown>): void {
-    promise.then((result) => kept(number, result), (error) => broken(number, error));
+    promise.then(
+      (result) => kept(number, result),
+      (error) => broken(number, error),
+    );
   },
 
   after(number: number, milliseconds: number): void {

@@ -41,7 +41,16 @@ async function keptFiles(): Promise<Pool | PoolView | null> {
 
 /** All is loaded. From here on nothing in this worker can reach the network, whatever its code does. */
 function closeTheDoors(): void {
-  for (const door of ["fetch", "XMLHttpRequest", "WebSocket", "WebSocketStream", "WebTransport", "EventSource", "Worker", "importScripts"]) {
+  for (const door of [
+    "fetch",
+    "XMLHttpRequest",
+    "WebSocket",
+    "WebSocketStream",
+    "WebTransport",
+    "EventSource",
+    "Worker",
+    "importScripts",
+  ]) {
     Object.defineProperty(self, door, { value: undefined, configurable: false, writable: false });
   }
 }

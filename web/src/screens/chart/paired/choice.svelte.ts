@@ -37,7 +37,10 @@ export function readChoice(text: string | null): Stored {
   const names = <Group extends Record<string, string>>(group: Partial<Group> | undefined, first: Group): Group =>
     Object.fromEntries(Object.entries(first).map(([key, name]) => [key, typeof group?.[key] === "string" ? group[key] : name])) as Group;
   const sound = (edges: unknown) =>
-    Array.isArray(edges) && edges.length >= 2 && edges.length <= MOST_BINS + 1 && edges.every((edge, at) => Number.isFinite(edge) && (at === 0 || edge > edges[at - 1]));
+    Array.isArray(edges) &&
+    edges.length >= 2 &&
+    edges.length <= MOST_BINS + 1 &&
+    edges.every((edge, at) => Number.isFinite(edge) && (at === 0 || edge > edges[at - 1]));
   return {
     scatter: names(given.scatter, FIRST.scatter),
     table: names(given.table, FIRST.table),

@@ -6,8 +6,19 @@ describe("the choice", () => {
     const first = readChoice(null);
     expect(readChoice("{")).toEqual(first);
     expect(readChoice("null")).toEqual(first);
-    const stored = { scatter: { x: "THR", y: 5 }, statistic: "mode", least: 0, age: 0.2, edges: { FREQ: [0, 1, 2], THR: [2, 1], INJ: "x", UOZ: Array.from({ length: 500 }, (_, at) => at) } };
-    expect(readChoice(JSON.stringify(stored))).toEqual({ ...first, scatter: { ...first.scatter, x: "THR" }, age: 0.2, edges: { FREQ: [0, 1, 2] } });
+    const stored = {
+      scatter: { x: "THR", y: 5 },
+      statistic: "mode",
+      least: 0,
+      age: 0.2,
+      edges: { FREQ: [0, 1, 2], THR: [2, 1], INJ: "x", UOZ: Array.from({ length: 500 }, (_, at) => at) },
+    };
+    expect(readChoice(JSON.stringify(stored))).toEqual({
+      ...first,
+      scatter: { ...first.scatter, x: "THR" },
+      age: 0.2,
+      edges: { FREQ: [0, 1, 2] },
+    });
   });
 
   it("has a whole least count of at least 1", () => {

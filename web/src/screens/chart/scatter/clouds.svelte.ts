@@ -111,6 +111,7 @@ const extent = ([low, high]: readonly [number, number]) => high - low;
 const holds = (outer: readonly [number, number], inner: readonly [number, number]) => outer[0] <= inner[0] && outer[1] >= inner[1];
 const contains = (frame: Frame, all: Frame) => holds(frame.x, all.x) && holds(frame.y, all.y);
 const isFarWider = (frame: Frame, all: Frame) => extent(frame.x) > 1.5 * extent(all.x) || extent(frame.y) > 1.5 * extent(all.y);
-const isUsable = (range: readonly [number, number]) => extent(range) > NARROWEST * Math.max(1, Math.abs(range[0])) && extent(range) < WIDEST;
+const isUsable = (range: readonly [number, number]) =>
+  extent(range) > NARROWEST * Math.max(1, Math.abs(range[0])) && extent(range) < WIDEST;
 /** Room for values to come, so that live data do not draw the cloud anew with each new extreme. */
 const wider = ({ x, y }: Frame): Frame => ({ x: zoomed(x, 1.1, 0.5), y: zoomed(y, 1.1, 0.5) });

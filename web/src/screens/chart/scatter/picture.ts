@@ -51,7 +51,10 @@ export function zoomed([low, high]: readonly [number, number], factor: number, a
   return [around - (around - low) * factor, around + (high - around) * factor];
 }
 
-export const moved = ([low, high]: readonly [number, number], share: number): [number, number] => [low - (high - low) * share, high - (high - low) * share];
+export const moved = ([low, high]: readonly [number, number], share: number): [number, number] => [
+  low - (high - low) * share,
+  high - (high - low) * share,
+];
 
 /** Draw everything. `points`: an own canvas for the points, kept between calls. */
 export function draw(canvas: HTMLCanvasElement, points: HTMLCanvasElement, picture: Picture, ratio: number): void {
@@ -149,7 +152,12 @@ function scale(context: CanvasRenderingContext2D, { width, scale, remark, look }
   }
   context.fillStyle = look.muted;
   context.textAlign = "left";
-  if (remark) context.fillText(shortened(remark, right - 8, (text) => context.measureText(text).width), 4, 10);
+  if (remark)
+    context.fillText(
+      shortened(remark, right - 8, (text) => context.measureText(text).width),
+      4,
+      10,
+    );
 }
 
 /** The text, or as much of it as is at most `most` wide. */

@@ -114,4 +114,5 @@ export function pointing(area: HTMLElement, act: Pointing): () => void {
   };
 }
 
-const isFar = (one: readonly [number, number], other: readonly [number, number]) => Math.hypot(one[0] - other[0], one[1] - other[1]) >= MOVED;
+const isFar = (one: readonly [number, number], other: readonly [number, number]) =>
+  Math.hypot(one[0] - other[0], one[1] - other[1]) >= MOVED;

@@ -23,10 +23,7 @@ export const t = dictionary({
   right: { en: "Cursor one sample forward (Shift: ten)", ru: "Курсор на замер вперёд (Shift: на десять)" },
   closer: { en: "Zoom in", ru: "Крупнее" },
   farther: { en: "Zoom out", ru: "Мельче" },
-  plot: {
-    en: "Chart. The legend shows the values at the cursor. Arrow keys move the cursor, plus and minus zoom.",
-    ru: "График. В легенде — значения под курсором. Стрелки двигают курсор, плюс и минус меняют масштаб.",
-  },
+  plot: { en: "Chart. The legend shows the values at the cursor. Arrow keys move the cursor, plus and minus zoom.", ru: "График. В легенде — значения под курсором. Стрелки двигают курсор, плюс и минус меняют масштаб." },
   rowHelp: { en: "Click: hide. Drag, or Shift with arrows: to another pane", ru: "Щелчок: скрыть. Перетащить или Shift со стрелками: на другую панель" },
   mean: { en: "mean", ru: "ср." },
   between: { en: "{seconds} s between the cursors", ru: "{seconds} с между курсорами" },

@@ -63,7 +63,8 @@ export class Redraw {
     const moved = now !== this.position;
     this.position = now;
     if (view.end === null || !moved) return;
-    if (!display.source.paused && (now > view.end - view.span * 0.05 || now < view.end - view.span)) view.show(now - view.span * 0.15, now + view.span * 0.85);
+    if (!display.source.paused && (now > view.end - view.span * 0.05 || now < view.end - view.span))
+      view.show(now - view.span * 0.15, now + view.span * 0.85);
     else view.bring(now);
   }
 }

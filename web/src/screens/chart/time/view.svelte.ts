@@ -26,18 +26,20 @@ const FIRST: string[][] = [["FREQ", "THR"], ["INJ", "JAIR"], ["UOZ"], ["TWAT", "
 
 function coloured(lists: string[][]): Pane[] {
   let colour = 0;
-  return lists.slice(0, MOST_PANES).map((names, id) => ({
-    id,
-    traces: names.map((name) => ({ name, colour: (colour++ % 8) + 1, hidden: false })),
-  }));
+  return lists
+    .slice(0, MOST_PANES)
+    .map((names, id) => ({ id, traces: names.map((name) => ({ name, colour: (colour++ % 8) + 1, hidden: false })) }));
 }
 
 /** The panes in a stored text, each channel once; the defaults if it holds none. */
 export function readPanes(text: string | null): Pane[] {
   const known = new Set<string>();
-  const sound = ({ name, colour }: Trace) => typeof name === "string" && Number.isInteger(colour) && colour >= 1 && colour <= 8 && !known.has(name) && known.add(name);
+  const sound = ({ name, colour }: Trace) =>
+    typeof name === "string" && Number.isInteger(colour) && colour >= 1 && colour <= 8 && !known.has(name) && known.add(name);
   try {
-    const panes = (JSON.parse(text ?? "") as Pane[]).map(({ traces }) => traces.filter(sound).map(({ name, colour, hidden }) => ({ name, colour, hidden: hidden === true })));
+    const panes = (JSON.parse(text ?? "") as Pane[]).map(({ traces }) =>
+      traces.filter(sound).map(({ name, colour, hidden }) => ({ name, colour, hidden: hidden === true })),
+    );
     const full = panes.filter((traces) => traces.length > 0).slice(0, MOST_PANES);
     if (full.length > 0) return full.map((traces, id) => ({ id, traces }));
   } catch {

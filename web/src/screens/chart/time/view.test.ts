@@ -5,7 +5,10 @@ const trace = (name: unknown, colour: unknown, hidden?: unknown) => ({ name, col
 const read = (panes: unknown) => readPanes(JSON.stringify(panes));
 
 it("the panes are those that this browser stored, as far as these are sound", () => {
-  const panes = [{ id: 7, traces: [trace("FREQ", 1), trace("THR", 2, true)] }, { id: 9, traces: [trace("UOZ", 8)] }];
+  const panes = [
+    { id: 7, traces: [trace("FREQ", 1), trace("THR", 2, true)] },
+    { id: 9, traces: [trace("UOZ", 8)] },
+  ];
   expect(read(panes)).toEqual([
     { id: 0, traces: [trace("FREQ", 1, false), trace("THR", 2, true)] },
     { id: 1, traces: [trace("UOZ", 8, false)] },
@@ -20,5 +23,6 @@ it("the panes are those that this browser stored, as far as these are sound", ()
 it("there are the default panes without sound ones", () => {
   const first = readPanes(null);
   expect(first.length).toBeGreaterThan(1);
-  for (const text of ["", "{", "null", "5", "[]", "[null]", '[{"traces":{}}]', '[{"traces":[null]}]', '[{"traces":[]}]']) expect(readPanes(text)).toEqual(first);
+  for (const text of ["", "{", "null", "5", "[]", "[null]", '[{"traces":{}}]', '[{"traces":[null]}]', '[{"traces":[]}]'])
+    expect(readPanes(text)).toEqual(first);
 });

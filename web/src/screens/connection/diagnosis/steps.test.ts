@@ -13,8 +13,7 @@ describe("the connection check", () => {
     detail: text,
     to_try: null,
   });
-  const marks = (steps: DoctorStep[], running: boolean) =>
-    markSteps(steps, running).map((it) => it.mark);
+  const marks = (steps: DoctorStep[], running: boolean) => markSteps(steps, running).map((it) => it.mark);
 
   it("marks running and pending steps", () => {
     expect(marks([], true)).toEqual(["running", "todo", "todo", "todo", "todo", "todo", "todo"]);
@@ -22,25 +21,9 @@ describe("the connection check", () => {
   });
   it("marks skipped steps and those not reached", () => {
     const steps = [step("port", true), step("echo", true), step("latency", null)];
-    expect(marks(steps, true)).toEqual([
-      "ok",
-      "ok",
-      "skipped",
-      "unsure",
-      "running",
-      "todo",
-      "todo",
-    ]);
+    expect(marks(steps, true)).toEqual(["ok", "ok", "skipped", "unsure", "running", "todo", "todo"]);
     const broken = [step("port", true), step("echo", false)];
-    expect(marks(broken, false)).toEqual([
-      "ok",
-      "bad",
-      "skipped",
-      "skipped",
-      "skipped",
-      "skipped",
-      "skipped",
-    ]);
+    expect(marks(broken, false)).toEqual(["ok", "bad", "skipped", "skipped", "skipped", "skipped", "skipped"]);
   });
   it("has an outcome", () => {
     const last = step("commands", true);

@@ -18,10 +18,7 @@ export interface MarkedStep {
  */
 export function markSteps(steps: readonly DoctorStep[], running: boolean): MarkedStep[] {
   const known = new Map(steps.map((step) => [step.name, step]));
-  const reached = Math.max(
-    -1,
-    ...steps.map((step) => STEPS.findIndex((name) => name === step.name)),
-  );
+  const reached = Math.max(-1, ...steps.map((step) => STEPS.findIndex((name) => name === step.name)));
   return STEPS.map((name, at) => {
     const step = known.get(name) ?? null;
     if (step) return { name, step, mark: step.ok === null ? "unsure" : step.ok ? "ok" : "bad" };

@@ -5,7 +5,14 @@ import { BY_CODE, LINKS, SITUATIONS, type Mark, type Situation } from "./situati
 import { bestGuess, situationOf, verdictOf, type Check, type LineFacts } from "./verdict";
 
 const port = (url: string, likely: boolean): Port => ({ url, description: url, chip: "", likely, quirks: [] });
-const state = (line: State["line"], more: Partial<LineFacts> = {}): LineFacts => ({ line, reason_code: null, port: null, model: null, samples: 0, ...more });
+const state = (line: State["line"], more: Partial<LineFacts> = {}): LineFacts => ({
+  line,
+  reason_code: null,
+  port: null,
+  model: null,
+  samples: 0,
+  ...more,
+});
 const USB = "/dev/ttyUSB0";
 
 describe("situationOf", () => {
@@ -93,7 +100,8 @@ describe("the picture", () => {
   it.each(Object.entries(SITUATIONS))("of %s never says “works” of what the text blames", (_, { marks, title, advice }) => {
     const key = (name: string) => t(name as Parameters<typeof t>[0]);
     const words = `${key(title)} ${advice ? key(advice) : ""}`;
-    if (/12 V at the adapter|right port|probably|plug|another program|permission|wrong kind/i.test(words)) expect(at(marks, "adapter")).not.toBe("works");
+    if (/12 V at the adapter|right port|probably|plug|another program|permission|wrong kind/i.test(words))
+      expect(at(marks, "adapter")).not.toBe("works");
     if (/K-Line/.test(words) && !/KKL/.test(words)) expect(at(marks, "wire")).not.toBe("works");
     if (/ignition|does not answer/i.test(words)) expect(at(marks, "ecu")).not.toBe("works");
     if (/the adapter works/i.test(words)) expect(at(marks, "adapter")).toBe("works");
@@ -136,7 +144,11 @@ describe("the verdict", () => {
   }
 
   it("is from the check while it runs, though its port is closed", () => {
-    const found = verdictOf(state("off", { port: USB }), { ports: [], code: null }, { running: true, port: USB, steps: good("port", "echo") });
+    const found = verdictOf(
+      state("off", { port: USB }),
+      { ports: [], code: null },
+      { running: true, port: USB, steps: good("port", "echo") },
+    );
     expect(found).toMatchObject({ situation: "checking", marks: ["works", "works", "unknown", "unknown"] });
   });
   it("is from the check after it, until the line has a state", () => {
@@ -149,17 +161,26 @@ describe("the verdict", () => {
     expect(of(state("no-port", { port: "/dev/ttyUSB1" }))).toMatchObject({ situation: "opening", outdated: false });
   });
   it("keeps what only the check can tell", () => {
-    const check: Check = { running: false, port: USB, steps: [...good("port", "echo", "latency"), step("line", false), ...good("ecu", "commands")] };
+    const check: Check = {
+      running: false,
+      port: USB,
+      steps: [...good("port", "echo", "latency"), step("line", false), ...good("ecu", "commands")],
+    };
     const of = (line: State["line"]) => verdictOf(state(line, { port: line === "off" ? null : USB }), { ports: [], code: null }, check);
     expect(of("off")).toMatchObject({ situation: "disturbed", step: { name: "line" } });
     expect(of("sampling")).toMatchObject({ situation: "ok", outdated: false });
     const slow: Check = { ...check, steps: [...good("port", "echo"), step("baud", false), step("line", false)] };
-    expect(verdictOf(state("echo-only", { port: USB }), { ports: [], code: null }, slow)).toMatchObject({ situation: "wrong-speed", outdated: false });
+    expect(verdictOf(state("echo-only", { port: USB }), { ports: [], code: null }, slow)).toMatchObject({
+      situation: "wrong-speed",
+      outdated: false,
+    });
   });
   it("is nothing after a check that was stopped, and opening while connecting", () => {
     const check: Check = { running: false, port: USB, steps: good("port", "echo") };
     expect(verdictOf(state("off"), { ports: [], code: null }, check).situation).toBe("no-cable");
-    expect(verdictOf(state("off", { reason_code: "LinkLost" }), { ports: [], code: "PortBusy", trying: true }, check).situation).toBe("opening");
+    expect(verdictOf(state("off", { reason_code: "LinkLost" }), { ports: [], code: "PortBusy", trying: true }, check).situation).toBe(
+      "opening",
+    );
   });
 });
 

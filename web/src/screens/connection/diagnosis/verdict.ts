@@ -71,7 +71,8 @@ function finding(steps: readonly DoctorStep[], port: string | null): { situation
   const known = BY_CODE[last.code ?? ""];
   if (known) return { situation: remote(known, port), step: last };
   const answered = steps.some(({ name, ok }) => name === "ecu" && ok === true);
-  if (answered) return failed.name === "line" || last.name === "commands" ? { situation: "disturbed", step: last } : { situation: "ok", step: null };
+  if (answered)
+    return failed.name === "line" || last.name === "commands" ? { situation: "disturbed", step: last } : { situation: "ok", step: null };
   if (failed.name === "port") return { situation: remote("not-openable", port), step: failed };
   return { situation: failed.name === "baud" ? "wrong-speed" : "damaged", step: failed };
 }

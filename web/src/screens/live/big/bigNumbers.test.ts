@@ -24,7 +24,11 @@ it("cells share a wide and a narrow screen, every row full", () => {
   expect(bigRows([2], 1366, 768)).toEqual([1]);
   expect(bigRows([2, 2, 2, 2, 2], 1366, 768)).toEqual([3, 2]);
   for (let count = 1; count <= 6; count += 1) {
-    const rows = bigRows(Array.from({ length: count }, () => 2.5), 844, 390);
+    const rows = bigRows(
+      Array.from({ length: count }, () => 2.5),
+      844,
+      390,
+    );
     expect(rows.reduce((sum, cells) => sum + cells, 0)).toBe(count);
   }
 });

@@ -40,13 +40,7 @@ describe("watched cells", () => {
     expect(restored(null)).toEqual([]);
     expect(restored("{")).toEqual([]);
     expect(restored("{}")).toEqual([]);
-    const bad = [
-      null,
-      1,
-      { ...cell(1), space: "eeprom" },
-      { ...cell(1), address: 0x100 },
-      { ...cell(1), name: 1 },
-    ];
+    const bad = [null, 1, { ...cell(1), space: "eeprom" }, { ...cell(1), address: 0x100 }, { ...cell(1), name: 1 }];
     expect(restored(JSON.stringify([...bad, cell(2)]))).toEqual([cell(2)]);
   });
 });

@@ -42,9 +42,7 @@ export function sizeOf(cell: Cell): number {
 export function readsFor(cells: readonly Cell[]): Read[] {
   const reads: Read[] = [];
   for (const space of SPACES) {
-    const here = cells
-      .filter((cell) => cell.space === space.name)
-      .sort((a, b) => a.address - b.address);
+    const here = cells.filter((cell) => cell.space === space.name).sort((a, b) => a.address - b.address);
     for (const cell of here) {
       const end = Math.min(cell.address + sizeOf(cell), space.last + 1);
       const last = reads.at(-1);
@@ -57,12 +55,7 @@ export function readsFor(cells: readonly Cell[]): Read[] {
         last.count = Math.max(last.count, end - last.address);
         last.cells.push(cell);
       } else {
-        reads.push({
-          space: space.name,
-          address: cell.address,
-          count: end - cell.address,
-          cells: [cell],
-        });
+        reads.push({ space: space.name, address: cell.address, count: end - cell.address, cells: [cell] });
       }
     }
   }
@@ -102,10 +95,5 @@ function isCell(it: unknown): it is Cell {
   const texts = ["id", "name", "formula", "unit"].every((key) => typeof cell[key] === "string");
   if (!texts || !SPACES.some((space) => space.name === cell.space)) return false;
   const address = cell.address;
-  return (
-    typeof address === "number" &&
-    Number.isInteger(address) &&
-    address >= 0 &&
-    address <= spaceOf(cell.space as string).last
-  );
+  return typeof address === "number" && Number.isInteger(address) && address >= 0 && address <= spaceOf(cell.space as string).last;
 }

@@ -1,17 +1,5 @@
 import { describe, expect, it } from "vitest";
-import {
-  SPACES,
-  addressText,
-  character,
-  dumpText,
-  fromHex,
-  parseAddress,
-  parseBytes,
-  rowsOf,
-  spaceOf,
-  spaced,
-  toHex,
-} from "./hex";
+import { SPACES, addressText, character, dumpText, fromHex, parseAddress, parseBytes, rowsOf, spaceOf, spaced, toHex } from "./hex";
 
 describe("addresses", () => {
   it.each([
@@ -71,16 +59,12 @@ describe("rows", () => {
     }
   });
   it("are formatted as by mikas mem read", () => {
-    expect(dumpText(Uint8Array.of(0x8c, 0xa8, 0x41), 0x40, "cp866")).toBe(
-      `0040  8C A8 41${" ".repeat(15)}  ${" ".repeat(23)}  МиA`,
-    );
+    expect(dumpText(Uint8Array.of(0x8c, 0xa8, 0x41), 0x40, "cp866")).toBe(`0040  8C A8 41${" ".repeat(15)}  ${" ".repeat(23)}  МиA`);
   });
 });
 
 it("characters are those of code page 866, or of ASCII alone", () => {
-  expect([0x41, 0x8c, 0x00, 0x0d, 0x7f, 0xff].map((it) => character(it, "cp866")).join("")).toBe(
-    "AМ····",
-  );
+  expect([0x41, 0x8c, 0x00, 0x0d, 0x7f, 0xff].map((it) => character(it, "cp866")).join("")).toBe("AМ····");
   expect(character(0x8c, "ascii")).toBe("·");
 });
 

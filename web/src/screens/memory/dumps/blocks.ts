@@ -29,7 +29,12 @@ export function mapOf(blocks: readonly Block[], columns = 32): BlockMap {
 }
 
 /** Which pass is running and its progress: a dump that is verified reads twice its size. */
-export function passOf(dump: Pick<Dump, "first" | "last" | "done" | "total">): { done: number; size: number; pass: number; passes: number } {
+export function passOf(dump: Pick<Dump, "first" | "last" | "done" | "total">): {
+  done: number;
+  size: number;
+  pass: number;
+  passes: number;
+} {
   const size = dump.last - dump.first + 1;
   const passes = Math.max(1, Math.round(dump.total / size));
   const pass = Math.min(passes, Math.floor(dump.done / size) + 1);

@@ -25,9 +25,7 @@ describe("comparing", () => {
       ["row", 0x60],
       ["equal", 0x70],
     ]);
-    expect(found.lines.filter((line) => line.kind === "equal").map((line) => line.bytes)).toEqual([
-      64, 48,
-    ]);
+    expect(found.lines.filter((line) => line.kind === "equal").map((line) => line.bytes)).toEqual([64, 48]);
   });
   it("counts beyond the rows shown", () => {
     const a = side(0, ...Array.from({ length: 1600 }, () => 0));

@@ -7,9 +7,7 @@ describe("the player bar", () => {
     expect([faster(1), faster(16), slower(1), slower(0.25)]).toEqual([2, 16, 0.5, 0.25]);
   });
   it("maps a time to a share", () => {
-    expect([share(5, 0, 10), share(-1, 0, 10), share(11, 0, 10), share(1, 1, 1)]).toEqual([
-      0.5, 0, 1, 0,
-    ]);
+    expect([share(5, 0, 10), share(-1, 0, 10), share(11, 0, 10), share(1, 1, 1)]).toEqual([0.5, 0, 1, 0]);
   });
   it("loops between two marks in either order and ends with the third", () => {
     const one = nextLoop(null, 7);

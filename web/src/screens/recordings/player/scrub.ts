@@ -23,10 +23,7 @@ export function share(time: number, first: number, last: number): number {
 }
 
 /** The first press marks the start of the loop, the second its end, the third removes it. */
-export function nextLoop(
-  loop: Partial<Loop> | null,
-  time: number,
-): { loop: Partial<Loop> | null; whole: Loop | null } {
+export function nextLoop(loop: Partial<Loop> | null, time: number): { loop: Partial<Loop> | null; whole: Loop | null } {
   if (loop?.from === undefined) return { loop: { from: time }, whole: null };
   if (loop.to === undefined) {
     if (time === loop.from) return { loop: null, whole: null };

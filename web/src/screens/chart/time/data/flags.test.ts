@@ -8,7 +8,17 @@ const gap = (began: number, ended: number | null): LineEvent => ({ kind: "gap", 
 
 describe("flags", () => {
   it("are the markers and alarms of the window, close ones merged", () => {
-    const alarm = { kind: "alarm", time: 12, name: "TWAT", level: "warning", before: "none", side: "high", value: 101, limit: 100, text } as const;
+    const alarm = {
+      kind: "alarm",
+      time: 12,
+      name: "TWAT",
+      level: "warning",
+      before: "none",
+      side: "high",
+      value: 101,
+      limit: 100,
+      text,
+    } as const;
     const over = { ...alarm, time: 13, level: "none" } as const;
     const flags = flagsOf([marker(1), marker(10, "a"), marker(10.4, "b"), alarm, over, marker(30)], 5, 20, 1);
     expect(flags.map(({ kind, time, count }) => [kind, time, count])).toEqual([
@@ -20,7 +30,17 @@ describe("flags", () => {
 
 describe("flags of one moment", () => {
   it("are merged by kind", () => {
-    const alarm = (level: "warning" | "danger", name: string): LineEvent => ({ kind: "alarm", time: 12, name, level, before: "none", side: "high", value: 1, limit: 0, text });
+    const alarm = (level: "warning" | "danger", name: string): LineEvent => ({
+      kind: "alarm",
+      time: 12,
+      name,
+      level,
+      before: "none",
+      side: "high",
+      value: 1,
+      limit: 0,
+      text,
+    });
     const flags = flagsOf([alarm("warning", "A"), alarm("danger", "B"), alarm("warning", "C")], 5, 20, 1);
     expect(flags.map(({ kind, count }) => [kind, count])).toEqual([
       ["warning", 2],

@@ -27,7 +27,8 @@ export function flagsOf(events: readonly LineEvent[], from: number, to: number, 
 function flagOf(event: LineEvent): Flag | null {
   const there = { time: event.time, at: event.time, count: 1 };
   if (event.kind === "marker") return { ...there, kind: "marker", label: event.label };
-  if (event.kind === "alarm" && (event.level === "warning" || event.level === "danger")) return { ...there, kind: event.level, label: event.text ?? "" };
+  if (event.kind === "alarm" && (event.level === "warning" || event.level === "danger"))
+    return { ...there, kind: event.level, label: event.text ?? "" };
   if (event.kind === "unit" && event.another) return { ...there, kind: "unit", label: event.model ?? "" };
   return null;
 }

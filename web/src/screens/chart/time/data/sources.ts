@@ -21,8 +21,7 @@ export function gapsIn(from: number, to: number): GapBand[] {
 /** All gaps. */
 export const everyGap = (): GapBand[] => gapsIn(-Infinity, Infinity);
 
-export const valueOf = (name: string, time: number): number | null =>
-  valueAt(display.source.columns, display.source.events, name, time);
+export const valueOf = (name: string, time: number): number | null => valueAt(display.source.columns, display.source.events, name, time);
 
 export const secondValueOf = (name: string, time: number): number | null =>
   valueAt(comparison.columns, comparison.events, name, time - comparison.lag);

@@ -52,7 +52,10 @@ class Find {
         return;
       }
       const { expression } = this;
-      moments.mark(() => titleOf(expression, found), found.hits.map(({ begin, end }) => ({ from: begin, to: end })));
+      moments.mark(
+        () => titleOf(expression, found),
+        found.hits.map(({ begin, end }) => ({ from: begin, to: end })),
+      );
       this.open = false;
     } catch (error) {
       if (!(error instanceof ApiError)) throw error;

@@ -3,7 +3,7 @@ import { chartSvg, escaped, sizeOf, ticks, type Picture } from "./chartSvg";
 import { piecesOf } from "./pieces";
 
 const picture: Picture = {
-  title: "Mikas 7.1 · drive <1> & \"2\"",
+  title: 'Mikas 7.1 · drive <1> & "2"',
   subtitle: "23 Nov 2026",
   from: 100,
   to: 160,
@@ -11,7 +11,23 @@ const picture: Picture = {
     {
       legend: [{ colour: "#0072b2", name: "Crankshaft speed", value: "840 rpm", more: "" }],
       axes: [{ colour: "#0072b2", low: -15, high: 500, floor: true }],
-      lines: [{ colour: "#0072b2", dashed: false, stepped: false, band: [100, 200], low: -15, high: 500, pieces: [[[100, 0], [130, 500]], [[140, 250]]] }],
+      lines: [
+        {
+          colour: "#0072b2",
+          dashed: false,
+          stepped: false,
+          band: [100, 200],
+          low: -15,
+          high: 500,
+          pieces: [
+            [
+              [100, 0],
+              [130, 500],
+            ],
+            [[140, 250]],
+          ],
+        },
+      ],
     },
   ],
   gaps: [{ from: 130, to: 140, reason: "no answer" }],
@@ -29,7 +45,8 @@ describe("the drawing", () => {
     expect(svg.startsWith(`<svg xmlns="http://www.w3.org/2000/svg" width="${width}" height="${height}"`)).toBe(true);
     expect(svg).toContain('fill="#ffffff"');
     expect(svg).not.toMatch(/<image|<script|href=|<foreignObject/);
-    for (const text of ["drive &lt;1&gt; &amp; &quot;2&quot;", "Crankshaft speed", "840 rpm", "⚑ rattle", "12:00:10", "12:00:20"]) expect(svg).toContain(text);
+    for (const text of ["drive &lt;1&gt; &amp; &quot;2&quot;", "Crankshaft speed", "840 rpm", "⚑ rattle", "12:00:10", "12:00:20"])
+      expect(svg).toContain(text);
     const open: string[] = [];
     for (const [, end, name, alone] of svg.matchAll(/<(\/?)([A-Za-z]+)[^>]*?(\/?)>/g)) {
       if (end) expect(open.pop()).toBe(name);
@@ -59,15 +76,72 @@ it("an axis has a few round values, none below 0 where there are none", () => {
 
 it("a line is interrupted between two points only", () => {
   const cells = [1, 2, null, undefined, 3, 4];
-  expect(piecesOf([0, 1, 2, 3, 4, 5], cells, [])).toEqual([[[0, 1], [1, 2], [4, 3], [5, 4]]]);
-  expect(piecesOf([0, 1, 2, 3, 4, 5], cells, [[1, 4]])).toEqual([[[0, 1], [1, 2]], [[4, 3], [5, 4]]]);
-  expect(piecesOf([0, 1, 2, 3, 4, 5], cells, [[4.2, 4.8], [1, 4]])).toHaveLength(3);
+  expect(piecesOf([0, 1, 2, 3, 4, 5], cells, [])).toEqual([
+    [
+      [0, 1],
+      [1, 2],
+      [4, 3],
+      [5, 4],
+    ],
+  ]);
+  expect(piecesOf([0, 1, 2, 3, 4, 5], cells, [[1, 4]])).toEqual([
+    [
+      [0, 1],
+      [1, 2],
+    ],
+    [
+      [4, 3],
+      [5, 4],
+    ],
+  ]);
+  expect(
+    piecesOf([0, 1, 2, 3, 4, 5], cells, [
+      [4.2, 4.8],
+      [1, 4],
+    ]),
+  ).toHaveLength(3);
 });
 
 it("a line that stands still goes up to its interruption and on behind it", () => {
   const cells = [7, undefined, undefined, undefined, 7, 9];
   const times = [0, 10, 20, 30, 40, 50];
-  expect(piecesOf(times, cells, [[12, 18]])).toEqual([[[0, 7], [12, 7]], [[18, 7], [40, 7], [50, 9]]]);
-  expect(piecesOf(times, cells, [[32, 38], [12, 18], [10, 15]])).toEqual([[[0, 7], [10, 7]], [[18, 7], [32, 7]], [[38, 7], [40, 7], [50, 9]]]);
-  expect(piecesOf(times, cells, [[0, 40]])).toEqual([[[0, 7]], [[40, 7], [50, 9]]]);
+  expect(piecesOf(times, cells, [[12, 18]])).toEqual([
+    [
+      [0, 7],
+      [12, 7],
+    ],
+    [
+      [18, 7],
+      [40, 7],
+      [50, 9],
+    ],
+  ]);
+  expect(
+    piecesOf(times, cells, [
+      [32, 38],
+      [12, 18],
+      [10, 15],
+    ]),
+  ).toEqual([
+    [
+      [0, 7],
+      [10, 7],
+    ],
+    [
+      [18, 7],
+      [32, 7],
+    ],
+    [
+      [38, 7],
+      [40, 7],
+      [50, 9],
+    ],
+  ]);
+  expect(piecesOf(times, cells, [[0, 40]])).toEqual([
+    [[0, 7]],
+    [
+      [40, 7],
+      [50, 9],
+    ],
+  ]);
 });

@@ -64,14 +64,18 @@ const ENTITIES: Record<string, string> = { "&": "&amp;", "<": "&lt;", ">": "&gt;
 /** Escape a text for XML; characters that no XML may have are left out. */
 export function escaped(text: string): string {
   // eslint-disable-next-line no-control-regex
-  return text.replace(/[\u0000-\u0008\u000B\u000C\u000E-\u001F\uFFFE\uFFFF]|[\uD800-\uDFFF](?![\uDC00-\uDFFF])/gu, "").replace(/[&<>"']/g, (sign) => ENTITIES[sign]!);
+  return text
+    .replace(/[\u0000-\u0008\u000B\u000C\u000E-\u001F\uFFFE\uFFFF]|[\uD800-\uDFFF](?![\uDC00-\uDFFF])/gu, "")
+    .replace(/[&<>"']/g, (sign) => ENTITIES[sign]!);
 }
 
 type Attributes = Record<string, string | number | undefined>;
 
 function element(name: string, attributes: Attributes, inside = ""): string {
   const given = Object.entries(attributes).filter(([, value]) => value !== undefined);
-  const written = given.map(([key, value]) => ` ${key}="${typeof value === "number" ? Number(value.toFixed(1)) : escaped(value!)}"`).join("");
+  const written = given
+    .map(([key, value]) => ` ${key}="${typeof value === "number" ? Number(value.toFixed(1)) : escaped(value!)}"`)
+    .join("");
   return inside ? `<${name}${written}>${inside}</${name}>` : `<${name}${written}/>`;
 }
 
@@ -79,7 +83,8 @@ const words = (x: number, y: number, size: number, text: string, more: Attribute
   element("text", { x, y, "font-size": size, fill: TEXT, ...more }, escaped(text));
 
 /** The round values of an axis: two to seven. */
-export const ticks = (low: number, high: number, floor = false): number[] => roundValues(low, high, 6).filter((value) => !floor || value >= 0);
+export const ticks = (low: number, high: number, floor = false): number[] =>
+  roundValues(low, high, 6).filter((value) => !floor || value >= 0);
 
 /** The size of the drawing in pixels. */
 export const sizeOf = (picture: Picture) => ({ width: WIDTH, height: HEAD + FLAGS + picture.panes.length * (PANE + SPACE) + FOOT });
@@ -98,7 +103,15 @@ export function chartSvg(picture: Picture): string {
     ...picture.cursors.flatMap(({ time, text, dashed }) => {
       const right = x(time) > LEFT + INNER * 0.7;
       return [
-        element("line", { x1: x(time), x2: x(time), y1: HEAD + 24, y2: bottom, stroke: TEXT, "stroke-width": "1.2", "stroke-dasharray": dashed ? "6 4" : undefined }),
+        element("line", {
+          x1: x(time),
+          x2: x(time),
+          y1: HEAD + 24,
+          y2: bottom,
+          stroke: TEXT,
+          "stroke-width": "1.2",
+          "stroke-dasharray": dashed ? "6 4" : undefined,
+        }),
         words(x(time) + (right ? -4 : 4), HEAD + 35, 12, text, { "text-anchor": right ? "end" : "start" }),
       ];
     }),
@@ -108,7 +121,9 @@ export function chartSvg(picture: Picture): string {
     { id: "gap", width: 8, height: 8, patternUnits: "userSpaceOnUse", patternTransform: "rotate(45)" },
     element("line", { x1: 0, x2: 0, y1: 0, y2: 8, stroke: "#6b7680", "stroke-width": "1" }),
   );
-  const clips = picture.panes.map((_, index) => element("clipPath", { id: `pane${index}` }, element("rect", { x: LEFT, y: topOf(index), width: INNER, height: PANE })));
+  const clips = picture.panes.map((_, index) =>
+    element("clipPath", { id: `pane${index}` }, element("rect", { x: LEFT, y: topOf(index), width: INNER, height: PANE })),
+  );
   return `<svg xmlns="http://www.w3.org/2000/svg" width="${width}" height="${height}" viewBox="0 0 ${width} ${height}" font-family="${FONT}"><title>${escaped(picture.title)}</title><defs>${hatch}${clips.join("")}</defs>${parts.join("\n")}</svg>`;
 }
 
@@ -137,7 +152,10 @@ function drawPane(picture: Picture, pane: PicturePane, index: number, x: (time: 
     const lines = wrapText(reason, (text) => text.length * 11 * LETTER <= end - begin - 8, 3);
     lines.forEach((text, row) => {
       const at = top + PANE - 6 - 14 * (lines.length - 1 - row);
-      parts.push(element("rect", { x: begin + 2, y: at - 11, width: text.length * 11 * LETTER + 4, height: 14, fill: "#ffffff" }), words(begin + 4, at, 11, text));
+      parts.push(
+        element("rect", { x: begin + 2, y: at - 11, width: text.length * 11 * LETTER + 4, height: 14, fill: "#ffffff" }),
+        words(begin + 4, at, 11, text),
+      );
     });
   }
   const stripes = pane.lines.map(({ band, low, high, colour }) => {
@@ -179,7 +197,10 @@ function legend({ legend: rows }: PicturePane, top: number): string {
       const [first, second] = each >= 32 ? [name, value] : [`${name}: ${value}`, ""];
       const size = Math.min(12, each * 0.8);
       const [short] = wrapText(first, (text) => text.length * size * LETTER <= LEGEND - 56, 1);
-      const shown = each >= 32 ? short! : wrapText(name, (text) => (text.length + value.length + 2) * size * LETTER <= LEGEND - 56, 1)[0]! + `: ${value}`;
+      const shown =
+        each >= 32
+          ? short!
+          : wrapText(name, (text) => (text.length + value.length + 2) * size * LETTER <= LEGEND - 56, 1)[0]! + `: ${value}`;
       return [
         element("rect", { x: 16, y: y - 5, width: 18, height: 4, fill: colour }),
         words(40, y, size, shown, second ? { fill: MUTED } : {}),
@@ -196,6 +217,9 @@ function flags(picture: Picture, x: (time: number) => number): string[] {
   return placed.map(({ at, text, colour }, index) => {
     const room = Math.min(260, (placed[index + 1]?.at ?? WIDTH) - at - 6);
     const [shown = ""] = room < 14 ? [""] : wrapText(text, (words) => words.length * 12 * LETTER <= room, 1);
-    return element("line", { x1: at, x2: at, y1: HEAD + 4, y2: HEAD + FLAGS, stroke: colour, "stroke-width": "1.5" }) + words(at + 4, HEAD + 16, 12, shown, { fill: colour });
+    return (
+      element("line", { x1: at, x2: at, y1: HEAD + 4, y2: HEAD + FLAGS, stroke: colour, "stroke-width": "1.5" }) +
+      words(at + 4, HEAD + 16, 12, shown, { fill: colour })
+    );
   });
 }

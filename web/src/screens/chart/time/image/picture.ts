@@ -32,7 +32,10 @@ export function pictureOf(): Picture {
   const colours = theme.dayTokens(Array.from({ length: 8 }, (_, index) => `trace-${index + 1}`).concat("warning", "danger", "text"));
   const zero = comparison.active ? player.first : null;
   const label = (time: number) => (zero === null ? timesOfDay([time], 0.1)[0]! : elapsed(time - zero, 0.1));
-  const marks: [number | null, boolean][] = [[cursors.a, false], [cursors.b, true]];
+  const marks: [number | null, boolean][] = [
+    [cursors.a, false],
+    [cursors.b, true],
+  ];
   return {
     ...titlesOf(from, to),
     from,
@@ -83,7 +86,11 @@ function paneOf(pane: Pane, from: number, to: number, colours: Record<string, st
   const gaps = gapsIn(from, to);
   const colourOf = (index: number) => colours[`trace-${traces[index % names.length]!.colour}`]!;
   return {
-    legend: traces.map(({ name }, index) => ({ colour: colourOf(index), name: localized(channel(name)?.short) || name, ...legendOf(name) })),
+    legend: traces.map(({ name }, index) => ({
+      colour: colourOf(index),
+      name: localized(channel(name)?.short) || name,
+      ...legendOf(name),
+    })),
     axes: axesDrawn(traces, channel, view.stacked).map((key) => {
       const own = names.flatMap((name, index) => (!channel(name)?.flag && axisKey(name, channel(name)) === key ? [index] : []));
       return { ...axes[own[0]!]!, colour: own.length === 1 ? colourOf(own[0]!) : MUTED };
@@ -92,7 +99,15 @@ function paneOf(pane: Pane, from: number, to: number, colours: Record<string, st
       const dashed = index >= names.length;
       const broken = [...holes[index]!, ...gaps.filter((gap) => gap.second === dashed).map((gap): [number, number] => [gap.from, gap.to])];
       const { low, high } = axes[index]!;
-      return { colour: colourOf(index), dashed, stepped: channel?.flag ?? false, band: channel?.flag ? null : (band ?? null), low, high, pieces: piecesOf(times, cells, broken) };
+      return {
+        colour: colourOf(index),
+        dashed,
+        stepped: channel?.flag ?? false,
+        band: channel?.flag ? null : (band ?? null),
+        low,
+        high,
+        pieces: piecesOf(times, cells, broken),
+      };
     }),
   };
 }
@@ -100,6 +115,10 @@ function paneOf(pane: Pane, from: number, to: number, colours: Record<string, st
 /** As in the legend on the screen. */
 function legendOf(name: string): { value: string; more: string } {
   const { value, unit, mean, difference, second } = legendRow(name);
-  const more = [mean && `${t("mean")} ${mean}`, difference && `Δ ${difference}`, second && !second.lacking && `– – ${second.value} ${unit}`.trim()];
+  const more = [
+    mean && `${t("mean")} ${mean}`,
+    difference && `Δ ${difference}`,
+    second && !second.lacking && `– – ${second.value} ${unit}`.trim(),
+  ];
   return { value: `${value} ${unit}`.trim(), more: more.filter(Boolean).join(" · ") };
 }

@@ -12,7 +12,9 @@ export async function pngOf(svg: string, { width, height }: { width: number; hei
     canvas.width = width * SCALE;
     canvas.height = height * SCALE;
     canvas.getContext("2d")!.drawImage(image, 0, 0, canvas.width, canvas.height);
-    return await new Promise((resolve, reject) => canvas.toBlob((blob) => (blob ? resolve(blob) : reject(new Error("no image"))), "image/png"));
+    return await new Promise((resolve, reject) =>
+      canvas.toBlob((blob) => (blob ? resolve(blob) : reject(new Error("no image"))), "image/png"),
+    );
   } finally {
     URL.revokeObjectURL(url);
   }

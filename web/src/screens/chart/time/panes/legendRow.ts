@@ -35,7 +35,8 @@ export function legendRow(name: string): LegendRow {
   const other = cursors.b === null || aligning ? null : valueOf(name, cursors.b);
   const between = aligning ? null : cursors.between;
   const decimals = channel?.decimals ?? 0;
-  const minus = (one: number | null, two: number | null) => (one === null || two === null || channel?.flag ? "" : signed(one - two, decimals));
+  const minus = (one: number | null, two: number | null) =>
+    one === null || two === null || channel?.flag ? "" : signed(one - two, decimals);
   return {
     title: channel ? localized(channel.text) : name,
     short: channel ? localized(channel.short) : name,

@@ -15,14 +15,23 @@ export interface Later {
   lag: number;
 }
 
-export function drawing(columns: Columns, second: Later | null, names: readonly string[], from: number, to: number, pixels: number): Drawing {
+export function drawing(
+  columns: Columns,
+  second: Later | null,
+  names: readonly string[],
+  from: number,
+  to: number,
+  pixels: number,
+): Drawing {
   const own = decimate(columns, names, from, to, pixels);
   const broken = brokenIn(own, columns, names, from, to);
   if (!second) return { times: own.times, values: own.values, holes: broken };
   const { lag } = second;
   // Dashed lines are the most expensive: half the resolution is enough for them.
   const other = decimate(second.columns, names, from - lag, to - lag, pixels / 2);
-  const later = brokenIn(other, second.columns, names, from - lag, to - lag).map((spans) => spans.map(([begin, end]): [number, number] => [begin + lag, end + lag]));
+  const later = brokenIn(other, second.columns, names, from - lag, to - lag).map((spans) =>
+    spans.map(([begin, end]): [number, number] => [begin + lag, end + lag]),
+  );
   return { ...mergeTimelines(own, other, lag), holes: [...broken, ...later] };
 }
 

@@ -77,7 +77,10 @@ export function makePlot(plan: PlotPlan, width: number, height: number, target: 
     return { series: visible.indexOf(own[0]!), colour: own.length === 1 ? look.traces[own[0]!.colour - 1]! : look.muted };
   });
   const axis = { font: look.font, grid: { stroke: look.grid, width: 1 }, ticks: { stroke: look.grid, width: 1, size: 4 } };
-  const times = zero === null ? { values: (_: uPlot, splits: number[], __: number, ___: number, step: number) => timesOfDay(splits, step) } : counted(zero);
+  const times =
+    zero === null
+      ? { values: (_: uPlot, splits: number[], __: number, ___: number, step: number) => timesOfDay(splits, step) }
+      : counted(zero);
   const axes: uPlot.Axis[] = [
     {
       ...axis,

@@ -26,7 +26,12 @@ describe("the axes of a stacked pane", () => {
     const line = (name: string, min: number, max: number) => ({ name, channel: undefined, seen: { min, max } });
     const axes = paneAxes([line("A", 0, 100), line("B", 5, 5), line("A", 20, 200), line("B", 5, 5)], 2, true, 400);
     const height = (index: number, value: number) => (value - axes[index]!.low) / (axes[index]!.high - axes[index]!.low);
-    for (const [index, value] of [[0, 0], [0, 100], [2, 20], [2, 200]] as const) {
+    for (const [index, value] of [
+      [0, 0],
+      [0, 100],
+      [2, 20],
+      [2, 200],
+    ] as const) {
       expect(height(index, value)).toBeGreaterThan(0.5);
       expect(height(index, value)).toBeLessThan(1);
     }

@@ -31,7 +31,10 @@ export function paneAxes(lines: readonly Line[], traces: number, stacked: boolea
   const axes = new Array<Axis>(lines.length);
   for (let trace = 0; trace < traces; trace += 1) {
     const places = lines.length > traces ? [trace, trace + traces] : [trace];
-    const own = axesOf(places.map((place) => lines[place]!), height / traces);
+    const own = axesOf(
+      places.map((place) => lines[place]!),
+      height / traces,
+    );
     places.forEach((place, index) => {
       const axis = lines[place]!.channel?.flag ? FLAG : own[index]!;
       const [low, high] = lane([axis.low, axis.high], trace, traces);

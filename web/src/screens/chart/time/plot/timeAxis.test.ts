@@ -9,7 +9,12 @@ describe("elapsed", () => {
   });
 
   it("has the decimals of its step, and never sixty seconds", () => {
-    expect([elapsed(9.5, 0.5), elapsed(59.999, 0.01), elapsed(-0.0001, 0.1), elapsed(61.25, 0.05)]).toEqual(["0:09.5", "1:00.00", "0:00.0", "1:01.25"]);
+    expect([elapsed(9.5, 0.5), elapsed(59.999, 0.01), elapsed(-0.0001, 0.1), elapsed(61.25, 0.05)]).toEqual([
+      "0:09.5",
+      "1:00.00",
+      "0:00.0",
+      "1:01.25",
+    ]);
   });
 });
 
@@ -43,6 +48,11 @@ describe("the labels of a picture's axis", () => {
 });
 
 it("has the labels that a plot in a notebook is held to as well (tests/notebook)", () => {
-  const cases = JSON.parse(readFileSync(new URL("./timeAxis.test.json", import.meta.url), "utf8")) as { from: number; to: number; zero: number; labels: unknown }[];
+  const cases = JSON.parse(readFileSync(new URL("./timeAxis.test.json", import.meta.url), "utf8")) as {
+    from: number;
+    to: number;
+    zero: number;
+    labels: unknown;
+  }[];
   for (const { from, to, zero, labels } of cases) expect(axisTimes(from, to, zero)).toEqual(labels);
 });

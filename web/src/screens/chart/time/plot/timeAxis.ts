@@ -12,7 +12,11 @@ export function timesOfDay(splits: readonly number[], step: number): string[] {
     const minutes = `${two(date.getHours())}:${two(date.getMinutes())}`;
     if (step >= 60) return minutes;
     const seconds = `${minutes}:${two(date.getSeconds())}`;
-    return step >= 1 ? seconds : `${seconds}${point()}${String(Math.round(date.getMilliseconds())).padStart(3, "0").slice(0, step >= 0.1 ? 1 : 3)}`;
+    return step >= 1
+      ? seconds
+      : `${seconds}${point()}${String(Math.round(date.getMilliseconds()))
+          .padStart(3, "0")
+          .slice(0, step >= 0.1 ? 1 : 3)}`;
   });
 }
 
@@ -22,7 +26,10 @@ export function elapsed(seconds: number, step: number): string {
   const tidy = Number(Math.abs(seconds).toFixed(decimals));
   const hours = Math.floor(tidy / 3600);
   const minutes = Math.floor((tidy % 3600) / 60);
-  const rest = (tidy % 60).toFixed(decimals).padStart(decimals ? 3 + decimals : 2, "0").replace(".", point());
+  const rest = (tidy % 60)
+    .toFixed(decimals)
+    .padStart(decimals ? 3 + decimals : 2, "0")
+    .replace(".", point());
   const sign = seconds < 0 && tidy > 0 ? "−" : "";
   return sign + (hours ? `${hours}:${two(minutes)}:${rest}` : `${minutes}:${rest}`);
 }

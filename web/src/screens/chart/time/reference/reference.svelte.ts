@@ -18,7 +18,11 @@ class Reference {
   /** Empty in a recording: there a reference is drawn as a second line. */
   readonly bands = $derived(this.shown ? this.ranges.bands : NO_BANDS);
   /** What the stripes are; empty: there are none. */
-  readonly title = $derived(this.shown && this.bands.size > 0 ? t("stripes", { title: titleOf(this.chosen!) }) + (this.chosen === WARM_IDLE ? ` (${t("computed")})` : "") : "");
+  readonly title = $derived(
+    this.shown && this.bands.size > 0
+      ? t("stripes", { title: titleOf(this.chosen!) }) + (this.chosen === WARM_IDLE ? ` (${t("computed")})` : "")
+      : "",
+  );
 
   choose(chosen: string | null): void {
     this.chosen = chosen;

@@ -5,18 +5,9 @@ export const t = dictionary({
   title: { en: "Statistics", ru: "Статистика" },
   between: { en: "Between the cursors: {seconds} s", ru: "Между курсорами: {seconds} с" },
   whole: { en: "All data: {seconds} s. Set a second cursor for a part of it.", ru: "Все данные: {seconds} с. Для части поставьте второй курсор." },
-  weighted: {
-    en: "Weighted by time: a value counts until the next one; gaps count for nothing.",
-    ru: "Взвешено по времени: значение действует до следующего; пропуски не учитываются.",
-  },
-  coarse: {
-    en: "Only an overview is loaded: lowest and highest are exact, the rest is approximate.",
-    ru: "Загружен только обзор: наименьшее и наибольшее точны, остальное приблизительно.",
-  },
-  coarseLive: {
-    en: "From before this page was opened only an overview is loaded: lowest and highest are exact, the rest is approximate.",
-    ru: "До открытия этой страницы загружен только обзор: наименьшее и наибольшее точны, остальное приблизительно.",
-  },
+  weighted: { en: "Weighted by time: a value counts until the next one; gaps count for nothing.", ru: "Взвешено по времени: значение действует до следующего; пропуски не учитываются." },
+  coarse: { en: "Only an overview is loaded: lowest and highest are exact, the rest is approximate.", ru: "Загружен только обзор: наименьшее и наибольшее точны, остальное приблизительно." },
+  coarseLive: { en: "From before this page was opened only an overview is loaded: lowest and highest are exact, the rest is approximate.", ru: "До открытия этой страницы загружен только обзор: наименьшее и наибольшее точны, остальное приблизительно." },
   none: { en: "no values", ru: "нет значений" },
   min: { en: "Lowest", ru: "Наименьшее" },
   max: { en: "Highest", ru: "Наибольшее" },

@@ -5,7 +5,9 @@ import { bounds, rowsBetween, statistics } from "./statistics";
 
 /** By counting milliseconds: the reference. */
 function counted(times: number[], column: number[], from: number, to: number, gap: number) {
-  const points = times.map((time, at) => ({ time, value: column[at]! })).filter(({ time, value }) => !Number.isNaN(value) && time >= from && time <= to);
+  const points = times
+    .map((time, at) => ({ time, value: column[at]! }))
+    .filter(({ time, value }) => !Number.isNaN(value) && time >= from && time <= to);
   const all: number[] = [];
   points.forEach(({ time, value }, at) => {
     const until = points[at + 1]?.time ?? to;
@@ -66,7 +68,11 @@ describe("statistics", () => {
 
 it("names each limit once, also if an own one is the same", () => {
   const limits = { danger_low: null, warning_low: 60, warning_high: 100, danger_high: 100, hysteresis: 0 } as Channel["limits"];
-  expect(bounds(limits, 100)).toEqual([{ key: "below", limit: 60 }, { key: "below", limit: 100 }, { key: "above", limit: 100 }]);
+  expect(bounds(limits, 100)).toEqual([
+    { key: "below", limit: 60 },
+    { key: "below", limit: 100 },
+    { key: "above", limit: 100 },
+  ]);
   expect(bounds(undefined, null)).toEqual([]);
 });
 

@@ -23,13 +23,7 @@ export interface Statistics {
 }
 
 /** Null: the span has no value. `times` ascend and are as long as `column`; NaN is no value. */
-export function statistics(
-  times: ArrayLike<number>,
-  column: ArrayLike<number>,
-  from: number,
-  to: number,
-  gap: number,
-): Statistics | null {
+export function statistics(times: ArrayLike<number>, column: ArrayLike<number>, from: number, to: number, gap: number): Statistics | null {
   const values: number[] = [];
   const weights: number[] = [];
   let last = NaN;
@@ -89,5 +83,8 @@ function sum(numbers: readonly number[]): number {
 export function bounds(limits: Channel["limits"] | undefined, own: number | null | undefined): { key: "below" | "above"; limit: number }[] {
   const once = (key: "below" | "above", all: readonly (number | null | undefined)[]) =>
     [...new Set(all)].flatMap((limit) => (limit === null || limit === undefined ? [] : [{ key, limit }]));
-  return [...once("below", [limits?.danger_low, limits?.warning_low, own]), ...once("above", [limits?.warning_high, limits?.danger_high, own])];
+  return [
+    ...once("below", [limits?.danger_low, limits?.warning_low, own]),
+    ...once("above", [limits?.warning_high, limits?.danger_high, own]),
+  ];
 }

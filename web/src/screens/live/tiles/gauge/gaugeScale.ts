@@ -18,8 +18,7 @@ export function beyond(value: number, range: Range): "low" | "high" | null {
   return value > range.high ? "high" : null;
 }
 
-export const share = (value: number, range: Range): number =>
-  Math.min(1, Math.max(0, (value - range.low) / (range.high - range.low)));
+export const share = (value: number, range: Range): number => Math.min(1, Math.max(0, (value - range.low) / (range.high - range.low)));
 
 export interface Band {
   from: number;
