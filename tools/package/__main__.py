@@ -59,7 +59,7 @@ def _late(module: str) -> Callable[[], list[Path]]:
     """
 
     def build() -> list[Path]:
-        built: list[Path] = import_module(f"package.{module}").build()
+        built: list[Path] = import_module(f"tools.package.{module}").build()
         return built
 
     return build
