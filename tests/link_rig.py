@@ -15,8 +15,8 @@ from mikas.link import urls
 @contextmanager
 def registered(scheme: str, opener: urls.Opener) -> Iterator[None]:
     """`scheme:` means `opener` until the end of the block."""
-    entries = urls._registered() | {scheme: [SimpleNamespace(load=lambda: opener)]}
-    with patch.object(urls, "_registered", lambda: entries):
+    entries = urls.registered() | {scheme: [SimpleNamespace(load=lambda: opener)]}
+    with patch.object(urls, "registered", lambda: entries):
         yield
 
 
@@ -31,9 +31,9 @@ def installed(folder: Path, distribution: str, links: dict[str, str]) -> Iterato
     entries = [f"{scheme} = {place}\n" for scheme, place in links.items()]
     (metadata / "entry_points.txt").write_text("".join(["[mikas.links]\n", *entries]), "utf-8")
     sys.path.insert(0, str(folder))
-    urls._registered.cache_clear()
+    urls.registered.cache_clear()
     try:
         yield
     finally:
         sys.path.remove(str(folder))
-        urls._registered.cache_clear()
+        urls.registered.cache_clear()

@@ -84,9 +84,9 @@ def installed_link(tmp_path, monkeypatch):
     (metadata / "entry_points.txt").write_text("\n".join(lines))
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.syspath_prepend(EXAMPLES / "own_link")
-    urls._registered.cache_clear()
+    urls.registered.cache_clear()
     yield
-    urls._registered.cache_clear()
+    urls.registered.cache_clear()
     sys.modules.pop("mikas_trace", None)
 
 

@@ -85,7 +85,7 @@ def test_the_check_looks_at_each_character_once(unclosed: str) -> None:
     """Every token that begins is taken, so what is searched never overlaps."""
     text = unclosed * 3000
     end = 0
-    for match in toml._TOKEN.finditer(text):
+    for match in toml._TOKEN.finditer(text):  # noqa: SLF001
         assert match.start() >= end
         assert not set(text[end : match.start()]) & set("[]{}=,.\n\"'#")
         assert match.end() > match.start()

@@ -44,20 +44,20 @@ class TableCar:
         self.faults = list(faults)
         self.rpm = rpm
         self.on = True
-        self._data = dict(data)
+        self.data = dict(data)
         self._untouched = dict(data)
 
     def size_of(self, code: int) -> int | None:
         """Return the size of the datum in bytes, or None."""
-        return len(self._data[code]) if code in self._data else None
+        return len(self.data[code]) if code in self.data else None
 
     def raw(self, code: int, now: float) -> bytes:
         """Return the datum."""
-        return self._data[code]
+        return self.data[code]
 
     def write(self, code: int, data: bytes) -> bool:
         """Write any parameter."""
-        self._data[code] = data
+        self.data[code] = data
         return True
 
     def engine_speed(self, now: float) -> float:
@@ -85,7 +85,7 @@ class TableCar:
 
     def power_cycle(self) -> None:
         """Forget written data."""
-        self._data = dict(self._untouched)
+        self.data = dict(self._untouched)
 
 
 def make_bus(

@@ -106,7 +106,7 @@ def test_every_example_parses(mikas, tmp_path, example):
 def parse(command: click.Command, name: str, argv: list[str], parent=None) -> None:
     with command.make_context(name, argv, parent=parent) as context:
         if isinstance(command, click.Group):
-            rest = [*context._protected_args, *context.args]
+            rest = [*context._protected_args, *context.args]  # noqa: SLF001
             found, inner, left = command.resolve_command(context, rest)
             parse(inner, found, left, context)
 

@@ -220,9 +220,9 @@ def test_the_sampling_of_the_dashboard_goes_on_until_it_is_stopped(tmp_path):
                 )
 
                 def stop(thread=thread):  # as `SamplingThread.stop`, of another thread
-                    thread._stoppable.stopping.set()
+                    thread._stoppable.stopping.set()  # noqa: SLF001
                     thread.acquisition.stop()
-                    thread._stoppable.close()
+                    thread._stoppable.close()  # noqa: SLF001
 
                 world.interrupt = stop
                 thread.run()

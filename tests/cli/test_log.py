@@ -175,7 +175,7 @@ def test_what_is_recorded_is_byte_for_byte_what_passed(mikas, tmp_path, monkeypa
     from mikas.link.base import CaptureTee, Direction
 
     passed = dict.fromkeys(Direction, b"")
-    record = CaptureTee._record
+    record = CaptureTee._record  # noqa: SLF001
 
     def noted(self, direction, data, time):
         passed[direction] += data

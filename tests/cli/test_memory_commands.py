@@ -216,7 +216,7 @@ def test_a_refused_write(mikas, argv, missing, found, unknown):
 def test_ctrl_c_in_the_middle_says_what_to_read(mikas, monkeypatch):
     from mikas.client.memory.writing import SpaceWriter
 
-    some = SpaceWriter._some
+    some = SpaceWriter._some  # noqa: SLF001
 
     def interrupted(self, address, *rest):
         if address > 0x1000:

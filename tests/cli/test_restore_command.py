@@ -82,7 +82,7 @@ def test_what_is_refused(mikas, dump, argv):
     ("end", "status"), [(KeyboardInterrupt, 130), (LinkLost(url="sim:", problem="out"), 3)]
 )
 def test_an_interruption_is_resumed(mikas, monkeypatch, dump, tmp_path, end, status):
-    write_run = MemorySpace._write_run
+    write_run = MemorySpace._write_run  # noqa: SLF001
 
     def first_only(self, run):
         if run.address != 0x20:

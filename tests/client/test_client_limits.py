@@ -260,7 +260,7 @@ def test_a_code_that_is_refused_all_at_once_is_never_read_as_a_one(unknown, code
     it = bench(unknown=unknown)
     ecu = ecu_on(it)
     ecu.read()
-    del it.car._data[code]
+    del it.car.data[code]
     with pytest.raises((NotSupported, NoResponse)):
         ecu.read()
     assert ecu.limits() == Limits()

@@ -193,14 +193,14 @@ class TestAParameterThatTheUnitRefuses:
         it = bench(DATA | {0x20: b"\x02"}, unknown=unknown, max_list=1, long_list=long_list)
         ecu = ecu_on(it)
         assert ecu.read("THR", "FREQ")["THR"].value == 2
-        it.car._data[0x20] = b"\x01"
+        it.car.data[0x20] = b"\x01"
         if (long_list, unknown) == ("silent", "silent"):  # then 01 is no refusal
             assert ecu.read("THR")["THR"].value == 1
         else:  # it has answered before, but may refuse now: there is no telling
             with pytest.raises(NotSupported):
                 ecu.read("THR")
         assert ecu.info().limits.refused == []
-        it.car._data[0x20] = b"\x03"
+        it.car.data[0x20] = b"\x03"
         assert ecu.read("THR")["THR"].value == 3
 
     def test_an_ambiguous_01_is_neither_a_value_nor_a_refusal(self, unknown):
@@ -219,7 +219,7 @@ def test_when_every_code_is_refused_it_is_an_error_and_not_an_empty_result():
     ecu = ecu_on(it)
     assert list(ecu.read()) == ["FREQ"]
     it.car.__init__({0x99: b"\x01"})
-    ecu._limits.limits().refused.append(0x29)
+    ecu._limits.limits().refused.append(0x29)  # noqa: SLF001
     with pytest.raises(NotSupported):
         ecu.read()
 

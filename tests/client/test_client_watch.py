@@ -22,7 +22,7 @@ class CountingCar(TableCar):
 
     def raw(self, code, now):
         self.count += 1
-        return (self.count % 65536).to_bytes(2, "little")[: len(self._data[code])]
+        return (self.count % 65536).to_bytes(2, "little")[: len(self.data[code])]
 
 
 @pytest.mark.parametrize("method", METHODS)

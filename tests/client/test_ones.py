@@ -10,6 +10,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from mikas.client import Limits
+from mikas.client.ecu import poller_of
 from mikas.client.parameters.data import COMMON
 from mikas.errors import LineError, NoConnection, NotSupported
 from mikas.virtual.fault_injector import LineFault
@@ -19,8 +20,17 @@ TWAT, TWICE = b"\x61\x1a", b"\x61\x1a\x1a"
 GOOD = {code: raw for code, raw in DATA.items() if code not in {d.code for d in COMMON}}
 
 
-def single(ecu, *names):
-    return ecu._parameters.fetch(ecu._parameters.named(names), "single")
+def parameters(ecu, *names):
+    return [ecu.catalog.parameter(name) for name in names]
+
+
+def fetch(ecu, *names, method="single"):
+    """One cycle, without a second request for what was refused."""
+    return poller_of(ecu, method).cycle([parameters(ecu, *names)])
+
+
+def is_refused(ecu, *names):
+    return poller_of(ecu, "single").refuses(parameters(ecu, *names))
 
 
 @pytest.mark.parametrize("before", [b"\x7d", b"\x01"])
@@ -30,10 +40,10 @@ def test_a_lone_code_that_is_refused_midway_is_no_value(before, method):
     ecu = ecu_on(it)
     ecu.read()
     assert ecu.read("TWAT")["TWAT"].raw == before
-    del it.car._data[0x1A]
+    del it.car.data[0x1A]
     for _ in range(3):
         with pytest.raises(NotSupported):
-            ecu._parameters.fetch(ecu._parameters.named(["TWAT"]), method)
+            fetch(ecu, "TWAT", method=method)
 
 
 def test_a_datum_that_becomes_01_costs_one_request_more():
@@ -46,9 +56,9 @@ def test_a_datum_that_becomes_01_costs_one_request_more():
         (b"\x02", [TWICE]),
         (b"\x03", [TWAT]),
     ):
-        it.car._data[0x1A] = raw
+        it.car.data[0x1A] = raw
         it.forget()
-        assert single(ecu, "TWAT")[0x1A].raw == raw
+        assert fetch(ecu, "TWAT")["TWAT"].raw == raw
         assert it.requests(0x61) == asked
 
 
@@ -58,28 +68,28 @@ def test_a_unit_that_takes_one_at_a_time_is_not_sent_two_again_and_again():
     for long_list in ("silent", "short"):
         it = bench(without, unknown="01", max_list=1, long_list=long_list)
         ecu = ecu_on(it)
-        assert list(single(ecu, "FREQ", "TWAT")) == [0x29]
+        assert list(fetch(ecu, "FREQ", "TWAT")) == ["FREQ"]
         assert ecu.limits().max_list == 1
         assert ecu.limits().refused == []
         it.forget()
         for _ in range(9):
-            assert not ecu._parameters.refuses(ecu._parameters.named(["TWAT"]))
-            assert list(single(ecu, "FREQ", "TWAT")) == [0x29]
+            assert not is_refused(ecu, "TWAT")
+            assert list(fetch(ecu, "FREQ", "TWAT")) == ["FREQ"]
         assert it.requests(0x61) == [b"\x61\x29", TWAT] * 9
-        assert ecu._parameters.refuses(ecu._parameters.named(["TWAT"]))
+        assert is_refused(ecu, "TWAT")
         it.car.__init__(DATA)  # so it was no refusal for ever
-        assert single(ecu, "TWAT")[0x1A].raw == DATA[0x1A]
-        assert not ecu._parameters.refuses(ecu._parameters.named(["TWAT"]))
+        assert fetch(ecu, "TWAT")["TWAT"].raw == DATA[0x1A]
+        assert not is_refused(ecu, "TWAT")
 
 
 def test_a_bad_line_at_that_moment_is_no_limit():
     it = bench(unknown="01")
     ecu = ecu_on(it, retries=0)
-    single(ecu, "THR")
-    del it.car._data[0x1A]
+    fetch(ecu, "THR")
+    del it.car.data[0x1A]
     it.next_faults(None, None, LineFault.DAMAGED)  # 01, 01 again, and now: does it take two at all?
     with pytest.raises(LineError):
-        single(ecu, "TWAT")
+        fetch(ecu, "TWAT")
     assert not ecu.limits().learnt
     with pytest.raises(NotSupported):
         ecu.read("TWAT")
@@ -126,12 +136,9 @@ def test_whatever_happens_on_the_line_a_refusal_is_no_value(line_faults, takes, 
     it = bench(DATA | {0x1A: before}, unknown="01", max_list=takes, long_list=long_list)
     ecu = ecu_on(it)
     ecu.read()
-    del it.car._data[0x1A]
+    del it.car.data[0x1A]
     it.next_faults(*line_faults)
     for names in (("TWAT",), ("FREQ", "TWAT", "INJ"), ("TWAT", "THR")):
-        for way in (
-            single,
-            lambda ecu, *names: ecu._parameters.fetch(ecu._parameters.named(names)),
-        ):
+        for method in ("single", "batch"):
             with suppress(LineError, NoConnection, NotSupported):
-                assert 0x1A not in way(ecu, *names)
+                assert "TWAT" not in fetch(ecu, *names, method=method)

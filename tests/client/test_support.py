@@ -50,7 +50,7 @@ def test_every_stream_is_ended(stream_end):
     it = bench(stream_end=stream_end)
     ecu = ecu_on(it)
     for support in ecu.supported():
-        assert it.bus.ecu._stream is None, support
+        assert not it.bus.ecu.is_streaming, support
         assert support.known is not False
     assert ecu.read("TWAT")["TWAT"].raw == DATA[0x1A]
 
@@ -76,7 +76,7 @@ def test_the_engine_stops_meanwhile():
 
         def answer(self, body, now):
             if body[0] in STROKES:
-                it.car._data[0x29] = b"\0"
+                it.car.data[0x29] = b"\0"
             return answer(body, now)
 
     it.bus.ecu.responder = Stopping()
@@ -176,14 +176,14 @@ def test_whatever_happens_on_the_line_it_is_left_usable(line_faults, turning):
         assert turning or not any(found[code][0] for code in STROKES)
     except NoConnection:
         pass
-    it.bus.fault_injector._queued.clear()
+    it.bus.fault_injector.queued.clear()
     for last in (False, True):
         try:
             assert ecu.read("TWAT")["TWAT"].raw == DATA[0x1A]
             break
         except (LineError, EcuRefused, NoConnection) as error:
             assert not last, error
-    assert it.bus.ecu._stream is None
+    assert not it.bus.ecu.is_streaming
 
 
 def test_an_unplugged_adapter_ends_the_trials():

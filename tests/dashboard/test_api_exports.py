@@ -195,8 +195,8 @@ def test_nothing_is_left_after_the_client_has_gone(temporary) -> None:
     folder = Path(tempfile.mkdtemp())
     (folder / "a.csv").write_text("x" * 1000)
     resources = AsyncExitStack()
-    resources.push_async_callback(exports._delete, folder)
-    answer = exports._Temporary(folder / "a.csv", resources, filename="a.csv")
+    resources.push_async_callback(exports._delete, folder)  # noqa: SLF001
+    answer = exports._Temporary(folder / "a.csv", resources, filename="a.csv")  # noqa: SLF001
 
     async def gone(_) -> None:
         raise OSError("the other side is gone")

@@ -157,7 +157,7 @@ def test_a_marker_is_changed_without_reading_the_packets(desk, folder, monkeypat
     [marker] = [it for it in events if it["kind"] == "marker"]
     with monkeypatch.context() as patch:
         patch.setattr(service, "Recording", None)
-        desk.dashboard.library._open.clear()
+        desk.dashboard.library._open.clear()  # noqa: SLF001
         desk.put("/recordings/drive.pcapng/marker", {"time": marker["time"], "label": "there"})
         desk.put("/recordings/drive.pcapng/marker", {"time": 1.5, "label": "nowhere"}, 404)
     events = desk.get("/recordings/drive.pcapng")["events"]

@@ -140,7 +140,7 @@ def test_who_disconnects_meanwhile_spoils_no_answer(faulty):
 
     async def ask_and_lose(job, **more):
         answer = await ask(job, **more)
-        faulty.dashboard._clear_unit()
+        faulty.dashboard._clear_unit()  # noqa: SLF001
         return answer
 
     faulty.dashboard.connection.ask = ask_and_lose

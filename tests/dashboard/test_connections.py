@@ -166,7 +166,7 @@ class NoFileLeft:
 
     def accept_any(self):
         self.asked += 1
-        if self.guard._spare is not None:
+        if self.guard._spare is not None:  # noqa: SLF001
             raise OSError(errno.EMFILE, "no file left")
         if not self.waiting:
             raise BlockingIOError
@@ -184,7 +184,7 @@ def test_without_a_descriptor_connections_are_closed_and_nothing_spins(guard, ca
         guard.accept(listening)
     assert (listening.closed, listening.asked) == (2, 6)
     assert all(it.ended for it in came)  # half-open ones, whose descriptors are free now
-    guard._spare = -1
+    guard._spare = -1  # noqa: SLF001
     endless = NoFileLeft(guard, 10**9)
     endless.accept_any = lambda: (_ for _ in ()).throw(ConnectionAbortedError())
     with pytest.raises(ConnectionAbortedError):  # which asyncio takes for the end
@@ -274,7 +274,7 @@ def test_who_reads_nothing_of_a_response_gives_its_place_back(small):
     def until(accepted):
         for _ in range(10_000):
             assert small.client.get("/api/ports").status_code == 200
-            if accepted([it for it in list(guard._open.values()) if it.unsent]):
+            if accepted([it for it in list(guard._open.values()) if it.unsent]):  # noqa: SLF001
                 return
         raise AssertionError("it never came")
 
@@ -283,7 +283,7 @@ def test_who_reads_nothing_of_a_response_gives_its_place_back(small):
         deaf.connect(("127.0.0.1", small.port))
         deaf.sendall(f"GET / HTTP/1.1\r\nHost: 127.0.0.1:{small.port}\r\n\r\n".encode())
         until(bool)
-        until(lambda stalled: any(it._unsent for it in stalled))  # the server has noticed
+        until(lambda stalled: any(it._unsent for it in stalled))  # the server has noticed  # noqa: SLF001
         guard.clock.now += STALL_SECONDS
         until(lambda stalled: not stalled)
 

@@ -16,8 +16,9 @@ ME, OTHER, VIEWER = Client("me", "Me", True), Client("it", "", True), Client("v"
 
 @pytest.fixture
 def lease():
-    now = [0.0]
-    it = ControlLease(lambda: now[0])
+    now, changes = [0.0], []
+    it = ControlLease(lambda: now[0], changed=lambda: changes.append(now[0]))
+    it.changes = changes
     it.passes = lambda seconds: now.__setitem__(0, now[0] + seconds)
     return it
 
@@ -133,15 +134,17 @@ def test_viewers_are_clients_not_sockets(lease):
 
 def test_every_change_of_control_is_reported(lease):
     hands = []
-    lease._changed = lambda: hands.append(lease._holder and lease._holder.id)
-    lease.demand(ME)
-    lease.demand(ME)
-    lease.demand(OTHER, force=True)
-    lease.release(OTHER)
-    lease.demand(ME)
-    lease.passes(AFTER_REQUEST)
-    assert lease.holder is None
-    assert hands == ["me", "it", None, "me", None]
+    for step in (
+        lambda: lease.demand(ME),
+        lambda: lease.demand(ME),
+        lambda: lease.demand(OTHER, force=True),
+        lambda: lease.release(OTHER),
+        lambda: lease.demand(ME),
+        lambda: lease.passes(AFTER_REQUEST),
+    ):
+        step()
+        hands.append((lease.holder and lease.holder.id, len(lease.changes)))
+    assert hands == [("me", 1), ("me", 1), ("it", 2), (None, 3), ("me", 4), (None, 5)]
 
 
 def test_a_failed_request_is_taken_back(lease):

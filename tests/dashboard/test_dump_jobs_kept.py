@@ -25,7 +25,7 @@ def program(tmp_path):
 
 def hold_the_second_pass(monkeypatch, spoil):
     """It stops behind its first piece; before that the file is spoilt."""
-    check = DumpJobs._check
+    check = DumpJobs._check  # noqa: SLF001
 
     def first(self, ecu, job):
         spoil(job.file)
@@ -190,7 +190,7 @@ def test_a_dump_is_looked_at_where_it_is_changed(off, monkeypatch):
     """In the event loop; in another thread its pace would be cleared under the reader's eyes."""
     put(off.dashboard.settings.dumps, "a")
     off.dashboard.dump_jobs.find()
-    threads, answer = set(), dumps._response
+    threads, answer = set(), dumps._response  # noqa: SLF001
 
     def reported(job):
         threads.add(threading.current_thread())

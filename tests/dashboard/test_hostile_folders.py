@@ -255,7 +255,7 @@ def test_a_folder_that_is_replaced_while_it_is_listed(tmp_path: Path, monkeypatc
     folder.mkdir()
     for number in range(5):
         (folder / f"{number}.bin").write_bytes(b"1")
-    check = library_folder._check_name
+    check = library_folder._check_name  # noqa: SLF001
 
     def late(name: str, suffix: str) -> None:
         if folder.is_dir():

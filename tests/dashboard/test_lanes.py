@@ -123,8 +123,8 @@ def test_places_are_counted_for_each_address_and_for_the_network():
         with pytest.raises(Busy), lane.place(None):
             pass
     with lane.place(PHONE), lane.place(PHONE), lane.place(None):
-        assert lane._places.total() == 3
-    assert not lane._places
+        assert lane._places.total() == 3  # noqa: SLF001
+    assert not lane._places  # noqa: SLF001
 
 
 def test_the_end_of_the_program_ends_all_work():

@@ -87,7 +87,7 @@ def test_the_end_of_the_program_does_not_wait_for_a_report(tmp_path, report):
 
 def test_a_report_past_its_deadline_names_the_command_that_has_none(desk, report):
     lane = desk.dashboard.library.files
-    lane._limits = replace(lane._limits, deadline=0)
+    lane.limits = replace(lane.limits, deadline=0)
     error = desk.get("/recordings/bad.pcapng/report", 504)
     assert report.ended.is_set()
     assert error["code"] == "TookTooLong"

@@ -35,11 +35,11 @@ def test_events_of_an_earlier_session_are_not_of_this_one(tmp_path):
     dashboard = dashboard_of(tmp_path)
     dashboard.connection.state_known = lambda: None
     dashboard.connection.thread, before = OneThat(), OneThat()
-    dashboard._on_event(before, StateChanged(1.0, LineState.NO_ECHO, None))
-    dashboard._on_end(before, None)
+    dashboard._on_event(before, StateChanged(1.0, LineState.NO_ECHO, None))  # noqa: SLF001
+    dashboard._on_end(before, None)  # noqa: SLF001
     assert dashboard.monitor.line is None
     assert dashboard.monitor.events == []
-    dashboard._on_event(dashboard.connection.thread, StateChanged(2.0, LineState.SAMPLING, None))
+    dashboard._on_event(dashboard.connection.thread, StateChanged(2.0, LineState.SAMPLING, None))  # noqa: SLF001
     assert dashboard.monitor.line is LineState.SAMPLING
 
 
@@ -68,7 +68,7 @@ def test_a_port_that_opens_after_the_end_of_sampling_is_closed_at_once(tmp_path)
         on_event=lambda *_: None,
         on_end=lambda *_: None,
     )
-    link = opening.wanting._stoppable.open("sim:")
+    link = opening.wanting._stoppable.open("sim:")  # noqa: SLF001
     with pytest.raises(LinkLost):
         link.write(b"\x00")
 
@@ -84,10 +84,10 @@ def test_the_unit_sends_no_stream_when_sampling_has_ended(tmp_path, method, stop
         write(data)
         if data[:1] in (b"\x71", b"\x7f") and stopped == "before it sends":
             to_stop.set()
-            thread._stoppable.stopping.wait(60)
+            thread._stoppable.stopping.wait(60)  # noqa: SLF001
 
     def look(_, event):
-        if isinstance(event, Sampled) and link.bus.ecu._stream is not None:
+        if isinstance(event, Sampled) and link.bus.ecu.is_streaming:
             to_stop.set()
 
     link.write = written
@@ -104,7 +104,7 @@ def test_the_unit_sends_no_stream_when_sampling_has_ended(tmp_path, method, stop
     assert to_stop.wait(60)
     thread.stop()
     link.bus.advance(link.now() + 1)  # what was sent arrives
-    assert link.bus.ecu._stream is None
+    assert not link.bus.ecu.is_streaming
     with pytest.raises(LinkLost):
         link.write(b"\x00")
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import errno
 import threading
 from itertools import pairwise
 
@@ -12,6 +11,7 @@ import mikas
 from dashboard.rig import ADAPTER, ME, OTHER, Cars, rig
 from mikas.dashboard.session.connection import Connection
 from mikas.sampling import supervisor
+from recording.recorder_harness import SmallDisk
 
 
 def test_a_recording_is_made_with_its_markers_and_can_be_read_again(idle):
@@ -128,23 +128,13 @@ def test_a_folder_that_can_not_be_written_is_reported_and_sampling_goes_on(idle)
     assert idle.sampling()["recording"] is None
 
 
-class _FullDisk:
-    def __init__(self, file):
-        self._file = file
-
-    def write(self, _):
-        raise OSError(errno.ENOSPC, "No space left on device")
-
-    def __getattr__(self, name):
-        return getattr(self._file, name)
-
-
-def test_a_recording_that_breaks_off_says_so_and_another_can_begin(idle):
+def test_a_recording_that_breaks_off_says_so_and_another_can_begin(idle, monkeypatch):
+    disk = SmallDisk(monkeypatch)
     idle.post("/recording/start", {"name": "a"})
-    writer = idle.dashboard.recorder.recorder._open.writer
-    writer._file = _FullDisk(writer._file)
+    disk.room = 0
     state = idle.until(lambda it: (it["state"]["recording"] or {}).get("failure"))["state"]
     assert state["recording"]["failure"]["ru"]
+    disk.room = 1 << 30
     assert idle.post("/recording/start", {"name": "b"})["recording"]["failure"] is None
 
 

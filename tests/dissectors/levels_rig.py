@@ -20,9 +20,9 @@ class Tap:
         self.bit = bus.byte_time / BITS
         self.sent, self.received, self.breaks = [], [], []
         self._bus = bus
-        self._deliver, self._deliver_rest = bus._deliver, bus._deliver_rest
+        self._deliver, self._deliver_rest = bus._deliver, bus._deliver_rest  # noqa: SLF001
         self._send_break = bus.send_break
-        bus._deliver, bus._deliver_rest = self._delivered, self._rest_delivered
+        bus._deliver, bus._deliver_rest = self._delivered, self._rest_delivered  # noqa: SLF001
         bus.send_break = self._broken
 
     def _delivered(self, transmitter, other):
@@ -30,17 +30,17 @@ class Tap:
         self._deliver(transmitter, other)
 
     def _rest_delivered(self, until):
-        for byte in self._bus._unit.queue:
+        for byte in self._bus.unit.queue:
             if byte.end <= until:
-                self._note(self._bus._unit, byte)
+                self._note(self._bus.unit, byte)
         self._deliver_rest(until)
 
     def _note(self, transmitter, byte):
-        noted = self.sent if transmitter is self._bus._tester else self.received
+        noted = self.sent if transmitter is self._bus.tester else self.received
         noted.append((byte.start, byte.value))
 
     def _broken(self, seconds, now):
-        for transmitter in (self._bus._tester, self._bus._unit):
+        for transmitter in (self._bus.tester, self._bus.unit):
             for byte in transmitter.queue:
                 if byte.start < now:  # the beginning of a byte was on the wire
                     self._note(transmitter, byte)

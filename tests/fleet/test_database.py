@@ -239,7 +239,7 @@ def test_ctrl_c_ends_a_long_question(dataset, monkeypatch) -> None:
     )
     with opened(dataset) as database:
         asked = threading.Event()
-        original = database._connection.execute
+        original = database._connection.execute  # noqa: SLF001
 
         class Connection:
             def __getattr__(self, name):
@@ -249,7 +249,7 @@ def test_ctrl_c_ends_a_long_question(dataset, monkeypatch) -> None:
                 asked.set()
                 return original(*given)
 
-        inner, database._connection = database._connection, Connection()
+        inner, database._connection = database._connection, Connection()  # noqa: SLF001
         threading.Thread(target=lambda: (asked.wait(), _thread.interrupt_main())).start()
         with pytest.raises(KeyboardInterrupt):
             database.ask(forever)

@@ -139,7 +139,7 @@ def test_a_terminal_server_that_sends_at_full_speed_waits_while_no_one_reads(mon
     """pyserial's own queue takes every byte."""
     hurry_pyserial(monkeypatch)
     with rfc2217_rig() as rig:
-        unread = rig.link.link._port._read_buffer
+        unread = rig.link.link.port._read_buffer  # noqa: SLF001
         full = threading.Event()
         put = unread.put
 

@@ -157,7 +157,7 @@ def test_no_way_there(scheme, reason, message, monkeypatch):
 class TestSocket:
     def test_requests_are_not_held_back(self):
         with tcp_rig() as rig:
-            sock = rig.link.link._port._socket
+            sock = rig.link.link.port._socket  # noqa: SLF001
             assert sock.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY)
 
     def test_is_named_by_its_place_and_has_the_baud_rate_behind_it(self):
@@ -185,7 +185,7 @@ class TestSocket:
             rig.link.write(b"unread: closing now resets the connection")
             rig.peer.received(1)
             rig.link.write(b"and this too")
-            sock = rig.link.link._port._socket
+            sock = rig.link.link.port._socket  # noqa: SLF001
             rig.peer.vanish()
             with pytest.raises(LinkLost):
                 write_until_lost(rig.link, b"x")
@@ -221,8 +221,8 @@ class TestRfc2217:
         with rfc2217_rig() as rig:
             blocked = threading.Event()
             rig.peer.write = lambda _: blocked.wait(FAR)
-            rig.link.link._port._socket.settimeout(0.05)
-            rig.peer._came.put = lambda _: blocked.wait(FAR)
+            rig.link.link.port._socket.settimeout(0.05)  # noqa: SLF001
+            rig.peer._came.put = lambda _: blocked.wait(FAR)  # noqa: SLF001
             try:
                 with pytest.raises(LinkLost, match="takes no more bytes"):
                     write_until_lost(rig.link, bytes(1_000_000))
@@ -257,7 +257,7 @@ class TestPortThatTheSystemCanNotWaitOn:
             raise AssertionError("reconfigured")
 
         with asked_rig() as rig:
-            monkeypatch.setattr(type(rig.link._port), "_reconfigure_port", touched)
+            monkeypatch.setattr(type(rig.link.port), "_reconfigure_port", touched)
             rig.peer.send(b"x")
             rig.link.read(rig.link.now() + FAR)
             rig.link.read(rig.link.now() + 3 * TICK)
@@ -269,7 +269,7 @@ class TestPortThatTheSystemCanNotWaitOn:
 
     def test_a_short_count_is_a_loss(self, monkeypatch):
         with asked_rig() as rig:
-            monkeypatch.setattr(type(rig.link._port), "write", lambda *_: 1)
+            monkeypatch.setattr(type(rig.link.port), "write", lambda *_: 1)
             with pytest.raises(LinkLost, match="takes no more bytes"):
                 rig.link.write(b"\x01\xff\r")
 

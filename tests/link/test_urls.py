@@ -159,15 +159,15 @@ class TestDistributions:
 
     def test_an_incomplete_installation_says_so(self, monkeypatch):
         monkeypatch.setattr("importlib.metadata.entry_points", lambda **_: ())
-        urls._registered.cache_clear()
+        urls.registered.cache_clear()
         with pytest.raises(UsageError, match="not installed as it should"):
             open_link("/dev/ttyUSB0")
 
     def test_where_the_system_has_no_serial_ports_a_wrong_one_leads_to_the_browsers_list(
         self, monkeypatch
     ):
-        entries = {"sim": urls._registered()["sim"], "webserial": []}
-        monkeypatch.setattr(urls, "_registered", lambda: entries)
+        entries = {"sim": urls.registered()["sim"], "webserial": []}
+        monkeypatch.setattr(urls, "registered", lambda: entries)
         for url in ("/dev/ttyUSB0", "COM3", "serial:COM3", "socket://a:1", "sim:?scenario=none"):
             with pytest.raises(BadPortUrl) as caught:
                 open_link(url)
@@ -179,12 +179,12 @@ class TestDistributions:
             assert link.is_virtual
 
     def test_a_path_needs_no_metadata(self, monkeypatch):
-        monkeypatch.setattr(urls, "_registered", None)
+        monkeypatch.setattr(urls, "registered", None)
         assert parse("/dev/ttyUSB0").scheme == "serial"
 
     def test_our_own_schemes_load(self):
         for scheme in ("serial", "socket", "rfc2217", "sim", "replay"):
-            assert callable(urls._opener(scheme))
+            assert callable(urls.opener_of(scheme))
 
 
 def test_importing_the_package_imports_no_back_end():

@@ -32,7 +32,7 @@ def test_each_thread_has_its_own_number_name_and_values():
     assert len(set(seen)) == 5
     assert own.value == "main"
     assert threading.current_thread() is here
-    assert all(ident not in threading._active for ident, _ in seen)
+    assert all(ident not in threading._active for ident, _ in seen)  # noqa: SLF001
 
 
 def test_a_thread_is_joined_once_it_has_ended():

@@ -190,7 +190,7 @@ def test_a_call_that_was_given_up_ends_without_a_traceback(monkeypatch):
         assert go.wait(PATIENCE)
 
     before = set(threading.enumerate())
-    future = module._DaemonThreads().submit(call)
+    future = module._DaemonThreads().submit(call)  # noqa: SLF001
     assert started.wait(PATIENCE)
     (thread,) = set(threading.enumerate()) - before
     future.cancel()

@@ -9,7 +9,7 @@ from mikas.catalog import load
 from mikas.client import Passport
 from mikas.errors import EchoOnly, NoResponse
 from mikas.link.base import Direction
-from mikas.recording import CaptureReader, CaptureWriter
+from mikas.recording import CaptureReader
 from mikas.recording.capture.notes import Note
 from mikas.recording.capture.reader import Packet, Problem
 from mikas.sampling.events import (
@@ -91,12 +91,13 @@ class SmallDisk:
 
     def __init__(self, monkeypatch) -> None:
         self.room = 1 << 30
-        opened = CaptureWriter._open
+        opened = Path.open
 
-        def small(writer, **how):
-            return _OnSmallDisk(self, opened(writer, **how))
+        def small(path, mode="r", *args, **more):
+            file = opened(path, mode, *args, **more)
+            return _OnSmallDisk(self, file) if more.get("buffering") == 0 else file
 
-        monkeypatch.setattr(CaptureWriter, "_open", small)
+        monkeypatch.setattr(Path, "open", small)
 
 
 class _OnSmallDisk:

@@ -146,11 +146,21 @@ def test_a_file_that_can_not_be_made(tmp_path, name):
     assert str(tmp_path / name) in str(caught.value)
 
 
-class FullDisk:
-    """A file with room for so many bytes more; `stuck`: it can't be shortened either."""
+class Disk:
+    """The disk of the next file: `room` for so many bytes more; `stuck`: none can be shortened."""
 
-    def __init__(self, file, room, *, stuck=False):
-        self.file, self.room, self.stuck = file, room, stuck
+    def __init__(self, monkeypatch, *, stuck=False):
+        self.file, self.room, self.stuck = None, 1 << 30, stuck
+        opened = Path.open
+
+        def on_this(path, mode="r", *args, **more):
+            file = opened(path, mode, *args, **more)
+            if mode != "xb":
+                return file
+            self.file = file
+            return self
+
+        monkeypatch.setattr(Path, "open", on_this)
 
     def write(self, data):
         if not self.room:
@@ -169,10 +179,11 @@ class FullDisk:
 
 
 @pytest.mark.parametrize("room", range(0, 100, 7))
-def test_a_full_disk_takes_back_what_is_half_written(path, room):
+def test_a_full_disk_takes_back_what_is_half_written(path, room, monkeypatch):
+    disk = Disk(monkeypatch)
     with CaptureWriter(path, url="sim:") as writer:
         writer.record(SENT, b"first", 1)
-        writer._file = disk = FullDisk(writer._file, room)
+        disk.room = room
         kept = 1
         with pytest.raises(CaptureError, match="no room left"):  # noqa: PT012  (at some record)
             while True:
@@ -187,10 +198,11 @@ def test_a_full_disk_takes_back_what_is_half_written(path, room):
     assert packets[-1].data == b"later"
 
 
-def test_a_broken_medium_is_left_alone_after_the_first_failure(path):
+def test_a_broken_medium_is_left_alone_after_the_first_failure(path, monkeypatch):
+    disk = Disk(monkeypatch, stuck=True)
     with CaptureWriter(path, url="sim:") as writer:
         writer.record(SENT, b"first", 1)
-        writer._file = disk = FullDisk(writer._file, 10, stuck=True)
+        disk.room = 10
         with pytest.raises(CaptureError, match="no room left"):
             writer.record(SENT, b"more", 2)
         disk.room = 1000
@@ -201,14 +213,18 @@ def test_a_broken_medium_is_left_alone_after_the_first_failure(path):
     assert "interrupted" in problem.text.en
 
 
-def test_ctrl_c_in_the_middle_of_a_packet(path):
-    class Interrupted(FullDisk):
+def test_ctrl_c_in_the_middle_of_a_packet(path, monkeypatch):
+    class Interrupted(Disk):
         def write(self, data):
+            if self.room:
+                return self.file.write(data)
             self.file.write(data[:10])
             raise KeyboardInterrupt
 
+    disk = Interrupted(monkeypatch)
+
     with CaptureWriter(path, url="sim:") as writer:
-        writer._file = Interrupted(writer._file, 0)
+        disk.room = 0
         with pytest.raises(KeyboardInterrupt):
             writer.record(SENT, b"more", 2)
     assert read(path) == ([], [])

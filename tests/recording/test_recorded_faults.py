@@ -161,7 +161,7 @@ def test_of_a_long_file_only_the_rows_around_the_moment_are_held(size):
     assert appeared.frame == frame_of(13, 0.0, 3600.0, joined_rows(stretches))
     assert (appeared.frame.without, appeared.frame.seen) == pytest.approx((2000.0, 2000.1))
     assert len(appeared.frame.times) == 102
-    assert sum(len(it.times) for window in held._windows for it in window._pieces) == 102
+    assert sum(len(it.times) for window in held._windows for it in window._pieces) == 102  # noqa: SLF001
 
 
 def test_there_is_none_without_minerr_or_where_the_clock_was_set_back_or_the_unit_changed():

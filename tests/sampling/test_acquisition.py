@@ -177,7 +177,7 @@ def test_alarms_follow_their_sample():
     plug = SimulatedPlug(make_bus())
     limits = {"TWAT": AlarmLimits(warning_high=100, danger_high=110, hysteresis=2)}
     made = acquisition(plug, "FREQ", "TWAT/3", limits=limits)
-    data = plug.bus.ecu.responder.car._data
+    data = plug.bus.ecu.responder.car.data
     with closing(made.run()) as events:
         data[0x1A] = bytes([40 + 90])
         assert not [a for a in of(AlarmChanged, take(events, enough)) if a.name == "TWAT"]
@@ -276,7 +276,7 @@ class TestWanting:
 
     def test_a_refused_parameter_is_requested_again_when_named_again(self):
         plug = SimulatedPlug(make_bus())
-        data = plug.bus.ecu.responder.car._data
+        data = plug.bus.ecu.responder.car.data
         del data[0x1A]
         made = acquisition(plug, "FREQ", "TWAT")
         with closing(made.run()) as events:
@@ -331,7 +331,7 @@ def test_what_is_refused_midway_takes_its_derived_channel_along():
     made = acquisition(plug, "FREQ", "FUEL_FLOW")
     with closing(made.run()) as events:
         take(events, enough)
-        made.call(lambda ecu: plug.bus.ecu.responder.car._data.pop(0x3F))
+        made.call(lambda ecu: plug.bus.ecu.responder.car.data.pop(0x3F))
         reported = take(events, enough)
     assert [d.name for d in of(ParameterDropped, reported)] == ["INJ"]
     assert not of(Sampled, reported)[-1].derived

@@ -105,7 +105,7 @@ def test_values_go_on_while_unknown_passports_are_tried(unknown):
 @pytest.mark.parametrize("unknown", list(Unknown))
 def test_a_parameter_that_is_refused_is_found_as_ever(unknown):
     bus = make_bus(quirks=EcuQuirks(unknown=unknown))
-    del bus.ecu.responder.car._data[0x1A]
+    del bus.ecu.responder.car.data[0x1A]
     events = run(bus)
     assert [dropped.name for dropped in of(ParameterDropped, events)] == ["TWAT"]
     assert not of(CycleFailed, events)

@@ -103,7 +103,7 @@ class World:
         """The unit answers 01 to both parameters that are sampled, and knows others."""
         self.unit.quirks = EcuQuirks(unknown=Unknown.ERROR)
         for code in (0x1A, 0x3F):
-            self.unit.car._data.pop(code, None)
+            self.unit.car.data.pop(code, None)
 
     def another_version_while_it_refuses(self) -> None:
         """The unit is exchanged while each refused parameter is asked for alone."""
@@ -171,7 +171,7 @@ def until_state(world: World, events: Iterator[Event], state: LineState | None) 
     LEADS_TO[state](world)
     take(events, lambda e: e[-1].state is state if isinstance(e[-1], StateChanged) else False)
     if state is LineState.SAMPLING:
-        take(events, lambda e: bool(of(Sampled, e)) and world.sampler._supervisor.unit is not None)
+        take(events, lambda e: bool(of(Sampled, e)) and world.sampler._supervisor.unit is not None)  # noqa: SLF001
 
 
 def run_on(world: World, events: Iterator[Event], reached: list[Cell], cell: Cell) -> None:

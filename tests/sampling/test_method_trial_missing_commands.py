@@ -94,7 +94,7 @@ def test_values_come_during_the_trials():
 @pytest.mark.parametrize("max_list", [255, 4])
 def test_a_missing_command_is_no_line_error(unknown, max_list):
     bus = poor(unknown, max_list=max_list)
-    del bus.ecu.responder.car._data[0x21]
+    del bus.ecu.responder.car.data[0x21]
     sampler = make_sampler(SimulatedPlug(bus), *MANY)
     with closing(sampler.run()) as events:
         reported = take(events, settled)

@@ -110,7 +110,7 @@ def test_a_rate_is_kept():
 
 def test_a_refused_parameter_is_dropped_with_a_notice_and_the_others_go_on():
     bus = make_bus()
-    del bus.ecu.responder.car._data[0x1A]
+    del bus.ecu.responder.car.data[0x1A]
     events = run(bus)
     assert [d.name for d in of(ParameterDropped, events)] == ["TWAT"]
     assert "TWAT" not in of(Sampled, events)[-1].fresh

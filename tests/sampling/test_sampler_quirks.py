@@ -31,7 +31,7 @@ def test_a_unit_that_lacks_commands_is_sampled_by_its_best_method(lacking, unkno
         quirks=EcuQuirks(missing=lacks, unknown=unknown, max_list=3, long_list=long_list)
     )
     for code in lacking:
-        del bus.ecu.responder.car._data[code]
+        del bus.ecu.responder.car.data[code]
     events = run(bus)
     (chosen,) = of(MethodChosen, events)
     assert chosen.method == "batch"
@@ -49,7 +49,7 @@ def test_a_refusal_that_looks_like_a_datum_is_dropped(method, long_list):
         )
     )
     for code in (0x1A, 0x07):
-        del bus.ecu.responder.car._data[code]
+        del bus.ecu.responder.car.data[code]
     events = run(bus, "FREQ", "TWAT", "RXX", method=method)
     assert [d.name for d in of(ParameterDropped, events)] == ["TWAT", "RXX"]
     (first, *_, last) = of(Sampled, events)

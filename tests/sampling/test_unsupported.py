@@ -20,7 +20,7 @@ def weeding():
     bus = make_bus(quirks=EcuQuirks(missing=GROUPS["list"] | GROUPS["stream"]))
     plug = SimulatedPlug(bus)
     sampler = make_sampler(plug, method="batch")
-    data = bus.ecu.responder.car._data
+    data = bus.ecu.responder.car.data
 
     def lose() -> None:
         for code in [code for code in data if code not in (0x29, 0x1A)][:12]:

@@ -55,8 +55,8 @@ def lacking(*groups: str, unknown: Unknown = Unknown.SILENT, **others: object):
 def without(*codes: int):
     def change(responder):
         for code in codes:
-            del responder.car._data[code]
-        responder._list = ()  # it would be asked for what is not there
+            del responder.car.data[code]
+        responder._list = ()  # it would be asked for what is not there  # noqa: SLF001
 
     return change
 
@@ -380,7 +380,7 @@ def test_a_dropped_parameter_comes_back_with_a_notice(reconnects):
 
 def test_a_parameter_that_the_unit_never_had_costs_no_second_again():
     bus = make_bus(quirks=EcuQuirks(unknown=Unknown.SILENT))
-    del bus.ecu.responder.car._data[0x3F], bus.ecu.responder.car._data[0x1A]
+    del bus.ecu.responder.car.data[0x3F], bus.ecu.responder.car.data[0x1A]
     plug = SimulatedPlug(bus)
     sampler = make_sampler(plug, "FREQ", "TWAT", "INJ", "THR", rate=5, method="batch")
     with closing(sampler.run()) as events:

@@ -241,7 +241,7 @@ def test_a_mikas_is_not_taken_for_an_elm327():
 @pytest.mark.parametrize("noise", [b"\x00", b"\r", b"\x40", b"?\x55\xaa", bytes(range(40))])
 def test_noise_before_connecting_is_let_pass(noise, adapter):
     unit = Watched(adapter=adapter)
-    unit.bus._unit.transmit(noise, 0.0)
+    unit.bus.unit.transmit(noise, 0.0)
     right(unit.connected())
 
 
@@ -251,7 +251,7 @@ def test_a_late_answer_to_an_earlier_program_is_no_version_code(datum, adapter):
     for after in (0.005, 0.05, 0.07, 0.1, 0.13, 0.2, 0.27, 0.35, 0.5, 0.7):
         with case(after):
             unit = Watched(adapter=adapter)
-            unit.bus._unit.transmit(encode(datum), after)
+            unit.bus.unit.transmit(encode(datum), after)
             tester = unit.tester()
             assert tester.connect() == 0x0A
             assert tester.echoes is adapter.echo
@@ -263,7 +263,7 @@ def test_not_even_if_the_first_request_then_is_lost():
     for after in (0.1 + 0.01 * i for i in range(60)):
         with case(after):
             unit = Watched(fault_injector=Fate([(None, 0)] * 3 + [(LineFault.LOST, 0)]))
-            unit.bus._unit.transmit(encode(b"\x55"), min(after, 0.5))
+            unit.bus.unit.transmit(encode(b"\x55"), min(after, 0.5))
             right(unit.connected())
 
 
@@ -273,7 +273,7 @@ def test_a_slow_unit_is_not_read_one_answer_late(turn_round):
     for after in (0.02 + 0.04 * i for i in range(13)):
         with case(after):
             unit = Watched(turn_round=turn_round)
-            unit.bus._unit.transmit(encode(b"\x0a"), after)
+            unit.bus.unit.transmit(encode(b"\x0a"), after)
             right(unit.connected())
 
 
@@ -295,7 +295,7 @@ def test_it_counts_the_time_that_the_port_has_been_open(before):
 def test_a_late_answer_is_found_as_well_if_the_port_has_been_open(before, after, adapter):
     """It comes up to D14's limit after the opening."""
     unit = Watched(adapter=adapter)
-    unit.bus._unit.transmit(encode(b"\x55"), after)
+    unit.bus.unit.transmit(encode(b"\x55"), after)
     unit.link.gather(before)
     tester = unit.tester()
     assert tester.connect(listening_since=0.0) == 0x0A

@@ -64,7 +64,7 @@ class ScriptedGathering(ScriptedLink):
 
     def read(self, deadline):
         data, time = super().read(deadline)
-        while data and self._coming and self._coming[0][0] <= self._now:
+        while data and self.coming and self.coming[0][0] <= self._now:
             data += super().read(self._now).data
         return Chunk(data, time)
 
@@ -180,9 +180,9 @@ def test_an_echo_that_the_adapter_makes_itself_is_timed_when_it_comes():
 
     def write(data):  # the echo comes in the tenth of the wire's time
         link_write(data)
-        link._coming.sort()
-        at, count, echoed = link._coming[0]
-        link._coming[0] = (at - 0.9 * len(data) * link.byte_time, count, echoed)
+        link.coming.sort()
+        at, count, echoed = link.coming[0]
+        link.coming[0] = (at - 0.9 * len(data) * link.byte_time, count, echoed)
 
     link.write = write
     tester = make(link)

@@ -51,7 +51,7 @@ def test_a_spoilt_echo_and_a_streams_damaged_response_are_logged(caplog):
     unit = Watched()
     tester = unit.connected()
     with caplog.at_level(logging.DEBUG, logger="mikas.tester"):
-        unit.fault_injector._echo_next = True
+        unit.fault_injector.spoils_next_echo = True
         right(tester, 22)
         spoilt = lines(caplog)
         caplog.clear()

@@ -135,7 +135,7 @@ def drive(seed: int, reads: int, rate: float, pause: float = 0.0):
             results["right"] += 1
         except MikasError as error:
             results[type(error).__name__] += 1
-        unit.link._now += pause  # the application does something else
+        unit.link.gather(unit.link.now() + pause)  # the application does something else
     return unit, tester, results, wire.observed
 
 
@@ -158,7 +158,7 @@ def test_the_same_seed_gives_the_same_bytes_at_the_same_times():
 def test_what_came_unasked_is_found_at_the_next_request():
     unit = Watched()
     tester = unit.connected()
-    unit.bus._unit.transmit(b"\x0a\xf6\x0d", unit.link.now())
+    unit.bus.unit.transmit(b"\x0a\xf6\x0d", unit.link.now())
     tester.wait(unit.link.now() + 0.1)
     asked = unit.heard(b"\x01")
     right(tester)

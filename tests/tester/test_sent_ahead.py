@@ -148,7 +148,7 @@ def test_a_response_that_waited_for_long_is_not_used():
     heard = Requests(unit)
     tester.announce(read(17))
     right(tester, 16)
-    unit.link._now += 0.3
+    unit.link.gather(unit.link.now() + 0.3)
     _, reply = tester.exchange(read(17))
     assert list(heard) == bodies(16, 17, 17)
     assert reply.ended - reply.began < 0.02

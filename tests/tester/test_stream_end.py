@@ -94,7 +94,7 @@ def test_a_stream_that_failed_to_start_is_ended_though_the_engine_stands(command
     """Its request came back damaged: whether the unit streams shows only at the next stroke."""
     unit = Watched(stream_end=end, rpm=0.0)
     tester = unit.connected()
-    unit.fault_injector._echo_next = True
+    unit.fault_injector.spoils_next_echo = True
     with pytest.raises(MikasError):
         tester.stream(command)
     right(tester)
@@ -108,7 +108,7 @@ class Stubborn(ScriptedLink):
     """Streams at each stroke until a break, whatever it answers meanwhile."""
 
     def send_break(self, seconds: float) -> None:
-        self._coming.clear()
+        self.coming.clear()
         super().send_break(seconds)
 
 

@@ -115,7 +115,7 @@ def test_with_the_engine_standing_nothing_comes_until_it_turns(command, end):
         assert next(stream).data == expected(command)
         unit.car.rpm = 0.0
         stream.read(unit.link.now() + 0.3)  # one was due already
-        began = stream._heard
+        began = stream._heard  # noqa: SLF001
         with pytest.raises(NoResponse):
             next(stream)
         assert unit.link.now() - began == pytest.approx(2, abs=0.1)
@@ -204,7 +204,7 @@ def test_a_request_lost_on_the_way_in_does_not_leave_it_running(end):
     unit = Watched(stream_end=end)
     tester = unit.connected()
     for command in CYCLIC + BY_STROKES:
-        unit.fault_injector._echo_next = True
+        unit.fault_injector.spoils_next_echo = True
         with pytest.raises(MikasError):
             tester.stream(command)
         right(tester)

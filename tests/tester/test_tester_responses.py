@@ -114,7 +114,7 @@ def test_a_write_is_never_sent_twice(line_fault, adapter):
 def test_a_write_whose_echo_differs_is_not_sent_twice(command):
     unit = Watched()
     tester = unit.connected()
-    unit.bus.fault_injector._echo_next = True
+    unit.bus.fault_injector.spoils_next_echo = True
     with pytest.raises(EchoDiffers):
         tester.request(command)
     right(tester)

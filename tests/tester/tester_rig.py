@@ -149,11 +149,11 @@ class ScriptedLink(Link):
         self.breaks = 0
         self._now = 0.0
         self._count = 0
-        self._coming: list[tuple[float, int, bytes]] = []
+        self.coming: list[tuple[float, int, bytes]] = []
 
     def arrive(self, time: float, data: bytes) -> None:
         self._count += 1
-        heappush(self._coming, (time, self._count, data))
+        heappush(self.coming, (time, self._count, data))
 
     def write(self, data: bytes) -> None:
         self.sent.append(data)
@@ -164,8 +164,8 @@ class ScriptedLink(Link):
             self.arrive(out + delay, piece)
 
     def read(self, deadline: float) -> Chunk:
-        if self._coming and self._coming[0][0] <= max(deadline, self._now):
-            time, _, data = heappop(self._coming)
+        if self.coming and self.coming[0][0] <= max(deadline, self._now):
+            time, _, data = heappop(self.coming)
             self._now = max(self._now, time)
             return Chunk(data, self._now)
         self._now = max(self._now, deadline)

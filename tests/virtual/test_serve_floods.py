@@ -48,7 +48,7 @@ class Counted:
 
     @property
     def queued(self) -> int:
-        return len(self.bus._tester.queue) if hasattr(self.bus, "_tester") else 0
+        return len(self.bus.tester.queue) if hasattr(self.bus, "tester") else 0
 
     async def on_tcp(self) -> serve.TcpPort:
         return await serve.TcpPort.open(self.bus, self.now, "127.0.0.1", 0)
@@ -105,7 +105,7 @@ def test_a_flood_waits_at_its_sender_and_goes_with_it(settings):
         port.tester.abort()  # what the system reports once it knows
         await until(lambda: port.tester is None)
         assert it.queued == port.waiting == 0
-        assert len(it.bus.ecu._answers) <= 4
+        assert len(it.bus.ecu._answers) <= 4  # noqa: SLF001
         assert it.bus.bytes_carried - carried < 5000  # no more answers
         port.close()
 
@@ -162,7 +162,7 @@ def test_a_thousand_connections_leave_the_tester_and_nothing_else():
             assert await asks(tester) == ANSWERED
             await until(lambda: len(asyncio.all_tasks()) == 1)
             gc.collect()
-            assert len(asyncio.get_running_loop()._transports) == 1
+            assert len(asyncio.get_running_loop()._transports) == 1  # noqa: SLF001
         port.close()
 
     serve.run(main())
@@ -185,11 +185,11 @@ def test_one_that_is_no_tester_keeps_another_one_out_for_a_minute_only(manner):
             await until(lambda: it.bus.bytes_carried > before + 5000)
             assert port.tester.get_write_buffer_size() < 3 * 4096
         held = port.tester
-        port._active -= 59.0
+        port._active -= 59.0  # noqa: SLF001
         with await client(port) as second:
             assert await loop.sock_recv(second, 1) == b""
         assert port.tester is held
-        port._active -= 1.0
+        port._active -= 1.0  # noqa: SLF001
         with await client(port) as third:
             await until(lambda: port.tester not in (held, None))
             it.ahead += 1.0

@@ -228,7 +228,7 @@ def test_a_line_without_an_end_is_bounded_and_a_break_clears_it():
     tester = elm()
     tester.say(b"A" * 1000)
     tester.listen(2.0)
-    assert len(tester.bus._line) == LONGEST_LINE
+    assert len(tester.bus._line) == LONGEST_LINE  # noqa: SLF001
     tester.bus.send_break(0.01, tester.now)
     tester.say(b"ATI\r", at=2.1)
     assert tester.listen(3.0) == b"ATI\rELM327 v1.5\r\r>"

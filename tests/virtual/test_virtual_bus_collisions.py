@@ -190,7 +190,7 @@ talk = st.lists(
 def test_bytes_of_a_response_that_come_together_are_those_one_by_one(talk, latency, off):
     """`_deliver_rest` is for speed only. `talk`: pauses and bytes; None: a break."""
     together, singly = (SwitchedOff(off).bus(latency) for _ in range(2))
-    singly._deliver_rest = lambda until: None
+    singly._deliver_rest = lambda until: None  # noqa: SLF001
     now = 0.0
     for pause, data in [(0.0, encode(b"\x71\x1a\x29\x2c")), *talk, (0.3, b"")]:
         now += pause

@@ -83,7 +83,7 @@ class SerialLink(Link):
         self._about = about
         self._can_break = can_break
         self._granularity = granularity
-        self._port = port
+        self.port = port
         self._receive = _by_select(port) if port.timeout == 0 else _by_asking(port)
         self._clock = WallClock()
         self._gone: Text | None = None
@@ -111,7 +111,7 @@ class SerialLink(Link):
     def write(self, data: bytes) -> None:
         self._must_be_open(data)
         try:
-            accepted = self._port.write(data)
+            accepted = self.port.write(data)
         except _ERRORS as error:
             raise self._failed(error, data) from error
         if accepted is not None and accepted != len(data):
@@ -151,7 +151,7 @@ class SerialLink(Link):
         if not self._can_break:
             return
         try:
-            self._port.break_condition = low
+            self.port.break_condition = low
         except _ERRORS as error:
             if self._gone is not None or not is_unable(error):
                 raise self._failed(error) from error
@@ -180,7 +180,7 @@ class SerialLink(Link):
         """Close the port, once: a second thread might close a descriptor that is in use again."""
         if self._closing.acquire(blocking=False):
             with suppress(*SYSTEM_ERRORS):  # the adapter may be gone already
-                self._port.close()
+                self.port.close()
 
 
 Receive = Callable[[float], bytes]

@@ -76,9 +76,9 @@ def open_link(url: str, /, **options: str | float) -> Link:
         given = {name: _as_text(value) for name, value in options.items()}
         url = f"{url.partition('?')[0]}?{urlencode(parse(url).options | given)}"
     parsed = parse(url)
-    if parsed.scheme not in _registered():  # a name without scheme
+    if parsed.scheme not in registered():  # a name without scheme
         raise bad_port_url(url, _NO_NAME)
-    opener = _opener(parsed.scheme)
+    opener = opener_of(parsed.scheme)
     try:
         link = opener(url, parsed.options)
         return link if link.is_virtual else FloodGuard(link)
@@ -93,7 +93,7 @@ def parse(url: str) -> PortUrl:
     place, _, query = url.partition("?")
     match = _SCHEME.match(place)
     scheme = match[1].lower() if match else ""
-    if match and scheme in _registered():
+    if match and scheme in registered():
         address = place[match.end() :].removeprefix("//")
     else:
         _refuse_unknown(url, scheme, slashes=bool(match) and "://" in place)
@@ -107,7 +107,7 @@ def parse(url: str) -> PortUrl:
 
 def bad_port_url(url: str, problem: Text) -> BadPortUrl:
     """Return the error, with the ports that there are here: a browser has none by name."""
-    advice = None if "serial" in _registered() else _IN_A_BROWSER
+    advice = None if "serial" in registered() else _IN_A_BROWSER
     return BadPortUrl(url=url, problem=problem, advice=advice)
 
 
@@ -124,7 +124,7 @@ def take_clock(options: dict[str, str]) -> bool:
 
 
 @cache
-def _registered() -> dict[str, list[EntryPoint]]:
+def registered() -> dict[str, list[EntryPoint]]:
     """Return the entries by scheme; two entries of one scheme are of different distributions."""
     from importlib.metadata import entry_points  # slow to import: some 20 ms
 
@@ -145,8 +145,9 @@ def _registered() -> dict[str, list[EntryPoint]]:
     return found
 
 
-def _opener(scheme: str) -> Opener:
-    entries = _registered()[scheme]
+def opener_of(scheme: str) -> Opener:
+    """Return the opener of a registered scheme. Raises `UsageError` if it can't be loaded."""
+    entries = registered()[scheme]
     if len(entries) > 1:
         names = _distributions(entries)
         raise UsageError(
@@ -189,7 +190,7 @@ def _options(url: str, query: str) -> dict[str, str]:
 
 def _refuse_unknown(url: str, scheme: str, *, slashes: bool) -> None:
     """Raise `BadPortUrl` for an unknown scheme; a path that contains a colon passes."""
-    if slashes or (scheme and nearest(scheme, _registered())):
+    if slashes or (scheme and nearest(scheme, registered())):
         problem = with_nearest(_no_such(scheme), f"{scheme}:", _schemes())
         raise bad_port_url(url, problem)
 
@@ -200,7 +201,7 @@ def _no_such(scheme: str) -> Text:
 
 
 def _schemes() -> list[str]:
-    return [f"{name}:" for name in sorted(_registered())]
+    return [f"{name}:" for name in sorted(registered())]
 
 
 def _as_text(value: str | float) -> str:

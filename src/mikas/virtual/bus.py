@@ -121,7 +121,7 @@ class _Byte:
     value: int
 
 
-class _Transmitter:
+class Transmitter:
     """The bytes that one end has put on the wire, in order, and the last one that has passed."""
 
     def __init__(self, byte_time: float) -> None:
@@ -184,8 +184,8 @@ class Bus:
         self.fault_injector = fault_injector or FaultInjector()
         self.adapter = Adapter(adapter or AdapterKind(), stalls)
         self.bytes_carried = 0
-        self._tester = _Transmitter(self.byte_time)
-        self._unit = _Transmitter(self.byte_time)
+        self.tester = Transmitter(self.byte_time)
+        self.unit = Transmitter(self.byte_time)
         self._break_end = -inf
         self._at = -inf  # time of the latest event
         self._next = self._next_on_wire()  # cached: read several times a byte
@@ -195,15 +195,15 @@ class Bus:
         self.advance(now)
         start = self.adapter.stalls.passed(now)
         if self.adapter.kind.supplied:
-            self._tester.transmit(data, start)
+            self.tester.transmit(data, start)
             self._next = self._next_on_wire()
         else:  # they take their time, and go nowhere
-            self._tester.free_at = max(start, self._tester.free_at) + len(data) * self.byte_time
+            self.tester.free_at = max(start, self.tester.free_at) + len(data) * self.byte_time
 
     @property
     def sending_until(self) -> float:
         """When the adapter will have sent all bytes of the tester."""
-        return self._tester.free_at
+        return self.tester.free_at
 
     def send_break(self, seconds: float, now: float) -> None:
         """Hold the line low: all bytes on it are lost, and the unit receives a break."""
@@ -212,7 +212,7 @@ class Bus:
             return
         # A break within a longer one ends with that.
         end = self._break_end = max(now + seconds, self._break_end)
-        for transmitter in (self._tester, self._unit):
+        for transmitter in (self.tester, self.unit):
             transmitter.clear(end)
         self.ecu.receive_break(end)
         self._next = self._next_on_wire()
@@ -222,23 +222,23 @@ class Bus:
     def drop_unsent(self, now: float) -> None:
         """Drop the tester's bytes that the adapter has not sent: the tester has gone."""
         self.advance(now)
-        self._tester.clear(now)
+        self.tester.clear(now)
         self._next = self._next_on_wire()
 
     def advance(self, now: float) -> None:
         """Run the wire up to `now`."""
         while (time := self._next) <= now:
             self._at = time
-            if self._tester.next_end() <= time:
-                self._deliver(self._tester, self._unit)
-            elif self._unit.next_end() <= time:
-                self._deliver(self._unit, self._tester)
-                if not self._tester.queue:
+            if self.tester.next_end() <= time:
+                self._deliver(self.tester, self.unit)
+            elif self.unit.next_end() <= time:
+                self._deliver(self.unit, self.tester)
+                if not self.tester.queue:
                     self._deliver_rest(min(now, self.ecu.next_change()))
             else:
                 self._transmit_response(time)
-            if not self.ecu.on and self._unit.queue:
-                self._unit.clear(time)
+            if not self.ecu.on and self.unit.queue:
+                self.unit.clear(time)
             self._next = self._next_on_wire()
         self.adapter.tick(now)
 
@@ -252,28 +252,28 @@ class Bus:
         return min(self._next, self.adapter.next_event())
 
     def _next_on_wire(self) -> float:
-        return min(self._tester.next_end(), self._unit.next_end(), self._ecu_due())
+        return min(self.tester.next_end(), self.unit.next_end(), self._ecu_due())
 
     def _ecu_due(self) -> float:
         due = self.ecu.next_transmission()
         if due < inf:
             # D2: the unit does not begin while either end sends: a response that a fault
             # delayed or doubled is on the wire longer than the unit knows.
-            due = self._tester.idle_from(max(due, self._unit.free_at, self._at))
+            due = self.tester.idle_from(max(due, self.unit.free_at, self._at))
         return min(due, self.ecu.next_change())
 
     def _transmit_response(self, time: float) -> None:
         wire = self.ecu.transmit(time)
         if wire:
             for sent in self.fault_injector.respond(wire):
-                self._unit.transmit(sent.data, time + sent.delay)
+                self.unit.transmit(sent.data, time + sent.delay)
 
-    def _deliver(self, transmitter: _Transmitter, other: _Transmitter) -> None:
+    def _deliver(self, transmitter: Transmitter, other: Transmitter) -> None:
         byte = transmitter.queue.popleft()
         value = byte.value & other.overlapping(byte)
         transmitter.last = byte
         self.bytes_carried += 1
-        if transmitter is self._tester:
+        if transmitter is self.tester:
             self.ecu.receive(bytes([value]), byte.end)
             if self.adapter.kind.echo:
                 self.adapter.receive(self.fault_injector.echo(value), byte.end)
@@ -285,7 +285,7 @@ class Bus:
 
         The same as `_deliver` for each: until then nothing but the supply changes.
         """
-        unit, queue = self._unit, self._unit.queue
+        unit, queue = self.unit, self.unit.queue
         while queue and queue[0].end <= until:
             unit.last = byte = queue.popleft()
             self._at = byte.end

@@ -162,6 +162,11 @@ class VirtualEcu:
             return self.responder.car.next_stroke(stream.stroke, ready)
         return ready
 
+    @property
+    def is_streaming(self) -> bool:
+        """Whether a stream has been requested and not ended."""
+        return self._stream is not None
+
     def _end_stream(self, now: float) -> None:
         if self._stream:
             self._stream = None

@@ -55,12 +55,12 @@ class FaultInjector:
         self.late_by = late_by
         self.count = 0
         self._random = Random(seed)
-        self._queued: deque[LineFault | None] = deque()
-        self._echo_next = False
+        self.queued: deque[LineFault | None] = deque()
+        self.spoils_next_echo = False
 
     def next(self, *faults: LineFault | None) -> None:
         """Queue faults for the next responses, in order; None: no fault."""
-        self._queued.extend(faults)
+        self.queued.extend(faults)
 
     def respond(self, wire: bytes) -> list[Sent]:
         """Return the bytes on the line instead of the response `wire`."""
@@ -87,19 +87,19 @@ class FaultInjector:
             case LineFault.NOISE:
                 return [Sent(self._random.randbytes(1 + at % 4)), Sent(wire)]
             case LineFault.ECHO:
-                self._echo_next = True
+                self.spoils_next_echo = True
                 return [Sent(wire)]
 
     def echo(self, value: int) -> int:
         """Return the echo of the byte `value`."""
-        if self._echo_next:
-            self._echo_next = False
+        if self.spoils_next_echo:
+            self.spoils_next_echo = False
             return value ^ 0x10
         return value
 
     def _choose(self) -> LineFault | None:
-        if self._queued:
-            return self._queued.popleft()
+        if self.queued:
+            return self.queued.popleft()
         for fault, rate in self.rates.items():
             if self._random.random() < rate:
                 return fault

@@ -173,7 +173,7 @@ def test_a_lost_port_is_let_go_so_that_the_adapter_can_come_back(rig):
     rig.peer.vanish()
     with pytest.raises(LinkLost):
         rig.link.read(rig.link.now() + FAR)
-    assert not rig.link.link._port.is_open
+    assert not rig.link.link.port.is_open
 
 
 def test_ctrl_c_interrupts_a_wait(rig, about_to_wait):
@@ -188,13 +188,13 @@ def test_ctrl_c_interrupts_a_wait(rig, about_to_wait):
 
 def test_ctrl_c_in_a_break_ends_the_break(rig, monkeypatch):
     def interrupted(seconds):
-        assert rig.link.link._port.break_condition
+        assert rig.link.link.port.break_condition
         raise KeyboardInterrupt
 
     monkeypatch.setattr(serial_link, "time", SimpleNamespace(sleep=interrupted))
     with pytest.raises(KeyboardInterrupt):
         rig.link.send_break(FAR)
-    assert not rig.link.link._port.break_condition
+    assert not rig.link.link.port.break_condition
 
 
 def test_a_port_without_a_break_says_so_and_stays_usable(rig, monkeypatch):

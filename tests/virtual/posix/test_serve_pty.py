@@ -173,7 +173,7 @@ def test_a_flood_waits_at_its_sender():
         now = 0.0
         bus = build_bus({"baud": "2000000"}, start=now)
         port = serve.PtyPort(bus, lambda: now)
-        waiting = bus._tester.queue
+        waiting = bus.tester.queue
         with opened(port.url) as tester:
             os.set_blocking(tester, False)
             sent, heard, blocked = 0, 0, False

@@ -69,7 +69,7 @@ class Lane:
     """
 
     def __init__(self, limits: LaneLimits) -> None:
-        self._limits = limits
+        self.limits = limits
         self._places: Counter[str | None] = Counter()
         self._waiting: list[_Piece] = []
         self._running: list[_Piece] = []
@@ -78,7 +78,7 @@ class Lane:
     @contextmanager
     def place(self, address: str | None) -> Iterator[None]:
         """Hold a place for one piece, its waiting and the sending of its result. Raises `Busy`."""
-        places, limits = self._places, self._limits
+        places, limits = self._places, self.limits
         if address is None:
             is_full = places[None] >= limits.places
         else:
@@ -108,7 +108,7 @@ class Lane:
         """
         if self._closed:
             raise Busy(problem=_CLOSING)
-        deadline = self._limits.deadline if deadline is None else deadline
+        deadline = self.limits.deadline if deadline is None else deadline
         piece = _Piece(key, address)
         self._waiting.append(piece)
         try:
@@ -149,12 +149,12 @@ class Lane:
                 piece.turn.set_result(None)
 
     def _may_run(self, piece: _Piece) -> bool:
-        if len(self._running) >= self._limits.slots:
+        if len(self._running) >= self.limits.slots:
             return False
         if piece.key in (each.key for each in self._running):
             return False
         in_network = sum(each.address is not None for each in self._running)
-        return piece.address is None or in_network < self._limits.slots - 1
+        return piece.address is None or in_network < self.limits.slots - 1
 
     def _leave(self, piece: _Piece) -> None:
         for pieces in (self._waiting, self._running):

@@ -31,7 +31,7 @@ MODELS: Final = ("7.1", "5.4")
 
 
 @dataclass(frozen=True, slots=True)
-class _Drive:
+class Drive:
     """A drive to record: `seconds` of a scenario, `rate` sets of values per second."""
 
     scenario: str
@@ -40,10 +40,10 @@ class _Drive:
     text: Text
 
 
-_DRIVES: Final = {
-    "warm-idle": _Drive("warm-idle", 60, 5, Text("warm idle", "прогретый, холостой ход")),
-    "warm-up": _Drive("cold-start", 600, 1, Text("cold start, warm-up", "холодный пуск, прогрев")),
-    "drive": _Drive("city", 195, 5, Text("city drive", "поездка по городу")),
+DRIVES: Final = {
+    "warm-idle": Drive("warm-idle", 60, 5, Text("warm idle", "прогретый, холостой ход")),
+    "warm-up": Drive("cold-start", 600, 1, Text("cold start, warm-up", "холодный пуск, прогрев")),
+    "drive": Drive("city", 195, 5, Text("city drive", "поездка по городу")),
 }
 
 
@@ -59,7 +59,7 @@ class VirtualReference:
 VIRTUAL: Final = tuple(
     VirtualReference(f"{_PREFIX}{name}:{model}", model, drive.text)
     for model in MODELS
-    for name, drive in _DRIVES.items()
+    for name, drive in DRIVES.items()
 )
 
 
@@ -96,7 +96,7 @@ class References:
         try:
             if not file.is_file():
                 self._folder.mkdir(parents=True, exist_ok=True)
-                _record(file, _DRIVES[drive], model)
+                _record(file, DRIVES[drive], model)
         except OSError as error:
             raise UsageError(problem=reason_at(file, error)) from error
         return RecordingFolder(self._folder).one(file.name)
@@ -109,7 +109,7 @@ def _names(stored: object) -> list[str]:
     return stored
 
 
-def _record(file: Path, drive: _Drive, model: str) -> None:
+def _record(file: Path, drive: Drive, model: str) -> None:
     """Record the virtual car, as a session does; all of it or nothing."""
     url = f"sim:?clock=simulated&seed=1&scenario={drive.scenario}&model={model}"
     part = file.with_name(f"{file.name}.part")
