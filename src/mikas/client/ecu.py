@@ -15,7 +15,7 @@ from typing import Self
 from mikas import commands as c
 from mikas.catalog import Catalog, Fault, Model, Parameter
 from mikas.catalog.model import check_interpretation
-from mikas.client.gate import Change, Confirm, Gate, Journal, hex_or_none
+from mikas.client.gate import Change, Confirm, Gate, Journal, journal_hex
 from mikas.client.identity import (
     Info,
     Passport,
@@ -227,7 +227,7 @@ class Ecu:
             what=erasing(len(before)),
             safety=c.WriteParameter.SAFETY,
             command=c.WriteParameter.SOURCE_NAME,
-            before=hex_or_none(bytes(fault.code for fault in before)),
+            before=journal_hex(bytes(fault.code for fault in before)),
             after="",
         )
 
@@ -242,7 +242,7 @@ class Ecu:
             return Erased(before, self.faults())
 
         return self._gate.make(
-            change, act, lambda erased: hex_or_none(bytes(fault.code for fault in erased.after))
+            change, act, lambda erased: journal_hex(bytes(fault.code for fault in erased.after))
         )
 
     def goto(self, address: int) -> bytes:
@@ -255,9 +255,9 @@ class Ecu:
             what=Text(f"jump to {address:04X}", f"перейти на {address:04X}"),
             safety=command.SAFETY,
             command=command.SOURCE_NAME,
-            after=hex_or_none(command.body()),
+            after=journal_hex(command.body()),
         )
-        return self._gate.make(change, lambda: self.tester.raw(command.body()) or b"", hex_or_none)
+        return self._gate.make(change, lambda: self.tester.raw(command.body()) or b"", journal_hex)
 
     def raw(self, body: bytes) -> bytes | None:
         """Send any request body; return the response's body, None for silence.
@@ -271,10 +271,10 @@ class Ecu:
         if command and command.SAFETY is c.Safety.READ:
             return self.tester.raw(body)
         change = Change(
-            what=Text(f"send {hex_or_none(body)}", f"послать {hex_or_none(body)}"),
+            what=Text(f"send {journal_hex(body)}", f"послать {journal_hex(body)}"),
             safety=command.SAFETY if command else c.Safety.LASTING,
             command=command.SOURCE_NAME if command else "?",
-            after=hex_or_none(body),
+            after=journal_hex(body),
         )
 
         def act() -> bytes | None:
@@ -282,7 +282,7 @@ class Ecu:
                 self.forget_list()
             return self.tester.raw(body)
 
-        return self._gate.make(change, act, hex_or_none)
+        return self._gate.make(change, act, journal_hex)
 
     def limits(self) -> Limits:
         """Return a copy of the learnt limits. May read the unit's passport and raise its errors."""

@@ -158,7 +158,7 @@ class Gate:
         )
 
 
-def hex_or_none(data: bytes | None) -> str | None:
+def journal_hex(data: bytes | None) -> str | None:
     """Return all of `data` in hex, for undoing a change from the journal."""
     return None if data is None else data.hex(" ").upper()
 

@@ -16,7 +16,7 @@ from typing import Any
 from pydantic import BaseModel, Field
 from starlette.responses import HTMLResponse, JSONResponse, Response
 
-from mikas.dashboard.errors import ADVICE, ApiRefusal, hex_or_none
+from mikas.dashboard.errors import ADVICE, ApiRefusal, api_hex
 from mikas.errors import EcuRefused, LineError, MikasError, NoConnection, NotConfirmed, UsageError
 
 _STATUSES: tuple[tuple[type[MikasError], int], ...] = (
@@ -73,8 +73,8 @@ def body_of(error: MikasError) -> ErrorBody:
         code=type(error).__name__,
         en=text.en,
         ru=text.ru,
-        sent=hex_or_none(error.request),
-        received=hex_or_none(error.received),
+        sent=api_hex(error.request),
+        received=api_hex(error.received),
     )
 
 

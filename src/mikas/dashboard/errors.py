@@ -267,6 +267,6 @@ ADVICE: Final = AdviceTable(
 )
 
 
-def hex_or_none(data: bytes | None) -> str | None:
+def api_hex(data: bytes | None) -> str | None:
     """Return bytes as the API shows them: upper-case hex without spaces."""
     return None if data is None else data.hex().upper()

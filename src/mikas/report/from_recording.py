@@ -25,7 +25,7 @@ from mikas.recording.annotations.events import (
 from mikas.recording.capture.reader import CaptureReader, Source
 from mikas.recording.formatting import date_of
 from mikas.recording.recorded_faults import FaultReadings, FrameCollector
-from mikas.recording.table.channels import Rows, joined_rows
+from mikas.recording.table.channels import Rows, is_recorded, joined_rows
 from mikas.recording.table.derived import Deriver
 from mikas.recording.table.reader import TableReader
 from mikas.report.findings import Findings, find
@@ -36,7 +36,6 @@ from mikas.report.subject import (
     UnitIdentity,
     cleared_faults,
 )
-from mikas.sampling.derived import DerivedChannels
 from mikas.sampling.events import Event, Gap, MethodChosen, TextNote
 
 
@@ -118,7 +117,7 @@ def _sessions(
     for event in events:
         by_recording[event.recording].append(event)
     recorded = [channel.name for channel in table.channels]
-    derived = [name for name in catalog.derived if _follows(name, recorded, catalog)]
+    derived = [name for name in catalog.derived if is_recorded(name, catalog, recorded)]
     sessions: dict[Source, _Session] = {}
     for source, rows in _last_recording(table):
         if any(other.recording != source.recording for other in sessions):
@@ -152,10 +151,6 @@ def _last_recording(table: TableReader) -> Iterator[tuple[Source, Rows]]:
             yield source, joined_rows(held.pop(source))
     for source, pieces in held.items():
         yield source, joined_rows(pieces)
-
-
-def _follows(name: str, recorded: Iterable[str], catalog: Catalog) -> bool:
-    return set(DerivedChannels(catalog, [name]).requires) <= set(recorded)
 
 
 def _unit(recorded: RecordedUnit | None, catalog: Catalog) -> UnitIdentity | None:

@@ -9,7 +9,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 
 from mikas import commands as c
-from mikas.client.gate import Change, Gate, hex_or_none
+from mikas.client.gate import Change, Gate, journal_hex
 from mikas.client.limits import LimitsCache
 from mikas.client.memory.writing import Attempts, SpaceWriter, WriteBlock, WriteByte
 from mikas.commands.base import check_byte, check_range
@@ -240,8 +240,8 @@ class MemorySpace:
             what=what,
             safety=self._commands.write.SAFETY,
             command=self._writer.planned(address, data),
-            before=hex_or_none(before),
-            after=hex_or_none(data),
+            before=journal_hex(before),
+            after=journal_hex(data),
         )
         attempts = Attempts()
 
@@ -260,7 +260,7 @@ class MemorySpace:
         return self._gate.make(
             change,
             act,
-            lambda written: hex_or_none(written.after),
+            lambda written: journal_hex(written.after),
             lambda: attempts.names,
             approved=approved,
         )

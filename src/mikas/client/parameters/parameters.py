@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from mikas import commands as c
 from mikas.catalog import Catalog, Parameter
-from mikas.client.gate import Change, Gate, hex_or_none
+from mikas.client.gate import Change, Gate, journal_hex
 from mikas.client.parameters.data import DataReader, RawDatum, distinct, refused
 from mikas.client.parameters.unit_list import UnitList, list_of
 from mikas.errors import (
@@ -251,8 +251,8 @@ class Parameters:
             what=Text(f"write parameter {parameter.name}", f"записать параметр {parameter.name}"),
             safety=c.WriteParameter.SAFETY,
             command=c.WriteParameter.SOURCE_NAME,
-            before=hex_or_none(before.raw) if before else None,
-            after=hex_or_none(data),
+            before=journal_hex(before.raw) if before else None,
+            after=journal_hex(data),
         )
 
         def act() -> WrittenParameter:
@@ -271,7 +271,7 @@ class Parameters:
                 )
             return WrittenParameter(parameter.name, before, after)
 
-        return self._gate.make(change, act, lambda w: hex_or_none(w.after.raw) if w.after else None)
+        return self._gate.make(change, act, lambda w: journal_hex(w.after.raw) if w.after else None)
 
     def _one(self, parameter: Parameter) -> Reading | None:
         try:

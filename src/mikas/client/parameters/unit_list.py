@@ -16,7 +16,7 @@ from pathlib import Path
 
 from mikas import commands as c
 from mikas.catalog import Parameter
-from mikas.client.gate import Change, Gate, hex_or_none
+from mikas.client.gate import Change, Gate, journal_hex
 from mikas.client.limits import unit_file
 from mikas.client.parameters.data import RawDatum, distinct
 from mikas.errors import (
@@ -219,7 +219,7 @@ def _change(data: tuple[c.Datum, ...], count: int) -> Change:
         ),
         safety=c.WriteList.SAFETY,
         command=c.WriteList.SOURCE_NAME,
-        after=hex_or_none(bytes(d.code for d in data)),
+        after=journal_hex(bytes(d.code for d in data)),
     )
 
 

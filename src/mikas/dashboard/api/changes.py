@@ -16,7 +16,14 @@ from mikas.dashboard.api.errors import TwoTexts, errors, made_of
 from mikas.dashboard.api.memory import Space
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.library.deletion import recording_deletion
-from mikas.dashboard.security.confirmations import LIFETIME, PendingChange
+from mikas.dashboard.security.confirmations import (
+    LIFETIME,
+    Content,
+    DumpShown,
+    FaultShown,
+    PendingChange,
+    RecordingShown,
+)
 from mikas.dashboard.security.control import Client
 
 router = APIRouter(tags=["changes"])
@@ -72,40 +79,6 @@ ChangeRequest = Annotated[
     | DeleteDumpRequest,
     Field(discriminator="kind"),
 ]
-
-
-class FaultShown(TwoTexts):
-    """A stored fault that would be erased."""
-
-    code: int
-
-
-class ValueShown(BaseModel):
-    """A parameter's value. `raw`: hex."""
-
-    value: bool | int | float
-    unit: str
-    raw: str
-
-
-class RecordingShown(BaseModel):
-    """A recording that would be deleted."""
-
-    id: str
-    bytes: int
-
-
-class DumpShown(BaseModel):
-    """A dump that would be deleted."""
-
-    id: str
-    file: str
-    done: int
-    total: int
-
-
-Content = list[int] | ValueShown | RecordingShown | DumpShown | str | None
-"""Of faults: their codes. Of memory: hex. null: not readable, or deleted."""
 
 
 class ChangeProposal(BaseModel):

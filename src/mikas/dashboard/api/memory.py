@@ -16,7 +16,7 @@ from mikas.commands import WriteList
 from mikas.dashboard.api.dependencies import Controller, TheDashboard
 from mikas.dashboard.api.errors import TwoTexts, errors
 from mikas.dashboard.api.state import State, state_of
-from mikas.dashboard.errors import NotConnected, hex_or_none
+from mikas.dashboard.errors import NotConnected, api_hex
 from mikas.files import open_regular
 
 router = APIRouter(tags=["memory"])
@@ -79,7 +79,7 @@ async def memory(
         return ecu.memory[space].read_block(first, count), ecu.tester.link.now()
 
     data, time = await dashboard.connection.ask(read)
-    return MemoryResponse(space=space, address=first, data=hex_or_none(data) or "", time=time)
+    return MemoryResponse(space=space, address=first, data=api_hex(data) or "", time=time)
 
 
 @router.post("/unlock", responses=errors(409, 503))

@@ -10,12 +10,11 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
 
 from mikas.dashboard.errors import Busy, ConfirmationOutdated, NotFound
 from mikas.dashboard.library.folder import RecordingFile
 from mikas.dashboard.library.service import RecordingService
-from mikas.dashboard.security.confirmations import PendingChange
+from mikas.dashboard.security.confirmations import DumpShown, PendingChange, RecordingShown
 from mikas.errors import UsageError
 from mikas.i18n import Text
 
@@ -61,9 +60,9 @@ DUMP = DeletionTexts(
 
 @dataclass(frozen=True, slots=True)
 class Found:
-    """A file as it was found. `shown`: as JSON; `stamp` changes when the file does."""
+    """A file as it was found. `stamp` changes when the file does."""
 
-    shown: dict[str, Any]
+    shown: RecordingShown | DumpShown
     stamp: object
     in_use: bool
     remove: Callable[[], None]
@@ -117,7 +116,7 @@ async def recording_deletion(library: RecordingService, identity: str) -> Pendin
 
     def find() -> Found:
         file = library.folder.one(identity)
-        shown = {"id": file.id, "bytes": file.bytes}
+        shown = RecordingShown(file.id, file.bytes)
         return Found(shown, file.stamp, library.is_growing(file), partial(remove, file))
 
     def remove(file: RecordingFile) -> None:

@@ -15,7 +15,7 @@ import threading
 from collections.abc import Awaitable, Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from typing import Any, Final
+from typing import Final
 
 from mikas.client import Change
 from mikas.commands import Safety
@@ -28,19 +28,59 @@ _MAX_KEPT: Final = 100
 
 
 @dataclass(frozen=True, slots=True)
+class FaultShown:
+    """A stored fault that would be erased."""
+
+    en: str
+    ru: str
+    code: int
+
+
+@dataclass(frozen=True, slots=True)
+class ValueShown:
+    """A parameter's value. `raw`: hex."""
+
+    value: bool | int | float
+    unit: str
+    raw: str
+
+
+@dataclass(frozen=True, slots=True)
+class RecordingShown:
+    """A recording that would be deleted."""
+
+    id: str
+    bytes: int
+
+
+@dataclass(frozen=True, slots=True)
+class DumpShown:
+    """A dump that would be deleted."""
+
+    id: str
+    file: str
+    done: int
+    total: int
+
+
+Content = list[int] | ValueShown | RecordingShown | DumpShown | str | None
+"""Of faults: their codes. Of memory: hex. None: not readable, or deleted."""
+
+
+@dataclass(frozen=True, slots=True)
 class PendingChange:
     """A change, ready to be confirmed. `make` makes it, and returns the content after it.
 
     `make` checks once more whether `before` still holds, and raises `ConfirmationOutdated` if not.
-    `lost`: the destroyed content, as JSON; `needs_unlock`: only while writing is unlocked.
+    `lost`: the destroyed content; `needs_unlock`: only while writing is unlocked.
     """
 
     what: Text
-    before: Any
-    after: Any
-    make: Callable[[], Awaitable[Any]]
+    before: Content
+    after: Content
+    make: Callable[[], Awaitable[Content]]
     danger: bool = False
-    lost: tuple[Any, ...] = ()
+    lost: tuple[FaultShown | RecordingShown | DumpShown, ...] = ()
     meaning: Text | None = None
     needs_unlock: bool = False
 

@@ -5,22 +5,25 @@ The client library's gate asks at the last moment (`WriteApproval`), journals, a
 
 from __future__ import annotations
 
-from typing import Any
-
 from mikas.catalog import Parameter
 from mikas.client import Ecu, Reading
 from mikas.client.connecting import ConnectionOptions
 from mikas.client.ecu import erasing
-from mikas.client.gate import hex_or_none as spaced_hex
+from mikas.client.gate import journal_hex
 from mikas.client.memory import writing
-from mikas.client.parameters.parameters import decode
+from mikas.client.parameters.parameters import datum_to_write, decode
 from mikas.commands.base import check_range
-from mikas.dashboard.errors import BadRequest, hex_or_none
-from mikas.dashboard.security.confirmations import PendingChange, WriteApproval
+from mikas.dashboard.errors import BadRequest, api_hex
+from mikas.dashboard.security.confirmations import (
+    FaultShown,
+    PendingChange,
+    ValueShown,
+    WriteApproval,
+)
 from mikas.dashboard.session.connection import Connection
 from mikas.dashboard.session.history import FaultHistory
-from mikas.errors import NotSupported, ValueDoesNotFit
-from mikas.i18n import Text, byte_count
+from mikas.errors import NotSupported
+from mikas.i18n import Text
 
 _PROGRAM = Text(
     "This is the unit's program and data: a wrong byte can leave it unable to run the engine.",
@@ -54,7 +57,7 @@ class UnitChanges:
         codes = [fault.code for fault in stored.faults]
 
         def erase(ecu: Ecu) -> list[int]:
-            with self._approval.given(spaced_hex(bytes(codes))):
+            with self._approval.given(journal_hex(bytes(codes))):
                 erased = ecu.erase_faults()
             self._fault_history.add(erased.after, ecu.tester.link.now(), erased=True)
             return [fault.code for fault in erased.after]
@@ -64,8 +67,7 @@ class UnitChanges:
             before=codes,
             after=[],
             lost=tuple(
-                {"code": fault.code, "en": fault.text.en, "ru": fault.text.ru}
-                for fault in stored.faults
+                FaultShown(fault.text.en, fault.text.ru, fault.code) for fault in stored.faults
             ),
             make=lambda: self._connection.ask(erase),
         )
@@ -78,11 +80,18 @@ class UnitChanges:
         Raises for an unknown parameter, and for a value that does not fit it.
         """
         parameter = self.catalog.parameter(name)
-        datum = self._datum(parameter, value, raw)
+        if (value is None) == (raw is None):
+            raise BadRequest(
+                problem=Text(
+                    "give either a value or raw bytes", "нужно или значение, или исходные байты"
+                )
+            )
+        given = None if raw is None else bytes.fromhex(raw)
+        datum = datum_to_write(parameter, value, given, self._interpretation)
         before = await self._connection.ask(lambda ecu: _read(ecu, parameter))
 
-        def write(ecu: Ecu) -> dict[str, Any] | None:
-            with self._approval.given(spaced_hex(before.raw) if before else None):
+        def write(ecu: Ecu) -> ValueShown | None:
+            with self._approval.given(journal_hex(before.raw) if before else None):
                 return _shown(ecu.write_parameter(parameter.name, raw=datum).after)
 
         after = decode(parameter, datum, self._connection.now(), self._interpretation)
@@ -106,38 +115,19 @@ class UnitChanges:
         )
 
         def write(ecu: Ecu) -> str | None:
-            with self._approval.given(spaced_hex(before)):
-                return hex_or_none(ecu.memory[space].write_block(address, data).after)
+            with self._approval.given(journal_hex(before)):
+                return api_hex(ecu.memory[space].write_block(address, data).after)
 
         danger = space == "code"
         return PendingChange(
             what=writing(len(data), f"{space} {address:04X}"),
-            before=hex_or_none(before),
-            after=hex_or_none(data),
+            before=api_hex(before),
+            after=api_hex(data),
             make=lambda: self._connection.ask(write),
             danger=danger,
             meaning=_PROGRAM if danger else _WORKING,
             needs_unlock=True,
         )
-
-    def _datum(self, parameter: Parameter, value: float | None, raw: str | None) -> bytes:
-        if (value is None) == (raw is None):
-            raise BadRequest(
-                problem=Text(
-                    "give either a value or raw bytes", "нужно или значение, или исходные байты"
-                )
-            )
-        if value is not None:
-            return parameter.encode(value, self._interpretation)
-        data = bytes.fromhex(raw or "")
-        if len(data) != parameter.size:
-            size = byte_count(parameter.size)
-            raise ValueDoesNotFit(
-                value=raw,
-                name=parameter.name,
-                allowed=Text("it has {size}", "в нём {size}").filled(size=size),
-            )
-        return data
 
 
 def _read(ecu: Ecu, parameter: Parameter) -> Reading | None:
@@ -147,7 +137,5 @@ def _read(ecu: Ecu, parameter: Parameter) -> Reading | None:
         return None
 
 
-def _shown(reading: Reading | None) -> dict[str, Any] | None:
-    if reading is None:
-        return None
-    return {"value": reading.value, "unit": reading.unit, "raw": hex_or_none(reading.raw)}
+def _shown(reading: Reading | None) -> ValueShown | None:
+    return ValueShown(reading.value, reading.unit, reading.raw.hex().upper()) if reading else None

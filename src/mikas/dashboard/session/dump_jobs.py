@@ -25,7 +25,7 @@ from mikas.client.memory.dumps import Dump, Manifest, manifest_path, read_manife
 from mikas.dashboard.errors import Busy, InternalError, NotConnected, NotFound
 from mikas.dashboard.library.deletion import DUMP, Found, deletion
 from mikas.dashboard.library.folder import LeftOut, files_in
-from mikas.dashboard.security.confirmations import PendingChange
+from mikas.dashboard.security.confirmations import DumpShown, PendingChange
 from mikas.dashboard.session.connection import Connection
 from mikas.dashboard.settings import ensure_folder
 from mikas.errors import LineError, MikasError, NoConnection, UsageError, reason_at
@@ -177,7 +177,7 @@ class DumpJobs:
 
         def find() -> Found:
             job = self.one(name)
-            shown = {"id": name, "file": job.file.name, "done": job.done, "total": job.total}
+            shown = DumpShown(name, job.file.name, job.done, job.total)
             return Found(
                 shown, (id(job), shown), job.phase == "running", partial(self._delete, job)
             )

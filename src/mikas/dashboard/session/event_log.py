@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from heapq import merge
 from typing import Any, Final, Self
 
-from mikas.dashboard.errors import ADVICE, hex_or_none
+from mikas.dashboard.errors import ADVICE, api_hex
 from mikas.errors import MikasError
 from mikas.i18n import Text
 from mikas.sampling.events import Event, Marker, MethodChosen, StateChanged
@@ -33,7 +33,7 @@ class ExchangeFailed(Event):
             code, text = cause.code, cause.reason
         else:
             code, text = type(cause).__name__, ADVICE.text(cause)
-        return cls(time, code, text, hex_or_none(cause.request), hex_or_none(cause.received))
+        return cls(time, code, text, api_hex(cause.request), api_hex(cause.received))
 
 
 @dataclass(frozen=True, slots=True)
