@@ -78,7 +78,7 @@ indexed = st.lists(FLOATS, min_size=1, max_size=9).flatmap(
 
 
 @given(arrays(), arrays(SMALL, "int64"), FLOATS)
-def test_operations_on_one(floats, numbers, number):
+def test_functions_of_one_array_agree_with_numpy(floats, numbers, number):
     for name in [each for names in ONE_BY_ONE for each in names]:
         same(lambda np, a, f=name: getattr(np, f)(a), floats)
         same(lambda np, f=name: getattr(np, f)(number))
@@ -88,7 +88,7 @@ def test_operations_on_one(floats, numbers, number):
 
 
 @given(pairs(), pairs(SMALL, of="int64"), pairs(SMALL, FLOATS, "int64", "float64"), FLOATS, SMALL)
-def test_operations_on_two(floats, numbers, mixed, number, whole):
+def test_functions_of_two_arrays_agree_with_numpy(floats, numbers, mixed, number, whole):
     for name in COMPUTED + COMPARED:
         for two in (floats, numbers, mixed):
             same(lambda np, a, b, f=name: getattr(np, f)(a, b), *two)
@@ -100,14 +100,14 @@ def test_operations_on_two(floats, numbers, mixed, number, whole):
 
 
 @given(pairs(), FLOATS)
-def test_operators(two, number):
+def test_operators_agree_with_numpy(two, number):
     same(lambda _, a, b: (a + b, a - b, a * b, a / b), *two)
     same(lambda _, a: (a + number, number - a, a * number, number / a, a / number), two[0])
     same(lambda _, a, b: (a < b, a <= b, a > b, a >= b, a == b, a != b), *two)
     same(lambda _, a: (a < number, number < a, a == number, a != number), two[0])
 
 
-def test_operands_that_do_not_fit():
+def test_arrays_of_other_lengths_are_refused():
     with pytest.raises(ValueError, match="2 and 3"):
         browser.array([1.0, 2.0]) + browser.array([1.0, 2.0, 3.0])
     same(lambda np, a, b: a + b, both([1.0]), both([1.0, 2.0]))
@@ -115,7 +115,7 @@ def test_operands_that_do_not_fit():
 
 
 @given(pairs(st.booleans(), of="bool_"), st.booleans())
-def test_masks(two, single):
+def test_masks_combine_and_count_as_in_numpy(two, single):
     same(lambda _, a, b: (a & b, a | b, a ^ b, ~a), *two)
     same(lambda _, a: (a & single, a | single), two[0])
     same(lambda np, a, b: np.logical_and.reduce([a, b, a]), *two)
@@ -126,7 +126,7 @@ def test_masks(two, single):
 
 
 @given(masked, FLOATS, FLOATS, SMALL)
-def test_where(two, x, y, whole):
+def test_where_chooses_as_in_numpy(two, x, y, whole):
     same(lambda np, a, m: (np.where(m, a, x), np.where(m, x, a), np.where(m, a, a)), *two)
     same(lambda np, a, m: (np.where(m, x, y), np.where(m, m, whole), np.where(m, a, m)), *two)
     same(lambda np, a: np.where(np.isnan(a), np.nan, np.equal(a, 0)), two[0])
@@ -134,7 +134,7 @@ def test_where(two, x, y, whole):
 
 
 @given(indexed, st.slices(9), FLOATS)
-def test_parts(two, part, number):
+def test_parts_by_index_slice_and_mask_agree_with_numpy(two, part, number):
     same(lambda _, a: a[part], two[0])
     same(lambda _, a, i: (a[i], a.take(i)), *two)
     same(lambda _, a: (a[a > number], a[0], a[-1]), two[0])
@@ -143,7 +143,7 @@ def test_parts(two, part, number):
 
 
 @given(indexed, st.lists(FLOATS, min_size=6, max_size=6), FLOATS, st.slices(9))
-def test_changes(two, values, number, part):
+def test_assigned_parts_change_as_in_numpy(two, values, number, part):
     def changed(np, array, places):
         one, other, third, fourth = array.copy(), array.copy(), array.copy(), array.copy()
         one[places] = number
@@ -178,7 +178,7 @@ def test_a_slice_cannot_be_changed_nor_its_source():
 
 
 @given(arrays(), arrays(SMALL, "int64"), arrays(PLAIN))
-def test_one_number_of_all(floats, numbers, finite):
+def test_sums_and_extremes_agree_with_numpy(floats, numbers, finite):
     for array in (floats, numbers):
         same(lambda np, a: (a.min(), a.max(), np.max(a)), array)
         same(lambda np, a: (a.argmin(), a.argmax(), a.any(), a.all()), array)
@@ -193,14 +193,14 @@ def test_one_number_of_all(floats, numbers, finite):
 
 
 @given(arrays(PLAIN, min_size=1), st.integers(0, 100))
-def test_percentiles(array, share):
+def test_percentiles_agree_with_numpy(array, share):
     one, other = array
     assert math.isclose(np.percentile(one, share), browser.percentile(other, share), abs_tol=1e-9)
     same(lambda np, a: np.median(a), array)
 
 
 @given(arrays(), arrays(SMALL, "int64"), arrays(PLAIN))
-def test_running(floats, numbers, finite):
+def test_running_extremes_sums_and_differences_agree_with_numpy(floats, numbers, finite):
     for name in ("minimum", "maximum"):
         for array in (floats, numbers):
             same(lambda np, a, f=name: getattr(np, f).accumulate(a), array)
@@ -211,7 +211,7 @@ def test_running(floats, numbers, finite):
 
 
 @given(st.lists(FLOATS, min_size=1, max_size=12), st.data())
-def test_parts_reduced(values, data):
+def test_extremes_of_parts_agree_with_numpy(values, data):
     places = data.draw(st.lists(st.integers(0, len(values) - 1), max_size=5).map(sorted))
     two = both(values), both(places, "int64")
     for name in ("fmin", "fmax", "minimum", "maximum"):
@@ -229,7 +229,7 @@ def test_parts_reduced(values, data):
 
 
 @given(arrays(SMALL.map(float) | st.just(math.nan)), arrays(SMALL, "int64"), arrays(SMALL, "int64"))
-def test_order_and_sets(floats, numbers, others):
+def test_sorting_and_sets_agree_with_numpy(floats, numbers, others):
     for array in (floats, numbers):
         same(lambda np, a: (np.sort(a), a.argsort(kind="stable"), np.unique(a)), array)
         same(lambda np, a: np.unique(a, return_inverse=True), array)
@@ -241,7 +241,7 @@ def test_order_and_sets(floats, numbers, others):
 
 
 @given(arrays(SMALL.map(float)), arrays(SMALL.map(float)), st.sampled_from(["left", "right"]))
-def test_search(values, wanted, side):
+def test_a_binary_search_finds_the_places_that_numpy_finds(values, wanted, side):
     def search(np, a, b):
         rising = np.sort(a)
         found = np.searchsorted(rising, b, side), rising.searchsorted(b, side)
@@ -251,7 +251,7 @@ def test_search(values, wanted, side):
 
 
 @given(arrays(), st.lists(st.integers(0, 9), max_size=4), FLOATS)
-def test_insertion(array, places, number):
+def test_insertion_agrees_with_numpy(array, places, number):
     def insert(np, a):
         at = np.array(sorted(min(place, len(a)) for place in places), np.int64)
         many = np.insert(a, at, np.arange(at.size) * 1.5)
@@ -261,7 +261,7 @@ def test_insertion(array, places, number):
 
 
 @given(arrays(), arrays(SMALL, "int64"), st.lists(st.integers(0, 3), max_size=9))
-def test_joined_and_repeated(floats, numbers, counts):
+def test_joining_and_repeating_agree_with_numpy(floats, numbers, counts):
     same(lambda np, a, b: np.concatenate((a, [1.5], b)), floats, numbers)
     same(lambda np, a: np.concatenate(([0], a, [a.size])), numbers)
     same(lambda np, a: np.concatenate(([True], a > 0)), numbers)
@@ -275,7 +275,7 @@ def test_joined_and_repeated(floats, numbers, counts):
 
 
 @given(st.integers(0, 5), st.floats(-9, 9), st.floats(-9, 9), st.integers(2, 9))
-def test_new_ones(count, one, other, points):
+def test_new_arrays_have_the_values_of_numpys(count, one, other, points):
     same(lambda np: (np.zeros(count), np.ones(count, np.bool_), np.full(count, -1)))
     same(lambda np: (np.full(count, np.nan), np.zeros(count, np.int64), np.full(count, True)))
     same(lambda np: (np.arange(count), np.arange(2, count), np.array([]), np.array([1, 2.5])))
@@ -284,7 +284,7 @@ def test_new_ones(count, one, other, points):
 
 
 @given(arrays(st.floats(-2e9, 2e9)), arrays(st.integers(-(2**40), 2**40), "int64"), arrays(PLAIN))
-def test_types(floats, numbers, plain_ones):
+def test_conversion_of_types_agrees_with_numpy(floats, numbers, plain_ones):
     for of in ("int64", "int32", "float32", "bool_"):
         same(lambda np, a, of=of: a.astype(getattr(np, of)), floats)
     for of in ("int32", "int16", "uint8", "float64", "bool_"):
@@ -299,7 +299,7 @@ def test_types(floats, numbers, plain_ones):
 
 
 @given(st.binary(max_size=9), st.integers(0, 255))
-def test_bytes(data, byte):
+def test_arrays_of_bytes_are_read_as_by_numpy(data, byte):
     def work(np, raw):
         table = np.arange(256) * 0.5
         return raw == byte, raw.astype(np.int64), table[raw], raw[::2], raw.tobytes()
@@ -308,21 +308,21 @@ def test_bytes(data, byte):
 
 
 @given(st.floats(allow_nan=False, allow_infinity=False))
-def test_positional(value):
+def test_numbers_are_written_without_an_exponent_as_by_numpy(value):
     written = np.format_float_positional(value, trim="-")
     assert browser.format_float_positional(value, trim="-") == written
 
 
 @settings(max_examples=30)
 @given(arrays(PLAIN), arrays(PLAIN))
-def test_functions_for_numbers(one, other):
+def test_a_function_of_numbers_is_applied_to_each_element(one, other):
     def work(np, a):
         return np.asarray(np.frompyfunc(lambda x, y: x * 2 + y, 2, 1)(a, 1.0), dtype=np.float64)
 
     same(work, one)
 
 
-def test_what_is_not_there_says_so():
+def test_what_numpy_has_and_we_lack_raises():
     floats = browser.array([1.0, 2.0])
     for work in (
         lambda: browser.polyfit,

@@ -61,7 +61,7 @@ def test_a_value_leads_to_its_card_and_limits_are_kept(own, visitor):
     expect(opener).to_be_focused()
 
 
-def test_a_channel_of_ones_own(own, visitor):
+def test_a_channel_of_ones_own_is_made_and_drawn(own, visitor):
     own.samples()
     own.nobody_controls()
     tab = visitor(own.url).show("chart")

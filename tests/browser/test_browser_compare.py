@@ -209,7 +209,7 @@ def test_its_gap_is_a_gap_with_its_reason(compared):
     expect(compared.page.get_by_text(REASON.en)).to_have_count(0)
 
 
-def test_one_press_ends_it(compared):
+def test_one_press_ends_the_comparison(compared):
     compared.page.keyboard.press("Shift+Slash")
     sheet = compared.page.get_by_role("dialog", name="Keys")
     expect(sheet).to_contain_text("End the comparison")

@@ -203,7 +203,7 @@ def test_statistics_between_the_cursors_are_copied(recorded, visitor):
     assert max(len(cell) for cell in row.values()) < 12
 
 
-def test_deleting_asks(recorded, visitor):
+def test_a_recording_is_deleted_only_after_a_confirmation(recorded, visitor):
     tab = visitor(recorded.url).show("recordings")
     tab.press("Delete drive.pcapng")
     sheet = tab.page.get_by_role("dialog")

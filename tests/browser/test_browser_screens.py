@@ -156,7 +156,9 @@ def test_axe_has_nothing_against_sheets_and_views(lived_in, visitor, theme):
 
 @pytest.mark.parametrize("language", ["en", "ru"])
 @pytest.mark.parametrize("theme", ["day", "night"])
-def test_pictures_of_every_screen(lived_in, visitor, language, theme):
+def test_every_screen_is_photographed_in_each_language_and_theme(
+    lived_in, visitor, language, theme
+):
     lived_in.nobody_controls()
     scheme = {"day": "light", "night": "dark"}[theme]
     locale = {"en": "en-GB", "ru": "ru-RU"}[language]

@@ -186,7 +186,7 @@ def test_raw_bytes_of_another_length_are_refused(raw: bytes) -> None:
         (Conversion(1, scale=Fraction(-1), offset=Fraction(100)), "100 − b"),
     ],
 )
-def test_formula(conversion: Conversion, formula: str) -> None:
+def test_a_conversion_is_written_as_its_formula(conversion: Conversion, formula: str) -> None:
     assert conversion.formula == formula
 
 
@@ -200,7 +200,7 @@ def test_formula(conversion: Conversion, formula: str) -> None:
         (Conversion(1, mask=4), "flag"),
     ],
 )
-def test_kind(conversion: Conversion, kind: str) -> None:
+def test_a_conversion_knows_its_kind(conversion: Conversion, kind: str) -> None:
     assert conversion.kind == kind
 
 
@@ -218,7 +218,7 @@ def test_what_could_not_be_exact_is_no_conversion(scale: Fraction, offset: Fract
         Conversion(1, scale=scale, offset=offset)
 
 
-def test_parameters_are_values() -> None:
+def test_parameters_can_be_pickled_and_hashed() -> None:
     for parameter in shipped().parameters:
         assert pickle.loads(pickle.dumps(parameter)) == parameter
         assert len({parameter, parameter}) == 1

@@ -30,7 +30,7 @@ def computed(channels: Mapping[str, Derived], **values: float) -> dict[str, floa
 # --- the shipped ones
 
 
-def test_warm_idle_as_the_facts_have_it() -> None:
+def test_warm_idle_gives_the_fuel_and_air_of_the_facts() -> None:
     at_idle = computed(shipped().derived, INJ=4.8, FREQ=850, JAIR=15)
     assert at_idle["FUEL_STROKE"] == pytest.approx(10)
     assert at_idle["AIR_STROKE"] == pytest.approx(147, abs=0.5)
@@ -47,13 +47,13 @@ def test_air_and_fuel_agree_at_idle() -> None:
     assert at_idle["AIR_STROKE"] / at_idle["FUEL_STROKE"] == pytest.approx(14.7, abs=0.1)
 
 
-def test_full_load_as_the_facts_have_it() -> None:
+def test_full_load_fills_the_cylinder_as_the_facts_say() -> None:
     assert computed(shipped().derived, INJ=16, FREQ=5200, JAIR=385)["FILLING"] == pytest.approx(
         90, abs=1
     )
 
 
-def test_standing_engine() -> None:
+def test_a_standing_engine_has_no_filling_and_uses_no_fuel() -> None:
     standing = computed(shipped().derived, INJ=0, FREQ=0, JAIR=0)
     assert [name for name, value in standing.items() if value != value] == ["AIR_STROKE", "FILLING"]
     assert standing["FUEL_FLOW"] == standing["FUEL_STROKE"] == standing["DUTY"] == 0
@@ -86,7 +86,7 @@ def test_every_shipped_channel_is_complete() -> None:
 
 
 @pytest.mark.parametrize("name", ["FUEL_USED", "fuel_used", " Fuel_Used "])
-def test_a_channel_in_any_case(name: str) -> None:
+def test_a_channel_is_found_in_any_case(name: str) -> None:
     assert shipped().channel(name) is shipped().derived["FUEL_USED"]
 
 
@@ -122,7 +122,7 @@ def test_parameter_knows_parameters_only() -> None:
 # --- a person's own
 
 
-def test_what_the_document_shows(write: Write) -> None:
+def test_the_files_of_the_document_load_as_it_says(write: Write) -> None:
     shown = re.findall(r"```toml\n(.*?)```", DOCUMENT.read_text(encoding="utf-8"), re.DOTALL)
     assert len(shown[2].splitlines()) == 5
     catalog = load(*map(write, shown))
@@ -160,7 +160,7 @@ def test_a_shipped_formula_is_overridden(write: Write) -> None:
     assert list(catalog.derived) == list(shipped().derived)
 
 
-def test_a_channel_without_a_unit(write: Write) -> None:
+def test_a_channel_without_a_unit_has_an_empty_one(write: Write) -> None:
     own = load(write(NEW)).derived["D"]
     assert (own.unit, own.unit_text) == ("", Text("", ""))
 
@@ -171,7 +171,7 @@ def test_a_constant_hides_a_channel_of_its_name(write: Write) -> None:
     assert own.derived["E"].calculation().number({"TWAT": 1}) == 2.5
 
 
-def test_a_thousand_channels_in_a_row(write: Write) -> None:
+def test_a_thousand_channels_that_need_each_other_are_ordered(write: Write) -> None:
     text = '[derived.D0]\nformula = "TWAT"\ntext = ""\n' + "".join(
         f'[derived.D{n}]\nformula = "D{n - 1} + 1"\ntext = ""\n' for n in range(1, 1001)
     )
@@ -237,7 +237,9 @@ def test_a_thousand_channels_in_a_row(write: Write) -> None:
         ("[parameter.TWAT.limits]\nwhen_true = 'danger'\n", 2, "makes sense for a flag only"),
     ],
 )  # fmt: skip
-def test_a_wrong_file(write: Write, text: str, line: int, problem: str) -> None:
+def test_a_wrong_file_is_refused_with_its_line(
+    write: Write, text: str, line: int, problem: str
+) -> None:
     assert_refused(write(text), line, problem)
 
 
@@ -272,7 +274,7 @@ def test_a_circle_is_shown_from_each_channel_to_its_input(write: Write) -> None:
 # --- limits
 
 
-def test_shipped_limits() -> None:
+def test_the_shipped_limits_are_those_of_the_facts() -> None:
     channels = [*shipped().parameters, *shipped().derived.values()]
     given = {each.name: each.alarm_limits for each in channels if each.alarm_limits}
     assert {name: (limits.lows, limits.highs) for name, limits in given.items()} == {

@@ -94,7 +94,9 @@ def same(a: float, b: float) -> bool:
         ("where(1, x, y)", 3, math.inf, NAN),
     ],
 )  # fmt: skip
-def test_meaning(formula: str, x: float, y: float, value: float) -> None:
+def test_a_formula_means_the_same_for_a_number_and_a_column(
+    formula: str, x: float, y: float, value: float
+) -> None:
     calculation = Calculation(parse(formula, {}))
     assert same(calculation.number({"X": x, "Y": y}), value)
     column = calculation.column({"X": np.array([x, x], float), "Y": np.array([y, y], float)})
@@ -108,7 +110,7 @@ def test_constants_are_put_in() -> None:
     assert parse("a * b", {"b": 1}).inputs == ("A",)
 
 
-def test_inputs_in_order_of_appearance() -> None:
+def test_inputs_are_listed_as_they_appear() -> None:
     assert parse("b + a - B * max(c, a)", {}).inputs == ("B", "A", "C")
 
 
@@ -217,7 +219,7 @@ TOO_DEEP = (
         ("where(x, 1)", "gives “where” 2 argument(s); it takes 3"),
     ],
 )
-def test_refused(formula: str, problem: str) -> None:
+def test_a_wrong_formula_is_refused_with_its_problem(formula: str, problem: str) -> None:
     with pytest.raises(UsageError) as caught:
         parse(formula, {})
     assert problem in caught.value.reason.en
@@ -241,7 +243,9 @@ def test_refused(formula: str, problem: str) -> None:
         ("x and y > 1,5 y", ",", "."),
     ],
 )
-def test_the_habits_of_other_programs(formula: str, seen: str, right: str) -> None:
+def test_the_notation_of_other_programs_is_answered_with_ours(
+    formula: str, seen: str, right: str
+) -> None:
     with pytest.raises(FormulaError) as caught:
         parse(formula, {})
     assert f"“{seen}” is written “{right}”" in caught.value.reason.en
@@ -261,7 +265,9 @@ def test_what_is_not_allowed_is_shown_in_full_up_to_40_signs() -> None:
     ("name", "fewest", "most"),
     [("min", 2, 9), ("max", 2, 9), ("abs", 1, 1), ("sqrt", 1, 1), ("where", 3, 3), ("clip", 3, 3)],
 )
-def test_arguments_that_a_function_takes(name: str, fewest: int, most: int) -> None:
+def test_a_function_takes_its_number_of_arguments_and_no_other(
+    name: str, fewest: int, most: int
+) -> None:
     for count in range(10):
         formula = f"{name}({', '.join('x' * count)})"
         if fewest <= count <= most:
@@ -287,7 +293,7 @@ def test_whole_numbers_are_computed_as_64_bit_floats() -> None:
     assert (column.dtype, list(column)) == (np.float64, [2.0**80])
 
 
-def test_the_longest_that_is_allowed() -> None:
+def test_a_formula_of_the_greatest_length_is_parsed_and_a_longer_one_refused() -> None:
     document = (Path(__file__).parents[2] / "docs" / "reference" / "catalog.md").read_text(
         encoding="utf-8"
     )

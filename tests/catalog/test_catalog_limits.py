@@ -13,7 +13,7 @@ from mikas.catalog import AlarmLimits, Confidence, Level
 from mikas.errors import UsageError
 
 
-def test_mildest_first() -> None:
+def test_limits_are_listed_mildest_first() -> None:
     limits = AlarmLimits(1, 2, 3, 4)
     assert limits.lows == ((Level.WARNING, 2), (Level.DANGER, 1))
     assert limits.highs == ((Level.WARNING, 3), (Level.DANGER, 4))
@@ -21,7 +21,7 @@ def test_mildest_first() -> None:
     assert limits.confidence is Confidence.UNCONFIRMED
 
 
-def test_none_at_all() -> None:
+def test_limits_know_whether_they_fit_a_number_or_a_flag() -> None:
     assert not AlarmLimits().for_number
     assert not AlarmLimits().for_flag
     assert AlarmLimits(warning_low=1).for_number
@@ -44,7 +44,7 @@ def test_none_at_all() -> None:
          "danger_high 2 must be above warning_low 1 and the hysteresis"),
     ],
 )  # fmt: skip
-def test_unsound(limits: dict[str, Any], problem: str) -> None:
+def test_limits_out_of_order_are_refused(limits: dict[str, Any], problem: str) -> None:
     with pytest.raises(UsageError) as caught:
         AlarmLimits(**limits)
     assert caught.value.reason.en == problem

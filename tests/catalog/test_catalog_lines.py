@@ -49,7 +49,7 @@ AWKWARD: list[tuple[str, list[str]]] = [
 ]
 
 
-def test_awkward_but_valid() -> None:
+def test_lines_are_found_in_awkward_but_valid_files() -> None:
     text = "\n".join(line for line, _ in AWKWARD)
     tomllib.loads(text)
     assert lines_of(text) == {
@@ -87,7 +87,9 @@ def inline(value: object) -> str:
 
 
 @given(st.dictionaries(keys, st.dictionaries(keys, values, max_size=4), max_size=4))
-def test_tables_and_keys_of_any_text(tables: dict[str, dict[str, object]]) -> None:
+def test_lines_of_tables_and_keys_of_any_text_are_found(
+    tables: dict[str, dict[str, object]],
+) -> None:
     lines: list[str] = []
     expected: dict[tuple[str, ...], int] = {}
     for name, table in tables.items():

@@ -102,7 +102,7 @@ def test_faults_have_the_numbers_of_a_byte(write: Write) -> None:
     assert [catalog.fault(code).text.en for code in (0, 255)] == ["first", "last"]
 
 
-def test_models_errata_and_units(write: Write) -> None:
+def test_models_errata_and_units_can_be_added(write: Write) -> None:
     catalog = load(
         write(
             '[model.0x0B]\ntext = "Mikas 11"\n'
@@ -135,12 +135,14 @@ def test_models_errata_and_units(write: Write) -> None:
         ("mask = 0x30", "b & 0x30", 0),
     ],
 )
-def test_numbers(write: Write, lines: str, formula: str, decimals: int) -> None:
+def test_the_conversion_of_a_number_follows_its_keys(
+    write: Write, lines: str, formula: str, decimals: int
+) -> None:
     parameter = load(write(NEW + lines)).parameter("P")
     assert (parameter.formula(), parameter.decimals) == (formula, decimals)
 
 
-def test_range_and_reference(write: Write) -> None:
+def test_range_and_reference_are_kept_with_their_confidence(write: Write) -> None:
     parameter = load(
         write(NEW + 'range = [-1.5, 2]\nreference = [0.0, 0]\nreference_confidence = "reported"')
     ).parameter("P")
@@ -162,7 +164,7 @@ def test_a_number_becomes_a_flag_and_a_flag_a_number(write: Write) -> None:
     assert knock.decode(b"\x03") == 6
 
 
-def test_a_flag_of_two_bytes(write: Write) -> None:
+def test_a_flag_may_be_a_bit_of_two_bytes(write: Write) -> None:
     flag = load(write(NEW.replace("size = 1", "size = 2") + "mask = 0x8000")).parameter("P")
     assert (flag.decode(b"\x00\x80"), flag.decode(b"\xff\x7f")) == (True, False)
 
@@ -173,7 +175,7 @@ def test_a_reading_can_be_a_flag(write: Write) -> None:
     assert parameter.decode(b"\x03", "alternative") is True
 
 
-def test_windows_line_ends_and_a_byte_order_mark(tmp_path: Path) -> None:
+def test_windows_line_ends_and_a_byte_order_mark_do_not_move_the_line(tmp_path: Path) -> None:
     path = tmp_path / "own.toml"
     path.write_bytes(b"\xef\xbb\xbf" + NEW.replace("\n", "\r\n").encode() + b"size2 = 1\r\n")
     assert refused(path).line == 5
@@ -199,7 +201,7 @@ def test_shipped_is_made_once() -> None:
     assert isinstance(shipped(), Catalog)
 
 
-def test_public_names() -> None:
+def test_the_public_names_are_those_of_the_list() -> None:
     assert mikas.catalog.__all__ == [
         "INTERPRETATIONS", "AlarmLimits", "Catalog", "Confidence", "Conversion", "Derived",
         "Erratum",
@@ -323,7 +325,9 @@ def test_public_names() -> None:
          "`parameter.INJ.code` makes code 0x1A of two sizes in bytes: TWAT has 1, INJ has 2"),
     ],
 )  # fmt: skip
-def test_a_wrong_file(write: Write, text: str, line: int, problem: str) -> None:
+def test_a_wrong_file_is_refused_with_its_line(
+    write: Write, text: str, line: int, problem: str
+) -> None:
     assert_refused(write(text), line, problem)
 
 
@@ -358,7 +362,7 @@ def test_the_file_that_is_wrong_is_named(write: Write) -> None:
     assert (error.file, error.line) == (str(good), 3)
 
 
-def test_a_partial_entry_that_overrides_nothing(write: Write) -> None:
+def test_a_partial_entry_that_overrides_nothing_lacks_its_code(write: Write) -> None:
     error = refused(write("[parameter.TWATT]\nreference = [1, 2]\n"))
     assert (error.line, error.problem.en) == (1, "`parameter.TWATT` has no `code`")
     assert error.problem.ru == "`parameter.TWATT`: нет `code`"
@@ -372,7 +376,7 @@ def test_the_nearest_name_is_given_in_both_languages(write: Write) -> None:
     assert problem.ru == "`fault.1.parameters`: имени TWAX нет; ближайшее — TWAT"
 
 
-def test_a_file_that_is_not_there(tmp_path: Path) -> None:
+def test_a_missing_file_is_refused_with_the_systems_reason(tmp_path: Path) -> None:
     error = refused(tmp_path / "none.toml")
     assert error.line == 0
     assert "the file can't be read: No such file" in error.problem.en
@@ -380,7 +384,7 @@ def test_a_file_that_is_not_there(tmp_path: Path) -> None:
     assert "can't be read" in refused(tmp_path).problem.en
 
 
-def test_a_file_that_is_not_utf_8(tmp_path: Path) -> None:
+def test_a_file_that_is_not_utf_8_is_refused_with_its_line(tmp_path: Path) -> None:
     path = tmp_path / "cp1251.toml"
     path.write_bytes(("\n" + NEW + '# three\n[unit."кПа"]\n').encode("cp1251"))
     error = refused(path)

@@ -13,7 +13,7 @@ from mikas.errors import UnknownParameter
 
 
 @pytest.mark.parametrize("name", ["TWAT", "twat", "Twat", " twat "])
-def test_a_name_in_any_case(name: str) -> None:
+def test_a_name_is_found_in_any_case(name: str) -> None:
     assert shipped().parameter(name).name == "TWAT"
 
 
@@ -86,13 +86,13 @@ def test_any_text_is_a_parameter_or_an_unknown_one(asked: str) -> None:
         assert error.name == asked.strip()
 
 
-def test_sizes() -> None:
+def test_a_code_has_the_size_of_its_datum() -> None:
     assert shipped().size_of(0x1A) == 1
     assert shipped().size_of(0x3F) == 2
     assert shipped().size_of(0xEE) is None
 
 
-def test_parameters_that_share_a_code() -> None:
+def test_a_code_has_all_parameters_that_share_it() -> None:
     assert [each.name for each in shipped().by_code(0x07)] == ["RXX", "BITPOW", "RDET"]
     assert [each.name for each in shipped().by_code(0x1A)] == ["TWAT"]
     assert shipped().by_code(0xEE) == ()

@@ -9,7 +9,7 @@ from mikas.catalog import Derived, Parameter, load, shipped
 NEW = f'[parameter.P]\ncode = {FREE}\nsize = 1\ntext = "p"\n'
 
 
-def test_scales_of_gauges_and_axes(write: Write) -> None:
+def test_gauges_and_axes_have_the_scale_of_the_catalog_or_of_the_range(write: Write) -> None:
     first = write(NEW + 'scale = "1/4"\nrange = [0, 60]\n[derived.D]\ntext = "d"\nformula = "P"\n')
     plain = load(first)
     assert plain.parameter("P").gauge_scale == (0, 60)

@@ -29,7 +29,7 @@ def test_it_loads_and_has_every_code_that_can_be_an_entry(tmp_path_factory, data
     assert all(f"{code:02X}" in text for code in data)
 
 
-def test_the_whole_file():
+def test_a_starter_file_is_written_as_expected():
     data = {
         0x35: b"\xab\xcd",
         0x3F: b"\1\2",
@@ -69,6 +69,6 @@ def test_a_code_of_another_size_stays_as_the_catalog_has_it(tmp_path):
     assert load(tmp_path / "c").parameters == shipped().parameters
 
 
-def test_names():
+def test_a_code_is_shown_with_the_names_that_share_it():
     assert names_of(shipped(), 0x07) == "RXX BITPOW RDET"
     assert names_of(shipped(), 0x33) == ""

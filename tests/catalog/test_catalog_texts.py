@@ -63,7 +63,7 @@ def test_a_text_with_controls_is_cleaned(write: Write) -> None:
         assert words == "a\ufffd]52;c;QQ==\ufffd \ufffd\ufffd"
 
 
-def test_a_lamp_of_ones_own(write: Write) -> None:
+def test_a_lamp_is_added_and_changed_word_by_word(write: Write) -> None:
     catalog = load(write(FLAG + LAMP), write('[parameter.RXX]\nlamp.on.ru = "ХХ"\n'))
     assert catalog.parameter("F").lamp == Lamp(on=Text("yes", "yes"), off=Text("no", "no"))
     before = shipped().parameter("RXX").lamp
@@ -73,7 +73,7 @@ def test_a_lamp_of_ones_own(write: Write) -> None:
     assert catalog.parameter("RXX").lamp == Lamp(Text(before.on.en, "ХХ"), before.off)
 
 
-def test_a_meaning_of_ones_own(write: Write) -> None:
+def test_a_meaning_is_added_and_changed_with_its_source(write: Write) -> None:
     catalog = load(
         write(NUMBER + '[parameter.N.meaning]\nlow = "check it"\nconfidence = "reported"\n'),
         write('[parameter.TWAT.meaning]\nhigh = "hot"\nsource = "me"\n'),
@@ -126,5 +126,7 @@ def test_a_flag_made_of_a_number_has_no_meaning_any_more(write: Write) -> None:
         ('[fault.99]\ntext = "f"\ncheck_confidence = 1\n', 3, "must be one of"),
     ],
 )
-def test_what_is_refused(write: Write, text: str, line: int, problem: str) -> None:
+def test_a_wrong_text_is_refused_with_its_line(
+    write: Write, text: str, line: int, problem: str
+) -> None:
     assert_refused(write(text), line, problem)

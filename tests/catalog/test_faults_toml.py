@@ -24,7 +24,7 @@ def in_both_languages(text: Text) -> bool:
     return bool(text.en and not re.search("[А-яЁё]", text.en) and re.search("[А-яЁё]", text.ru))
 
 
-def test_exactly_the_known_numbers() -> None:
+def test_the_faults_with_a_text_are_exactly_the_known_numbers() -> None:
     by_confidence = {
         confidence: {code for code, fault in shipped().faults.items()
                      if fault.confidence is confidence}
@@ -84,7 +84,7 @@ def test_195_is_the_one_of_its_three_that_has_a_source() -> None:
         assert shipped().fault(code).text.en.startswith("Cooling fan relay circuit (which of")
 
 
-def test_some_texts() -> None:
+def test_texts_of_faults_are_those_of_a_mechanic() -> None:
     assert shipped().fault(17).text == Text(
         "Air temperature signal low (short to ground)",
         "Низкий уровень сигнала датчика температуры воздуха, ДТВ (замыкание на массу)",
@@ -117,7 +117,7 @@ def test_every_other_number_has_no_text() -> None:
     assert repr(Fault(99)) == "<Fault 99: no text (unknown)>"
 
 
-def test_models() -> None:
+def test_both_models_are_known_and_any_other_is_shown_by_its_code() -> None:
     assert shipped().model(0x09).text == Text("Mikas 5.4", "Микас 5.4")
     assert shipped().model(0x0A).text == Text("Mikas 7.1", "Микас 7.1")
     assert [code for code in range(256) if shipped().model(code).known] == [0x09, 0x0A]
@@ -133,7 +133,7 @@ def test_intake_is_marked_as_our_interpretation_of_the_air_temperature() -> None
     assert "«на впуске» — наше толкование" in reason.ru
 
 
-def test_errata() -> None:
+def test_four_errata_are_selected_as_their_document_says() -> None:
     errata = shipped().errata
     assert list(errata) == ["E1", "E2", "E3", "E4"]
     assert [each.selected_by for each in errata.values()] == [

@@ -145,7 +145,7 @@ def test_limits_are_written_as_far_as_they_differ(own: OwnCatalog) -> None:
     assert reset_keys(own, none, "TWAT", ["limits"]).parameter("TWAT").alarm_limits == before
 
 
-def test_scales_references_and_flags(own: OwnCatalog) -> None:
+def test_scales_references_and_limits_of_flags_can_be_set(own: OwnCatalog) -> None:
     keys = {"gauge": (0.0, 120.5), "reference": (80.0, 97.0), "span_least": 4.0}
     known = set_keys(own, shipped(), "TWAT", keys)
     twat = known.parameter("TWAT")
@@ -161,7 +161,7 @@ def test_scales_references_and_flags(own: OwnCatalog) -> None:
     assert list(own.entries()) == [("parameter", "DET")]
 
 
-def test_a_channel_of_ones_own(own: OwnCatalog) -> None:
+def test_a_channel_of_ones_own_is_added_changed_and_removed(own: OwnCatalog) -> None:
     known = set_channel(own, shipped(), "load", LOAD, new=True)
     load_ = known.derived["LOAD"]
     assert (load_.formula, load_.constants, load_.unit) == (LOAD["formula"], (("full", 385),), "%")
@@ -185,7 +185,7 @@ def test_a_channel_of_ones_own(own: OwnCatalog) -> None:
 
 
 @pytest.mark.parametrize("name", ["TWAT", "FUEL_FLOW", "Ж", "1X", "", "A.B", 'A"'])
-def test_a_name_that_can_not_be_a_new_channels(own: OwnCatalog, name: str) -> None:
+def test_a_name_that_can_not_be_a_channel_is_refused(own: OwnCatalog, name: str) -> None:
     with pytest.raises(UsageError):
         set_channel(own, shipped(), name, LOAD, new=True)
     assert not own.path.exists()
@@ -286,7 +286,7 @@ def test_an_entry_of_a_form_that_tomlkit_does_not_master_is_left_alone(
         assert (refused.value.file, refused.value.line) == ("own.toml", 2)
 
 
-def test_whether_two_catalogs_make_the_same_values(own: OwnCatalog) -> None:
+def test_catalogs_are_compared_by_the_values_that_they_make(own: OwnCatalog) -> None:
     known = set_channel(own, shipped(), "LOAD", LOAD, new=True)
     other = set_channel(own, known, "LOAD", {**LOAD, "decimals": 3}, new=False)
     assert known.gives_same_values("LOAD", other)

@@ -74,7 +74,7 @@ def _size(row: tuple[str, int, str, str, str, dict[str, object]]) -> int:
 @pytest.mark.parametrize(
     ("name", "code", "unit", "unit_ru", "formula", "values"), ROWS, ids=SOURCE_OF
 )
-def test_row(
+def test_a_parameter_has_the_code_unit_and_formula_of_its_row(
     name: str, code: int, unit: str, unit_ru: str, formula: str, values: dict[str, object]
 ) -> None:
     parameter = shipped().parameter(name)
@@ -104,7 +104,9 @@ def test_row(
         ("TWAT", "alternative", "b − 40", {"7D": 85}),
     ],
 )
-def test_other_readings(name: str, reading: str, formula: str, values: dict[str, float]) -> None:
+def test_each_interpretation_has_its_formula_and_values(
+    name: str, reading: str, formula: str, values: dict[str, float]
+) -> None:
     parameter = shipped().parameter(name)
     assert parameter.formula(reading) == formula
     for raw, value in values.items():
@@ -120,7 +122,7 @@ def test_e1_changes_the_unit_and_not_the_number(name: str) -> None:
     assert parameter.interpretation("literal").unit_text == Text("1/s", "1/с")
 
 
-def test_which_errata_concern_which_parameter() -> None:
+def test_errata_concern_the_parameters_that_the_document_names() -> None:
     concerned = {each.name: each.errata for each in shipped().parameters if each.errata}
     assert concerned == {
         "FREQ": ("E1",),
@@ -170,7 +172,7 @@ def test_every_range_says_what_it_is_and_lies_within_the_limits() -> None:
         assert parameter.range_kind == ("plausible" if parameter.plausible else "representable")
 
 
-def test_source_and_confidence_of_every_row() -> None:
+def test_every_row_has_its_source_and_confidence() -> None:
     for parameter in shipped().parameters:
         assert parameter.source == SOURCE_OF[parameter.name]
         assert parameter.confidence is Confidence.REPORTED or parameter.name not in NAMES

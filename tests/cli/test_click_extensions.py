@@ -34,7 +34,7 @@ ALL = list(commands())
 
 
 @pytest.mark.parametrize(("path", "command"), ALL, ids=[" ".join(p) or "mikas" for p, _ in ALL])
-def test_help(mikas, path, command):
+def test_help_has_examples_is_in_both_languages_and_fits_80_columns(mikas, path, command):
     english = mikas(*path, "--help")
     assert (english.status, english.err) == (0, "")
     assert english.out.startswith(f"Usage: {' '.join(('mikas', *path))} [OPTIONS]")
@@ -117,7 +117,7 @@ def test_without_a_command_the_help_is_shown(mikas):
     assert "Commands:" in ran.err
 
 
-def test_the_version(mikas):
+def test_version_prints_the_packages_version(mikas):
     import mikas as package
 
     assert mikas("--version").out == f"mikas {package.__version__}\n"

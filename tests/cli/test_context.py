@@ -23,12 +23,12 @@ def model(ran) -> str:
         ["--port", SIM, "--json", "info", "--port", SIM, "--quick", "--port", FIVE],
     ],
 )
-def test_before_or_after_the_command_and_the_last_one_wins(mikas, argv):
+def test_an_option_stands_before_or_after_the_command_and_the_last_one_wins(mikas, argv):
     assert model(mikas(*argv)) == "Mikas 5.4"
 
 
 @pytest.mark.parametrize("place", [0, 1, 2])
-def test_at_each_place_of_a_memory_command(mikas, place):
+def test_options_stand_at_each_place_of_a_memory_command(mikas, place):
     argv = ["mem", "read", "ram", "40"]
     argv[place:place] = ["--json", "--port", SIM]
     assert mikas(*argv, sim="&lost=1").object["space"] == "ram"
@@ -40,7 +40,7 @@ def test_the_command_line_wins_over_the_environment_and_that_over_the_file(mikas
     assert model(mikas("info", "--quick", "--json", "--port", FIVE, sim="&lost=1")) == "Mikas 5.4"
 
 
-def test_the_config_file(mikas, monkeypatch):
+def test_the_config_file_sets_port_timing_and_interpretation(mikas, monkeypatch):
     monkeypatch.delenv("MIKAS_PORT")
     config(
         mikas, f'port = "{FIVE}"\ntimeout = 1\nretries = 0\necho = "on"\ninterpretation = "literal"'
@@ -48,7 +48,7 @@ def test_the_config_file(mikas, monkeypatch):
     assert model(mikas("info", "--quick", "--json")) == "Mikas 5.4"
 
 
-def test_the_config_file_named_by_the_environment(mikas, monkeypatch, tmp_path):
+def test_the_environment_names_another_config_file(mikas, monkeypatch, tmp_path):
     monkeypatch.delenv("MIKAS_PORT")
     file = tmp_path / "elsewhere.toml"
     file.write_text(f'port = "{FIVE}"', "utf-8")
@@ -106,7 +106,7 @@ def test_a_wrong_config_file_says_where_and_what(mikas, text, message):
     assert mikas("--help").status == 0
 
 
-def test_a_config_file_that_is_no_text(mikas):
+def test_a_config_file_that_is_not_utf_8_is_an_error(mikas):
     file = config(mikas, "")
     file.write_bytes(b"port = '\xff\xfe'")
     ran = mikas("params")
@@ -131,7 +131,7 @@ SUM_0D, SUM_40 = "6192", "615F"  # bodies whose checksum is 0D, 40
         ("checksum = 'raw'", ["--checksum", "stuffed"], "61 92 40 CD 0D"),
     ],
 )
-def test_the_form_of_a_requests_checksum(mikas, file, argv, sent):
+def test_the_checksum_of_a_request_has_the_form_that_is_set(mikas, file, argv, sent):
     """D3."""
     if file:
         config(mikas, file)
@@ -139,7 +139,7 @@ def test_the_form_of_a_requests_checksum(mikas, file, argv, sent):
     assert sent.replace(" ", "") in wires(mikas)
 
 
-def test_a_unit_that_takes_a_raw_checksum_only(mikas, monkeypatch):
+def test_a_unit_that_takes_a_raw_checksum_only_is_read_with_that_setting(mikas, monkeypatch):
     """D3: as a receiver that knows no stuffing in the checksum."""
     from mikas.virtual.ecu import VirtualEcu
 
@@ -168,7 +168,7 @@ IRREGULAR = b"\x40\x3d\x83\x0d"  # 7D of TWAT, 85 °C, as 40 + 3D
         ("strict = true", ["--no-strict"], False),
     ],
 )
-def test_an_irregular_escape(mikas, monkeypatch, file, argv, damaged):
+def test_an_irregular_escape_is_damage_only_if_strict(mikas, monkeypatch, file, argv, damaged):
     """D4."""
     from mikas.virtual import ecu
 
@@ -192,7 +192,7 @@ def test_an_irregular_escape(mikas, monkeypatch, file, argv, damaged):
         ("inter_byte = 0.01", ["--inter-byte", "0.2"], 0),
     ],
 )
-def test_the_longest_pause_inside_a_response(mikas, file, argv, status):
+def test_the_longest_pause_inside_a_response_can_be_set(mikas, file, argv, status):
     """D14: several pauses of 10 to 60 ms inside a response of 44 ms."""
     if file:
         config(mikas, file)
@@ -226,7 +226,9 @@ def wires(mikas) -> list[str]:
         (["--lang", "ru", "--lang", "en"], {}, "", False),
     ],
 )
-def test_the_language(mikas, monkeypatch, argv, environment, file, russian):
+def test_the_language_follows_option_environment_and_file(
+    mikas, monkeypatch, argv, environment, file, russian
+):
     for name, value in environment.items():
         monkeypatch.setenv(name, value)
     if file:
@@ -238,7 +240,7 @@ def test_the_language(mikas, monkeypatch, argv, environment, file, russian):
             assert any("а" <= letter <= "я" for letter in message) is russian, message
 
 
-def test_literal_and_corrected_readings(mikas):
+def test_the_interpretation_of_a_value_can_be_chosen(mikas):
     corrected = mikas("read", "UACC", "--json").object["readings"]["UACC"]
     literal = mikas("read", "UACC", "--interpretation", "literal", "--json").object["readings"][
         "UACC"
@@ -261,7 +263,7 @@ confidence = "unconfirmed"
 """
 
 
-def test_a_parameter_of_ones_own(mikas, tmp_path):
+def test_a_parameter_of_ones_own_is_listed_and_read(mikas, tmp_path):
     file = tmp_path / "own.toml"
     file.write_text(OWN, "utf-8")
     names = {
@@ -284,7 +286,7 @@ def test_a_broken_catalog_says_file_and_line(mikas, tmp_path):
     assert ran.err.startswith("absent.toml: файл не читается: нет такого файла")
 
 
-def test_v_prints_more(mikas):
+def test_v_prints_the_port_and_the_same_values(mikas):
     quiet, loud = mikas("read", "TWAT"), mikas("read", "TWAT", "-v")
     assert quiet.out.split("\t")[0] == loud.out.split("\t")[0]
     assert "sim:?clock=simulated" not in quiet.err
@@ -298,7 +300,7 @@ def config(mikas, text: str):
     return file
 
 
-def test_the_own_catalog_beside_the_config_file(mikas, monkeypatch, tmp_path):
+def test_the_own_catalog_beside_the_config_file_is_used(mikas, monkeypatch, tmp_path):
     monkeypatch.setenv("MIKAS_CONFIG", str(tmp_path / "config.toml"))
     own = tmp_path / "catalog.toml"
     own.write_text('[derived.DOUBLE]\nformula = "FREQ * 2"\ntext = "Double"\n', "utf-8")

@@ -57,7 +57,7 @@ def test_a_recording_that_is_over_plays_again_when_it_is_connected_to_again(tmp_
                 link.write(b"\x01\xff\x0d")
 
 
-def test_a_port_that_is_there(started, tmp_path):
+def test_a_port_that_is_there_needs_no_notice(started, tmp_path):
     (tmp_path / "ttyUSB0").touch()
     assert started("--port", str(tmp_path / "ttyUSB0"))[1] == "Ctrl-C ends it.\n"
 

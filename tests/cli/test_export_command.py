@@ -43,7 +43,7 @@ def column(path, name):
 
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
-def test_every_format(mikas, tmp_path, drive, suffix):
+def test_every_format_is_written_and_the_recording_left_alone(mikas, tmp_path, drive, suffix):
     before = drive.read_bytes()
     ran = mikas("export", "drive.pcapng", "-o", f"drive.{suffix}", "--json")
     assert (ran.status, ran.err) == (0, "")
@@ -65,7 +65,7 @@ def test_a_marker_is_in_the_table(mikas, tmp_path, drive):
     assert lines.index("MARK 000 - knock") == 4 + 20  # behind the heading and twenty rows
 
 
-def test_the_formats_agree(mikas, tmp_path, drive):
+def test_all_formats_have_the_same_values(mikas, tmp_path, drive):
     for suffix in SUFFIXES:
         assert mikas("export", "drive.pcapng", "-o", f"drive.{suffix}").status == 0
     table = parquet.read_table(tmp_path / "drive.parquet")
@@ -127,7 +127,9 @@ def test_a_channel_that_was_not_recorded_is_an_empty_column_with_a_notice(mikas,
     ],
     ids=" ".join,
 )
-def test_what_is_refused(mikas, tmp_path, drive, argv, message, language):
+def test_a_wrong_export_is_refused_and_no_file_is_touched(
+    mikas, tmp_path, drive, argv, message, language
+):
     (tmp_path / "old.csv").write_text("precious")
     before = drive.read_bytes()
     mikas.speaks(language)
@@ -149,7 +151,7 @@ def test_a_file_that_is_there_is_replaced_if_asked(mikas, tmp_path, drive):
 
 
 @pytest.mark.parametrize("content", [b"", b"Time,TWAT\n0,85\n", bytes(100)])
-def test_what_is_no_recording(mikas, tmp_path, content):
+def test_a_file_that_is_no_recording_is_refused_by_name(mikas, tmp_path, content):
     (tmp_path / "drive.pcapng").write_bytes(content)
     ran = mikas("export", "drive.pcapng", "-o", "drive.csv")
     assert (ran.status, ran.out) == (2, "")
@@ -157,7 +159,7 @@ def test_what_is_no_recording(mikas, tmp_path, content):
     assert not (tmp_path / "drive.csv").exists()
 
 
-def test_a_recording_without_readings(mikas, tmp_path):
+def test_a_recording_without_readings_has_no_channels_to_export(mikas, tmp_path):
     mikas("faults", "--capture", "drive.pcapng")
     ran = mikas("export", "drive.pcapng", "-o", "drive.csv")
     assert ran.status == 2
@@ -166,7 +168,7 @@ def test_a_recording_without_readings(mikas, tmp_path):
     assert ran.object["rows"] == 0
 
 
-def test_a_cut_capture(mikas, tmp_path, drive):
+def test_a_cut_recording_is_exported_up_to_the_cut(mikas, tmp_path, drive):
     whole = drive.read_bytes()
     drive.write_bytes(whole[: len(whole) * 4 // 5])
     ran = mikas("export", "drive.pcapng", "-o", "drive.csv", "--json")
@@ -217,7 +219,7 @@ def test_a_changed_formula_changes_an_old_recording(mikas, tmp_path, drive):
     assert drive.read_bytes() == before
 
 
-def test_the_reading(mikas, tmp_path, drive):
+def test_the_interpretation_changes_the_exported_values(mikas, tmp_path, drive):
     mikas("export", "drive.pcapng", "-o", "a.csv", "--interpretation", "literal")
     mikas("export", "drive.pcapng", "-o", "b.csv")
     literal, corrected = cells(tmp_path / "a.csv"), cells(tmp_path / "b.csv")
@@ -226,7 +228,7 @@ def test_the_reading(mikas, tmp_path, drive):
     assert literal[1:] == corrected[1:]
 
 
-def test_an_excel_with_a_decimal_comma(mikas, tmp_path, drive):
+def test_excel_with_a_decimal_comma_gets_its_own_dialect(mikas, tmp_path, drive):
     argv = ("export", "drive.pcapng", "-o", "a.csv", "--dialect", "EXCEL", "INJ", "--lang", "ru")
     ran = mikas(*argv)
     assert re.search(r"строк: 4\d, каналов: 1\n", ran.err)
@@ -236,7 +238,7 @@ def test_an_excel_with_a_decimal_comma(mikas, tmp_path, drive):
     assert "," in first[1]
 
 
-def test_two_sessions_in_one_file(mikas, tmp_path, drive):
+def test_two_sessions_in_one_file_are_exported_one_behind_the_other(mikas, tmp_path, drive):
     once = mikas("export", "drive.pcapng", "-o", "once.csv", "--json").object["rows"]
     drive.write_bytes(drive.read_bytes() * 2)
     ran = mikas("export", "drive.pcapng", "-o", "a.csv", "--json")
@@ -254,7 +256,7 @@ def test_times_that_run_back_are_reported_once(mikas, tmp_path, drive):
     assert message.count("идёт назад") == message.count("идёт назад (раз: 5)") == 1
 
 
-def test_a_recording_without_values(mikas, tmp_path):
+def test_a_recording_without_values_is_refused_with_advice(mikas, tmp_path):
     mikas("raw", "01", "--port", "sim:?clock=simulated", "--capture", "raw.pcapng")
     ran = mikas("export", "raw.pcapng", "-o", "a.csv")
     assert ran.status == 2
@@ -263,7 +265,7 @@ def test_a_recording_without_values(mikas, tmp_path):
     assert not (tmp_path / "a.csv").exists()
 
 
-def test_a_recording_that_lost_its_beginning(mikas, tmp_path):
+def test_a_recording_that_lost_its_beginning_is_exported_from_there(mikas, tmp_path):
     drive = tmp_path / "drive.pcapng"
     watched = ("watch", "INJ", "TWAT", "--method", "batch", "--count", "90")
     mikas(*watched, "--port", "sim:?clock=simulated", "--capture", "drive.pcapng")
@@ -281,7 +283,9 @@ def test_a_recording_that_lost_its_beginning(mikas, tmp_path):
 @pytest.mark.parametrize(
     ("suffix", "library", "extra"), [("mf4", "asammdf", "mdf"), ("parquet", "duckdb", "parquet")]
 )
-def test_a_missing_library(mikas, tmp_path, monkeypatch, drive, suffix, library, extra):
+def test_a_missing_library_is_an_error_with_its_command(
+    mikas, tmp_path, monkeypatch, drive, suffix, library, extra
+):
     for name in [n for n in sys.modules if n.startswith("duckdb.")]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, library, None)

@@ -27,7 +27,7 @@ def city(mikas, tmp_path):
     return path
 
 
-def test_the_moments_of_a_recording(mikas, city):
+def test_find_gives_all_moments_of_a_recording_and_their_peak(mikas, city):
     speed = np.concatenate([it.values["FREQ"] for it in library.open(city).rows()])
     found = search(city, SearchCondition(shipped(), "FREQ > 2000"))
     assert found.hits

@@ -115,7 +115,7 @@ def test_a_missing_library_is_said_with_its_command(
         assert 'pip install "mikas[fleet]"' in ran.err
 
 
-def test_sql_in_its_forms(mikas, recordings) -> None:
+def test_sql_is_printed_as_text_csv_and_json(mikas, recordings) -> None:
     mikas("fleet", "add", "in", "--to", "set")
     asked = "SELECT car, day, max(TWAT) AS t, NULL AS n, true AS b, 'a\tb' AS s, min(utc) AS u"
     asked += " FROM samples GROUP BY car, day ORDER BY day"
@@ -159,7 +159,7 @@ def test_an_error_of_sql_has_its_place(mikas, recordings) -> None:
     assert ran.status == 2
 
 
-def test_a_report_as_text_json_and_page(mikas, recordings, tmp_path) -> None:
+def test_a_report_is_written_as_text_json_and_page(mikas, recordings, tmp_path) -> None:
     make(recordings / "2.pcapng", began=BEGAN + 2 * DAY, faults=(13,))
     mikas("fleet", "add", "in", "--to", "set")
     ran = mikas("fleet", "report", "set")

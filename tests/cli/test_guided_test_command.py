@@ -13,7 +13,7 @@ def port(tmp_path):
     return "--port", "sim:?clock=simulated&scenario=car.toml"
 
 
-def test_the_list(mikas):
+def test_without_a_name_the_tests_are_listed(mikas):
     listed = mikas("test", "--json").object
     assert "charging" in [it["name"] for it in listed["tests"]]
     assert listed["errors"] == []
@@ -37,7 +37,7 @@ def test_a_fault_is_found_live_and_in_a_recording(mikas, port):
         assert advice in ran.err
 
 
-def test_skipped_and_unfinished(mikas, port):
+def test_a_skipped_step_decides_nothing_and_an_unfinished_test_has_no_result(mikas, port):
     ran = mikas(*port, "test", "cranking", "--skip", "crank", "--json")
     assert ran.object["result"]["outcome"] == "unknown"
     ran = mikas(*port, "test", "cranking", "--duration", "6", "--json")
@@ -45,6 +45,6 @@ def test_skipped_and_unfinished(mikas, port):
     assert "did not come to its end" in ran.err
 
 
-def test_wrong_names(mikas, port):
+def test_a_wrong_name_is_answered_with_those_there_are(mikas, port):
     assert "there is: charging" in mikas(*port, "test", "chargin").err
     assert "its steps: rest, crank" in mikas(*port, "test", "cranking", "--skip", "x").err

@@ -131,7 +131,7 @@ def test_a_name_of_two_lines_forges_no_line(here):
         assert len(ran.err.splitlines()) == 1
 
 
-def test_json_stays_json(here):
+def test_json_output_stays_json_and_steers_no_terminal(here):
     for line in IN_JSON:
         ran = here(*line, "--json")
         assert not steering(ran.out), line

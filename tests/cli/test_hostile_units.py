@@ -129,7 +129,7 @@ def check(ran, world: World, changes: frozenset[int]) -> None:
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_the_command_ends(unit, name):
+def test_every_command_ends_before_a_hostile_unit(unit, name):
     it = CASES[name]
     for manner in MANNERS:
         for since in (0.0, CONNECTED):
@@ -139,7 +139,7 @@ def test_the_command_ends(unit, name):
 
 
 @pytest.mark.realtime
-def test_publishing_ends_too(unit):
+def test_publishing_ends_before_a_hostile_unit(unit):
     broker = InProcessBroker()
     line = f"publish mqtt://127.0.0.1:{broker.port} FREQ --rate 10 --capture {RECORDING}"
     try:
@@ -160,7 +160,7 @@ def test_nothing_is_changed_that_was_not_confirmed(unit, name):
             assert not CHANGES & {body[0] for body in world.bodies}
 
 
-def test_a_unit_that_turns_hostile_while_it_is_recorded(unit):
+def test_log_ends_though_the_unit_turns_hostile_while_it_is_recorded(unit):
     """While its methods are measured, and in a stream."""
     for manner in MANNERS:
         with case(manner.__name__):

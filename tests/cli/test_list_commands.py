@@ -31,7 +31,7 @@ def test_read_gives_what_read_gives(mikas, monkeypatch):
     assert all(listed[name].keys() == read[name].keys() for name in read)
 
 
-def test_an_unknown_list_and_a_lost_one(mikas):
+def test_reading_a_list_that_is_unknown_or_lost_says_to_set_it(mikas):
     unknown = mikas("list", "read")
     assert unknown.status == 2
     assert "`mikas list set NAME…`" in unknown.err
@@ -46,6 +46,6 @@ def test_an_unknown_list_and_a_lost_one(mikas):
     is_russian(mikas("list", "read", "TWAT", "--lang", "ru").err)
 
 
-def test_wrong_names(mikas):
+def test_a_wrong_name_or_none_is_refused(mikas):
     for argv in (["list"], ["list", "set"], ["list", "set", "NOSUCH"], ["list", "read", "0x1A:9"]):
         assert mikas(*argv).status == 2

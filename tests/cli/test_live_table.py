@@ -195,7 +195,7 @@ def test_the_last_state_is_left_on_the_screen(capsys):
     assert capsys.readouterr().err == "Back after 3 s.\n"
 
 
-def test_the_small_curve():
+def test_the_small_curve_spans_its_values_and_keeps_its_width():
     assert sparkline([]) == ""
     assert sparkline([1.0]) == ""
     assert sparkline([0, 1, 2, 3, 4, 5, 6, 7]) == "▁▂▃▄▅▆▇█"
@@ -203,7 +203,7 @@ def test_the_small_curve():
     assert len(sparkline(range(60))) == 20
 
 
-def test_rows_of_nothing():
+def test_a_table_without_rows_still_shows_the_state():
     screen = console(80, 24)
     screen.print(table_layout.draw(table_layout.Head("state", "green"), [], 80, 24))
     assert "state" in screen.file.getvalue()

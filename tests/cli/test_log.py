@@ -55,7 +55,7 @@ def test_an_existing_file_is_never_written_over(mikas, tmp_path, argv):
     assert file.read_bytes() == b"precious"
 
 
-def test_log(mikas, tmp_path):
+def test_log_records_samples_and_counts_them_in_both_languages(mikas, tmp_path):
     ran = mikas("log", "-o", "drive.pcapng", "TWAT", "FREQ", "--count", "5")
     assert (ran.status, ran.out) == (0, "")
     assert "drive.pcapng: 5 samples" in ran.err
@@ -190,7 +190,7 @@ def test_what_is_recorded_is_byte_for_byte_what_passed(mikas, tmp_path, monkeypa
     assert len(passed[Direction.RECEIVED]) > 2000
 
 
-def test_decode(mikas):
+def test_decode_explains_each_frame_of_a_capture(mikas):
     mikas("read", "TWAT", "INJ", "--capture", "wire.pcapng")
     text = mikas("decode", "wire.pcapng").out
     assert "CREADP; read parameters: TWAT INJ" in text
@@ -209,7 +209,7 @@ def test_decode(mikas):
     assert answer["body"] == answer["body"].upper()
 
 
-def test_a_capture_cut_short(mikas, tmp_path):
+def test_a_capture_cut_short_is_decoded_up_to_the_cut(mikas, tmp_path):
     mikas("read", "--capture", "wire.pcapng")
     whole = mikas("decode", "wire.pcapng").lines
     file = tmp_path / "wire.pcapng"

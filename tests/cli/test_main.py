@@ -133,7 +133,7 @@ def bad_files(tmp_path):
 
 
 @pytest.mark.parametrize("argv", USAGE, ids=" ".join)
-def test_wrong_usage(mikas, bad_files, argv):
+def test_wrong_usage_is_status_2_in_both_languages(mikas, bad_files, argv):
     for language in ("en", "ru"):
         mikas.speaks(language)
         ran = mikas(*argv)
@@ -188,7 +188,7 @@ NOBODY = [
 
 
 @pytest.mark.parametrize(("sim", "message", "wire"), NOBODY)
-def test_a_line_without_an_answer(mikas, sim, message, wire):
+def test_a_line_without_an_answer_is_status_3_with_the_bytes_sent(mikas, sim, message, wire):
     for argv in (["read", "TWAT"], ["watch", "--count", "1"], ["faults", "erase", "--yes"]):
         ran = mikas(*argv, sim=sim)
         assert (ran.status, ran.out) == (3, "")
@@ -207,7 +207,7 @@ def test_a_line_without_an_answer(mikas, sim, message, wire):
     "port",
     ["/dev/nosuch", "socket://127.0.0.1:1", "rfc2217://127.0.0.1:1", "socket://no.invalid:1"],
 )
-def test_a_port_that_does_not_open(mikas, port):
+def test_a_port_that_does_not_open_is_status_3_and_named(mikas, port):
     ran = mikas("read", "--port", port)
     assert (ran.status, ran.out) == (3, "")
     assert port in ran.err
@@ -215,7 +215,7 @@ def test_a_port_that_does_not_open(mikas, port):
     is_russian(mikas("read", "--port", port, "--lang", "ru").err)
 
 
-def test_no_port_named_and_none_there(mikas, monkeypatch):
+def test_without_any_port_the_error_says_so(mikas, monkeypatch):
     monkeypatch.delenv("MIKAS_PORT")
     monkeypatch.setattr("mikas.link.ports.find_ports", lambda *_: [])
     ran = mikas("read", "TWAT")
@@ -225,7 +225,7 @@ def test_no_port_named_and_none_there(mikas, monkeypatch):
 
 
 @pytest.mark.parametrize("line_fault", ["damaged", "noise", "cut", "foreign", "doubled", "late"])
-def test_line_faults_that_retries_do_not_cure(mikas, line_fault):
+def test_line_faults_that_retries_do_not_cure_are_status_4(mikas, line_fault):
     ran = mikas("read", "TWAT", sim=f"&{line_fault}=1")
     assert (ran.status, ran.out) == (4, "")
     assert "sent 01 FF 0D" in ran.err
@@ -233,7 +233,7 @@ def test_line_faults_that_retries_do_not_cure(mikas, line_fault):
     is_russian(mikas("read", "TWAT", "--lang", "ru").err)
 
 
-def test_line_faults_that_retries_cure(mikas):
+def test_line_faults_that_retries_cure_are_no_error(mikas):
     assert mikas("read", "TWAT", "--retries", "20", sim="&damaged=0.3&seed=5").status == 0
 
 
@@ -255,7 +255,7 @@ def test_line_faults_that_retries_cure(mikas):
         (["watch", "TWAT", "--method", "stroke1", "--count", "1"], "&missing=stroke"),
     ],
 )
-def test_what_the_unit_refuses_or_does_not_know(mikas, argv, sim):
+def test_what_the_unit_refuses_or_does_not_know_is_status_5(mikas, argv, sim):
     ran = mikas(*argv, sim=sim)
     assert ran.status == 5, ran.err
     assert ran.out == "" or "erase" in argv
@@ -288,7 +288,7 @@ def test_without_a_terminal_a_change_needs_yes(mikas, argv):
 
 @pytest.mark.parametrize("answer", ["n\n", "\n", "", "maybe\n", "нет\n"])
 @pytest.mark.parametrize("argv", CHANGES[:1] + CHANGES[5:6], ids=" ".join)
-def test_the_answer_is_no(mikas, argv, answer):
+def test_the_answer_no_changes_nothing_and_is_status_6(mikas, argv, answer):
     mikas.answers(answer)
     ran = mikas(*argv, sim="&faults=13")
     assert ran.status == 6
@@ -297,7 +297,7 @@ def test_the_answer_is_no(mikas, argv, answer):
 
 
 @pytest.mark.parametrize("answer", ["y\n", "YES\n", "д\n", " Да \n"])
-def test_the_answer_is_yes(mikas, answer):
+def test_the_answer_yes_makes_the_change(mikas, answer):
     for argv in CHANGES:
         mikas.answers(answer)
         ran = mikas(*argv, "--lang", "ru", sim="&faults=13")
@@ -342,7 +342,7 @@ def test_a_bug_says_that_it_is_one(mikas, monkeypatch, verbose):
     assert (as_json.status, is_error(as_json)["code"]) == (1, "InternalError")
 
 
-def test_interrupted(mikas, monkeypatch):
+def test_ctrl_c_ends_a_command_without_a_traceback(mikas, monkeypatch):
     def interrupted(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
@@ -352,7 +352,7 @@ def test_interrupted(mikas, monkeypatch):
         assert (ran.status, ran.out, ran.err) == (130, "", "\n")
 
 
-def test_suggestions(mikas):
+def test_a_slip_in_a_name_or_an_option_is_answered_with_the_nearest(mikas):
     assert "Did you mean TWAT" in mikas("read", "TWAAT").err
     assert "Did you mean read" in mikas("raed").err
     assert "Did you mean dump" in mikas("mem", "dmup").err

@@ -18,7 +18,7 @@ def test_read_is_a_hex_dump(mikas):
     assert len(mikas("mem", "read", "ram", "3Fh", "2").lines) == 2
 
 
-def test_dump_and_its_manifest(mikas, tmp_path):
+def test_dump_writes_the_memory_and_a_manifest_that_describes_it(mikas, tmp_path):
     ran = mikas("mem", "dump", "ram", "-o", "ram.bin", "--verify")
     data = (tmp_path / "ram.bin").read_bytes()
     manifest = json.loads((tmp_path / "ram.bin.json").read_text("utf-8"))
@@ -34,7 +34,7 @@ def test_dump_and_its_manifest(mikas, tmp_path):
 
 
 @pytest.mark.parametrize("block", [[], ["--block", "1"], ["--block", "7"], ["--block", "0x20"]])
-def test_a_part(mikas, tmp_path, block):
+def test_a_part_of_a_memory_is_dumped(mikas, tmp_path, block):
     assert (
         mikas("mem", "dump", "xram", "-o", "x", "--from", "1000", "--to", "103F", *block).status
         == 0
@@ -77,7 +77,7 @@ def cut(mikas, monkeypatch, tmp_path):
     return tmp_path / "x"
 
 
-def test_resuming(mikas, cut, tmp_path):
+def test_an_interrupted_dump_is_completed_by_resume(mikas, cut, tmp_path):
     assert mikas("mem", "dump", "ram", "-o", "x", "--resume", "--json").object["complete"] is True
     assert mikas("mem", "dump", "ram", "-o", "y").status == 0
     whole = (tmp_path / "y").read_bytes()
@@ -97,7 +97,7 @@ def test_resuming(mikas, cut, tmp_path):
         (["ram", "--port", SIM + "&model=5.4"], "another unit"),
     ],
 )
-def test_what_is_not_resumed(mikas, cut, argv, message):
+def test_another_dump_is_not_resumed_and_the_file_stays(mikas, cut, argv, message):
     before = cut.read_bytes()
     ran = mikas("mem", "dump", *argv, "-o", "x", "--resume")
     assert ran.status == 2
@@ -106,7 +106,7 @@ def test_what_is_not_resumed(mikas, cut, argv, message):
 
 
 @pytest.mark.parametrize("manifest", ["", "[]", "{}", "null", '{"schema": 1}', "\udcff"])
-def test_a_manifest_that_is_none(mikas, cut, manifest):
+def test_a_damaged_manifest_is_refused(mikas, cut, manifest):
     path = cut.with_name("x.json")
     path.write_bytes(manifest.encode("utf-8", "surrogateescape"))
     for argv in (
@@ -119,7 +119,7 @@ def test_a_manifest_that_is_none(mikas, cut, manifest):
         assert "x.json" in ran.err
 
 
-def test_a_manifest_with_a_wrong_range(mikas, cut):
+def test_a_manifest_with_wrong_values_is_refused(mikas, cut):
     path = cut.with_name("x.json")
     stored = json.loads(path.read_text("utf-8"))
     for change in ({"first": -1}, {"last": 70000}, {"first": "0"}, {"passport": None}, {"more": 1}):
@@ -127,13 +127,13 @@ def test_a_manifest_with_a_wrong_range(mikas, cut):
         assert mikas("mem", "dump", "ram", "-o", "x", "--resume").status == 2
 
 
-def test_a_file_longer_than_its_manifest_says(mikas, cut):
+def test_a_file_longer_than_its_manifest_says_is_not_resumed(mikas, cut):
     cut.write_bytes(bytes(300))
     assert mikas("mem", "dump", "ram", "-o", "x", "--resume").status == 2
     assert len(cut.read_bytes()) == 300
 
 
-def test_verify(mikas, tmp_path):
+def test_verify_names_each_byte_that_differs(mikas, tmp_path):
     data = bytes.fromhex(mikas("mem", "read", "code", "8000", "32", "--json").object["data"])
     (tmp_path / "part").write_bytes(data)
     assert mikas("mem", "verify", "code", "part", "--from", "8000").out == "No differences.\n"
@@ -152,7 +152,7 @@ def test_verify_begins_where_the_manifest_says(mikas):
     assert "a dump of code, not of xram" in ran.err
 
 
-def test_diff(mikas, tmp_path):
+def test_diff_compares_two_files_without_a_port(mikas, tmp_path):
     (tmp_path / "a").write_bytes(b"\x01\x02\x03")
     (tmp_path / "b").write_bytes(b"\x01\x05\x03\x04")
     ran = mikas("mem", "diff", "a", "b", "--json", sim="&supplied=0").object  # needs no port
@@ -203,7 +203,7 @@ def test_a_unit_without_single_bytes_is_written_in_blocks(mikas, unknown):
     ],
 )
 @pytest.mark.parametrize("unknown", ["silent", "01"])
-def test_a_refused_write(mikas, argv, missing, found, unknown):
+def test_a_refused_write_says_what_was_found(mikas, argv, missing, found, unknown):
     words = ["mem", "write", *argv, "--yes"]
     ran = mikas(*words, sim=f"&missing={missing}&unknown={unknown}")
     assert (ran.status, ran.out) == (5, "")

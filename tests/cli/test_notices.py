@@ -68,7 +68,7 @@ def test_many_gaps_in_a_row_are_reported_once_and_their_end_once():
     assert back == "Back after 6 s."
 
 
-def test_from_the_beginning_too():
+def test_many_gaps_from_the_beginning_are_reported_once():
     (only,) = lines_of(
         well(5),
         CycleFailed(6, CUT),
@@ -103,7 +103,7 @@ def test_an_error_that_the_state_reports_is_not_reported_twice():
     assert [sentence.split(":")[0] for sentence in message] == ["Echo, but the ECU is silent"]
 
 
-def test_ignition_on_again_but_no_engine():
+def test_ignition_on_again_without_an_engine_is_reported_as_such():
     off = StateChanged(3, LineState.ECHO_ONLY, SILENT)
     stands = CycleFailed(12, EngineStopped(seconds=2))
     message = lines_of(well(0), sample(1), off, well(10), stands, off, well(20), stands, sample(31))

@@ -10,7 +10,7 @@ from cli_harness import is_hex
 from protocol_codes import SIMULATED
 
 
-def test_info(mikas):
+def test_info_has_model_passports_and_count(mikas):
     found = mikas("info", "--json", sim="&model=5.4").object
     assert found["model"] == "Mikas 5.4"
     assert found["version_code"] == "09"
@@ -23,7 +23,7 @@ def test_info(mikas):
     assert "supported" in mikas("info", "--quick", "--json").object
 
 
-def test_info_of_a_unit_that_answers_few_commands(mikas):
+def test_info_has_null_for_what_a_unit_does_not_answer(mikas):
     found = mikas("info", "--json", sim="&missing=passports,count&echo=0").object
     assert found["program_passport"] == [None] * 3
     assert found["data_passport"] == [None] * 5
@@ -50,7 +50,7 @@ throttle = 0
 """
 
 
-def test_what_info_and_doctor_tried(mikas, tmp_path):
+def test_info_and_doctor_report_which_commands_were_tried(mikas, tmp_path):
     strokes = [f"CREADPS ({code:02X})" for code in (0x7F, 0x80, 0x81, 0x82, 0x83)]
     found = mikas("info", "--json", sim="&missing=81").object
     tried = [found["supported"][name] for name in (*strokes, "CREADL (63)", "CWRITL (64)")]
@@ -68,7 +68,7 @@ def test_what_info_and_doctor_tried(mikas, tmp_path):
     assert "не проверены: 7F 80" in mikas("doctor", "--lang", "ru").out
 
 
-def test_faults(mikas):
+def test_faults_have_code_text_and_confidence(mikas):
     ran = mikas("faults", "--json", sim="&faults=13,200").object
     assert ran["count"] == 2
     known, unknown = ran["faults"]
@@ -81,7 +81,7 @@ def test_faults(mikas):
     assert unknown["confidence"] == "unknown"
 
 
-def test_erased_faults(mikas):
+def test_an_erase_reports_the_faults_before_and_after(mikas):
     ran = mikas("faults", "erase", "--yes", "--json", sim="&faults=13,53").object
     assert ran == {"schema": 1, "before": [13, 53], "after": []}
 
@@ -92,7 +92,7 @@ def test_faults_have_the_same_numbers_in_the_question_as_in_the_table(mikas):
     assert "before: 13, 53\n" in ran.err
 
 
-def test_memory(mikas):
+def test_memory_is_read_and_written_with_addresses_and_bytes(mikas):
     ran = mikas("mem", "read", "ram", "40", "3", "--json").object
     assert set(ran) == {"schema", "space", "address", "data"}
     assert (ran["space"], ran["address"], len(ran["data"])) == ("ram", 0x40, 6)
@@ -102,7 +102,7 @@ def test_memory(mikas):
     assert (written["before"], written["after"]) == (ran["data"][:4], "0D40")
 
 
-def test_goto(mikas):
+def test_goto_reports_its_address_and_no_response(mikas):
     ran = mikas("mem", "goto", "8000", "--yes", "--i-know-what-this-does", "--json")
     assert ran.object == {"schema": 1, "address": 0x8000, "response": None}
 
@@ -116,7 +116,7 @@ def test_goto(mikas):
         ("fe", "&unknown=01", "01"),
     ],
 )
-def test_raw(mikas, body, sim, response):
+def test_raw_reports_request_and_response(mikas, body, sim, response):
     ran = mikas("raw", body, "--yes", "--json", sim=sim).object
     assert ran == {"schema": 1, "request": body.upper(), "response": response}
 
@@ -133,7 +133,7 @@ def test_watch_gives_a_line_a_sample(mikas):
     assert [s["time"] for s in samples] == sorted(s["time"] for s in samples)
 
 
-def test_doctor(mikas):
+def test_doctor_reports_each_step(mikas):
     steps = mikas("doctor", "--json").object["steps"]
     assert [step["name"] for step in steps] == [
         "port", "echo", "baud", "latency", "line", "ecu", "commands",
@@ -143,11 +143,11 @@ def test_doctor(mikas):
         assert step["ok"] is True
 
 
-def test_ports(mikas):
+def test_ports_is_a_list(mikas):
     assert isinstance(mikas("ports", "--json").object["ports"], list)
 
 
-def test_ports_with_an_adapter(mikas, monkeypatch):
+def test_an_adapter_is_listed_with_chip_and_quirks(mikas, monkeypatch):
     from mikas.cli.commands import ports as module
     from mikas.link import ports as link_ports
 

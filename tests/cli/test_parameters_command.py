@@ -12,7 +12,7 @@ from mikas.virtual.model.engine import Engine
 from protocol_codes import NAMES
 
 
-def test_read(mikas):
+def test_read_has_values_of_their_type_with_units(mikas):
     readings = mikas("read", "TWAT", "RXX", "0x3F:2", "--json").object["readings"]
     assert set(readings) == {"TWAT", "RXX", "0x3F:2"}
     assert readings["TWAT"]["unit"] == "°C"
@@ -35,7 +35,7 @@ def test_every_parameter_is_read_when_none_is_named(mikas):
     assert set(NAMES) <= simulated
 
 
-def test_params(mikas):
+def test_params_describes_each_parameter_without_a_port(mikas):
     ran = mikas("params", "--json", sim="&supplied=0")  # needs no port
     parameters = {it["name"]: it for it in ran.object["parameters"]}
     inj = parameters["INJ"]
@@ -45,14 +45,14 @@ def test_params(mikas):
     assert parameters["FREQ"]["errata"][0]["name"] == "E1"
 
 
-def test_write(mikas):
+def test_a_write_reports_value_and_bytes_before_and_after(mikas):
     ran = mikas("write", "UOZ", "10", "--yes", "--json").object
     assert set(ran) == {"schema", "name", "before", "after", "raw_before", "raw_after"}
     assert (ran["name"], ran["after"], ran["raw_after"]) == ("UOZ", 10, "14")
     assert is_hex(ran["raw_before"])
 
 
-def test_read_in_text(mikas):
+def test_read_in_text_has_a_line_a_parameter_in_the_language(mikas):
     ran = mikas("read", "TWAT", "RXX")
     assert [line.split("\t")[0] for line in ran.lines] == ["name", "TWAT", "RXX"]
     assert mikas("read", "UACC", "--lang", "ru").lines[1].split("\t")[1].startswith("14,")

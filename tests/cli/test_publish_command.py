@@ -43,7 +43,7 @@ def test_values_are_published_and_the_last_line_counts_them(mikas, broker, url):
     assert by_topic["a/b/unit"].json["version_code"] == "0A"
 
 
-def test_in_russian(mikas, url):
+def test_all_notices_of_publish_are_in_russian(mikas, url):
     ran = mikas("publish", url, "TWAT", "--count", "3", "--lang", "ru")
     assert ran.status == 0
     is_russian(ran.err)

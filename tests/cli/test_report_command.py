@@ -34,7 +34,7 @@ def page(tmp_path, name="car.html"):
     return (tmp_path / name).read_text("utf-8")
 
 
-def test_of_a_recording(mikas, drive, tmp_path) -> None:
+def test_a_recording_is_reported_with_its_findings(mikas, drive, tmp_path) -> None:
     before = drive.read_bytes()
     ran = mikas("report", "drive.pcapng", "-o", "car.html")
     assert ran.status == 0, ran.err
@@ -46,7 +46,7 @@ def test_of_a_recording(mikas, drive, tmp_path) -> None:
     assert not list(tmp_path.glob("*.part"))
 
 
-def test_the_freeze_frame_of_a_fault_that_appeared(mikas, tmp_path) -> None:
+def test_a_fault_that_appeared_has_its_freeze_frame(mikas, tmp_path) -> None:
     record_fault(tmp_path / "fault.pcapng")
     ran = mikas("report", "fault.pcapng", "-o", "car.html", "--json")
     assert ran.status == 0, ran.err
@@ -58,7 +58,7 @@ def test_the_freeze_frame_of_a_fault_that_appeared(mikas, tmp_path) -> None:
     assert 80 < coolant["low"] <= coolant["value"] <= coolant["high"] < 100
 
 
-def test_measured_now(mikas, tmp_path) -> None:
+def test_a_unit_is_measured_and_reported_with_its_faults(mikas, tmp_path) -> None:
     ran = mikas("report", "-o", "car.html", sim="&faults=13,53,55&scenario=key-off")
     assert ran.status == 0, ran.err
     assert "3 faults are stored: 13, 53, 55;" in ran.err
@@ -67,7 +67,7 @@ def test_measured_now(mikas, tmp_path) -> None:
     assert [path.name for path in tmp_path.iterdir() if path.is_file()] == ["car.html"]
 
 
-def test_measured_now_and_kept(mikas, tmp_path) -> None:
+def test_a_measurement_can_be_kept_as_a_recording(mikas, tmp_path) -> None:
     ran = mikas(
         "report", "-o", "car.html", "--duration", "20", "--capture", "kept.pcapng", "--json", sim=""
     )
@@ -83,7 +83,7 @@ def test_measured_now_and_kept(mikas, tmp_path) -> None:
     assert again["values"] == reported["values"]
 
 
-def test_in_russian(mikas, drive, tmp_path) -> None:
+def test_a_report_in_russian_is_russian(mikas, drive, tmp_path) -> None:
     ran = mikas("report", "drive.pcapng", "-o", "car.html", "--lang", "ru")
     assert ran.status == 0
     is_russian(ran.err.replace("car.html", ""))
@@ -104,7 +104,9 @@ def test_in_russian(mikas, drive, tmp_path) -> None:
         (("none.pcapng", "-o", "car.html"), "there is no file"),
     ],
 )
-def test_what_is_refused(mikas, drive, tmp_path, argv, message) -> None:
+def test_wrong_usage_is_refused_and_no_file_is_touched(
+    mikas, drive, tmp_path, argv, message
+) -> None:
     (tmp_path / "there.html").write_text("mine", "utf-8")
     before = drive.read_bytes()
     ran = mikas("report", *argv)
@@ -124,7 +126,7 @@ def test_overwrite_replaces_the_file(mikas, drive, tmp_path) -> None:
     assert "Engine report" in page(tmp_path)
 
 
-def test_without_a_unit(mikas, tmp_path) -> None:
+def test_without_a_unit_there_is_no_report(mikas, tmp_path) -> None:
     ran = mikas("report", "-o", "car.html", "--port", str(tmp_path / "no-adapter"))
     assert ran.status == 3
     is_one_short_paragraph(ran.err)
@@ -151,7 +153,7 @@ def test_ended_by_hand_it_reports_the_samples_so_far(mikas, tmp_path, monkeypatc
     assert 40 <= int(samples[1]) < 400  # with those by which the method was chosen
 
 
-def test_ended_before_the_first_sample(mikas, tmp_path, monkeypatch) -> None:
+def test_ended_before_the_first_sample_there_is_no_report(mikas, tmp_path, monkeypatch) -> None:
     from mikas.cli.commands.recordings import report
 
     def stops(current):

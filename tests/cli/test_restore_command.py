@@ -43,7 +43,7 @@ def test_it_writes_and_reads_back_what_differs(mikas, dump):
     assert "written and read back: 0; the same before: 64" in nothing.out
 
 
-def test_the_answer_no(mikas, dump):
+def test_the_answer_no_restores_nothing(mikas, dump):
     mikas.answers("n")
     assert mikas("mem", "restore", "ram", "d").status == 6
     mikas.answers("y")
@@ -69,7 +69,7 @@ def test_code_is_said_to_be_dangerous(mikas):
         ["ram"],
     ],
 )
-def test_what_is_refused(mikas, dump, argv):
+def test_a_dump_that_does_not_fit_is_refused(mikas, dump, argv):
     ran = mikas("mem", "restore", *argv, "--yes")
     assert (ran.status, ran.out) == (2, "")
     is_one_short_paragraph(ran.err)
@@ -115,7 +115,7 @@ def test_ctrl_c_at_the_question_leaves_nothing(mikas, monkeypatch, dump, tmp_pat
     assert not (tmp_path / "d.restore.json").exists()
 
 
-def test_cells_that_keep_their_value(mikas, monkeypatch, dump):
+def test_cells_that_keep_their_value_are_named(mikas, monkeypatch, dump):
     from mikas.virtual.memory import EcuMemory
 
     write = EcuMemory.write

@@ -31,7 +31,7 @@ def odd(mikas, tmp_path):
 
 @pytest.mark.parametrize("unknown", ["silent", "01"])
 @pytest.mark.parametrize("max_list", ["255", "1"])
-def test_codes_sizes_and_values_beside_the_promise(mikas, odd, unknown, max_list):
+def test_a_scan_finds_codes_sizes_and_values_beside_the_promise(mikas, odd, unknown, max_list):
     ran = mikas("scan", "--json", sim=f"{odd}&unknown={unknown}&max_list={max_list}")
     assert ran.status == 0
     codes = {c["code"]: (c["size"], c["raw"]) for c in ran.object["codes"]}
@@ -61,13 +61,13 @@ def test_the_file_serves_as_a_catalog(mikas, odd):
     assert (nowhere.status, nowhere.out) == (2, "")  # before ten minutes of requests
 
 
-def test_words(mikas, odd):
+def test_a_scan_speaks_russian(mikas, odd):
     ran = mikas("scan", "--lang", "ru", "-o", "a.toml", sim=f"{odd}&max_list=1&unknown=01")
     is_russian(ran.err, names=("a.toml",))
     assert "Неясно" in ran.err
 
 
-def test_a_unit_without_61(mikas):
+def test_a_unit_without_61_is_status_5_and_has_no_codes(mikas):
     ran = mikas("scan", "--json", sim="&missing=61&unknown=01")
     assert ran.status == 5
     assert '"codes": []' in ran.lines[0]

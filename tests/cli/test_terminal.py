@@ -85,7 +85,7 @@ def test_a_drawing_library_may_move_and_colour_and_no_more(one, other):
     assert not steering(rest)
 
 
-def test_all_ways_to_a_terminal(monkeypatch):
+def test_all_ways_to_a_terminal_are_escaped(monkeypatch):
     """Notes, lines, JSON, tables, the redrawn line, the log, tracebacks of threads."""
     out, err = Terminal(), Terminal()
     monkeypatch.setattr("sys.stdout", out)

@@ -11,7 +11,7 @@ from mikas.link.virtual import VirtualLink
 from mikas.recording import CaptureReader
 
 
-def test_plain_lines(mikas):
+def test_a_sample_is_a_line_in_the_numbers_of_the_language(mikas):
     ran = mikas("watch", "TWAT", "RXX", "--count", "2")
     head, *rows = ran.lines
     assert head == "time\tTWAT\tRXX"
@@ -28,14 +28,14 @@ def test_all_parameters_when_none_is_named(mikas):
 
 @pytest.mark.parametrize("method", ["auto", "single", "batch", "list", "stream"]
                          + [f"stroke{n}" for n in range(5)])  # fmt: skip
-def test_every_method(mikas, method):
+def test_every_method_gives_samples_of_all_names(mikas, method):
     samples = mikas("watch", "TWAT", "FREQ", "--count", "3", "--method", method, "--json").objects
     assert len(samples) == 3
     assert all(set(s["values"]) == {"TWAT", "FREQ"} and not s["gap"] for s in samples)
 
 
 @pytest.mark.parametrize("method", ["auto", "stream"])
-def test_the_rate(mikas, method):
+def test_samples_come_at_the_requested_rate(mikas, method):
     samples = mikas(
         "watch", "TWAT", "--rate", "2", "--count", "5", "--method", method, "--json"
     ).objects
@@ -43,7 +43,7 @@ def test_the_rate(mikas, method):
     assert times[-1] - times[0] == pytest.approx(2.0, abs=0.2)
 
 
-def test_the_duration(mikas):
+def test_watch_ends_after_its_duration_or_count(mikas):
     samples = mikas("watch", "TWAT", "--duration", "2", "--rate", "4", "--json").objects
     assert 8 <= len(samples) <= 9
     assert samples[-1]["time"] - samples[0]["time"] <= 2.1
@@ -182,7 +182,7 @@ def test_the_price_needs_no_port(mikas, monkeypatch, names):
     assert mikas("watch", "NOSUCH", "--price").status == 2
 
 
-def test_a_parameter_that_the_unit_does_not_know(mikas):
+def test_a_parameter_that_the_unit_does_not_know_is_null_and_no_gap(mikas):
     sample = mikas("watch", "0x55", "TWAT", "--count", "1", "--json").object
     assert sample["values"]["0x55"] is None
     assert sample["values"]["TWAT"] is not None
@@ -204,7 +204,7 @@ def test_the_engine_stands_and_there_are_no_strokes(mikas):
     assert samples[-1]["time"] <= 75
 
 
-def test_faults_in_text(mikas):
+def test_faults_are_printed_with_their_text_or_as_unknown(mikas):
     assert mikas("faults", sim="").out == "No faults are stored.\n"
     ran = mikas("faults", sim="&faults=13,200")
     assert "Air mass signal low" in ran.out
@@ -213,21 +213,21 @@ def test_faults_in_text(mikas):
     assert ran.out.endswith("Ошибки сброшены; в памяти их нет.\n")
 
 
-def test_raw_in_text(mikas):
+def test_raw_prints_the_response_or_that_there_is_none(mikas):
     assert mikas("raw", "02").out == "00\n"
     ran = mikas("raw", "99", "--yes")
     assert (ran.status, ran.out) == (0, "")
     assert "No response" in ran.err
 
 
-def test_info_in_text(mikas):
+def test_info_in_text_names_model_and_missing_commands(mikas):
     ran = mikas("info", "--lang", "ru", sim="&missing=stream")
     assert "Микас 7.1 (0A)" in ran.out
     assert "71 циклический поток" in ran.out
     assert "блок не сообщает" in mikas("info", "--lang", "ru", sim="&missing=count").out
 
 
-def test_no_adapters(mikas, monkeypatch):
+def test_without_an_adapter_ports_points_to_the_demo(mikas, monkeypatch):
     monkeypatch.setattr("mikas.cli.commands.ports.find_ports", list)
     ran = mikas("ports")
     assert (ran.status, ran.out) == (0, "")

@@ -19,7 +19,7 @@ def _on_any_system(monkeypatch, tmp_path):
     monkeypatch.setenv("APPDATA", str(tmp_path / "roaming"))
 
 
-def test_it_is_printed(mikas):
+def test_the_dissector_is_printed_in_the_language(mikas):
     ran = mikas("wireshark")
     assert (ran.status, ran.err) == (0, "")
     assert ran.out.startswith(MARK)
@@ -36,7 +36,7 @@ def test_a_redirected_stdout_of_another_encoding_gets_the_same_program(mikas, mo
     assert escaped == re.sub(rb"\\(\d{3})", lambda byte: bytes([int(byte[1])]), whole.encode())
 
 
-def test_as_json(mikas):
+def test_json_has_the_same_dissector(mikas):
     result = mikas("wireshark", "--json").object
     assert result["path"] is None
     assert result["text"] == mikas("wireshark").out

@@ -40,7 +40,7 @@ def test_a_unit_with_empty_passports_has_no_car(tmp_path) -> None:
 @pytest.mark.parametrize(
     "stored", ["", "[]", "{}", '{"cars": 3}', '{"cars": {"x": 1}, "workshop": 7}', "[" * 5000]
 )
-def test_a_file_that_says_nothing(tmp_path, stored) -> None:
+def test_a_file_that_can_not_be_used_has_no_cars(tmp_path, stored) -> None:
     (tmp_path / "cars.json").write_text(stored)
     book = CarBook(tmp_path / "cars.json")
     assert (book.of(10, ("A",)), book.workshop) == (None, "")
@@ -70,7 +70,7 @@ def test_the_book_is_bounded(tmp_path) -> None:
         ({"plate": "x" * 999, "mileage": 0}, CarDetails(plate="x" * LONGEST, mileage=0)),
     ],
 )
-def test_fields_from_outside(data, details) -> None:
+def test_details_of_a_car_from_outside_are_cleaned_and_bounded(data, details) -> None:
     assert car_details(data) == details
 
 

@@ -30,7 +30,7 @@ def test_every_public_name_of_ecu_is_there():
     asyncio.run(made.close())
 
 
-def test_nothing_is_copied():
+def test_async_methods_delegate_and_have_the_same_documentation():
     for there, here in ((Ecu, AsyncEcu), (MemorySpace, AsyncMemorySpace)):
         for name in public(there) & public(here) - {"close", "stream", "model", "version_code"}:
             delegated = inspect.getattr_static(here, name, None)
@@ -93,14 +93,14 @@ class TestLeavingAWatch:
 
         asyncio.run(play())
 
-    def test_by_break(self, method):
+    def test_a_break_leaves_the_unit_free(self, method):
         async def act(ecu, method):
             async for _ in ecu.watch("TWAT", method=method):
                 break
 
         self.scene(method, act)
 
-    def test_by_an_error(self, method):
+    def test_an_error_leaves_the_unit_free(self, method):
         async def act(ecu, method):
             try:
                 async for _ in ecu.watch("TWAT", method=method):
@@ -110,7 +110,7 @@ class TestLeavingAWatch:
 
         self.scene(method, act)
 
-    def test_by_cancelling(self, method):
+    def test_cancelling_leaves_the_unit_free(self, method):
         async def act(ecu, method):
             observed = asyncio.Event()
 
@@ -126,7 +126,7 @@ class TestLeavingAWatch:
 
         self.scene(method, act)
 
-    def test_by_cancelling_before_the_first(self, method):
+    def test_cancelling_before_the_first_sample_leaves_the_unit_free(self, method):
         async def act(ecu, method):
             async def watch():
                 async for _ in ecu.watch("TWAT", method=method):
@@ -142,7 +142,7 @@ class TestLeavingAWatch:
 
         self.scene(method, act)
 
-    def test_by_aclose(self, method):
+    def test_aclose_ends_the_samples_for_good(self, method):
         async def act(ecu, method):
             samples = ecu.watch("TWAT", method=method)
             await anext(samples)
@@ -152,7 +152,7 @@ class TestLeavingAWatch:
 
         self.scene(method, act)
 
-    def test_by_a_count(self, method):
+    def test_a_count_leaves_the_unit_free(self, method):
         async def act(ecu, method):
             samples = ecu.watch("TWAT", method=method, count=1)
             await anext(samples)

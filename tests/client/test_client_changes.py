@@ -36,21 +36,21 @@ class TestFaults:
         (fault,) = ecu_on(bench(faults=[0xE0])).faults()
         assert (fault.code, fault.known) == (0xE0, False)
 
-    def test_none_is_none(self):
+    def test_no_stored_fault_is_an_empty_result(self):
         assert ecu_on(bench(faults=[])).faults() == ()
 
-    def test_one_is_not_a_refusal(self):
+    def test_one_stored_fault_is_not_a_refusal(self):
         assert [f.code for f in ecu_on(bench(faults=[1], unknown="01")).faults()] == [1]
 
     @pytest.mark.parametrize("unknown", ["silent", "01"])
-    def test_a_unit_that_does_not_know_the_command(self, unknown):
+    def test_a_unit_without_02_can_neither_read_nor_erase_faults(self, unknown):
         ecu = ecu_on(bench(missing="02", unknown=unknown))
         with pytest.raises(NotSupported):
             ecu.faults()
         with pytest.raises(NotSupported):
             ecu.erase_faults()
 
-    def test_erasing(self, tmp_path):
+    def test_an_erase_returns_the_faults_before_and_after(self, tmp_path):
         it = bench()
         changes = []
         ecu = ecu_on(it, confirm=lambda c: changes.append(c) or True, journal=tmp_path / "j")
@@ -88,7 +88,7 @@ class TestFaults:
         it.next_faults(None, *lost)  # the faults before, then the answers to the two writes
         assert ecu.erase_faults().after == ()
 
-    def test_refused(self):
+    def test_a_refused_erase_is_an_error(self):
         with pytest.raises(WriteRefused):
             ecu_on(bench(missing="write", unknown="01")).erase_faults()
         with pytest.raises(NotSupported):
@@ -96,7 +96,7 @@ class TestFaults:
 
 
 class TestWritingAParameter:
-    def test_a_value(self):
+    def test_a_value_is_encoded_written_and_read_back(self):
         it = bench()
         changes = []
         ecu = ecu_on(it, confirm=lambda c: changes.append(c) or True)
@@ -110,14 +110,14 @@ class TestWritingAParameter:
         assert change.after == "D2 04"
         assert change.safety is Safety.LASTING
 
-    def test_raw_bytes(self):
+    def test_raw_bytes_are_written_and_read_back(self):
         it = bench()
         written = ecu_on(it).write_parameter("ssm", raw=b"\x1e")
         assert written.after.raw == b"\x1e"
         ecu = ecu_on(it)
         assert ecu.write_parameter("0x5B", 31).after.value == 31
 
-    def test_in_the_sessions_reading(self):
+    def test_a_value_is_encoded_by_the_sessions_interpretation(self):
         it = bench()
         ecu_on(it, interpretation="alternative").write_parameter("RCOK", 0.0)
         assert it.requests(0x62) == [b"\x62\x42\x80"]
@@ -145,13 +145,13 @@ class TestWritingAParameter:
         assert it.requests() == []
 
     @pytest.mark.parametrize("raw", [b"", b"\x01\x02"])
-    def test_raw_bytes_of_another_size(self, raw):
+    def test_raw_bytes_of_another_size_are_refused(self, raw):
         it = bench()
         with pytest.raises(ValueDoesNotFit):
             ecu_on(it).write_parameter("SSM", raw=raw)
         assert it.requests() == []
 
-    def test_both_value_and_raw(self):
+    def test_value_and_raw_bytes_together_are_refused(self):
         with pytest.raises(UsageError):
             ecu_on(bench()).write_parameter("SSM", 1, raw=b"\x01")
 
@@ -170,7 +170,7 @@ class TestWritingAParameter:
         assert DATA[0x5B].hex().upper() in str(caught.value)
         assert lines(tmp_path / "journal")[1]["state"] == "failed"
 
-    def test_one_that_may_be_written_but_not_read(self):
+    def test_a_parameter_that_can_not_be_read_is_written_without_before_and_after(self):
         it = bench({0x29: b"\x10"})
         ecu = ecu_on(it)
         written = ecu.write_parameter("0x0E", 8)
@@ -204,7 +204,7 @@ class TestWritingAParameter:
         assert len(it.requests(0x62)) == 1
 
     @pytest.mark.parametrize("unknown", ["silent", "01"])
-    def test_a_unit_that_cannot(self, unknown):
+    def test_a_unit_that_can_not_write_refuses_and_keeps_its_value(self, unknown):
         ecu = ecu_on(bench(missing="write", unknown=unknown))
         with pytest.raises(EcuRefused):
             ecu.write_parameter("SSM", 30)
@@ -212,7 +212,7 @@ class TestWritingAParameter:
 
 
 class TestTheList:
-    def test_set_and_read(self):
+    def test_a_list_that_was_set_is_read_in_its_order(self):
         it = bench()
         ecu = ecu_on(it)
         assert ecu.set_list("twat", "RXX", "BITPOW", "INJ") == ("TWAT", "RXX", "BITPOW", "INJ")
@@ -230,7 +230,7 @@ class TestTheList:
         assert asked[0].what.ru.endswith("2 параметра")
         assert lines(tmp_path / "j")[0]["change"] == asked[0].what.en
 
-    def test_all_of_it(self):
+    def test_without_names_the_list_is_all_of_the_catalog(self):
         ecu = ecu_on(bench())
         assert len(ecu.set_list()) == 23
         assert {r.parameter.code: r.raw for r in ecu.read_list().values()} == DATA
@@ -263,7 +263,7 @@ class TestTheList:
         with pytest.raises(UsageError):
             ecu.read_list()
 
-    def test_refused(self):
+    def test_a_list_that_is_too_long_is_refused_and_can_not_be_read(self):
         ecu = ecu_on(bench(max_list=3))
         with pytest.raises(WriteRefused, match="too long"):
             ecu.set_list()
@@ -281,7 +281,7 @@ class TestGoto:
         assert ecu.read("TWAT")
 
     @pytest.mark.parametrize("address", [-1, 0x10000])
-    def test_out_of_range(self, address):
+    def test_an_address_out_of_range_is_refused_before_anything_is_sent(self, address):
         it = bench()
         with pytest.raises(AddressOutOfRange):
             ecu_on(it, confirm=lambda _: True).goto(address)
@@ -298,11 +298,11 @@ class TestRaw:
         assert ecu.raw(b"\x61\x1a") == DATA[0x1A]
         assert not (tmp_path / "j").exists()
 
-    def test_silence_is_none(self):
+    def test_no_response_is_none(self):
         assert ecu_on(bench()).raw(b"\x61\xee") is None
         assert ecu_on(bench()).raw(b"\x99") is None
 
-    def test_an_empty_body(self):
+    def test_an_empty_body_is_refused_before_anything_is_sent(self):
         it = bench()
         with pytest.raises(UsageError):
             ecu_on(it).raw(b"")
@@ -329,7 +329,7 @@ class TestRaw:
         assert changes[0].safety is Safety.LASTING
         assert "99 01" in changes[0].what.en
 
-    def test_without_a_unit(self):
+    def test_without_a_unit_raw_is_no_connection(self):
         it = bench()
         ecu = ecu_on(it)
         ecu.read("TWAT")

@@ -120,7 +120,7 @@ def test_the_port_is_let_go_of_when_interrupted(links, monkeypatch):
     assert closed(links[0])
 
 
-def test_no_port_named_and_none_plugged_in(monkeypatch):
+def test_without_a_port_the_error_says_that_there_is_none(monkeypatch):
     monkeypatch.setattr("mikas.link.ports.find_ports", lambda _: [])
     with pytest.raises(errors.NoPortGiven) as caught:
         connect()
@@ -205,18 +205,18 @@ class TestLearntLimitsOfVirtualUnits:
         with connect(url) as ecu:
             return ecu.limits().max_list
 
-    def test_none_is_kept(self, users_own):
+    def test_limits_of_a_virtual_unit_are_not_kept(self, users_own):
         assert self.learn() == 5
         assert not users_own.exists()
 
-    def test_none_is_used(self, users_own, monkeypatch):
+    def test_kept_limits_are_not_used_for_a_virtual_unit(self, users_own, monkeypatch):
         monkeypatch.setenv("MIKAS_STATE", str(users_own))
         assert self.learn() == 5
         assert self.remembered() == 5  # asked for
         monkeypatch.delenv("MIKAS_STATE")
         assert self.remembered() == STARTING_LIST
 
-    def test_one_on_a_wire_is_known_by_its_passport(self, users_own):
+    def test_a_virtual_unit_on_a_wire_is_known_by_its_passport(self, users_own):
         def opener(url, options):
             return Wired(build_bus(options), url=url)
 
@@ -226,7 +226,7 @@ class TestLearntLimitsOfVirtualUnits:
             ecu.keep_timings("adapter", {})
         assert not users_own.exists()
 
-    def test_those_of_a_car_are_kept(self, users_own, links):
+    def test_limits_of_a_car_are_kept(self, users_own, links):
         links.units += [bench(max_list=5), bench()]
         options = ConnectionOptions()
         for _ in range(2):

@@ -90,7 +90,7 @@ def run(test):
 
 
 @run
-async def test_who_it_is(client):
+async def test_info_has_model_and_passport(client):
     async with client(bench()) as ecu:
         info = await ecu.info()
         assert info.version_code == ecu.version_code == 0x0A
@@ -101,7 +101,7 @@ async def test_who_it_is(client):
 
 
 @run
-async def test_reading(client):
+async def test_all_parameters_or_the_named_ones_are_read(client):
     async with client(bench()) as ecu:
         readings = await ecu.read()
         assert {r.parameter.code: r.raw for r in readings.values()} == DATA
@@ -110,7 +110,7 @@ async def test_reading(client):
 
 
 @run
-async def test_watching_by_every_method(client):
+async def test_every_method_gives_the_watched_parameters(client):
     async with client(bench()) as ecu:
         for method in METHODS:
             got = [s async for s in ecu.watch("TWAT", "INJ", method=method, count=3)]
@@ -119,7 +119,7 @@ async def test_watching_by_every_method(client):
 
 
 @run
-async def test_streaming(client):
+async def test_streams_give_all_parameters_and_leave_the_unit_free(client):
     for stroke in (None, 0, 4):
         async with client(bench()) as ecu:
             observed = 0
@@ -133,14 +133,14 @@ async def test_streaming(client):
 
 
 @run
-async def test_lists(client):
+async def test_a_list_is_set_and_read(client):
     async with client(bench()) as ecu:
         assert await ecu.set_list("TWAT", "INJ") == ("TWAT", "INJ")
         assert (await ecu.read_list())["INJ"].raw == DATA[0x3F]
 
 
 @run
-async def test_changing(client):
+async def test_changes_are_asked_for_made_and_read_back(client):
     asked_for = []
     async with client(bench(), confirm=lambda c: asked_for.append(c) or True) as ecu:
         assert (await ecu.write_parameter("SSM", 30)).after.value == 30
@@ -152,7 +152,7 @@ async def test_changing(client):
 
 
 @run
-async def test_memory(client):
+async def test_every_memory_is_read_and_written(client):
     async with client(bench(), confirm=lambda _: True) as ecu:
         for space in ("ram", "xram", "code", "sfr"):
             memory = ecu.memory[space]
@@ -167,7 +167,7 @@ async def test_memory(client):
 
 
 @run
-async def test_memory_of_a_unit_that_lacks_a_form(client):
+async def test_memory_is_read_and_written_in_the_form_that_the_unit_has(client):
     for missing in ("bytes", "blocks"):
         for unknown in ("silent", "01"):
             it = bench(missing=missing, unknown=unknown)
@@ -182,7 +182,7 @@ async def test_memory_of_a_unit_that_lacks_a_form(client):
 
 
 @run
-async def test_the_same_errors(client):
+async def test_both_clients_raise_the_same_errors(client):
     async with client(bench(missing="stream,sfr")) as ecu:
         for error, call in (
             (errors.UnknownParameter, lambda: ecu.read("TWATT")),
@@ -209,7 +209,7 @@ async def test_the_same_errors(client):
 
 
 @run
-async def test_a_lost_adapter(client):
+async def test_a_lost_adapter_ends_a_watch_with_an_error(client):
     it = bench()
     async with client(it) as ecu:
         samples = ecu.watch("TWAT")
@@ -220,7 +220,7 @@ async def test_a_lost_adapter(client):
 
 
 @run
-async def test_closing_twice(client):
+async def test_closing_twice_is_closing_once(client):
     async with client(bench()) as ecu:
         await ecu.close()
         await ecu.close()

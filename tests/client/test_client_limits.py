@@ -37,7 +37,7 @@ def test_what_fits_is_found_by_halving(long_list, unknown, takes, learnt):
 
 
 @pytest.mark.parametrize(("long_list", "unknown"), WAYS)
-def test_a_short_list_and_refused_codes_together(long_list, unknown):
+def test_a_short_list_and_refused_codes_are_learnt_together(long_list, unknown):
     data = {code: raw for code, raw in DATA.items() if code not in (0x07, 0x42, 0x72)}
     it = bench(data, max_list=10, long_list=long_list, unknown=unknown)
     ecu = ecu_on(it)

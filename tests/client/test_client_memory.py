@@ -31,7 +31,7 @@ def yes(change):
 
 @pytest.mark.parametrize("space", SPACES)
 class TestEverySpace:
-    def test_bytes(self, space):
+    def test_single_bytes_are_read(self, space):
         it = bench()
         memory = ecu_on(it).memory[space]
         assert (memory.name, memory.last) == (space, SPACES[space])
@@ -39,7 +39,7 @@ class TestEverySpace:
             assert memory.read(address) == pattern(space)[address]
         assert {body[0] for body in it.requests()} == {READS[space][0]}
 
-    def test_the_whole_space(self, space):
+    def test_a_whole_space_is_read_in_blocks(self, space):
         it = bench()
         memory = ecu_on(it).memory[space]
         count = min(memory.last + 1, 4000)
@@ -72,7 +72,7 @@ class TestEverySpace:
         assert it.requests() == []
 
     @pytest.mark.parametrize("value", [-1, 256])
-    def test_what_is_no_byte(self, space, value):
+    def test_a_value_that_is_no_byte_is_refused_before_anything_is_sent(self, space, value):
         it = bench()
         with pytest.raises(ValueDoesNotFit):
             ecu_on(it, confirm=yes).memory[space].write(0, value)
@@ -110,7 +110,7 @@ class TestEverySpace:
         sent = [body for body in it.requests() if body[0] in WRITES[space]]
         assert len(sent) == (256 if space == "sfr" else len(data) // 255 + 1)
 
-    def test_a_unit_without_it(self, space):
+    def test_a_space_that_the_unit_lacks_is_an_error(self, space):
         for unknown in ("silent", "01"):
             memory = ecu_on(bench(missing="bytes,blocks,sfr", unknown=unknown)).memory[space]
             for call in (
@@ -120,7 +120,7 @@ class TestEverySpace:
                 with pytest.raises(NotSupported):
                     call()
 
-    def test_a_cell_that_keeps_another_value(self, space, tmp_path):
+    def test_a_cell_that_keeps_another_value_is_an_error(self, space, tmp_path):
         it = bench()
         ecu = ecu_on(it, confirm=yes, journal=tmp_path / "j")
         it.bus.ecu.responder.memory.write = lambda *_: None
@@ -162,19 +162,19 @@ class TestBlocks:
         ecu.memory[space].read_block(0, 3)
         assert it.requests(READS[space][1]) == []
 
-    def test_a_unit_with_blocks_only(self, unknown, space):
+    def test_a_unit_with_blocks_only_reads_single_bytes_too(self, unknown, space):
         memory = ecu_on(bench(missing="bytes", unknown=unknown)).memory[space]
         assert memory.read_block(0, 256) == pattern(space)[:256]
         assert memory.read(0x40) == pattern(space)[0x40]
 
-    def test_writing_without_blocks(self, unknown, space):
+    def test_without_blocks_single_bytes_are_written(self, unknown, space):
         it = bench(missing="22,24,26", unknown=unknown)
         ecu = ecu_on(it, confirm=yes)
         assert ecu.memory[space].write_block(0, b"abcdef").after == b"abcdef"
         assert len(it.requests(WRITES[space][1])) == 1
         assert len(it.requests(WRITES[space][0])) == 6
 
-    def test_writing_in_blocks_no_longer_than_it_takes(self, unknown, space):
+    def test_blocks_are_written_no_longer_than_the_unit_takes(self, unknown, space):
         it = bench(max_block=16, unknown=unknown)
         ecu = ecu_on(it, confirm=yes)
         data = bytes(range(100))
@@ -182,12 +182,12 @@ class TestBlocks:
         assert {body[-16] for body in it.requests(WRITES[space][1]) if len(body) > 17} <= {15}
         assert it.requests(WRITES[space][0]) == []
 
-    def test_a_unit_that_cannot_write(self, unknown, space):
+    def test_a_unit_that_can_not_write_is_an_error(self, unknown, space):
         it = bench(missing="12,14,16,22,24,26", unknown=unknown)
         with pytest.raises(EcuRefused):
             ecu_on(it, confirm=yes).memory[space].write_block(0, b"abc")
 
-    def test_an_upper_bound_of_ones_own(self, unknown, space):
+    def test_blocks_have_the_upper_bound_of_the_caller(self, unknown, space):
         it = bench(unknown=unknown)
         ecu = ecu_on(it)
         came = list(ecu.memory[space].blocks(0, 100, largest=32))
@@ -197,7 +197,7 @@ class TestBlocks:
 
 
 @pytest.mark.parametrize("largest", [0, -1, 256])
-def test_an_upper_bound_that_is_none(largest):
+def test_an_impossible_upper_bound_is_refused_before_anything_is_sent(largest):
     it = bench()
     with pytest.raises(UsageError, match="255"):
         ecu_on(it).memory.code.blocks(0, 10, largest=largest)

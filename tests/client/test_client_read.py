@@ -51,7 +51,7 @@ def test_flags_of_one_byte_are_requested_once():
     assert len({(r.raw, r.time) for r in readings.values()}) == 1
 
 
-def test_raw_codes():
+def test_raw_codes_are_read_as_numbers():
     it = bench(DATA | {0x99: b"\x2a"})
     readings = ecu_on(it).read("0x1a", "0x3F", "0x3F:2", "0x99")
     assert {name: (r.value, r.unit) for name, r in readings.items()} == {
@@ -91,7 +91,7 @@ def test_a_flag_is_shown_as_yes_or_no():
         ("alternative", 14.2, 0.0, ("corrected", "alternative")),
     ],
 )
-def test_the_sense_of_an_erratum(reading, uacc, rcok, taken):
+def test_the_interpretation_decides_sense_and_unit(reading, uacc, rcok, taken):
     ecu = ecu_on(bench({0x1E: b"\x8e", 0x42: b"\x80"}), interpretation=reading)
     readings = ecu.read("UACC", "RCOK")
     assert readings["UACC"].value == pytest.approx(uacc)
@@ -131,7 +131,7 @@ def test_one_code_with_two_sizes_is_refused():
 
 @pytest.mark.parametrize("unknown", ["silent", "01"])
 class TestAParameterThatTheUnitRefuses:
-    def test_all_leaves_it_out_and_remembers(self, unknown):
+    def test_reading_all_leaves_it_out_and_remembers(self, unknown):
         it = bench(without(0x42, 0x72), unknown=unknown)
         ecu = ecu_on(it)
         expected = [n for n in NAMES if n not in ("RCOK", "MINERR")]
@@ -142,7 +142,7 @@ class TestAParameterThatTheUnitRefuses:
         assert list(ecu.read()) == expected
         assert len(it.requests(0x61)) == 1
 
-    def test_named_is_an_error_that_names_it(self, unknown):
+    def test_reading_it_by_name_is_an_error_that_names_it(self, unknown):
         it = bench(without(0x42), unknown=unknown)
         ecu = ecu_on(it)
         with pytest.raises(NotSupported, match="RCOK") as caught:
@@ -165,7 +165,7 @@ class TestAParameterThatTheUnitRefuses:
         assert "RCOK" in ecu.read()
         assert "RCOK" in ecu_on(it, state=tmp_path).read()
 
-    def test_two_bytes_of_it_as_well(self, unknown):
+    def test_a_parameter_of_two_bytes_is_refused_as_well(self, unknown):
         it = bench(without(0x3F), unknown=unknown)
         ecu = ecu_on(it)
         with pytest.raises(NotSupported):
@@ -189,7 +189,7 @@ class TestAParameterThatTheUnitRefuses:
         assert not ecu.info().limits.learnt
 
     @pytest.mark.parametrize("long_list", ["silent", "short"])
-    def test_a_true_01_of_a_unit_that_takes_one_at_a_time(self, unknown, long_list):
+    def test_a_true_01_is_a_value_also_of_a_unit_that_takes_one_at_a_time(self, unknown, long_list):
         it = bench(DATA | {0x20: b"\x02"}, unknown=unknown, max_list=1, long_list=long_list)
         ecu = ecu_on(it)
         assert ecu.read("THR", "FREQ")["THR"].value == 2

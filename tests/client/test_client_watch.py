@@ -178,7 +178,7 @@ def test_bad_settings_are_an_error_at_once(settings):
     assert it.requests() == []
 
 
-def test_requests_by_method():
+def test_each_method_sends_its_own_requests():
     def heard(method):
         it = bench()
         list(ecu_on(it).watch("TWAT", "FREQ", method=method, count=2))
@@ -193,7 +193,7 @@ def test_requests_by_method():
     ]
 
 
-def test_a_parameter_that_is_a_true_01_in_every_method():
+def test_a_true_01_is_a_value_by_every_method():
     for method in METHODS:
         for unknown in ("silent", "01"):
             ecu = ecu_on(bench(DATA | {0x20: b"\x01"}, unknown=unknown))

@@ -27,7 +27,7 @@ from virtual_harness import DATA
 @pytest.mark.parametrize("unknown", ["silent", "01"])
 class TestRefused:
     @pytest.mark.parametrize("method", STREAMS)
-    def test_a_stream_that_the_unit_does_not_have(self, unknown, method):
+    def test_a_stream_that_the_unit_does_not_have_is_an_error(self, unknown, method):
         it = bench(missing="stream,stroke", unknown=unknown)
         ecu = ecu_on(it)
         with pytest.raises(NotSupported) as caught:
@@ -35,7 +35,7 @@ class TestRefused:
         assert caught.value.request
         assert ecu.read("TWAT")
 
-    def test_a_stream_of_too_many(self, unknown):
+    def test_a_stream_of_too_many_parameters_is_refused(self, unknown):
         for long_list in ("silent", "short"):
             it = bench(max_list=5, long_list=long_list, unknown=unknown)
             ecu = ecu_on(it)
@@ -43,7 +43,7 @@ class TestRefused:
                 next(ecu.watch(method="stream"))
             assert next(ecu.watch("TWAT", method="stream", count=1)).readings
 
-    def test_a_list_that_the_unit_does_not_have(self, unknown):
+    def test_a_list_that_the_unit_does_not_have_is_an_error(self, unknown):
         for missing in ("list", "64", "63"):
             ecu = ecu_on(bench(missing=missing, unknown=unknown))
             with pytest.raises(EcuRefused):
@@ -55,7 +55,7 @@ class TestRefused:
         with pytest.raises(WriteRefused, match="too long"):
             next(ecu.watch(method="list"))
 
-    def test_a_unit_without_61(self, unknown):
+    def test_a_unit_without_61_can_not_be_watched(self, unknown):
         for method in ("auto", "single"):
             ecu = ecu_on(bench(missing="61", unknown=unknown))
             with pytest.raises(NotSupported):

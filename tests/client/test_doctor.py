@@ -42,7 +42,7 @@ class Examined:
         return step
 
 
-def test_all_is_well():
+def test_a_sound_line_passes_every_step():
     found = Examined()
     assert found.names == ALL
     assert all(step.ok for step in found.steps.values())
@@ -71,7 +71,7 @@ def test_the_port_is_let_go():
         link.write(b"\x01")
 
 
-def test_an_adapter_without_echo():
+def test_an_adapter_without_echo_passes_without_its_baud_rate():
     found = Examined("&echo=0")
     assert found.names == [name for name in ALL if name != "baud"]
     assert all(step.ok for step in found.steps.values())
@@ -89,7 +89,7 @@ def test_an_adapter_without_echo():
         ("&late=1", "ecu", "did not answer within"),
     ],
 )
-def test_a_line_without_an_ecu(settings, step, words):
+def test_a_line_without_an_ecu_fails_at_its_step(settings, step, words):
     found = Examined(settings)
     failed = found.failed()
     assert failed.name == step == found.names[-1]
@@ -100,7 +100,7 @@ def test_a_line_without_an_ecu(settings, step, words):
         assert text.rstrip().endswith(".")
 
 
-def test_no_such_port():
+def test_a_missing_port_fails_at_the_first_step():
     found = Examined(url="/dev/nosuch")
     assert found.names == ["port"]
     assert "There is no port /dev/nosuch" in found.failed().detail.en
@@ -112,7 +112,7 @@ def test_a_url_that_makes_no_sense_is_the_caller_s_mistake():
 
 
 @pytest.mark.parametrize("milliseconds", [16, 20])
-def test_an_adapter_that_hands_bytes_over_in_lumps(milliseconds):
+def test_a_latency_timer_is_reported_and_disturbs_no_other_step(milliseconds):
     found = Examined(f"&latency_ms={milliseconds}")
     assert found.steps["latency"].ok is None
     assert "latency timer" in found.steps["latency"].detail.en
@@ -121,7 +121,7 @@ def test_an_adapter_that_hands_bytes_over_in_lumps(milliseconds):
 
 
 @pytest.mark.parametrize("unknown", ["silent", "01"])
-def test_a_unit_that_lacks_commands(unknown):
+def test_commands_that_the_unit_lacks_are_named(unknown):
     found = Examined(f"&missing=blocks,stream&unknown={unknown}")
     assert found.names == ALL
     tried = found.steps["commands"]
@@ -165,7 +165,7 @@ def test_a_little_noise_is_no_failure():
             assert "из 20" in line.detail.ru
 
 
-def test_another_pace_than_the_requested_one():
+def test_another_baud_rate_than_the_requested_one_is_found():
     """As with a wire at 4800 behind a port that says 9600."""
     steps = Examined("&baud=4800").steps
     assert steps["baud"].ok is False
@@ -187,13 +187,13 @@ def test_a_computer_too_busy_for_short_echoes_makes_no_slow_wire_right(monkeypat
         assert "too busy" in step.detail.en
 
 
-def test_an_echo_that_no_wire_makes():
+def test_an_echo_faster_than_a_wire_decides_nothing():
     steps = Examined("&baud=115200").steps
     assert steps["baud"].ok is None
     assert "faster than a wire" in steps["baud"].detail.en
 
 
-def test_the_adapter_is_pulled_out_in_the_middle():
+def test_an_adapter_pulled_out_fails_the_step_that_follows():
     links = []
 
     def opened() -> Link:

@@ -59,7 +59,7 @@ def test_nothing_is_made_before_the_range_is_known_to_be_right(ecu, tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-def test_an_interruption_at_every_block(tmp_path):
+def test_after_an_interruption_at_any_block_the_dump_ends_the_same(tmp_path):
     """Whatever stops it, what was read stays, and the end is the same as without it."""
     it = bench()
     with ecu_on(it) as ecu:
@@ -94,7 +94,7 @@ def test_ctrl_c_keeps_what_was_read(ecu, tmp_path):
     assert (read_manifest(tmp_path / "d").bytes_read, (tmp_path / "d").stat().st_size) == (16, 16)
 
 
-def test_killed_before_the_manifest_was_written_again(ecu, tmp_path):
+def test_a_dump_with_an_old_manifest_is_completed(ecu, tmp_path):
     file = tmp_path / "d"
     dump(ecu, file).advance(block=None, progress=nothing)
     whole = file.read_bytes()
@@ -106,7 +106,7 @@ def test_killed_before_the_manifest_was_written_again(ecu, tmp_path):
     assert file.read_bytes() == whole
 
 
-def test_a_second_pass_that_differs(tmp_path):
+def test_a_second_pass_that_differs_is_reported(tmp_path):
     it = bench()
     with ecu_on(it, confirm=lambda _: True, journal=tmp_path / "journal") as ecu:
         job = dump(ecu, tmp_path / "d")
@@ -131,7 +131,7 @@ def _interrupt(_: int) -> None:
     raise KeyboardInterrupt
 
 
-def test_a_unit_without_blocks_and_one_without_memory(tmp_path):
+def test_a_unit_without_blocks_is_dumped_and_one_without_memory_is_not(tmp_path):
     with ecu_on(bench(missing="blocks")) as ecu:
         dump(ecu, tmp_path / "a", last=7).advance(block=None, progress=nothing)
         assert (tmp_path / "a").read_bytes() == ecu.memory.ram.read_block(0, 8)
@@ -159,13 +159,13 @@ def test_a_spoilt_line_keeps_only_sound_bytes(tmp_path):
             assert not file.exists() or whole.startswith(file.read_bytes())
 
 
-def test_a_folder_that_is_not_there(ecu, tmp_path):
+def test_a_dump_into_a_missing_folder_is_an_error(ecu, tmp_path):
     with pytest.raises(UsageError, match="nosuch"):
         dump(ecu, tmp_path / "nosuch" / "d").advance(block=None, progress=nothing)
 
 
 @given(st.binary(max_size=40), st.integers(0, 30), st.binary(max_size=40), st.integers(0, 30))
-def test_differences(a, first_a, b, first_b):
+def test_differences_are_all_addresses_that_differ_or_lack_a_side(a, first_a, b, first_b):
     left = {first_a + at: value for at, value in enumerate(a)}
     right = {first_b + at: value for at, value in enumerate(b)}
     expected = [
@@ -176,7 +176,7 @@ def test_differences(a, first_a, b, first_b):
     assert list(differences(a, first_a, b, first_b)) == expected
 
 
-def test_compare_gives_addresses(ecu):
+def test_compare_gives_the_addresses_that_differ(ecu):
     data = bytearray(ecu.memory.xram.read_block(0x100, 20))
     data[3] ^= 1
     data[19] ^= 1

@@ -110,7 +110,7 @@ class TestTheForms:
             assert len(sent) < 40
             assert len(set(sent)) == len(sent)  # what is too long is not sent again
 
-    def test_neither_form(self, unknown, space, tmp_path):
+    def test_a_unit_with_neither_form_is_an_error_that_names_both(self, unknown, space, tmp_path):
         it = bench(missing=f"{NO_BYTES},{NO_BLOCKS}", unknown=unknown)
         memory = ecu_on(it, confirm=yes, journal=tmp_path / "j").memory[space]
         for call in (lambda: memory.write(0x40, 0x0D), lambda: memory.write_block(0x40, b"abc")):
@@ -157,7 +157,7 @@ class TestAFailureHalfWay:
         assert failed["outcome"] == caught.value.text.en
         assert bytes.fromhex(started["before"]) == pattern("xram")[0x1000:0x112C]
 
-    def test_a_cable_pulled_meanwhile(self, unknown, tmp_path):
+    def test_a_cable_pulled_meanwhile_leaves_the_bytes_unknown(self, unknown, tmp_path):
         it = bench(unknown=unknown)
         ecu = ecu_on(it, confirm=yes, journal=tmp_path / "j")
         write = it.link.write
@@ -176,7 +176,7 @@ class TestAFailureHalfWay:
         failed = lines(tmp_path / "j")[1]
         assert (failed["state"], failed["command"]) == ("failed", "CWRITDX")
 
-    def test_a_cell_that_keeps_its_value(self, unknown):
+    def test_a_cell_that_keeps_its_value_ends_the_write_with_what_stands(self, unknown):
         it = bench(unknown=unknown)
         memory = it.bus.ecu.responder.memory
         keep = memory.write

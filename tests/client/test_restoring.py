@@ -114,7 +114,7 @@ def test_nothing_to_write_asks_nothing(tmp_path):
 
 
 @pytest.mark.parametrize(("space", "confirm"), [("ram", lambda _: False), ("code", None)])
-def test_no_is_no(tmp_path, space, confirm):
+def test_without_a_yes_nothing_is_written(tmp_path, space, confirm):
     it = bench()
     dumped(it, tmp_path, space)
     before = stored(it, space)
@@ -125,7 +125,7 @@ def test_no_is_no(tmp_path, space, confirm):
 
 
 @pytest.mark.parametrize("missing", ["", "blocks"])
-def test_pulled_out_at_every_place(tmp_path, missing):
+def test_pulled_out_anywhere_resuming_ends_as_if_uninterrupted(tmp_path, missing):
     """What counts as written is in the unit; resuming compares, and ends as if uninterrupted."""
     it = bench(missing=missing)
     data = dumped(it, tmp_path)
@@ -285,7 +285,7 @@ def test_a_disk_that_fills_up_stops_nothing_half_way(tmp_path, monkeypatch):
 
 
 class TestTheFile:
-    def test_of_another_unit_or_space_or_size(self, tmp_path):
+    def test_a_dump_of_another_unit_space_or_size_is_refused(self, tmp_path):
         it = bench()
         data = dumped(it, tmp_path)
         with pytest.raises(UsageError, match="of ram, not of xram"):

@@ -53,7 +53,7 @@ def test_every_datum_with_its_size_and_nothing_else(data, raw_checksum, unknown)
 
 @pytest.mark.parametrize("long_list", ["silent", "short"])
 @pytest.mark.parametrize("data", [DATA, ODD, {0x55: b"\x01"}], ids=["known", "odd", "one"])
-def test_a_unit_that_takes_one_code_a_request(data, long_list):
+def test_a_unit_that_takes_one_code_a_request_is_scanned(data, long_list):
     assert data_of(scanned(bench(data, max_list=1, long_list=long_list))) == data
 
 
@@ -88,7 +88,7 @@ def rewritten(it, rule):
 
 
 @pytest.mark.parametrize("alone", [None, b"\x01"])
-def test_a_unit_that_answers_several_codes_only(alone):
+def test_a_unit_that_answers_several_codes_only_is_scanned(alone):
     it = bench(DATA | ODD, unknown="silent" if alone is None else "01")
     rewritten(it, lambda codes, answer: alone if len(codes) == 1 else answer)
     assert data_of(scanned(it)) == DATA | ODD

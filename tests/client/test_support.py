@@ -25,7 +25,7 @@ def tried(ecu) -> dict[int, tuple[bool | None, str]]:
     return {it.code: (it.known, it.reason.en if it.reason else "") for it in found}
 
 
-def test_everything_of_a_whole_unit():
+def test_a_whole_unit_supports_everything():
     it = bench()
     ecu = ecu_on(it)
     found = tried(ecu)
@@ -64,7 +64,7 @@ def test_with_the_engine_standing_no_stroke_is_tried():
     assert not {body[0] for body in it.requests()} & {*STROKES}
 
 
-def test_the_engine_stops_meanwhile():
+def test_strokes_are_undecided_if_the_engine_stops_meanwhile():
     it = bench(rpm=0)  # FREQ says 850: it stopped after that
     ecu = ecu_on(it)
     responder = it.bus.ecu.responder
@@ -86,7 +86,7 @@ def test_the_engine_stops_meanwhile():
 
 
 @pytest.mark.parametrize("rpm", [850, 0])
-def test_a_unit_that_does_not_report_its_speed(rpm):
+def test_without_a_speed_strokes_are_decided_by_what_comes(rpm):
     data = {code: raw for code, raw in DATA.items() if code not in (0x29, 0x2C)}
     found = tried(ecu_on(bench(data, rpm=rpm)))
     for code in STROKES:
@@ -100,7 +100,7 @@ class TestAUnitThatLacks:
     @pytest.mark.parametrize(
         ("missing", "lacking"), [("stroke", STROKES), ("7F,82", (0x7F, 0x82)), ("83", (0x83,))]
     )
-    def test_strokes(self, unknown, missing, lacking):
+    def test_strokes_that_the_unit_lacks_are_found(self, unknown, missing, lacking):
         ecu = ecu_on(bench(missing=missing, unknown=unknown))
         found = tried(ecu)
         assert {code: found[code] for code in STROKES} == {
@@ -108,7 +108,7 @@ class TestAUnitThatLacks:
         }
         assert ecu.read("TWAT")
 
-    def test_the_list(self, unknown):
+    def test_lists_that_the_unit_lacks_are_found(self, unknown):
         for missing in ("list", "64"):
             found = tried(ecu_on(bench(missing=missing, unknown=unknown)))
             assert found[0x64] == (False, "")
@@ -117,7 +117,7 @@ class TestAUnitThatLacks:
         assert (found[0x64], found[0x63]) == ((True, ""), (False, ""))
 
     @pytest.mark.parametrize("bad_write", ["silent", "01"])
-    def test_all_but_one_code_in_a_list(self, unknown, bad_write):
+    def test_a_list_of_one_code_counts_as_supported(self, unknown, bad_write):
         found = tried(ecu_on(bench(max_list=1, unknown=unknown, bad_write=bad_write)))
         assert (found[0x64], found[0x63]) == ((True, ""), (True, ""))
         quirks = {"max_list": 1, "unknown": unknown, "bad_write": bad_write}

@@ -62,7 +62,7 @@ def test_after_a_power_cycle_the_advice_is_to_set_it_again(lists, unknown, again
 
 
 @pytest.mark.parametrize("lost", [b"", None])
-def test_a_unit_that_lost_its_list_and_answers_nothing(lists, lost):
+def test_a_list_that_the_unit_lost_is_to_be_set_again(lists, lost):
     it = bench()
     set_by(it, lists, "TWAT", "FREQ")
     responder, answer = it.bus.ecu.responder, type(it.bus.ecu.responder).answer

@@ -24,7 +24,7 @@ def hexed(text: str) -> bytes:
     return bytes.fromhex(text)
 
 
-def test_faults():
+def test_a_response_to_02_has_its_count_of_faults_or_is_wrong():
     assert c.ReadFaults().read(hexed("00")) == ()
     assert c.ReadFaults().read(hexed("02 0D E0 E0 E0")) == (0x0D, 0xE0)
     with pytest.raises(WrongContent, match="announces 3"):
@@ -69,7 +69,7 @@ def test_d7_the_count_may_or_may_not_be_repeated(command):
         c.ReadRamBlock(0x0C, 3).read(hexed("0C AA BB 64"))
 
 
-def test_completion_codes():
+def test_00_completes_a_write_01_refuses_it_and_another_code_is_wrong():
     write = c.WriteParameter(0x26, b"\x10")
     assert write.read(b"\x00") is None
     with pytest.raises(WriteRefused):
@@ -98,7 +98,7 @@ def test_d10_01_to_a_longer_read_means_unknown():
         lambda: c.WriteSfr(0x100, 0),
     ],
 )
-def test_addresses_out_of_range(make):
+def test_an_address_out_of_range_makes_no_command(make):
     with pytest.raises(AddressOutOfRange):
         make()
 
@@ -112,7 +112,7 @@ def test_addresses_out_of_range(make):
         lambda: c.ReadParameters((c.Datum(256, 1),)),
     ],
 )
-def test_values_that_do_not_fit(make):
+def test_a_value_that_does_not_fit_makes_no_command(make):
     with pytest.raises(ValueDoesNotFit):
         make()
 
@@ -154,7 +154,7 @@ def test_the_erase_is_two_writes():
         lambda: c.ReadDataPassport(0),
     ],
 )
-def test_misuse(make):
+def test_wrong_arguments_are_misuse(make):
     with pytest.raises(ValueError):  # noqa: PT011  (each says its own words)
         make()
 
@@ -213,7 +213,7 @@ def test_strokes_have_codes_of_their_own():
         "64",
     ],
 )
-def test_malformed_requests(body):
+def test_a_malformed_request_is_not_parsed(body):
     with pytest.raises(c.MalformedRequest):
         c.parse(hexed(body), lambda _: 1)
 
@@ -223,7 +223,7 @@ def test_the_list_of_63_is_not_known_from_its_bytes():
         c.ReadList.parse(b"\x63", lambda _: 1)
 
 
-def test_lengths_in_words():
+def test_lengths_are_written_as_a_list_or_a_series():
     assert lengths_in_words((4,)) == "4"
     assert lengths_in_words((1, 3, 5)) == "1 / 3 / 5"
     assert lengths_in_words(range(1, 8, 2)) == "1, 3, 5 …"
@@ -255,7 +255,7 @@ def test_goto_responds_with_the_given_bytes_and_is_not_repeatable():
     assert not c.GoTo(0x8000).repeatable
 
 
-def test_d10_a_code_of_unknown_size():
+def test_d10_a_code_of_unknown_size_is_a_datum_or_a_refusal():
     once, twice = c.ReadUnknownSize.of(0x33, 1), c.ReadUnknownSize.of(0x33, 2)
     assert (once.body(), twice.body()) == (hexed("61 33"), hexed("61 33 33"))
     assert once.read(hexed("AA BB")) == (hexed("AA BB"),)
@@ -281,6 +281,6 @@ def test_a_version_code_has_one_form_in_every_json(code):
 
 
 @pytest.mark.parametrize("other", [None, True, 1.0, "", "0a", "A", "10 ", "100", [10]])
-def test_what_is_no_version_code(other):
+def test_another_length_is_no_version_code(other):
     assert version_of(other) is None
     assert version_text(None) is None

@@ -117,7 +117,7 @@ def test_01_is_never_taken_for_data_where_the_length_decides(exchange):
             command.read(b"\x01")
 
 
-def test_which_commands_stream_and_which_one_is_not_answered():
+def test_only_71_and_the_strokes_stream_and_only_41_is_not_answered():
     assert {code for code, each in c.COMMANDS_BY_CODE.items() if each.STREAM} == set(STREAMS)
     assert {code for code, each in c.COMMANDS_BY_CODE.items() if not each.ANSWERED} == {0x41}
 
@@ -129,7 +129,7 @@ def test_safety_is_ordered_from_harmless_to_worst():
     ]  # fmt: skip
 
 
-def test_safety_classes():
+def test_each_command_has_the_safety_of_its_family():
     dangerous = {0x16, 0x26, 0x41}
     lasting = {0x62}
     reversible = {0x12, 0x14, 0x22, 0x24, 0x32, 0x64}
@@ -155,7 +155,7 @@ def test_only_reads_that_end_are_repeated(exchange):
     assert f"({command.code:02X})" in command.name
 
 
-def test_the_exchange_vectors_from_the_testers_end():
+def test_the_tester_sends_and_reads_the_exchange_vectors():
     """The tester builds the request and reads the response; the list of 63 is that of 64."""
     listed: tuple[c.Datum, ...] = ()
     sizes = {**dict.fromkeys(range(256), 1), 0x3F: 2, 0x21: 2, 0x40: 2, 0x59: 2}

@@ -80,7 +80,7 @@ def test_the_address_of_sim_is_the_first_line(start, sim):
     assert process.wait(PATIENCE) == 130
 
 
-def test_memory_of_a_unit_without_single_bytes(start):
+def test_memory_of_a_unit_without_single_bytes_is_written_in_blocks(start):
     with serving(a_pty_port, {"missing": "bytes"}) as unit:
         line = ("--port", unit.url, "--timeout", "0.2")
         write = start("mem", "write", "xram", "1000", "0D", "--yes", "--json", *line)
@@ -142,7 +142,7 @@ def lines_until(stream, found) -> list[dict]:
     return lines
 
 
-def test_an_adapter_that_goes_and_comes_back(start, sim, tmp_path):
+def test_an_adapter_that_goes_and_comes_back_is_a_gap_with_its_reason(start, sim, tmp_path):
     """“Probing goes on for ever without a hand on the keyboard, the recording stays open and gets
     a gap with its reason”: the address stays, what is behind it goes away and comes back.
     """
@@ -230,7 +230,7 @@ def test_enter_marks_a_moment(start, tmp_path):
     assert note.data == {"label": "горка"}
 
 
-def test_a_reader_that_has_had_enough(start, url):
+def test_a_reader_that_closes_its_pipe_ends_watch_cleanly(start, url):
     watch = start("watch", "TWAT", "--port", url)
     watch.stdout.readline()
     watch.stdout.close()
@@ -239,7 +239,7 @@ def test_a_reader_that_has_had_enough(start, url):
     assert watch.stderr.read() == ""
 
 
-def test_closed_streams(start):
+def test_closed_standard_streams_are_no_crash(start):
     for closed in ((1,), (0, 1), (0, 1, 2)):
         process = start(
             "read", "TWAT", "--port", "sim:?clock=simulated",
@@ -249,7 +249,7 @@ def test_closed_streams(start):
         assert process.wait(PATIENCE) == 0
 
 
-def test_doctor_on_a_wire_of_another_pace(start):
+def test_doctor_finds_a_wire_of_another_baud_rate(start):
     process = start("sim", "--baud", "4800")
     url = process.stdout.readline().strip()
     doctor = start("doctor", "--port", url, "--json", "--timeout", "0.2")
@@ -295,7 +295,7 @@ def read_until(behind: int, wanted: str) -> str:
     return got
 
 
-def test_the_live_table_on_a_terminal(start):
+def test_the_live_table_is_drawn_and_the_terminal_left_as_it_was(start):
     with terminal() as (behind, front):
         watch = start("watch", "--port", "sim:", "--lang", "ru", stdin=front, stdout=front,
                       stderr=front, start_new_session=True)  # fmt: skip
@@ -362,7 +362,7 @@ def until_it_sleeps(pid: int) -> None:
         pass
 
 
-def test_a_question_at_a_terminal(start, tmp_path):
+def test_a_question_at_a_terminal_takes_yes_no_end_and_ctrl_c(start, tmp_path):
     argv = ("write", "UOZ", "10", "--port", "sim:?clock=simulated")
     for answer, status in (("n\n", 6), ("y\n", 0), ("\x04", 6), ("\x03", 130)):
         with terminal() as (behind, front):

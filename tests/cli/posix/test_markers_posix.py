@@ -164,7 +164,7 @@ def lines(data: bytes, *, bits: int) -> tuple[list[str], str]:
     return [label for part in parts for label in line.feed(part)], line.text
 
 
-def test_keys_that_edit_the_line():
+def test_keys_edit_the_line_of_a_marker():
     assert lines("горка\x7f\x7fб\r".encode(), bits=1) == (["горб"], "")
     assert lines(b"long hill\x17way\n", bits=3) == (["long way"], "")
     assert lines(b"wrong\x15right", bits=100) == ([], "right")
