@@ -7,7 +7,7 @@ from dashboard.rig import rig
 VOLGA = {"car": "Волга 3110", "plate": "А123ВС 52", "mileage": 154000, "workshop": "Гараж"}
 
 
-def test_asked_once_kept_and_written(tmp_path) -> None:
+def test_a_car_is_asked_once_kept_and_written_into_the_recording(tmp_path) -> None:
     with rig(tmp_path, "sim:?scenario=warm-idle") as it:
         it.until(lambda now: now["state"]["model"])
         assert it.get("/car") == {
@@ -34,7 +34,7 @@ def test_asked_once_kept_and_written(tmp_path) -> None:
         assert it.put("/recordings/none.pcapng/car", VOLGA, 404)["code"] == "NotFound"
 
 
-def test_put_off(tmp_path) -> None:
+def test_a_car_that_was_put_off_counts_as_asked_and_stays_empty(tmp_path) -> None:
     with rig(tmp_path, "sim:?scenario=warm-idle") as it:
         it.until(lambda now: now["state"]["model"])
         it.put("/car", {})

@@ -115,7 +115,7 @@ def test_limits_alarm_at_once_and_end_with_their_limits(warm):
     assert channel(warm, "TWAT")["own"] == []
 
 
-def test_who_may_change_and_what_is_refused(warm):
+def test_an_outdated_or_foreign_change_of_a_channel_is_refused(warm):
     version = state_version(warm)
     warm.put("/channels/TWAT/keys", {"version": version, "gauge": [0, 150]})
     error = warm.put("/channels/TWAT/keys", {"version": version, "gauge": [0, 140]}, 409)
@@ -163,7 +163,7 @@ def test_a_formula_is_tried_without_being_kept(warm):
     assert warm.post("/channels/try", {"formula": "x" * 1001}, 400)["code"] == "BadRequest"
 
 
-def test_a_moment_of_a_recording(warm):
+def test_a_channel_has_its_values_at_a_moment_of_a_recording(warm):
     warm.post("/recording/start", {"name": "drive"})
     warm.until(lambda it: (it["state"]["recording"] or {"samples": 0})["samples"] > 20)
     warm.post("/recording/stop")

@@ -28,14 +28,14 @@ def errors_of(kind, value):
      (DumpRequest, {"space": "rom", "first": -1, "last": "x"}),
      (list[int], "x"), (int, 1.5), (bool, "maybe")],
 )  # fmt: skip
-def test_in_both_languages(kind, value) -> None:
+def test_every_validation_error_has_a_text_in_both_languages(kind, value) -> None:
     for text in errors_of(kind, value):
         assert not re.search("[А-яЁё]", text.en), text
         assert re.search("[А-яЁё]", text.ru), text
         assert not re.search("[{}]|Input|Field", text.en + text.ru), text
 
 
-def test_the_field_is_named() -> None:
+def test_a_validation_error_names_its_field() -> None:
     (text, *_) = errors_of(WriteParameterRequest, {"kind": "write_parameter"})
     assert text == ("“name” is missing", "«name» не указано")
 

@@ -51,7 +51,7 @@ def saved_as(answer):
     return answer.headers["content-disposition"]
 
 
-def test_the_file_itself(desk, made) -> None:
+def test_a_recording_is_downloaded_byte_for_byte(desk, made) -> None:
     answer = desk.get("/recordings/drive.pcapng/file")
     assert answer.content == made.read_bytes()
     assert answer.headers["content-type"] == "application/x-pcapng"
@@ -59,7 +59,7 @@ def test_the_file_itself(desk, made) -> None:
 
 
 @pytest.mark.parametrize("suffix", ["csv", "mf4", "parquet", "msl", "mlg"])
-def test_every_format(desk, made, temporary, tmp_path, suffix) -> None:
+def test_every_format_is_exported_with_its_values(desk, made, temporary, tmp_path, suffix) -> None:
     answer = desk.get("/recordings/drive.pcapng/export", format=suffix, names="TWAT,FUEL_FLOW")
     assert f'filename="drive.{suffix}"' in saved_as(answer)
     assert int(answer.headers["content-length"]) == len(answer.content)
@@ -100,7 +100,7 @@ def test_what_happened_is_in_the_export(desk) -> None:
     assert marks == ["MARK 000 - here", "MARK 001 - разрыв 0,1 с: нет эха"]
 
 
-def test_all_channels_and_a_spreadsheet_s_csv(desk, made) -> None:
+def test_an_export_for_a_spreadsheet_has_all_channels(desk, made) -> None:
     answer = desk.get("/recordings/drive.pcapng/export", dialect="excel", lang="ru")
     head = answer.content.decode("utf-8-sig").splitlines()[0]
     assert ";" in head
@@ -213,7 +213,7 @@ def test_nothing_is_left_after_the_client_has_gone(temporary) -> None:
 # --- the report
 
 
-def test_the_report(desk) -> None:
+def test_the_report_of_a_recording_is_a_page_in_the_language(desk) -> None:
     answer = desk.get("/recordings/drive.pcapng/report", lang="ru")
     assert answer.headers["content-type"].startswith("text/html")
     assert "drive.html" in saved_as(answer)
@@ -264,7 +264,7 @@ def report_with(idle, wanted: str) -> str:
     return text
 
 
-def test_the_live_report(idle) -> None:
+def test_the_live_report_has_the_values_and_faults_of_the_unit(idle) -> None:
     idle.until(lambda it: it["state"]["fault_count"] == 1)
     text = report_with(idle, "все значения, которые можно оценить (5)")
     assert "измерено на виртуальном автомобиле" in text
@@ -313,7 +313,7 @@ def test_a_recording_started_after_erasing_says_so(idle) -> None:
     assert "verdict open" in text
 
 
-def test_the_recording_in_progress(idle) -> None:
+def test_the_recording_in_progress_is_listed_read_and_exported(idle) -> None:
     idle.post("/recording/start", {"name": "now"})
     idle.until(lambda it: it["state"]["recording"]["samples"] > 20)
     (it,) = idle.get("/recordings")["recordings"]

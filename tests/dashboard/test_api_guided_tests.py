@@ -85,7 +85,7 @@ def test_skipping_every_step_tells_nothing(cold):
     assert cold.put("/tests/results/none", {"in_report": True}, status=404)
 
 
-def test_a_test_over_a_recording(cold):
+def test_a_test_over_a_recording_has_its_result(cold):
     names = ("FREQ", "TWAT", "TAIR", "THR", "JAIR", "UACC")
     wanted = [{"name": name, "every": 1} for name in names]
     cold.put("/plan", {"wanted": wanted, "method": "auto", "rate": None})

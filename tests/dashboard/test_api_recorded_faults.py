@@ -6,7 +6,7 @@ from dashboard.recordings_rig import record, record_fault
 from dashboard.rig import rig
 
 
-def test_the_faults_of_a_recording_and_the_frame_of_a_new_one(tmp_path):
+def test_a_recording_has_its_faults_and_the_frame_of_a_new_one(tmp_path):
     folder = tmp_path / "recordings"
     folder.mkdir()
     record_fault(folder / "drive.pcapng")

@@ -47,7 +47,7 @@ def ids(desk):
 # --- the list
 
 
-def test_what_the_list_says(desk, folder) -> None:
+def test_the_list_has_size_length_and_date_the_latest_first(desk, folder) -> None:
     os.utime(folder / "cold.pcapng", (1, 1))
     drive, cold = desk.get("/recordings")["recordings"]
     assert (drive["id"], cold["id"]) == ("drive.pcapng", "cold.pcapng")
@@ -139,7 +139,7 @@ def test_nothing_else_can_be_reached(desk, folder, tmp_path) -> None:
 # --- one
 
 
-def test_one_recording(desk, folder) -> None:
+def test_a_recording_has_its_channels_its_time_and_its_problems(desk, folder) -> None:
     it = desk.get("/recordings/drive.pcapng")
     frame = mikas.open(folder / "drive.pcapng").to_pandas().dropna(how="all")
     assert it["channels"] == list(frame.columns)
@@ -164,7 +164,7 @@ def test_a_marker_is_changed_without_reading_the_packets(desk, folder, monkeypat
     assert [it["label"] for it in events if it["kind"] == "marker"] == ["there"]
 
 
-def test_two_sessions_in_one_file(desk, folder) -> None:
+def test_two_sessions_in_one_file_have_the_span_of_both(desk, folder) -> None:
     both = (folder / "drive.pcapng").read_bytes() + (folder / "cold.pcapng").read_bytes()
     (folder / "both.pcapng").write_bytes(both)
     it = desk.get("/recordings/both.pcapng")
@@ -184,7 +184,7 @@ def test_a_damaged_one_says_where(desk, folder) -> None:
 # --- rows
 
 
-def test_all_rows(desk, folder) -> None:
+def test_all_rows_are_those_of_the_library(desk, folder) -> None:
     reported = desk.get("/recordings/drive.pcapng/rows", points=1000, names="UACC,TWAT,FUEL_FLOW")
     frame = mikas.open(folder / "drive.pcapng").to_pandas().dropna(how="all")
     assert reported["names"] == ["UACC", "TWAT", "FUEL_FLOW"]
@@ -195,7 +195,7 @@ def test_all_rows(desk, folder) -> None:
         np.testing.assert_array_equal(values, frame[name].to_numpy())
 
 
-def test_a_window(desk) -> None:
+def test_a_window_has_the_rows_of_its_time_only(desk) -> None:
     detail = desk.get("/recordings/drive.pcapng")
     begin, end = detail["first"] + 2, detail["first"] + 4
     reported = desk.get("/recordings/drive.pcapng/rows", **{"from": begin, "to": end})
@@ -216,7 +216,7 @@ def test_spikes_stay_when_there_are_too_many_rows(desk, folder) -> None:
     assert (min(shown), max(shown)) == (frame.FREQX.min(), frame.FREQX.max())
 
 
-def test_rows_that_make_no_sense(desk) -> None:
+def test_wrong_queries_for_rows_are_refused(desk) -> None:
     for query in (
         {"names": "TWATT"}, {"names": "0x1A"}, {"points": 1}, {"points": 10**9}, {"from": "x"},
         {"to": "nan"}, {"from": "inf"},
@@ -259,7 +259,7 @@ def test_a_note_is_kept_in_the_file_itself(desk, folder) -> None:
     assert "before the plugs" in desk.get("/recordings/drive.pcapng/report").text
 
 
-def test_who_may_not_note(desk, folder, tmp_path) -> None:
+def test_a_wrong_note_is_refused(desk, folder, tmp_path) -> None:
     assert desk.put("/recordings/none.pcapng/note", {"text": "x"}, 404)["code"] == "NotFound"
     assert desk.put("/recordings/drive.pcapng/note", {"text": "x" * 10_001}, 400)["ru"]
     no_id = desk.client.put("/api/recordings/drive.pcapng/note", json={"text": "x"})
@@ -277,7 +277,7 @@ def ask_to_delete(desk, name="drive.pcapng", status=200, headers=ME):
     return desk.post("/changes", wish, status, headers=headers)
 
 
-def test_deleting_asks_first(desk, folder) -> None:
+def test_a_recording_is_deleted_only_after_a_confirmation(desk, folder) -> None:
     asked = ask_to_delete(desk)
     assert asked["before"]["id"] == "drive.pcapng"
     assert asked["meaning"]["ru"]

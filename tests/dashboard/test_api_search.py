@@ -26,7 +26,7 @@ def find(desk, path: str, expression: str, status: int = 200):
     return desk.get(path, status, expression=expression)
 
 
-def test_in_a_recording(desk) -> None:
+def test_a_condition_finds_all_moments_of_a_recording(desk) -> None:
     path = desk.folder / "recordings" / "drive.pcapng"
     speed = np.concatenate([rows.values["FREQ"] for rows in mikas.open(path).rows()])
     least = np.nanmin(speed)
@@ -42,7 +42,7 @@ def test_in_a_recording(desk) -> None:
     assert find(desk, "/recordings/no.pcapng/find", "FREQ > 1", 404)["code"] == "NotFound"
 
 
-def test_in_the_live_values(desk) -> None:
+def test_a_condition_finds_moments_of_the_live_values(desk) -> None:
     nothing = find(desk, "/history/find", "TWAT > 100")
     assert nothing == {
         "hits": [], "count": 0, "peak_of": "TWAT", "lowest": False, "begin": None, "end": None,

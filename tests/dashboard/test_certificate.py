@@ -96,7 +96,7 @@ def test_without_the_library_the_command_that_installs_it_is_named(file, monkeyp
     assert "--no-tls" in failure.value.advice.ru
 
 
-def test_the_certificate_of_the_user(file, tmp_path):
+def test_the_certificate_of_the_user_gives_its_names_or_says_why_not(file, tmp_path):
     own_certificate(file, ("mikas.example", "*.example", "::1", "10.0.0.5"), NOW)
     given = given_certificate(file, file)
     assert given.hosts(("192.168.0.7", "garage")) == (

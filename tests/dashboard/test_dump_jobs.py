@@ -137,7 +137,7 @@ def small(it):
     return name
 
 
-def test_deleting_a_dump_asks_first(idle):
+def test_a_dump_is_deleted_only_after_a_confirmation(idle):
     name = small(idle)
     assert idle.client.delete(f"/api/dumps/{name}", headers=ME).status_code == 405
     assert delete(idle, name, 409, headers=OTHER)["code"] == "NotController"

@@ -16,7 +16,7 @@ NAN = float("nan")
 COLUMN = st.lists(st.one_of(st.just(NAN), st.integers(-1000, 1000).map(float)), min_size=1)
 
 
-def test_columns_for_json():
+def test_a_missing_value_is_null_in_json():
     rows = Rows(np.arange(3.0), {"A": np.array([1, NAN, 2.5])})
     assert json_columns(rows) == {
         "names": ["A"], "times": [0.0, 1.0, 2.0], "values": [[1, None, 2.5]],
@@ -39,7 +39,7 @@ def test_a_changed_plan_is_another_set_of_columns():
     assert history.rows(0.5).times.tolist() == [2.0]
 
 
-def test_what_is_too_old_goes():
+def test_rows_that_are_too_old_are_dropped():
     history = History(seconds=1000)
     for number in range(20_000):
         history.add(float(number), ("A",), [number])
@@ -71,7 +71,7 @@ def test_the_oldest_goes_when_there_are_too_many_values(monkeypatch):
     assert 35 <= len(history.rows(7200).times) <= 50
 
 
-def test_nothing_yet():
+def test_an_empty_history_has_empty_columns():
     assert json_columns(History().rows(60)) == {"names": [], "times": [], "values": []}
     assert json_columns(History().rows(60, ["A"])) == {
         "names": ["A"], "times": [], "values": [[]],

@@ -136,7 +136,9 @@ def download(it, path: str) -> tuple[int, int, bytes]:
 
 
 @pytest.mark.posix
-def test_a_download_raced_with_what_others_do(tmp_path: Path, monkeypatch, caplog) -> None:
+def test_a_download_gives_no_other_file_whatever_replaces_it_meanwhile(
+    tmp_path: Path, monkeypatch, caplog
+) -> None:
     """Between the look-up and the opening, and between the opening and the sending."""
     folder = tmp_path / "recordings"
     secret, other, file = tmp_path / "passwd", tmp_path / "other", folder / "a.pcapng"
@@ -200,7 +202,9 @@ def test_a_download_raced_with_what_others_do(tmp_path: Path, monkeypatch, caplo
 
 
 @pytest.mark.posix
-def test_the_file_of_a_dump_raced_with_what_others_do(tmp_path: Path, dumps: Path) -> None:
+def test_a_dump_whose_file_is_replaced_gives_no_more_than_its_range(
+    tmp_path: Path, dumps: Path
+) -> None:
     put(dumps / "a.bin")
     with rig(tmp_path, None) as it:
         assert download(it, "/dumps/a/file") == (200, 10, bytes(10))
@@ -217,7 +221,9 @@ def test_the_file_of_a_dump_raced_with_what_others_do(tmp_path: Path, dumps: Pat
 
 
 @pytest.mark.posix
-def test_of_the_recordings_what_is_none_is_named(tmp_path: Path, monkeypatch) -> None:
+def test_files_that_are_left_out_of_the_list_are_named_with_the_reason(
+    tmp_path: Path, monkeypatch
+) -> None:
     folder = tmp_path / "recordings"
     folder.mkdir()
     (folder / "link.pcapng").symlink_to("/etc/passwd")
@@ -250,7 +256,9 @@ def test_a_folder_of_a_hundred_thousand_names_is_looked_at_in_part(
     assert files_in(tmp_path / "none", ".bin", 10) == library_folder.Listing([], [])
 
 
-def test_a_folder_that_is_replaced_while_it_is_listed(tmp_path: Path, monkeypatch) -> None:
+def test_a_folder_that_is_replaced_while_it_is_listed_is_no_error(
+    tmp_path: Path, monkeypatch
+) -> None:
     folder = tmp_path / "dumps"
     folder.mkdir()
     for number in range(5):

@@ -38,7 +38,7 @@ def is_shown(response):
     response.json()
 
 
-def test_half_a_pair_and_controls_in_a_body(desk):
+def test_half_a_pair_or_controls_in_a_body_are_an_error_that_can_be_shown(desk):
     headers = ME | {"Content-Type": "application/json"}
     for method, path, body in ROUTES:
         for bad in (HALF, CONTROLS):
@@ -47,7 +47,7 @@ def test_half_a_pair_and_controls_in_a_body(desk):
             )
 
 
-def test_a_text_in_a_path_or_a_query(desk):
+def test_controls_in_a_path_or_a_query_are_an_error_that_can_be_shown(desk):
     for bad in ("%ED%A0%80", "%1B%5B2J", "%FF", "%E2%80%AE", "%00"):
         for path in ("/recordings/{}", "/recordings/{}/report", "/dumps/{}", "/{}"):
             is_shown(desk.client.get(f"/api{path.format(bad)}", headers=ME))
@@ -60,7 +60,7 @@ def test_a_marker_is_cleaned_for_every_page(desk):
     assert events[-1]["label"] == "a\ufffd[2J\ufffd b"
 
 
-def test_the_name_of_a_client(desk):
+def test_the_name_of_a_client_is_cleaned(desk):
     name = {"X-Mikas-Name": quote("a\x1b]0;x\x07\u202e") + "%ED%A0%80"}
     state = desk.client.post("/api/control/take", json={}, headers=ME | name).json()
     assert "\x1b" not in json.dumps(state, ensure_ascii=False)

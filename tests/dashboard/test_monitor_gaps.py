@@ -130,7 +130,7 @@ def _closed(it):
     return [event for event in found if event["ended"] is not None]
 
 
-def test_a_pulled_adapter_and_then_another_car(idle):
+def test_a_pulled_adapter_and_a_new_connection_are_gaps_in_a_row(idle):
     idle.cars.pull()
     idle.until(lambda it: it["state"]["line"] == "no-port")
     idle.post("/connect", {"port": ADAPTER.url})  # first: the other would come back otherwise
@@ -141,7 +141,7 @@ def test_a_pulled_adapter_and_then_another_car(idle):
     assert "connection" in between["reason"]["en"]
 
 
-def test_disconnected_and_connected_again(idle):
+def test_a_disconnection_is_a_gap_with_its_reason(idle):
     idle.post("/disconnect")
     idle.post("/connect", {"port": "sim:?scenario=warm-idle"})
     idle.sampling()

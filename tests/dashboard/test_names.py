@@ -59,5 +59,5 @@ def test_any_text_is_a_file_on_every_system_or_nothing(text: str) -> None:
     ["a", ".pcapng", ".a.pcapng", "a/b.pcapng", "..\\b.pcapng", "a\x9b.pcapng", "a\u202e.pcapng",
      "a\ud800.pcapng", "a\nb.pcapng", "C:a.pcapng", "a" * 240 + ".pcapng", "\0.pcapng", ""],
 )  # fmt: skip
-def test_a_name_that_is_not_taken(name: str) -> None:
+def test_a_name_that_leads_elsewhere_or_can_not_be_a_file_is_refused(name: str) -> None:
     assert not is_file_name(name, SUFFIX)

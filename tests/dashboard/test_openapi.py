@@ -40,7 +40,7 @@ def checks():
     ]
 
 
-def test_every_operation_is_tried(operations):
+def test_every_operation_of_the_description_is_tried(operations):
     assert sorted(operations) == sorted(LABELS)
 
 

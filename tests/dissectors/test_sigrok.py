@@ -349,7 +349,7 @@ def test_bytes_of_another_bit_rate_are_named_by_what_they_lack():
     assert sigrok.texts("frame") == ["01 FF 0D"]
 
 
-def test_two_channels_with_an_echo_that_differs():
+def test_on_two_channels_an_echo_that_differs_is_named():
     sigrok = SimulatedSigrok(MODULE)
     for request, echoed in ((b"\x01", b"\x01"), (b"\x61\x1a", b"\x61\x1b")):
         begin = sigrok.at

@@ -63,7 +63,7 @@ def test_the_silences_are_those_of_decode():
         ("°C «об/мин»", '"°C «об/мин»"'),
     ],
 )
-def test_literals(value, expected):
+def test_a_value_is_written_as_a_literal_of_lua(value, expected):
     assert lua(value) == expected
 
 

@@ -268,7 +268,9 @@ def test_damage_refusals_and_faults_are_expert_information(installed, small, few
 
 
 @pytest.mark.parametrize("interpretation", ["literal", "alternative"])
-def test_russian_and_another_interpretation(tmp_path, small, interpretation):
+def test_a_script_in_russian_obeys_the_interpretation_of_the_setting(
+    tmp_path, small, interpretation
+):
     script = plugin(tmp_path / "mikas.lua", language="ru", interpretation="literal")
     found = shown(small, script, "-o", f"mikas.interpretation:{interpretation}")
     meanings = [dict(item).get("meaning") for packet in found for item in packet.items]

@@ -128,7 +128,7 @@ def test_a_time_with_a_zone_is_an_error_that_says_what_to_write(dataset, monkeyp
         ask(dataset, "SELECT now()")
 
 
-def test_a_file_that_is_gone_from_a_dataset_read_by_python(tmp_path) -> None:
+def test_in_a_dataset_read_by_python_a_missing_file_is_named(tmp_path) -> None:
     home = tmp_path / "a [set]"
     add_here(make(tmp_path / "drive.pcapng"), to=home)
     (table,) = home.rglob("faults/*/*/*.parquet")
@@ -148,7 +148,7 @@ def test_a_text_that_is_not_utf_8_is_no_question(dataset) -> None:
     assert ask(dataset, "SELECT 's3://me@host'") == [("s3://me@host",)]
 
 
-def test_a_file_of_the_dataset_that_is_gone_or_damaged(tmp_path) -> None:
+def test_a_file_of_the_dataset_that_is_gone_or_damaged_is_named(tmp_path) -> None:
     recording = make(tmp_path / "in" / "drive.pcapng")
     add_here(recording, to=tmp_path / "set")
     (table,) = (tmp_path / "set").glob("faults/*/*/*.parquet")
@@ -175,7 +175,7 @@ def test_a_file_of_the_dataset_that_is_gone_or_damaged(tmp_path) -> None:
 
 
 @pytest.mark.posix
-def test_more_files_than_a_process_may_open_at_first(tmp_path) -> None:
+def test_more_files_than_a_process_may_open_are_read(tmp_path) -> None:
     import resource
 
     for number in range(5):
@@ -225,7 +225,7 @@ def test_files_that_no_entry_names_do_not_count(dataset, tmp_path) -> None:
     assert ask(tmp_path / "set", "SELECT count(*) FROM drives") == [(1,)]
 
 
-def test_a_folder_that_is_no_dataset(tmp_path) -> None:
+def test_a_folder_that_is_no_dataset_is_refused(tmp_path) -> None:
     with pytest.raises(FleetError, match="no dataset"), opened(str(tmp_path)):
         pass
 

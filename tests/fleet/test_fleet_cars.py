@@ -23,7 +23,7 @@ def test_a_plate_is_one_however_it_is_typed(typed) -> None:
     assert plate_key(typed) == "A123BC52"
 
 
-def test_the_order_of_what_identifies_a_car() -> None:
+def test_a_car_is_identified_by_given_name_plate_own_name_or_unit_in_this_order() -> None:
     details = CarDetails("Волга  синяя", "е777кх99")
     assert car_key("Моя", details, UNIT) == ("МОЯ", KnownBy.GIVEN)
     assert car_key("", details, UNIT) == ("E777KX99", KnownBy.PLATE)

@@ -237,7 +237,7 @@ codes = st.sets(st.sampled_from((13, 17, 53, 99)), max_size=2).map(lambda it: tu
         max_size=7,
     )
 )
-def test_on_any_fleet(drawn) -> None:
+def test_sentences_and_page_agree_on_any_fleet(drawn) -> None:
     cars = (car(f"C{n}", tuple(heard), **valued) for n, (valued, heard) in enumerate(drawn))
     agree(fleet(*cars))
 

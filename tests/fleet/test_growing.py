@@ -36,7 +36,9 @@ def whole(tmp_path) -> bytes:
 
 
 @pytest.mark.parametrize("first", [0, 1])
-def test_two_runs_at_once_with_two_states_of_a_recording(tmp_path, whole, first) -> None:
+def test_two_runs_with_two_states_of_a_recording_leave_the_whole_one(
+    tmp_path, whole, first
+) -> None:
     file, dataset = tmp_path / "drive.pcapng", tmp_path / "set"
     states = [whole[: len(whole) // 2], whole]
     plans = []

@@ -155,7 +155,7 @@ def cluster(folder: Path) -> Iterator[Cluster]:
 
 
 @pytest.mark.posix
-def test_a_cluster_of_two_workers_of_which_one_is_killed(tmp_path) -> None:
+def test_a_cluster_completes_though_one_of_its_workers_is_killed(tmp_path) -> None:
     folder = some(tmp_path / "in", 10)
     with cluster(tmp_path) as it:
         with pytest.raises(FleetError, match="no workers"):
@@ -186,7 +186,9 @@ def test_a_cluster_of_two_workers_of_which_one_is_killed(tmp_path) -> None:
 
 
 @pytest.mark.posix
-def test_a_scheduler_that_is_killed_amid_the_work(tmp_path) -> None:
+def test_a_scheduler_that_is_killed_amid_the_work_leaves_whole_recordings(
+    tmp_path,
+) -> None:
     folder = some(tmp_path / "in", 10)
     with cluster(tmp_path) as it:
         it.worker()

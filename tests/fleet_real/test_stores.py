@@ -68,7 +68,7 @@ def place(request, tmp_path) -> str:
     return f"{request.getfixturevalue('bucket')}/{uuid.uuid4().hex}"
 
 
-def test_the_contract(place, tmp_path) -> None:
+def test_every_store_keeps_the_contract(place, tmp_path) -> None:
     files = store(place)
     files.tidy()
     assert files.read("a/b.txt") is None
@@ -94,7 +94,7 @@ def test_the_contract(place, tmp_path) -> None:
     assert again.names("a") == ["car=Волга 1%2F", "d.txt"]
 
 
-def test_a_dataset_in_it_and_recordings_in_it(place, tmp_path) -> None:
+def test_recordings_of_a_store_become_a_dataset_in_it(place, tmp_path) -> None:
     import fsspec
 
     home = f"{place}/in"
@@ -166,7 +166,7 @@ class OneConnection(LocalFileSystem):
         return super()._open(path, mode, **given)
 
 
-def test_a_dataset_behind_one_connection(tmp_path) -> None:
+def test_a_dataset_is_read_through_a_single_connection(tmp_path) -> None:
     import fsspec
 
     fsspec.register_implementation("one", OneConnection, clobber=True)

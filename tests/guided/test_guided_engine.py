@@ -77,7 +77,7 @@ def finished(test: GuidedTest, voltage: float) -> TestResult:
     return engine.result
 
 
-def test_phases() -> None:
+def test_a_step_waits_for_its_start_then_holds_and_ends() -> None:
     engine = TestEngine(made(), shipped())
     assert engine.progress().lacking == ("FREQ",)
     feed(engine, 0, 1, UACC=11, FREQ=800)
@@ -211,7 +211,9 @@ def test_a_value_beside_the_limit_is_less_sure(
         ("max", "TWAT", {}, None),
     ],
 )
-def test_statistics(statistic: str, of: str, keys: dict[str, str], expected: float | None) -> None:
+def test_each_statistic_is_computed_over_the_step(
+    statistic: str, of: str, keys: dict[str, str], expected: float | None
+) -> None:
     engine = TestEngine(made(measure(statistic, of, **keys)), shipped())
     feed(engine, 0, 2.6, UACC=12.8, FREQ=0)
     assert engine.progress().step == 1

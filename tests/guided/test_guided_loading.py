@@ -19,7 +19,7 @@ DOCS = (Path(__file__).parents[2] / "docs" / "reference" / "guided-tests.md").re
 CAR, EXAMPLE = re.findall(r"```toml\n(.*?)```", DOCS, re.DOTALL)
 
 
-def test_the_documented_example_and_all_keys() -> None:
+def test_the_documented_example_loads_and_all_keys_are_documented() -> None:
     test = from_source(parse_source("fan.toml", EXAMPLE.encode()), shipped(), own=True)
     assert (test.name, test.title.ru, test.channels) == ("fan", "Вентилятор", ("TWAT", "FREQ"))
     assert (test.steps[0].whole, test.steps[0].watch, test.own) == (True, ("TWAT",), True)
@@ -36,7 +36,7 @@ def test_the_documented_car_has_the_fault_that_is_said() -> None:
     assert [finding.rule for finding in result.findings] == ["no_charge"]
 
 
-def test_one_wrong_file_among_the_users(tmp_path: Path) -> None:
+def test_a_wrong_file_of_the_users_is_named_and_the_others_load(tmp_path: Path) -> None:
     (tmp_path / "fan.toml").write_text(EXAMPLE, "utf-8")
     (tmp_path / "wrong.toml").write_text(EXAMPLE.replace("of = ", "off = "), "utf-8")
     (tmp_path / "Bad Name.toml").write_text(EXAMPLE, "utf-8")

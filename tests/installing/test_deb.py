@@ -63,7 +63,7 @@ def on_a_copy(deb, tmp_path):
     return run
 
 
-def test_what_it_says_of_itself(deb):
+def test_the_package_has_its_version_and_dependencies(deb):
     fields = dict(
         line.split(": ", 1)
         for line in output("dpkg-deb", "--field", deb).splitlines()

@@ -55,7 +55,7 @@ def test_both_archives_hold_the_page_and_its_licences():
         assert name.lower() in licences.lower()
 
 
-def test_pipx_install_mikas(computer, tools):
+def test_pipx_installs_a_program_that_works_and_removes_it(computer, tools):
     computer.run(tools, "-m", "pipx", "install", "mikas", "--python", tools)
     program = computer.home / ".local" / "bin" / "mikas"
     try_it(computer, program)
@@ -64,7 +64,7 @@ def test_pipx_install_mikas(computer, tools):
     assert not program.exists()
 
 
-def test_uv_tool_install_mikas(computer, tools):
+def test_uv_installs_a_program_that_works_and_removes_it(computer, tools):
     computer.run(tools.with_name("uv"), "tool", "install", "mikas", "--python", tools)
     program = computer.home / ".local" / "bin" / "mikas"
     try_it(computer, program)
@@ -72,7 +72,7 @@ def test_uv_tool_install_mikas(computer, tools):
     assert not program.exists()
 
 
-def test_pip_install_of_the_source_distribution(computer, tools):
+def test_pip_installs_a_program_that_works_from_the_source_distribution(computer, tools):
     environment = computer.home / "environment"
     computer.run(tools, "-m", "venv", environment)
     computer.run(environment / "bin" / "pip", "install", built("mikas-*.tar.gz"))

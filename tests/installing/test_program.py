@@ -117,7 +117,7 @@ def test_the_trial_knows_what_a_double_click_on_macos_starts(tmp_path):
     trial.is_an_application()
 
 
-def test_the_licences_of_all_that_is_inside(folder):
+def test_the_notices_have_the_licence_of_each_part(folder):
     text = (folder / "_internal" / "notices.txt").read_text("utf-8")
     inside = {each.name.split("-")[0] for each in (folder / "_internal").glob("*.dist-info")}
     for name in {*inside, "asammdf", "duckdb", "numpy", "pandas", "lxml", "pyserial", "Python"}:

@@ -24,6 +24,6 @@ USES = {
     # A break over RFC 2217 waits seconds for the answer of the other end, which no longer comes.
     [pair for pair in product(RIGS, USES) if pair != (rfc2217_rig, "break")],
 )
-def test_closed_by_another_thread_at_any_moment(monkeypatch, rig, use):
+def test_closing_by_another_thread_at_any_moment_ends_the_call(monkeypatch, rig, use):
     hurry_pyserial(monkeypatch)
     assert close_at_each_line(rig, USES[use]) > 1

@@ -124,7 +124,7 @@ def test_why_a_port_in_use_is_gone(error, message):
     assert why_lost(error).ru
 
 
-def test_what_a_port_can_not_do():
+def test_a_refused_setting_is_told_from_a_failing_port():
     assert is_unable(OSError(errno.ENOTTY, "Inappropriate ioctl"))
     assert is_unable(ValueError("remote rejected value for option 'control'"))
     assert not is_unable(OSError(errno.EIO, "Input/output error"))

@@ -117,7 +117,7 @@ def test_after_a_flood_every_call_raises_and_names_its_request():
 
 
 @pytest.mark.realtime
-def test_a_network_port_that_sends_at_full_speed():
+def test_a_network_port_that_sends_at_full_speed_is_given_up():
     def send() -> None:
         with server.accept()[0] as connection, suppress(OSError):
             while True:

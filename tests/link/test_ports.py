@@ -38,7 +38,7 @@ def found(*ports, **settings):
     return find_ports(lambda: ports, **settings)
 
 
-def test_all_that_is_known_of_an_adapter(tmp_path):
+def test_an_adapter_has_its_name_chip_numbers_and_latency(tmp_path):
     (tmp_path / "ttyUSB0").mkdir()
     (tmp_path / "ttyUSB0" / "latency_timer").write_text("16\n")
     (port,) = found(FTDI, sysfs=tmp_path)
@@ -85,7 +85,7 @@ def test_no_latency_where_the_system_does_not_tell(tmp_path):
         (0x067B, 0x23A3, "PL2303GC", ""),
     ],
 )
-def test_chips_and_quirks(vid, pid, chip, quirk):
+def test_a_chip_is_recognized_with_its_quirks(vid, pid, chip, quirk):
     (port,) = found(Listed("COM3", vid=vid, pid=pid))
     assert (port.chip, port.likely) == (chip, True)
     assert quirk in " ".join(text.en for text in port.quirks)
@@ -139,7 +139,7 @@ def test_otherwise_the_user_chooses(ports, en, ru):
     assert f"Найдены: {ru}" in caught.value.text.ru
 
 
-def test_a_list_for_a_message():
+def test_an_empty_list_of_ports_is_none_in_words():
     assert listed([]).en == "none"
 
 
@@ -147,7 +147,7 @@ def test_the_systems_ports_can_be_listed():
     assert all(port.url and port.description for port in find_ports())
 
 
-def test_an_adapter_plugged_in_while_listing(monkeypatch):
+def test_an_adapter_plugged_in_while_listing_is_found_by_another_look(monkeypatch):
     answers = [TypeError("int() can't convert non-string with explicit base"), [FTDI]]
 
     def stumble():

@@ -41,7 +41,7 @@ def native(monkeypatch):
     return opened
 
 
-def test_9600_8n1_without_flow_control_and_for_this_program_alone(native):
+def test_a_port_is_opened_at_9600_8n1_without_flow_control_and_for_this_program_alone(native):
     link = open_link("/dev/ttyUSB0")
     (port,) = native
     assert port.port == "/dev/ttyUSB0"
@@ -61,14 +61,14 @@ def test_lines_are_set_before_opening(native):
     assert [(port.dtr, port.rts) for port in native] == [(True, False), (False, True)]
 
 
-def test_the_baud_rate_of_the_url(native):
+def test_the_baud_rate_of_the_url_is_set(native):
     link = open_link("serial:COM3", baud=10400)
     assert (link.baud, native[0].baudrate, native[0].port) == (10400, 10400, "COM3")
     assert link.url == "serial:COM3?baud=10400"
 
 
 @pytest.mark.parametrize("agreed", [True, False])
-def test_low_latency_where_the_driver_agrees(native, monkeypatch, agreed):
+def test_low_latency_is_set_where_the_driver_agrees(native, monkeypatch, agreed):
     def ask(port, on):
         if not agreed:
             raise ValueError("Failed to update ASYNC_LOW_LATENCY flag to True")
@@ -81,7 +81,7 @@ def test_low_latency_where_the_driver_agrees(native, monkeypatch, agreed):
     assert link.description == "FT232R USB UART (FTDI)" + ", low latency" * agreed
 
 
-def test_low_latency_where_there_is_no_such_thing(native):
+def test_without_a_low_latency_mode_the_latency_timer_counts(native):
     assert open_link("COM3").granularity == LATENCY_TIMER
 
 
@@ -110,12 +110,12 @@ def test_wrong_urls_are_refused_before_anything_is_opened(url):
     assert f"Invalid port “{url}”" in str(caught.value)
 
 
-def test_no_such_port():
+def test_a_port_that_does_not_exist_is_not_found():
     with pytest.raises(PortNotFound, match="mikas-no-such-port"):
         open_link("/dev/mikas-no-such-port")
 
 
-def test_denied(native, monkeypatch):
+def test_a_port_without_the_right_to_it_is_denied_with_the_group(native, monkeypatch):
     def refuse(port):
         raise serial.SerialException(13, "could not open port: Permission denied")
 
@@ -125,7 +125,7 @@ def test_denied(native, monkeypatch):
 
 
 @pytest.mark.parametrize("scheme", ["socket", "rfc2217"])
-def test_a_refused_connection(scheme):
+def test_a_refused_connection_says_that_no_program_listens(scheme):
     with socket.create_server(("127.0.0.1", 0)) as server:
         port = server.getsockname()[1]
     with pytest.raises(PortFailed, match="no program listens there"):
@@ -140,7 +140,7 @@ def test_a_refused_connection(scheme):
         (TimeoutError("timed out"), "no answer from there"),
     ],
 )
-def test_no_way_there(scheme, reason, message, monkeypatch):
+def test_a_host_that_can_not_be_reached_is_an_error_in_time(scheme, reason, message, monkeypatch):
     waits = []
 
     def fail(address, timeout):
@@ -198,7 +198,7 @@ class TestRfc2217:
     def hurry(self, monkeypatch):
         hurry_pyserial(monkeypatch)
 
-    def test_the_far_port_is_set_up(self):
+    def test_the_far_port_gets_the_settings_of_the_url(self):
         with rfc2217_rig("?baud=10400&rts=1&dtr=0") as rig:
             line = rig.peer.line
             assert (line.baudrate, line.bytesize, line.parity) == (10400, 8, "N")
@@ -280,7 +280,7 @@ def test_a_wait_without_end_is_a_wait():
         assert rig.link.read(math.inf).data == b"x"
 
 
-def test_plain_construction():
+def test_a_link_can_be_made_of_an_open_port():
     port = serial.serial_for_url("loop://", timeout=TICK)
     with SerialLink("loop://", port, about="a loop") as link:
         link.write(b"abc")

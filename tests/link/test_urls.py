@@ -50,7 +50,7 @@ def opener(url, options):
         ("sim://", "sim", ""),
     ],
 )  # fmt: skip
-def test_scheme_and_address(url, scheme, address):
+def test_a_url_is_split_into_scheme_and_address(url, scheme, address):
     assert parse(url) == PortUrl(scheme, address, {})
 
 

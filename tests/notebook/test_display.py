@@ -185,7 +185,7 @@ def test_damage_is_shown_and_the_rest_too(car, tmp_path):
     assert "TWAT" in html
 
 
-def test_a_recording_without_values(tmp_path):
+def test_a_recording_without_values_is_shown_as_empty(tmp_path):
     path = of_values(tmp_path / "empty.pcapng", [])
     recording = mikas.open(path, language="en")
     assert "0 responses" in recording._repr_html_()

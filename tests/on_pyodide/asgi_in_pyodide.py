@@ -135,7 +135,7 @@ def test_a_request_comes_as_the_page_sent_it(client):
     assert [value for name, value in headers if name == "x-two"] == ["a", "b"]
 
 
-def test_a_request_without_a_body(client):
+def test_a_request_without_a_body_has_an_empty_one(client):
     answer = client.get("/echo").json()
     assert answer["body"] == ""
     assert "content-length" not in dict(answer["headers"])
@@ -216,7 +216,7 @@ def talk(server, end, how):
 
 
 @pytest.mark.parametrize("how", ["text", "bytes"])
-def test_a_talk(server, end, seen, how):
+def test_a_talk_answers_each_message_and_notices_its_end(server, end, seen, how):
     with talk(server, end, how) as socket:
         for text in ("a", "ж" * 100_000, "\U0001f697"):
             socket.send(text)

@@ -41,7 +41,7 @@ def test_timers_come_in_order():
     assert run(scenario()) == [0, 0.001, 0.002, 0.003]
 
 
-def test_the_primitives_of_asyncio():
+def test_locks_queues_and_events_of_asyncio_work():
     async def scenario():
         lock, line, event = asyncio.Lock(), asyncio.Queue(2), asyncio.Event()
         inside, got = [], []

@@ -128,7 +128,7 @@ def test_an_event_is_waited_for_as_long_as_said():
     assert event.wait(0)
 
 
-def test_a_barrier_and_a_semaphore():
+def test_a_barrier_gathers_and_a_semaphore_limits():
     barrier, places, inside, most = threading.Barrier(3), threading.Semaphore(2), 0, 0
 
     def work():

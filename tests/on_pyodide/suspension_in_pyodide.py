@@ -79,7 +79,7 @@ class Knot:
         Knot.gone += 1
 
 
-def test_many_deep_stacks_while_garbage_is_collected():
+def test_many_deep_stacks_survive_the_collection_of_garbage():
     """Frames of suspended stacks hold objects that the collector must neither miss nor take.
 
     Each level goes through a function in C, so the stacks of WebAssembly are deep, too.

@@ -38,12 +38,12 @@ def in_pyodide(tests, left_out=()):
     assert ran.returncode == 0, ran.stdout[-30_000:]
 
 
-def test_of_what_is_of_the_site_alone():
+def test_tests_of_what_only_the_site_has_pass_on_pyodide():
     in_pyodide(f"tests/on_pyodide/{path.name}" for path in sorted(HERE.glob("*_in_pyodide.py")))
 
 
 @pytest.mark.parametrize("part", chosen.PARTS)
-def test_of_the_dashboard(part):
+def test_tests_of_the_dashboard_pass_on_pyodide(part):
     files = chosen.PARTS[part]
     left_out = [each for each in chosen.LEFT_OUT if each.partition("::")[0] in files]
     in_pyodide(

@@ -24,7 +24,7 @@ SECRET = "s3cret-WORD"
         ("MQTT://Pi.local", "pi.local", 1883, False, "mqtt://pi.local:1883"),
     ],
 )
-def test_addresses(text, host, port, encrypted, url):
+def test_an_address_has_host_port_and_encryption(text, host, port, encrypted, url):
     broker = parse_address(text)
     assert (broker.host, broker.port, broker.encrypted, broker.url) == (host, port, encrypted, url)
     assert (broker.user, broker.password) == (None, None)

@@ -220,7 +220,7 @@ def failure(connect, to: Broker) -> NoBroker:
     return caught.value
 
 
-def test_a_port_where_nobody_listens(connect):
+def test_a_port_where_nobody_listens_is_an_unreachable_broker(connect):
     error = failure(connect, Broker("127.0.0.1", free_port()))
     assert isinstance(error, BrokerUnreachable)
     assert "nothing listens" in error.text.en
@@ -228,11 +228,11 @@ def test_a_port_where_nobody_listens(connect):
 
 
 @pytest.mark.parametrize("name", ["no-such-host.invalid", "a..b", f"{'x' * 70}.local"])
-def test_a_name_that_nobody_has(connect, name):
+def test_a_name_that_nobody_has_is_a_broker_not_found(connect, name):
     assert isinstance(failure(connect, Broker(name, 1883)), BrokerNotFound)
 
 
-def test_another_program_at_that_port(connect, monkeypatch):
+def test_another_program_at_that_port_is_an_unreachable_broker(connect, monkeypatch):
     """It closes the connection, or never answers."""
     monkeypatch.setattr(module, "_ANSWER", 0.2)
     with socket.create_server(("127.0.0.1", 0)) as server:

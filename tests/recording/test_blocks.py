@@ -81,7 +81,7 @@ def test_a_body_cut_short_is_a_block_or_malformed(block, order, data):
         parse(kind, body[: data.draw(st.integers(0, len(body)))], order)
 
 
-def test_a_packet_byte_by_byte():
+def test_a_packet_is_encoded_byte_by_byte_as_specified():
     packet = EnhancedPacket(0, 0x0102030405060708, b"\x01\xff\x0d", pcapng.OUTBOUND)
     assert encode(packet).hex(" ", 4) == " ".join([
         "06000000", "30000000",
@@ -92,7 +92,7 @@ def test_a_packet_byte_by_byte():
     ])  # fmt: skip
 
 
-def test_the_section_header_byte_by_byte():
+def test_the_section_header_is_encoded_byte_by_byte_as_specified():
     assert encode(Section(application="mikas")).hex(" ", 4) == " ".join([
         "0a0d0d0a", "2c000000",
         "4d3c2b1a", "01000000", "ffffffff", "ffffffff",
@@ -114,7 +114,7 @@ def test_the_section_header_byte_by_byte():
         (0x7F, 5, 1, 5.0),
     ],
 )
-def test_what_a_tick_means(tsresol, tsoffset, ticks, time):
+def test_a_tick_has_the_resolution_and_offset_of_its_interface(tsresol, tsoffset, ticks, time):
     assert Interface(tsresol=tsresol, tsoffset=tsoffset).time(ticks) == time
 
 
@@ -140,5 +140,5 @@ def test_a_text_longer_than_an_option_is_cut_between_characters():
 
 
 @pytest.mark.parametrize("magic", [b"", b"\x1a\x2b", b"\x2b\x1a\x3c\x4d"])
-def test_a_magic_of_neither_order(magic):
+def test_a_magic_of_neither_order_has_no_byte_order(magic):
     assert pcapng.byte_order(magic) is None

@@ -95,7 +95,7 @@ def test_the_same_session_gives_the_same_bytes(tmp_path):
     assert (tmp_path / "a").read_bytes() == (tmp_path / "b").read_bytes()
 
 
-def test_time_that_dives_below_its_start_more_than_once(path):
+def test_times_before_the_start_are_kept_more_than_once(path):
     times = [5.0, -0.5, -0.25, -1e6, 3.0, -2e6]
     with CaptureWriter(path, url="sim:") as writer:
         for time in times:
@@ -122,7 +122,7 @@ def test_an_existing_file_is_overwritten_if_asked(path):
     assert contents(read(path)[0]) == [(SENT, b"\x01", 1.0)]
 
 
-def test_several_recordings_in_a_file(path):
+def test_several_recordings_in_a_file_are_all_read(path):
     for number in range(3):
         with appending(path, url=f"sim:{number}") as writer:
             writer.record(SENT, bytes([number]), 10 - number)
@@ -140,7 +140,7 @@ def test_several_recordings_in_a_file(path):
 
 
 @pytest.mark.parametrize("name", ["no/such/folder.pcapng", "."])
-def test_a_file_that_can_not_be_made(tmp_path, name):
+def test_a_file_that_can_not_be_made_is_an_error_with_its_path(tmp_path, name):
     with pytest.raises(CaptureError) as caught:
         CaptureWriter(tmp_path / name, url="sim:")
     assert str(tmp_path / name) in str(caught.value)
@@ -213,7 +213,7 @@ def test_a_broken_medium_is_left_alone_after_the_first_failure(path, monkeypatch
     assert "interrupted" in problem.text.en
 
 
-def test_ctrl_c_in_the_middle_of_a_packet(path, monkeypatch):
+def test_ctrl_c_in_the_middle_of_a_packet_leaves_no_part_of_it(path, monkeypatch):
     class Interrupted(Disk):
         def write(self, data):
             if self.room:
@@ -230,7 +230,7 @@ def test_ctrl_c_in_the_middle_of_a_packet(path, monkeypatch):
     assert read(path) == ([], [])
 
 
-def test_closing_twice_and_recording_after_it(path):
+def test_closing_twice_is_closing_once_and_recording_after_it_an_error(path):
     writer = CaptureWriter(path, url="sim:")
     writer.close()
     writer.close()

@@ -27,7 +27,7 @@ for number in itertools.count(1):
 """
 
 
-def test_nothing_recorded_is_lost(tmp_path):
+def test_a_killed_recorder_loses_nothing_that_was_recorded(tmp_path):
     path = tmp_path / "killed.pcapng"
     command = [sys.executable, "-c", RECORD_FOR_EVER, str(path)]
     with subprocess.Popen(command, stdout=subprocess.PIPE) as program:

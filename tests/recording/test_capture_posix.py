@@ -17,7 +17,7 @@ from mikas.recording.summary import summarise
 SENT = Direction.SENT
 
 
-def test_the_system_refuses_to_let_the_file_grow(tmp_path):
+def test_a_file_that_may_not_grow_stays_whole(tmp_path):
     path = tmp_path / "line.pcapng"
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
     with CaptureWriter(path, url="sim:") as writer:
@@ -34,7 +34,7 @@ def test_the_system_refuses_to_let_the_file_grow(tmp_path):
         assert [packet.time for packet in CaptureReader(path)] == list(range(kept))
 
 
-def test_a_file_deleted_while_being_recorded(tmp_path):
+def test_a_file_deleted_while_being_recorded_is_an_error(tmp_path):
     path = tmp_path / "line.pcapng"
     with CaptureWriter(path, url="sim:") as writer:
         writer.record(SENT, b"x", 100.0)
@@ -47,7 +47,7 @@ def test_a_file_deleted_while_being_recorded(tmp_path):
             writer.record(SENT, b"x", 102.0)
 
 
-def test_a_file_renamed_while_being_recorded(tmp_path):
+def test_a_file_renamed_while_being_recorded_is_recorded_on(tmp_path):
     path = tmp_path / "line.pcapng"
     with CaptureWriter(path, url="sim:") as writer:
         writer.record(SENT, b"x", 100.0)
@@ -56,7 +56,7 @@ def test_a_file_renamed_while_being_recorded(tmp_path):
     assert len(list(CaptureReader(tmp_path / "renamed"))) == 2
 
 
-def test_a_named_pipe_to_watch_through(tmp_path):
+def test_a_named_pipe_can_be_watched_through(tmp_path):
     pipe, copy = tmp_path / "pipe", tmp_path / "copy.pcapng"
     os.mkfifo(pipe)
     watcher = threading.Thread(target=lambda: copy.write_bytes(pipe.read_bytes()), daemon=True)
@@ -68,13 +68,13 @@ def test_a_named_pipe_to_watch_through(tmp_path):
     assert (packet.data, packet.time) == (b"\x01\xff\x0d", 1.5)
 
 
-def test_a_folder_that_may_not_be_written(tmp_path):
+def test_a_folder_that_may_not_be_written_is_an_error(tmp_path):
     # Root may write anywhere, so the folder is one where no user can.
     with pytest.raises(CaptureError):
         CaptureWriter("/proc/line.pcapng", url="sim:")
 
 
-def test_a_device_without_room():
+def test_a_device_without_room_is_an_error():
     with pytest.raises(CaptureError):
         CaptureWriter("/dev/full", url="sim:")
 

@@ -44,7 +44,7 @@ LINE = (Section(application="mikas 1"), Interface(), EnhancedPacket(0, 1, b"x", 
         (b"x" * 99 + 2 * pcapng.encode(LINE[-1]), "not a recording"),
     ],
 )
-def test_a_foreign_file(path, content, words):
+def test_a_foreign_file_is_refused_at_its_beginning(path, content, words):
     path.write_bytes(content)
     with pytest.raises(CaptureError, match=words) as caught:
         CaptureReader(path)
@@ -61,12 +61,12 @@ def test_a_beginning_is_not_looked_for_in_a_whole_disk(path):
 
 
 @pytest.mark.parametrize("name", ["absent.pcapng", "."])
-def test_a_file_that_can_not_be_opened(tmp_path, name):
+def test_a_file_that_can_not_be_opened_is_an_error(tmp_path, name):
     with pytest.raises(CaptureError):
         CaptureReader(tmp_path / name)
 
 
-def test_a_file_that_vanished_after_a_first_look(path):
+def test_a_file_that_vanished_after_a_first_look_is_an_error(path):
     small_capture(path)
     reader = CaptureReader(path)
     path.unlink()
@@ -74,7 +74,7 @@ def test_a_file_that_vanished_after_a_first_look(path):
         list(reader)
 
 
-def test_a_capture_of_something_else(path):
+def test_a_capture_of_another_link_type_is_refused(path):
     write_blocks(path, Section(), Interface(link_type=1), EnhancedPacket(0, 0, b"x" * 60))
     with pytest.raises(CaptureError, match="link type 1"):
         CaptureReader(path)
@@ -99,7 +99,7 @@ def test_other_interfaces_beside_ours_are_passed_over(path):
 
 
 @pytest.mark.parametrize("order", ["<", ">"])
-def test_other_resolutions_interfaces_and_sections(path, order):
+def test_other_resolutions_interfaces_and_sections_are_read(path, order):
     write_blocks(
         path,
         Section(),
@@ -167,7 +167,7 @@ def test_a_section_of_an_unknown_version_ends_with_the_next(path):
     assert [len(it) for it in read(path)] == [1, 1]
 
 
-def test_a_packet_recorded_in_part(path):
+def test_a_packet_recorded_in_part_is_read_with_a_problem(path):
     write_blocks(path, Section(), Interface(), EnhancedPacket(0, 0, b"x", pcapng.INBOUND, cut=5))
     problem, packet = CaptureReader(path)
     assert packet.data == b"x"
@@ -288,7 +288,7 @@ def test_what_may_be_anothers_is_not_read_without_its_port(path, packet):
 
 
 @pytest.mark.parametrize(("application", "count"), [("mikas 1", 1), ("Wireshark", 0)])
-def test_a_damaged_description_of_the_port(path, application, count):
+def test_without_the_port_packets_count_only_in_a_file_of_mikas(path, application, count):
     packet = EnhancedPacket(0, MICRO, b"x", pcapng.INBOUND)
     path.write_bytes(
         pcapng.encode(Section(application=application)) + bytes(40) + pcapng.encode(packet)
@@ -298,7 +298,7 @@ def test_a_damaged_description_of_the_port(path, application, count):
     assert len(problems) == 2
 
 
-def test_zeros_behind_the_end_as_a_power_cut_leaves_them(path):
+def test_zeros_behind_the_end_cost_no_packet_and_are_one_problem(path):
     whole = small_capture(path)
     everything = list(CaptureReader(path))
     path.write_bytes(whole + bytes(100_000))
@@ -308,7 +308,7 @@ def test_zeros_behind_the_end_as_a_power_cut_leaves_them(path):
     assert "damaged bytes of the file (100000)" in problem.text.en
 
 
-def test_two_files_joined_end_to_end_the_first_one_cut_short(path):
+def test_of_two_files_joined_the_first_one_cut_short_only_the_cut_is_lost(path):
     whole = small_capture(path)
     everything = contents(CaptureReader(path))
     path.write_bytes(whole[:-5] + whole)

@@ -62,7 +62,7 @@ def test_a_comment_longer_than_the_end_that_is_searched_hides_no_packet(drive: P
     assert summarise(drive).length == 2.0
 
 
-def test_in_the_file_s_own_byte_order(tmp_path: Path) -> None:
+def test_a_comment_is_appended_in_the_file_s_byte_order(tmp_path: Path) -> None:
     path = tmp_path / "big.pcapng"
     path.write_bytes(pcapng.encode(pcapng.Section(), ">"))
     append_note(path, comment_note(1.0, "big"))
@@ -70,7 +70,7 @@ def test_in_the_file_s_own_byte_order(tmp_path: Path) -> None:
     assert not any(isinstance(item, Problem) for item in CaptureReader(path))
 
 
-def test_somebody_else_s_note_of_that_kind() -> None:
+def test_a_note_of_that_kind_without_a_text_is_no_comment() -> None:
     assert comment_of([Note("about", 1.0, {"text": 5}), Note("about", 1.0, {})]) == ""
     assert len(comment_note(1.0, "x" * 99_999).data["text"]) == LONGEST_COMMENT
 

@@ -27,7 +27,7 @@ from mikas.report.labels import NAMES, Labels
      (21, "21 faults", "21 ошибка"), (22, "22 faults", "22 ошибки"),
      (111, "111 faults", "111 ошибок"), (104, "104 faults", "104 ошибки")],
 )  # fmt: skip
-def test_counts(count, en, ru) -> None:
+def test_a_count_has_the_plural_form_of_each_language(count, en, ru) -> None:
     assert counted(count, ("fault", "faults"), ("ошибка", "ошибки", "ошибок")) == Text(en, ru)
 
 
@@ -36,12 +36,12 @@ def test_counts(count, en, ru) -> None:
     [(14.25, 1, "14.2", "14,2"), (-3.5, 1, "−3.5", "−3,5"), (-0.04, 1, "0.0", "0,0"),
      (850, 0, "850", "850"), (float("nan"), 1, "–", "–"), (float("inf"), 0, "–", "–")],
 )  # fmt: skip
-def test_numbers(value, decimals, en, ru) -> None:
+def test_numbers_are_written_as_in_the_language(value, decimals, en, ru) -> None:
     assert number(value, decimals, "en") == en
     assert number(value, decimals, "ru") == ru
 
 
-def test_units_and_bands() -> None:
+def test_units_and_bands_are_written_as_in_the_language() -> None:
     catalog = shipped()
     assert with_unit(14.1, catalog.parameter("UACC"), "ru") == "14,1\N{NO-BREAK SPACE}В"
     assert with_unit(0.9, catalog.parameter("VALF"), "en") == "0.900"
@@ -57,7 +57,7 @@ def test_all_and_nothing_are_said_only_of_all_and_nothing(share, message) -> Non
     assert percent(share) == f"{message}\N{NO-BREAK SPACE}%"
 
 
-def test_times() -> None:
+def test_times_and_durations_are_written_in_both_languages() -> None:
     assert [clock(s) for s in (0, 59.6, 425, 4025)] == ["0:00", "1:00", "7:05", "1:07:05"]
     assert duration(45) == Text("45 s", "45 с")
     assert duration(425) == Text("7 min 5 s", "7 мин 5 с")
@@ -66,7 +66,7 @@ def test_times() -> None:
     assert duration(36000) == Text("10 h", "10 ч")
 
 
-def test_inside_a_sentence() -> None:
+def test_inside_a_sentence_only_a_plain_word_begins_small() -> None:
     assert within(Text("Air flow", "Расход")) == Text("air flow", "расход")
     assert within(Text("CO factor", "УОЗ")) == Text("CO factor", "УОЗ")
 

@@ -165,7 +165,7 @@ def hostile(tmp_path_factory):
     return path
 
 
-def test_the_list_and_the_page_of_a_hostile_recording(hostile):
+def test_a_hostile_recording_is_listed_and_opened_with_clean_texts(hostile):
     before = hostile.read_bytes()
     assert is_clean(entry := list_entry(hostile))
     assert len(entry["note"]) <= fields.LONGEST_COMMENT
@@ -183,13 +183,13 @@ def test_the_list_and_the_page_of_a_hostile_recording(hostile):
     assert hostile.read_bytes() == before
 
 
-def test_the_report_of_a_hostile_recording(hostile):
+def test_a_hostile_recording_is_reported_with_clean_texts(hostile):
     page = render(find_in_recording(hostile, shipped()), "ru")
     assert clean_text(page) == page
 
 
 @pytest.mark.parametrize("suffix", [".csv", ".msl", ".mlg", ".mf4", ".parquet"])
-def test_each_export_of_a_hostile_recording(hostile, tmp_path, suffix):
+def test_a_hostile_recording_is_exported_to_each_format(hostile, tmp_path, suffix):
     recording, out = mikas.open(hostile), tmp_path / f"out{suffix}"
     export(out, recording.channels, recording.rows(), events=recording.events,
            about=recording.about)  # fmt: skip

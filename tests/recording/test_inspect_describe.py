@@ -41,7 +41,7 @@ def description(request: str, response: str | None = None, describe: Describer |
         ("214002", "4002456A", "45 6A", "45 6A"),
     ],
 )
-def test_in_words(request_body, response, en, ru):
+def test_each_exchange_is_described_in_words(request_body, response, en, ru):
     text = description(request_body, response)
     assert text is not None
     assert text.en.startswith(en)
@@ -114,7 +114,7 @@ def test_the_first_response_of_a_stream_may_be_a_refusal():
     assert description("7120", "01", describe).en == "THR=1%"
 
 
-def test_the_reading_asked_for():
+def test_a_value_is_described_in_the_requested_interpretation():
     literal = Describer(shipped(), "literal")
     assert description("611E", "8E").en == "UACC=14.2V"
     assert description("611E", "8E", literal).en.startswith("UACC=-11.4")
@@ -131,7 +131,7 @@ def test_every_exchange_of_the_vectors(vector):
 
 
 @given(st.lists(st.tuples(st.binary(max_size=12), st.none() | st.binary(max_size=30))))
-def test_anything_is_taken(exchanges):
+def test_any_exchange_has_a_description_or_none(exchanges):
     describe = Describer(shipped())
     for request, response in exchanges:
         text = describe(request, response)

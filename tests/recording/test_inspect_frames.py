@@ -65,11 +65,11 @@ def frame(body):
 # The echo (D1)
 
 
-def test_an_echo_and_its_answer_in_one_chunk():
+def test_an_echo_and_its_answer_in_one_chunk_are_told_apart():
     assert described("> 01FF0D", "< 01FF0D0AF60D") == ["> 01", "= 01", "< 0A to 01"]
 
 
-def test_a_line_without_echo():
+def test_without_echo_the_answer_follows_its_request():
     assert described("> 01FF0D", "< 0AF60D") == ["> 01", "< 0A to 01"]
 
 
@@ -108,7 +108,7 @@ def test_damage_comes_back_too():
     assert described("> 01FE0D", "< 01FE0D") == [">! 01FE checksum", "=! 01FE checksum"]
 
 
-def test_several_requests_in_a_row():
+def test_several_requests_in_a_row_have_their_echoes_and_answers():
     assert described("> 01FF0D", "> 60A00D", "< 01FF0D", "< 60A00D", "< 15EB0D") == [
         "> 01",
         "> 60",
@@ -194,12 +194,12 @@ def test_times_and_place_are_those_of_the_first_and_last_byte():
     assert (answer.begin, answer.end, answer.offset) == pytest.approx((0.02, 0.04, 100))
 
 
-def test_names_of_requests():
+def test_a_request_has_the_name_of_its_command():
     names = [item.name for item in decode(packets("> 01FF0D", f"> {frame('611A')}", "> 99670D"))]
     assert names == [c.Availability.SOURCE_NAME, "CREADP", None]
 
 
-def test_a_message_with_an_empty_body():
+def test_a_message_with_an_empty_body_has_no_name():
     (item,) = decode(packets("> 000D"))
     assert (item.frame.body, item.name) == (b"", None)
     assert to_text(item).endswith("> —")
@@ -242,7 +242,7 @@ def test_problems_pass_through():
     assert to_text(problem, "ru") == "             ! сломано"
 
 
-def test_as_json():
+def test_each_item_has_its_time_place_and_port_in_json():
     source = Source(0, "sim:")
     items = list(decode(packets("> 01FF0D", "< 01FF0D0AF60D", "< 0AF70D", source=source)))
     lines = [json.loads(json.dumps(to_json(item))) for item in items]
@@ -264,7 +264,7 @@ def test_as_json():
     ]
 
 
-def test_as_text():
+def test_each_item_is_a_line_with_its_time_and_direction():
     lines = packets("> 01FF0D", "< 01FF0D0AF60D", "< 0AF70D", "< F30D0D", "< 411FA00D")
     assert [to_text(item, zero=0.01) for item in decode(lines)] == [
         "    0.000000 > 01  availability",
@@ -317,7 +317,7 @@ def test_no_bytes_make_it_fail_and_none_are_shown_twice(chunks):
 
 @pytest.mark.parametrize("echo", [True, False])
 @pytest.mark.parametrize("latency", [0.0, 0.016])
-def test_a_session_with_a_virtual_unit(tmp_path, echo, latency):
+def test_a_session_with_a_virtual_unit_is_explained_whole(tmp_path, echo, latency):
     path = tmp_path / "session.pcapng"
     bus = make_bus(adapter=AdapterKind(echo=echo, latency=latency))
     with CaptureWriter(path, url="sim:") as writer:

@@ -107,7 +107,7 @@ def test_the_enterprise_number_is_the_one_for_documentation_and_editors_may_copy
     assert content == {"kind": "marker", "time": 2.5, "data": {"label": "hill"}}
 
 
-def test_what_each_kind_holds():
+def test_each_kind_of_note_holds_what_is_documented():
     parameters = [shipped().parameter(name) for name in ("FREQ", "TWAT")]
     plan = Plan((PlannedParameter(parameters[0]), PlannedParameter(parameters[1], 10)), "list")
     [alarm] = Alarms(shipped()).update({"TWAT": 150.0}, 7.0)
@@ -178,7 +178,7 @@ def test_the_head_of_each_session_in_a_file_is_found(path):
     assert unit_of([], shipped()) is None
 
 
-def test_foreign_damaged_and_unknown_ones(path):
+def test_foreign_and_damaged_notes_are_passed_over(path):
     good = note_of(TextNote(1.0, "kept"))
     later = Note("weather", 2.0, {"rain": True})  # of a version to come
     tagged = [
@@ -218,7 +218,7 @@ def test_half_a_surrogate_pair_which_no_screen_shows_is_replaced():
     assert note == note_of(Marker(0.0, "a� 🚗"))
 
 
-def test_a_big_endian_section_and_one_of_another_version(path):
+def test_notes_are_read_in_both_byte_orders_and_not_from_another_version(path):
     here, there = note_of(TextNote(1.0, "here")), note_of(TextNote(2.0, "there"))
     own = (pcapng.Section(), pcapng.Interface(), blocks.block_of(here))
     other = (pcapng.Section(version=(2, 0)), blocks.block_of(there))
@@ -249,7 +249,7 @@ def test_damage_costs_only_the_notes_that_it_hits(damage, place):
         assert len(read) <= len(made)
 
 
-def test_a_note_that_lies_across_the_windows_of_the_search():
+def test_a_note_that_lies_across_the_windows_of_the_search_is_found():
     for shift in range(-40, 40, 4):
         section = pcapng.encode(pcapng.Section())
         room = (1 << 20) - 64 + shift - len(section) - 32

@@ -246,7 +246,7 @@ def test_the_next_file_begins_with_a_head(tmp_path):
     assert kinds(files[0]) == ["unit", "catalog", "plan", "state"]
 
 
-def test_no_room_for_the_next_file(tmp_path, monkeypatch):
+def test_without_room_for_the_next_file_the_recording_fails(tmp_path, monkeypatch):
     disk = SmallDisk(monkeypatch)
     recorder = Recorder()
     recorder.start(tmp_path / "a.pcapng", url="sim:")
@@ -285,7 +285,7 @@ def test_an_echo_is_not_counted_twice(echoes, carried):
     assert recorder.wire_bytes == carried
 
 
-def test_other_threads_may_mark_and_start_and_stop(tmp_path):
+def test_marking_starting_and_stopping_by_other_threads_lose_nothing(tmp_path):
     recorder = Recorder()
     begin_session(recorder)
 

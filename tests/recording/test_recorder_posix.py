@@ -23,7 +23,7 @@ print(recorder.failure.reason.en)
 """
 
 
-def test_a_file_that_may_not_grow(tmp_path):
+def test_a_file_that_may_not_grow_ends_the_recording_with_its_name(tmp_path):
     file = tmp_path / "a.pcapng"
     done = subprocess.run(
         [sys.executable, "-c", _LIMITED, str(file)], capture_output=True, text=True, check=True
@@ -33,7 +33,7 @@ def test_a_file_that_may_not_grow(tmp_path):
     assert len(wire(file)[SENT]) > 100
 
 
-def test_a_folder_that_is_gone(tmp_path):
+def test_a_folder_that_is_gone_ends_the_recording_with_its_reason(tmp_path):
     folder = tmp_path / "stick"
     folder.mkdir()
     recorder = Recorder()

@@ -50,7 +50,7 @@ def drive(tmp_path):
     return record(tmp_path / "drive.pcapng", "TWAT", "FREQ", "INJ", "RXX", "UACC")
 
 
-def test_what_it_holds(drive):
+def test_a_recording_has_its_channels_facts_and_rows(drive):
     recording = mikas.open(drive)
     assert [channel.name for channel in recording.channels] == [
         "TWAT", "FREQ", "UACC", "INJ", "RXX", "BITPOW", "RDET",
@@ -68,7 +68,7 @@ def test_what_it_holds(drive):
     assert (np.diff(rows.values["FUEL_USED"]) > 0).all()
 
 
-def test_pandas(drive):
+def test_pandas_gets_seconds_values_and_units(drive):
     frame = mikas.open(str(drive)).to_pandas()
     assert frame.index.name == "time"
     assert frame.index[0] == 0
@@ -79,13 +79,13 @@ def test_pandas(drive):
     assert frame.RXX.dtype == "boolean"
 
 
-def test_polars(drive):
+def test_polars_gets_the_named_columns_in_their_order(drive):
     frame = mikas.open(drive, names=["FUEL_FLOW", "TWAT"]).to_polars()
     assert frame.columns == ["time", "FUEL_FLOW", "TWAT"]
     assert frame.height == 30
 
 
-def test_arrow(drive):
+def test_arrow_gets_units_and_facts_in_its_metadata(drive):
     table = mikas.open(drive).to_arrow()
     assert table.schema.field("TWAT").metadata[b"unit"].decode() == "°C"
     assert table.schema.field("time").metadata[b"unit"] == b"s"
@@ -125,7 +125,7 @@ def test_a_missing_library_is_named(drive, monkeypatch, library):
     assert f"pip install {library}" in caught.value.text.ru
 
 
-def test_a_recording_without_readings(tmp_path):
+def test_a_recording_without_readings_has_no_channels_and_empty_tables(tmp_path):
     path = tmp_path / "empty.pcapng"
     with CaptureWriter(path, url=PORT):
         pass
@@ -139,7 +139,7 @@ def test_a_recording_without_readings(tmp_path):
         assert "TWAT" in list(getattr(frame, "column_names", frame.columns))
 
 
-def test_what_is_refused(drive, tmp_path):
+def test_wrong_names_files_and_interpretations_are_refused(drive, tmp_path):
     with pytest.raises(UnknownParameter, match="TWAT"):
         mikas.open(drive, names=["TWATT"])
     with pytest.raises(UsageError, match="0x1A"):
@@ -152,7 +152,7 @@ def test_what_is_refused(drive, tmp_path):
         mikas.open(drive, catalogs=[tmp_path / "none.toml"])
 
 
-def test_a_cut_recording(drive):
+def test_a_cut_recording_has_the_rows_before_the_cut_and_one_problem(drive):
     whole = len(mikas.open(drive).to_pandas())
     drive.write_bytes(drive.read_bytes()[:-3001])
     recording = mikas.open(drive)
@@ -175,7 +175,7 @@ def test_formulas_take_the_corrected_reading_whatever_is_shown(drive, tmp_path):
     np.testing.assert_array_equal(literal.HALF, corrected.UACC / 2)
 
 
-def test_inputs_that_come_one_by_one(tmp_path):
+def test_a_derived_channel_has_a_value_where_an_input_is_new(tmp_path):
     path = record(tmp_path / "one.pcapng", "FREQ", "INJ", "TWAT", method="single", count=10)
     frame = mikas.open(path).to_pandas()
     assert len(frame) == 30

@@ -54,7 +54,7 @@ def record(path, *, count=60, erase=False):
     return path
 
 
-def test_all_of_it(tmp_path):
+def test_a_summary_has_size_length_unit_and_counts(tmp_path):
     path = record(tmp_path / "a.pcapng")
     it = summarise(path)
     assert it.problem is None
@@ -147,7 +147,7 @@ def test_a_file_that_is_no_recording_says_why(tmp_path, content, reason):
     assert it.samples is None
 
 
-def test_what_is_not_there_or_a_folder(tmp_path):
+def test_a_missing_file_or_a_folder_is_summed_up_as_a_problem(tmp_path):
     assert "no such file" in summarise(tmp_path / "none.pcapng").problem.en
     assert "folder" in summarise(tmp_path).problem.en
 
@@ -195,7 +195,7 @@ def test_a_recording_names_its_unit_and_its_events(tmp_path):
     }
 
 
-def test_each_kind():
+def test_events_are_made_of_each_kind_of_note():
     notes = [
         note_of(StateChanged(1.0, LineState.ECHO_ONLY, reason=WHY)),
         note_of(TextNote(2.0, "words")),
@@ -233,7 +233,7 @@ kinds = st.sampled_from(
 
 
 @given(st.lists(st.builds(Note, kinds, st.floats(0, 9), st.dictionaries(keys, values)), max_size=5))
-def test_anything_may_stand_in_a_note(notes):
+def test_events_are_made_of_any_note(notes):
     unit_of(notes, shipped())
     for event in events_of(notes, shipped()):
         assert event.as_json()["kind"] == event.kind

@@ -55,7 +55,7 @@ def test_few_rows_are_given_as_they_are_to_the_bit(drive):
     np.testing.assert_array_equal(part.times, rows.times[10:13])
 
 
-def test_what_is_refused(drive):
+def test_wrong_names_and_less_than_two_points_are_refused(drive):
     with pytest.raises(UnknownParameter):
         drive.window(0, 1, names=["TWATT"])
     with pytest.raises(UsageError, match="not among"):
@@ -64,7 +64,7 @@ def test_what_is_refused(drive):
         drive.window(0, 1, points=1)
 
 
-def test_a_window_where_nothing_is(drive):
+def test_a_window_where_nothing_is_has_no_rows(drive):
     for begin, end in ((-9.0, -5.0), (1e6, 2e6), (5.0, 1.0)):
         rows, decimated = drive.window(begin, end)
         assert not len(rows.times)

@@ -106,7 +106,7 @@ def test_most_of_a_long_session_is_not_looked_at_one_by_one(few, tmp_path, monke
     assert len(heard) < found.frames / 3
 
 
-def test_two_ports_in_turns_keep_their_order(tmp_path):
+def test_two_ports_in_turns_keep_their_order_by_runs_too(tmp_path):
     from mikas.recording.capture import blocks as pcapng
     from mikas.recording.capture.reader import FLAGS
 
@@ -123,7 +123,7 @@ def test_two_ports_in_turns_keep_their_order(tmp_path):
     same(path)
 
 
-def test_a_clock_that_is_set_back_and_a_list_that_changes(few, tmp_path):
+def test_a_clock_set_back_and_a_changed_list_are_the_same_by_runs(few, tmp_path):
     path = tmp_path / "a.pcapng"
     with CaptureWriter(path, url="a") as writer:
         time = 100.0

@@ -127,7 +127,7 @@ repeated = st.tuples(some, st.integers(1, 8)).map(lambda it: it[0] * it[1])
 @settings(max_examples=40, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.lists(repeated, min_size=1, max_size=12))
 @example([[("6120", "02"), ("6107", it)] * 2 for it in ("0101", "01")])
-def test_by_runs_it_is_the_same(monkeypatch, tmp_path_factory, drawn):
+def test_by_runs_the_contents_are_the_same(monkeypatch, tmp_path_factory, drawn):
     monkeypatch.setattr(replay_habits, "_MOST_DELAYS", FEW)
     path = tmp_path_factory.mktemp("doubt") / "a.pcapng"
     write(path, [it for group in drawn for it in group], apart=0.03)
@@ -213,7 +213,7 @@ def test_a_slow_recording_has_no_holes(tmp_path):
     assert load(path).holes == []
 
 
-def test_holes_among_what_is_taken_by_runs(tmp_path, monkeypatch):
+def test_a_hole_among_what_is_taken_by_runs_is_found(tmp_path, monkeypatch):
     monkeypatch.setattr(replay_habits, "_MOST_DELAYS", FEW)
     path = tmp_path / "a.pcapng"
     steady(path)

@@ -118,7 +118,7 @@ def test_the_car_runs_at_another_speed_and_the_wire_does_not(tmp_path, speed):
     assert ends[0] == ends[1]
 
 
-def test_seek_and_hold_while_it_runs(tmp_path):
+def test_seek_and_hold_work_while_it_runs(tmp_path):
     path = tmp_path / "a.pcapng"
     with session(sim(scenario="cold-start"), tmp_path, path) as ecu:
         recorded = do(ecu, [("batch", ["TWAT", "FREQ"], 500, 0)])

@@ -106,7 +106,7 @@ def test_what_contradicts_itself_is_refused(capture, served, capsys, words, reas
     assert served.bus is None
 
 
-def test_a_file_that_is_no_recording(capture, capsys, tmp_path):
+def test_a_file_that_is_no_recording_is_refused(capture, capsys, tmp_path):
     (tmp_path / "notes.txt").write_text("hello")
     assert run(["sim", "--replay", str(tmp_path / "notes.txt")]) == 2
     assert "not a recording" in capsys.readouterr().err
@@ -160,7 +160,7 @@ def test_info_of_a_recording_names_the_commands_that_its_unit_refused(
     assert replayed["program_passport"] == unit["program_passport"]
 
 
-def test_a_recording_as_a_port(capture, capsys):
+def test_a_recording_can_be_a_port(capture, capsys):
     capsys.readouterr()
     port = f"replay:{capture}?clock=simulated"
     assert run(["read", "FREQ", "TWAT", "--json", "--port", port]) == 0

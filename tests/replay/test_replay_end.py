@@ -73,7 +73,7 @@ def test_one_that_goes_round_or_is_held_is_never_over(drive, setting, tmp_path):
         assert ecu.read("TWAT")
 
 
-def test_in_real_time_too(drive):
+def test_in_real_time_too_reading_on_says_that_the_recording_is_over(drive):
     seek = load(drive).duration - 0.02
     with open_link(f"replay:{drive}?seek={seek:.3f}") as link:
         link.write(b"\x01\xff\x0d")

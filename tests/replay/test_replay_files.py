@@ -140,7 +140,7 @@ def test_a_wrong_option_is_refused(tmp_path, options, reason):
         open_link(f"replay:{path}?{options}")
 
 
-def test_the_port_and_its_options(tmp_path):
+def test_a_replay_port_needs_a_file_and_keeps_its_options(tmp_path):
     path = tmp_path / "поездка 1.pcapng"
     path.write_bytes(recorded_bytes())
     with pytest.raises(BadPortUrl, match="names no file"):

@@ -17,7 +17,7 @@ from session_header_harness import write_session_header
 # Who it was, and what it could do
 
 
-def test_faults_and_identity_as_they_were_read_and_an_erase(tmp_path):
+def test_faults_and_identity_are_answered_as_recorded_also_after_an_erase(tmp_path):
     path = tmp_path / "a.pcapng"
     with session(sim(faults="13,53", model="5.4"), tmp_path, path) as ecu:
         info = ecu.info()
@@ -141,7 +141,7 @@ def test_unknown_commands_are_answered_as_recorded(tmp_path):
 # Memory and writes
 
 
-def test_memory_as_it_was_read_and_written(tmp_path):
+def test_memory_is_answered_as_it_was_read_and_written(tmp_path):
     path = tmp_path / "a.pcapng"
     with session(sim(), tmp_path, path, confirm=lambda _: True) as ecu:
         ram, xram = ecu.memory["ram"], ecu.memory["xram"]

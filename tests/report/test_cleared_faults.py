@@ -76,7 +76,7 @@ def test_faults_that_vanish_without_an_erase_are_not_cleared() -> None:
     assert "сброшен" not in summary_sentence(it).ru
 
 
-def test_what_is_gone_between_two_readings() -> None:
+def test_faults_that_are_gone_between_two_readings_are_cleared() -> None:
     heard = [
         FaultReading(1, (13, 53)),
         FaultReading(2, (53, 17), erased=True),
@@ -99,7 +99,7 @@ def erased(tmp_path: Path) -> Path:
     return path
 
 
-def test_a_recording_of_it(erased) -> None:
+def test_a_report_of_a_recording_has_the_cleared_faults(erased) -> None:
     it = find_in_recording(erased, shipped())
     assert it.faults == ()
     (gone_,) = it.cleared
@@ -107,7 +107,7 @@ def test_a_recording_of_it(erased) -> None:
     assert it.outcome is Outcome.OPEN
 
 
-def test_what_was_read_before_the_recording_began(tmp_path) -> None:
+def test_faults_read_before_the_recording_began_count(tmp_path) -> None:
     path = tmp_path / "later.pcapng"
     with CaptureWriter(path, url=IDLE) as sink, mikas.connect(IDLE, sink=sink) as ecu:
         readings = [
@@ -127,7 +127,7 @@ def test_what_was_read_before_the_recording_began(tmp_path) -> None:
 @pytest.mark.parametrize(
     "reported", [None, 3, {}, [3], [{"time": "x", "codes": []}], [{"time": 1, "codes": [256]}]]
 )
-def test_a_note_that_says_nothing(reported, tmp_path) -> None:
+def test_a_damaged_note_of_readings_is_passed_over(reported, tmp_path) -> None:
     from mikas.recording.capture.notes import Kind, Note
 
     path = tmp_path / "a.pcapng"

@@ -31,7 +31,7 @@ def all_texts(findings):
     return " ".join(text.en for text in texts)
 
 
-def test_a_sound_engine() -> None:
+def test_a_sound_engine_is_good_in_every_value() -> None:
     findings = found()
     assert marks(findings) == dict.fromkeys(WITH_REFERENCE, BandPosition.INSIDE)
     assert findings.outcome is Outcome.GOOD
@@ -93,7 +93,7 @@ def test_what_is_off_is_in_the_sentence() -> None:
     all_texts(findings)
 
 
-def test_a_throttle_that_was_asked_for_a_part_of_the_time_only() -> None:
+def test_a_throttle_read_for_a_part_of_the_time_leaves_the_rest_undecided() -> None:
     def part(times):
         return np.where(times < 20, 0.0, np.nan)
 
@@ -156,14 +156,14 @@ def test_only_values_at_warm_idle_count() -> None:
     assert findings.measured.whole["JAIR"].most == 90
 
 
-def test_too_little_warm_idle() -> None:
+def test_too_little_warm_idle_judges_nothing_and_says_so() -> None:
     findings = found(rows(SETTLING + ENOUGH - 2))
     assert findings.rated == ()
     assert "Only 8 s found; 10 s are needed" in idle_sentence(findings).en
     assert "Найдено только 8 с" in idle_sentence(findings).ru
 
 
-def test_too_few_values_of_one_parameter() -> None:
+def test_a_parameter_with_too_few_values_is_not_judged() -> None:
     def seldom(times):
         return np.where(np.isin(np.arange(times.size), (100, 200, 300, 400)), 9.9, np.nan)
 
@@ -172,7 +172,7 @@ def test_too_few_values_of_one_parameter() -> None:
     assert "UACC" in {value.channel.name for value in findings.unrated}
 
 
-def test_without_the_parameters_of_warm_idle() -> None:
+def test_without_its_parameters_warm_idle_can_not_be_determined() -> None:
     findings = found(rows(THR=None, RXX=None))
     assert findings.rated == ()
     assert (
@@ -182,7 +182,7 @@ def test_without_the_parameters_of_warm_idle() -> None:
     assert "Not measured: throttle position." in all_texts(findings)
 
 
-def test_no_values_at_all() -> None:
+def test_without_values_and_faults_the_outcome_is_open() -> None:
     findings = found(rows(0), faults=None)
     assert findings.outcome is Outcome.OPEN
     texts = all_texts(findings)
@@ -201,7 +201,7 @@ def test_no_values_at_all() -> None:
         (tuple(range(80, 91)), "11 faults are stored: 80,", "В памяти блока 11 ошибок: 80,"),
     ],
 )
-def test_faults_in_the_sentence(faults, en, ru) -> None:
+def test_the_sentence_begins_with_the_stored_faults(faults, en, ru) -> None:
     findings = found(faults=faults)
     assert summary_sentence(findings).en.startswith(en)
     assert summary_sentence(findings).ru.startswith(ru)
@@ -225,7 +225,7 @@ def test_a_fault_and_its_values_know_of_each_other() -> None:
     assert "whether that was warm idle is not certain" in texts
 
 
-def test_what_the_file_could_not_tell() -> None:
+def test_sessions_damage_and_unknown_faults_are_mentioned() -> None:
     texts = all_texts(found(faults=(99,), sessions=3, damaged=1))
     assert "The file holds 3 sessions; this report covers the last one." in texts
     assert "1 damaged place of the file" in texts
@@ -233,7 +233,7 @@ def test_what_the_file_could_not_tell() -> None:
     assert "damaged" not in all_texts(found())
 
 
-def test_a_unit_without_a_passport_and_one_whose_passport_was_not_read() -> None:
+def test_a_passport_that_is_not_reported_is_told_from_an_unidentified_unit() -> None:
     from dataclasses import replace
 
     from mikas.report.subject import UnitIdentity

@@ -55,7 +55,7 @@ def drive(tmp_path: Path) -> Path:
     return record(tmp_path / "drive.pcapng", f"{IDLE}&faults=13,55")
 
 
-def test_all_of_it(drive: Path) -> None:
+def test_a_report_has_unit_values_and_faults_of_the_recording(drive: Path) -> None:
     found = find_in_recording(drive, shipped())
     subject, measured = found.subject, found.measured
     assert subject.unit is not None
@@ -92,7 +92,7 @@ def test_the_values_are_those_of_the_recording(drive: Path) -> None:
         assert stats.most == pytest.approx(values.max(), abs=10**-decimals)
 
 
-def test_faults_that_were_never_read(tmp_path: Path) -> None:
+def test_faults_that_were_never_read_are_not_known(tmp_path: Path) -> None:
     found = find_in_recording(record(tmp_path / "a.pcapng", count=50, faults=False), shipped())
     assert found.faults is None
 
@@ -114,7 +114,7 @@ def test_without_a_session_header_the_unit_is_unknown(tmp_path: Path) -> None:
     render(found, "ru")
 
 
-def test_one_parameter_at_a_time(tmp_path: Path) -> None:
+def test_values_read_one_at_a_time_are_judged_at_warm_idle(tmp_path: Path) -> None:
     path = record(
         tmp_path / "one.pcapng", IDLE, "TWAT", "FREQ", "THR", "UACC", method="single", count=600
     )
@@ -130,7 +130,7 @@ def test_a_cold_engine_is_not_judged(tmp_path: Path) -> None:
     assert found.measured.idle.stretches == ()
 
 
-def test_of_several_sessions_the_last(tmp_path: Path) -> None:
+def test_of_several_sessions_the_last_is_reported(tmp_path: Path) -> None:
     first = record(tmp_path / "a.pcapng", f"{IDLE}&faults=13", count=400)
     second = record(tmp_path / "b.pcapng", f"{IDLE}&faults=17", count=100)
     both = tmp_path / "both.pcapng"
@@ -141,7 +141,7 @@ def test_of_several_sessions_the_last(tmp_path: Path) -> None:
     assert found.measured.rows == find_in_recording(second, shipped()).measured.rows
 
 
-def test_what_the_notes_tell(tmp_path: Path) -> None:
+def test_notes_of_the_recording_are_in_the_report(tmp_path: Path) -> None:
     path = tmp_path / "noted.pcapng"
     with CaptureWriter(path, url=IDLE) as sink, mikas.connect(IDLE, sink=sink) as ecu:
         for _ in ecu.watch(count=5):
@@ -165,7 +165,7 @@ def test_a_cut_recording_is_reported_as_far_as_it_goes(drive: Path) -> None:
     assert found.measured.rows > 100
 
 
-def test_no_recording_at_all(tmp_path: Path) -> None:
+def test_an_empty_recording_has_an_open_outcome(tmp_path: Path) -> None:
     empty = tmp_path / "empty.pcapng"
     with CaptureWriter(empty, url=IDLE):
         pass

@@ -132,7 +132,7 @@ def test_its_policy_lets_in_the_style_it_carries_and_nothing_else() -> None:
     assert "unsafe" not in policy
 
 
-def test_russian_is_russian() -> None:
+def test_a_russian_page_has_no_english_word() -> None:
     printed = Parsed(page.render(every_kind(), "ru")).printed
     printed = printed.replace(shipped().version, "")  # a checksum
     for name in (*(p.name for p in shipped().parameters), *shipped().derived):
@@ -141,7 +141,7 @@ def test_russian_is_russian() -> None:
     assert left == set()
 
 
-def test_what_it_says() -> None:
+def test_the_page_says_outcome_faults_unit_and_values() -> None:
     printed = Parsed(page.render(every_kind(), "en")).printed
     for part in (
         "Attention needed",

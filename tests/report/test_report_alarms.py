@@ -115,7 +115,7 @@ def test_an_alarm_is_in_the_verdict_the_outcome_and_a_section_of_its_own() -> No
     assert "still on" not in entry
 
 
-def test_no_alarm_no_word_of_it() -> None:
+def test_without_an_alarm_the_page_has_no_word_of_it() -> None:
     it = found(rows(60, TWAT=100.0))
     assert it.alarms == ()
     assert "alarm" not in summary_sentence(it).en
@@ -129,7 +129,7 @@ def event(
     return AlarmChanged(START + time, name, level, before, side, value, limit, text, better)
 
 
-def test_an_alarm_of_a_channel_whose_values_were_not_kept() -> None:
+def test_an_alarm_of_a_channel_whose_values_were_not_kept_is_made_of_its_events() -> None:
     events = [
         event(10, "warning", 101.0),
         event(14, "danger", 112.0, before="warning", limit=110.0),
@@ -174,7 +174,7 @@ def test_an_alarm_without_values_ends_with_the_line_and_with_the_data() -> None:
         event(1, "warning", 1.0, limit=None),
     ],
 )  # fmt: skip
-def test_an_event_that_says_nothing(damaged) -> None:
+def test_a_damaged_event_is_no_alarm(damaged) -> None:
     assert measured(rows(60), events=[damaged]).alarms == ()
 
 

@@ -252,7 +252,7 @@ VALUES = {
     st.sampled_from([5.0, 15.0, 40.0]),
 )
 @example(dict.fromkeys(VALUES) | {"TWAT": 88.0}, [53, 71], 15.0)  # 71 concerns what 53 suspends
-def test_whatever_was_measured(values, faults, seconds) -> None:
+def test_sentences_and_page_agree_whatever_was_measured(values, faults, seconds) -> None:
     codes = None if faults is None else tuple(dict.fromkeys(faults))
     f = found(rows(seconds, 5, **values), faults=codes)
     page, russian = page_of(f), page_of(f, "ru")

@@ -23,7 +23,7 @@ columns = st.lists(
 
 
 @given(columns)
-def test_the_same_as_of_all_values_at_once(stretches) -> None:
+def test_statistics_by_pieces_are_those_of_all_values_at_once(stretches) -> None:
     spread = ValueCounts(4)
     for stretch in stretches:
         spread.add(np.array(stretch, np.float64))

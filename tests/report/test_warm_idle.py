@@ -22,7 +22,7 @@ def look(*stretches, names=NAMES):
     return finder.found, np.concatenate(masks)
 
 
-def test_warm_idle_all_the_time() -> None:
+def test_warm_idle_begins_after_settling_and_lasts() -> None:
     idle, mask = look(rows(60))
     assert idle.stretches == ((START + SETTLING, START + 59.9),)
     assert idle.enough
@@ -34,7 +34,7 @@ def test_warm_idle_all_the_time() -> None:
 @pytest.mark.parametrize(
     ("name", "value"), [("TWAT", 69), ("FREQ", 480), ("FREQ", 1320), ("FREQ", 0), ("THR", 6)]
 )
-def test_each_rule_counts(name, value) -> None:
+def test_each_broken_rule_ends_warm_idle(name, value) -> None:
     idle, mask = look(rows(60, **{name: value}))
     assert not mask.any()
     assert idle.stretches == ()
@@ -100,7 +100,7 @@ def test_the_other_speed_does_as_well() -> None:
     assert idle.stretches == ((START + SETTLING, START + 59.9),)
 
 
-def test_too_little_of_it() -> None:
+def test_too_short_a_warm_idle_is_not_enough() -> None:
     idle, _ = look(rows(SETTLING + ENOUGH - 0.5))
     assert 0 < idle.seconds < ENOUGH
     assert not idle.enough
@@ -147,7 +147,7 @@ def test_an_old_value_does_not_hold_over_a_pause() -> None:
     assert len(idle.stretches) == 1
 
 
-def test_nothing_at_all() -> None:
+def test_without_rows_there_is_no_warm_idle() -> None:
     idle, mask = look(Rows(np.empty(0), {name: np.empty(0) for name in NAMES}))
     assert idle.stretches == ()
     assert mask.size == 0

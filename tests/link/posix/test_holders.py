@@ -140,7 +140,7 @@ def test_another_program_has_taken_the_adapter(computer):
     assert "(FT232R) is plugged in but has no port: it is in use by qemu-system" in error.text.en
 
 
-def test_an_adapter_that_no_driver_serves(computer):
+def test_an_adapter_that_no_driver_serves_is_an_error_of_its_own(computer):
     computer.plug("10c4:ea60")
     error = computer.without_port()
     assert type(error) is AdapterWithoutDriver
@@ -159,5 +159,5 @@ def test_an_adapter_with_its_driver_and_other_devices_are_no_errors(computer, id
     assert computer.without_port() is None
 
 
-def test_no_usb_at_all(tmp_path):
+def test_without_usb_no_adapter_is_found(tmp_path):
     assert adapter_without_port(usb=tmp_path / "none", proc=tmp_path) is None

@@ -142,7 +142,7 @@ def test_the_baud_rate_comes_from_the_url():
         assert is_raw(rig)
 
 
-def test_unplugged_in_the_middle_of_a_wait(rig, about_to_wait):
+def test_unplugged_in_the_middle_of_a_wait_it_is_lost(rig, about_to_wait):
     def unplug():
         about_to_wait.wait(FAR)
         rig.peer.vanish()
@@ -153,7 +153,7 @@ def test_unplugged_in_the_middle_of_a_wait(rig, about_to_wait):
     assert rig.link.now() < began + FAR / 2
 
 
-def test_unplugged_while_it_takes_no_bytes(rig):
+def test_unplugged_while_it_takes_no_bytes_it_is_lost(rig):
     with (
         meanwhile(lambda: (rig.peer.received(1), rig.peer.vanish())),
         pytest.raises(LinkLost, match="unplugged") as caught,
@@ -208,7 +208,7 @@ def test_a_port_without_a_break_says_so_and_stays_usable(rig, monkeypatch):
     assert is_raw(rig)
 
 
-def test_unplugged_in_a_break(rig, monkeypatch):
+def test_unplugged_in_a_break_it_is_lost(rig, monkeypatch):
     def fail(port):
         raise OSError(errno.EIO, "Input/output error")
 
@@ -240,14 +240,14 @@ def test_the_program_that_has_the_port_open_is_named():
         other.stdin.close()
 
 
-def test_no_such_device():
+def test_a_device_that_does_not_exist_is_not_found():
     with pytest.raises(PortNotFound) as caught:
         open_link("/dev/ttyMIKAS0")
     assert "/dev/ttyMIKAS0" in str(caught.value)
 
 
 @pytest.mark.parametrize("place", ["/dev/null", "{tmp}/file", "{tmp}"])
-def test_not_a_serial_port(place, tmp_path):
+def test_a_file_is_refused_as_no_serial_port(place, tmp_path):
     (tmp_path / "file").write_bytes(b"not a tty")
     with pytest.raises(PortFailed) as caught:
         open_link(place.format(tmp=tmp_path))
@@ -258,7 +258,7 @@ def test_not_a_serial_port(place, tmp_path):
     ("number", "raised"),
     [(errno.EACCES, PortDenied), (errno.EBUSY, PortBusy), (errno.ENXIO, PortNotFound)],
 )
-def test_what_the_system_says_at_opening(number, raised, monkeypatch):
+def test_a_refusal_by_the_system_is_the_error_of_its_kind(number, raised, monkeypatch):
     def refuse(path, flags):
         raise OSError(number, os.strerror(number), path)
 
@@ -278,5 +278,5 @@ def test_opening_leaves_nothing_behind_when_it_fails(tmp_path):
 
 
 @pytest.mark.parametrize("use", USES)
-def test_closed_by_another_thread_at_any_moment(use):
+def test_closing_by_another_thread_at_any_moment_ends_the_call(use):
     assert close_at_each_line(pty_rig, USES[use]) > 1

@@ -102,7 +102,7 @@ def test_needed_is_the_byte_that_decides(stream, limit):
 
 
 @given(st.integers(0, 2**32 - 1), st.integers(1, 60))
-def test_long_stretches_with_damage(seed, size):
+def test_long_runs_of_bytes_with_damage_have_the_same_events(seed, size):
     random = np.random.default_rng(seed)
     data = b"".join(
         encode(random.bytes(size), raw_checksum=bool(flag)) for flag in random.integers(0, 2, 300)

@@ -129,7 +129,7 @@ def test_times_are_rounded_once(ticks, tsresol, tsoffset):
     assert time == float(tsoffset + Fraction(ticks, interface.ticks_per_second))
 
 
-def test_a_block_too_short_for_a_packet_at_the_end_of_the_file(tmp_path):
+def test_a_block_too_short_for_a_packet_at_the_end_is_the_same_problem(tmp_path):
     path = tmp_path / "line.pcapng"
     whole = b"".join(pcapng.encode(block) for block in [SECTION, LINE])
     path.write_bytes(whole + struct.pack("<3I", pcapng.ENHANCED, 12, 12))

@@ -59,7 +59,9 @@ def same(path):
     st.integers(0, 99),
     st.lists(st.tuples(st.floats(0, 1), st.integers(1, 255)), max_size=4),
 )
-def test_sessions_with_a_virtual_ecu(tmp_path_factory, plan, adapter, rate, seed, wounds):
+def test_columns_and_the_reference_agree_on_sessions_with_a_virtual_unit(
+    tmp_path_factory, plan, adapter, rate, seed, wounds
+):
     path = tmp_path_factory.mktemp("session") / "line.pcapng"
     faults = FaultInjector(dict.fromkeys(LineFault, rate / len(LineFault)), seed=seed)
     record(path, plan, adapter=adapter, fault_injector=faults)

@@ -123,7 +123,9 @@ adapters = st.builds(AdapterKind, echo=st.booleans(), latency=st.sampled_from([0
 
 @settings(max_examples=30)
 @given(steps, adapters, st.sampled_from(READINGS))
-def test_a_clean_session(tmp_path_factory, plan, adapter, reading):
+def test_the_table_of_a_clean_session_has_the_values_read_live(
+    tmp_path_factory, plan, adapter, reading
+):
     path = tmp_path_factory.mktemp("session") / "line.pcapng"
     readings = record(path, plan, adapter=adapter, reading=reading)
     shown, channels = table_of(path, reading=reading)
@@ -144,7 +146,9 @@ def test_a_clean_session(tmp_path_factory, plan, adapter, reading):
 
 @settings(max_examples=30)
 @given(steps, adapters, st.integers(0, 999), st.sampled_from([0.02, 0.1, 0.3]), st.data())
-def test_a_disturbed_session(tmp_path_factory, plan, adapter, seed, rate, data):
+def test_the_table_of_a_disturbed_session_has_the_values_of_the_reference(
+    tmp_path_factory, plan, adapter, seed, rate, data
+):
     path = tmp_path_factory.mktemp("session") / "line.pcapng"
     kinds = data.draw(st.lists(st.sampled_from(LineFault), min_size=1, unique=True))
     rates = dict.fromkeys(kinds, rate / len(kinds))
@@ -156,7 +160,7 @@ def test_a_disturbed_session(tmp_path_factory, plan, adapter, seed, rate, data):
     all_found(readings, shown, 0.05)
 
 
-def test_a_long_session_of_every_method(tmp_path):
+def test_the_table_of_a_long_session_has_the_values_of_every_method(tmp_path):
     path = tmp_path / "line.pcapng"
     plan = [(method, NAMES, 60) for method in METHODS]
     readings = record(path, plan)
@@ -167,7 +171,9 @@ def test_a_long_session_of_every_method(tmp_path):
 
 @settings(max_examples=30)
 @given(steps, st.lists(st.tuples(st.floats(0, 1), st.integers(1, 255)), min_size=1, max_size=8))
-def test_a_damaged_file(tmp_path_factory, plan, wounds):
+def test_the_table_of_a_damaged_file_has_the_values_and_problems_of_the_reference(
+    tmp_path_factory, plan, wounds
+):
     path = tmp_path_factory.mktemp("session") / "line.pcapng"
     record(path, plan)
     data = bytearray(path.read_bytes())

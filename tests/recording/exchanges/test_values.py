@@ -24,7 +24,7 @@ def decoded(raw, conversion):
 
 @pytest.mark.parametrize("reading", ["corrected", "literal", "alternative"])
 @pytest.mark.parametrize("parameter", shipped().parameters, ids=lambda p: p.name)
-def test_every_raw_number_of_the_catalog(parameter, reading):
+def test_every_raw_number_of_the_catalog_is_decoded_alike(parameter, reading):
     raw = ALL_OF[parameter.size]
     conversion = parameter.interpretation(reading)
     assert decoded(raw, conversion) == [float(conversion.decode(row)) for row in raw]
@@ -50,7 +50,7 @@ conversions = st.builds(
 
 
 @given(conversions, st.lists(st.binary(min_size=4, max_size=4), max_size=20))
-def test_any_conversion(conversion, drawn):
+def test_any_conversion_decodes_alike(conversion, drawn):
     size = conversion.size
     raw = [it[:size] for it in drawn] + [bytes(size), b"\xff" * size, b"\x80" * size]
     assert decoded(raw, conversion) == [float(conversion.decode(it)) for it in raw]

@@ -15,7 +15,7 @@ from mikas.recording.export import EXCEL, PLAIN, Dialect, export
 from mikas.recording.table.channels import Channel
 
 
-def test_a_file_as_a_person_sees_it(tmp_path):
+def test_a_csv_file_has_these_bytes(tmp_path):
     out = tmp_path / "log.csv"
     export(out, CHANNELS, FIXED)
     assert out.read_bytes().decode() == (
@@ -26,7 +26,7 @@ def test_a_file_as_a_person_sees_it(tmp_path):
     )
 
 
-def test_a_file_for_excel_in_russia(tmp_path):
+def test_a_csv_file_for_excel_in_russia_has_these_bytes(tmp_path):
     out = tmp_path / "log.csv"
     export(out, CHANNELS, FIXED, dialect=EXCEL, language="ru")
     assert out.read_bytes().decode() == (

@@ -23,7 +23,7 @@ from mikas.recording.export import export
 from mikas.recording.export import sheet as sheets
 
 
-def test_the_fixed_table(tmp_path):
+def test_the_fixed_table_is_read_back_from_mdf(tmp_path):
     out = tmp_path / "поездка.mf4"
     export(out, CHANNELS, FIXED, about={"unit": "Микас <7.1>", "passport": "a & b"})
     from asammdf import MDF  # here: its import takes 2 s

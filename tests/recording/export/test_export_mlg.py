@@ -93,7 +93,7 @@ def read(data):
     return Log(timestamp, names, units, digits, info[:-1].decode(), clocks, values, marks)
 
 
-def test_a_file_byte_by_byte(tmp_path):
+def test_an_mlg_file_has_these_bytes(tmp_path):
     out = tmp_path / "log.mlg"
     export(out, [TWAT], [rows([START, START + 0.25], TWAT=[85, NAN])])
     data = out.read_bytes()
@@ -123,7 +123,7 @@ def test_a_file_byte_by_byte(tmp_path):
     )
 
 
-def test_the_fixed_table(tmp_path):
+def test_the_fixed_table_is_read_back_from_mlg(tmp_path):
     out = tmp_path / "log.mlg"
     export(out, CHANNELS, FIXED, about={"unit": "Микас 7.1"})
     log = read(out.read_bytes())
@@ -213,7 +213,7 @@ def test_long_names_are_cut_between_characters_and_stay_different(tmp_path):
     assert log.units[1:] == ["ЖЖЖЖ"] * 3
 
 
-def test_more_channels_than_it_holds(tmp_path):
+def test_more_channels_than_an_mlg_holds_are_refused(tmp_path):
     channels = [Channel(f"c{n}", "", Text("", "")) for n in range(1190)]
     export(tmp_path / "most.mlg", channels, [])
     assert len(read((tmp_path / "most.mlg").read_bytes()).names) == 1191

@@ -137,7 +137,7 @@ def test_csv_has_but_the_rows_of_gaps(tmp_path):
 
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
-def test_no_rows_and_something_that_happened(tmp_path, suffix):
+def test_events_without_rows_are_exported(tmp_path, suffix):
     out = tmp_path / f"log{suffix}"
     assert export(out, CHANNELS, [], events=EVENTS).rows == 0
     if suffix == ".msl":

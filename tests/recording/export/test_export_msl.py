@@ -24,7 +24,7 @@ def read(path):
     return first[1:-1], second[1:-1], table[0], table[1], table[2:]
 
 
-def test_a_file_as_a_person_sees_it(tmp_path):
+def test_an_msl_file_has_these_bytes(tmp_path):
     out = tmp_path / "log.msl"
     export(out, CHANNELS, FIXED, about={"unit": 'Mikas\n"7.1"'})
     head, _, body = out.read_text(encoding="utf-8").partition("\n")

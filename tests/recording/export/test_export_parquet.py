@@ -32,7 +32,7 @@ def facts(path):
     return json.loads(pq.read_metadata(path).metadata[b"mikas"])
 
 
-def test_the_fixed_table(tmp_path):
+def test_the_fixed_table_is_read_back_from_parquet(tmp_path):
     out = tmp_path / "it's «поездка».parquet"
     export(out, CHANNELS, FIXED, about={"unit": "it's a “Микас”"})
     table = pq.read_table(out)
@@ -71,7 +71,7 @@ def test_no_rows_are_a_file_with_its_columns(tmp_path):
     assert facts(out)["started"] is None
 
 
-def test_a_name_that_sql_would_trip_over(tmp_path):
+def test_a_name_with_quotes_and_sql_in_it_is_a_column(tmp_path):
     out = tmp_path / "log.parquet"
     name = "a\"b'; DROP TABLE collected; --"
     export(out, [Channel(name, "'", Text("'", '"'))], [rows([0.0], **{name: [7]})])

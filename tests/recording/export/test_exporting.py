@@ -53,7 +53,7 @@ def test_a_file_that_is_there_stays(tmp_path, suffix):
 
 
 @every_format
-def test_unless_it_may_be_overwritten(tmp_path, suffix):
+def test_a_file_that_may_be_overwritten_is_replaced(tmp_path, suffix):
     out = tmp_path / f"log{suffix}"
     out.write_text("old")
     export(out, CHANNELS, FIXED, overwrite=True)
@@ -107,7 +107,7 @@ def test_an_interrupted_export_leaves_what_was_there(tmp_path, suffix):
 
 
 @every_format
-def test_a_folder_that_is_not_there(tmp_path, suffix):
+def test_a_folder_that_is_not_there_is_an_error_and_leaves_nothing(tmp_path, suffix):
     with pytest.raises(ExportError, match="can't be written: No such file") as caught:
         export(tmp_path / "nowhere" / f"log{suffix}", CHANNELS, FIXED)
     assert "нет такого файла" in caught.value.text.ru
@@ -115,7 +115,7 @@ def test_a_folder_that_is_not_there(tmp_path, suffix):
 
 
 @every_format
-def test_a_folder_that_is_a_file(tmp_path, suffix):
+def test_a_folder_that_is_a_file_is_an_error(tmp_path, suffix):
     (tmp_path / "file").write_text("")
     with pytest.raises(ExportError, match="can't be written"):
         export(tmp_path / "file" / f"log{suffix}", CHANNELS, FIXED)
