@@ -5,6 +5,7 @@ from __future__ import annotations
 from playwright.sync_api import expect
 
 from dashboard.recordings_rig import record_fault
+from mikas.client import Ecu
 
 
 def test_faults_are_read_and_erased_and_kept_in_the_journal(own, visitor):
@@ -80,3 +81,27 @@ def test_a_recording_has_its_faults_with_the_frame_of_the_new_one(own, visitor):
     expect(frame.locator("svg path").first).to_be_attached()
     frame.get_by_role("button", name="Show in chart").click()
     expect(tab.page.get_by_role("group", name="Moments")).to_contain_text("Fault 13 stored")
+
+
+def test_an_erase_reads_the_faults_three_times(own, visitor, monkeypatch):
+    """For the sheet, for the comparison with what the sheet showed, and back."""
+    readings = []
+    read = Ecu.faults
+
+    def counted(ecu):
+        readings.append(read(ecu))
+        return readings[-1]
+
+    tab = visitor(own.url).show("faults")
+    expect(tab.find("ol.cards article")).to_have_count(2)
+    monkeypatch.setattr(Ecu, "faults", counted)
+    tab.press("Erase…")
+    sheet = tab.page.get_by_role("dialog")
+    expect(sheet).to_contain_text("17")
+    sheet.get_by_role("button", name="Erase", exact=True).click()
+    tab.says("No faults are stored")
+    tab.find("summary", has_text="Journal").click()
+    expect(tab.find("details li").first).to_contain_text("were stored: 17, 41")
+    samples = own.state()["samples"]
+    own.until(lambda: own.state()["samples"] > samples + 9)
+    assert [[fault.code for fault in each] for each in readings] == [[17, 41], [17, 41], []]

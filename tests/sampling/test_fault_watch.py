@@ -10,7 +10,7 @@ from sampling_harness import SimulatedPlug
 
 from mikas.client.connecting import ConnectionOptions
 from mikas.sampling.acquisition import Acquisition
-from mikas.sampling.events import CycleFailed, Sampled
+from mikas.sampling.events import CycleFailed, FaultReading, Sampled
 from mikas.sampling.fault_watch import FaultWatch, appeared
 from mikas.sampling.gaps import GapTracker
 from mikas.virtual.build import build_bus
@@ -102,3 +102,25 @@ def test_the_moment_of_a_fault_lies_between_the_last_value_without_and_the_first
     lowest, moment
 ):
     assert appeared(13, 0.5, 4.5, TIMES[: len(lowest)], lowest) == moment
+
+
+def test_a_change_that_another_reading_has_shown_is_not_read_again():
+    """An erase reads the faults itself; MINERR follows."""
+    plug = SimulatedPlug(build_bus({"scenario": "warm-idle", "faults": "17,41"}))
+    watch, readings = FaultWatch(), []
+    made = Acquisition(plug, OPTIONS.create_ecu, OPTIONS.catalog, ["MINERR"], method="batch")
+
+    def erase(ecu):
+        watch.know(FaultReading(ecu.tester.link.now(), ecu.erase_faults().after, erased=True))
+
+    with closing(made.run()) as events:
+        erased = False
+        for event in events:
+            if watch.is_due(event):
+                made.call(lambda ecu: readings.append(watch.read(ecu)))
+            if readings and not erased:
+                erased = True
+                made.call(erase)
+            if event.time > 30.0:
+                break
+    assert [reading.codes for reading in readings] == [(17, 41)]

@@ -239,6 +239,7 @@ class Dashboard:
 
     def _on_faults(self, reading: FaultReading, before: FaultReading | None) -> None:
         """Pass on a reading of the stored faults; in the sampling thread."""
+        self._fault_reader.know(reading)
         self.recorder.recorder.take(reading)
         self.freeze_frames.take(reading, before)
         if before is not None and set(reading.codes) != set(before.codes):

@@ -67,9 +67,7 @@ class FaultWatch:
                 self._lowest = None  # it may not be sampled any more
             case Sampled(fresh=fresh):
                 if (reading := fresh.get(MINERR)) is not None:
-                    lowest = float(reading.value)
-                    self._changed |= self._lowest is not None and lowest != self._lowest
-                    self._lowest = lowest
+                    self._follow_lowest(float(reading.value))
             case _:
                 return False
         if not self._found or self._waits or self.refused:
@@ -78,6 +76,16 @@ class FaultWatch:
             return False
         self._waits = True
         return True
+
+    def know(self, reading: FaultReading) -> None:
+        """Take a reading that was made for another reason: the change that it shows is read."""
+        self._changed, self.latest, self._tried = False, reading, reading.time
+
+    def _follow_lowest(self, lowest: float) -> None:
+        """Follow MINERR. A change to what the latest reading has as the lowest is known."""
+        known = min(self.latest.codes, default=0) if self.latest else None
+        self._changed |= self._lowest not in (None, lowest) and lowest != known
+        self._lowest = lowest
 
     def _is_late(self, now: float) -> bool:
         """Whether a fault may be stored by now that MINERR does not show."""

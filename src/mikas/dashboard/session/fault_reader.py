@@ -16,7 +16,7 @@ from mikas.dashboard.session.connection import Connection
 from mikas.dashboard.session.history import FaultHistory
 from mikas.dashboard.session.monitor import ConnectionMonitor
 from mikas.dashboard.session.port_threads import SamplingThread
-from mikas.sampling.events import Event, LineState
+from mikas.sampling.events import Event, FaultReading, LineState
 from mikas.sampling.fault_watch import FaultWatch
 
 _LAST: Final = 1.0  # s that the end of a recording waits for its last reading
@@ -40,6 +40,10 @@ class FaultReader:
         """Follow an event; in the sampling thread."""
         if self._watch.is_due(event):
             thread.call(self._read)
+
+    def know(self, reading: FaultReading) -> None:
+        """Take a reading, made by whatever; in the sampling thread."""
+        self._watch.know(reading)
 
     def read_first(self, thread: SamplingThread) -> None:
         """Read the faults soon, as a recording has started."""
