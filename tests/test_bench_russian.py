@@ -32,7 +32,7 @@ def test_every_sentence_is_translated() -> None:
         ),
     ],
 )
-def test_a_part_in_russian(english: str, russian: str) -> None:
+def test_a_part_of_a_document_is_translated_whole(english: str, russian: str) -> None:
     translation = Translation(TEXTS)
     assert translation.document(english).split() == russian.split()
     assert not translation.missing

@@ -52,7 +52,7 @@ def test_terminal_text_has_no_control_and_loses_nothing(text: str):
         ("\ud800", "\ufffd", "\\ud800"),
     ],
 )
-def test_known_texts(text: str, clean: str, escaped: str):
+def test_known_texts_are_cleaned_and_escaped_as_expected(text: str, clean: str, escaped: str):
     assert clean_text(text) == clean
     assert terminal_text(text) == escaped
 
@@ -82,7 +82,7 @@ def test_clean_json_refuses(number: float):
         clean_json({"a": [number]})
 
 
-def test_calendar():
+def test_the_calendar_goes_from_1970_to_9999():
     assert is_in_calendar(0)
     assert datetime.fromtimestamp(LATEST, UTC).year == 9999
     assert datetime.fromtimestamp(LATEST).astimezone()

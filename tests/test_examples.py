@@ -44,17 +44,17 @@ def test_every_example_is_run():
 
 
 @pytest.mark.parametrize("name", EXPECTED)
-def test_it_runs(run, name):
+def test_each_example_prints_what_is_expected(run, name):
     assert EXPECTED[name] in run(name)
 
 
 @pytest.mark.parametrize("name", [*EXPECTED, LINK])
-def test_it_is_short(name):
+def test_each_example_has_10_to_40_lines(name):
     assert 10 <= len((EXAMPLES / name).read_text("utf-8").splitlines()) <= 40
 
 
 @pytest.mark.parametrize("name", [*EXPECTED, LINK])
-def test_the_guide_names_it(name):
+def test_the_guide_names_each_example(name):
     guide = (EXAMPLES / "README.md").read_text("utf-8")
     assert f"]({name})" in guide or f"]({Path(name).parent}/)" in guide
 

@@ -46,7 +46,7 @@ def shown(events: list[Event], decoder: Decoder) -> list[dict[str, str]]:
 
 
 @pytest.mark.parametrize("vector", FRAMES, ids=lambda v: v["why"])
-def test_frame_vectors(vector):
+def test_frames_are_encoded_and_decoded_as_in_the_vectors(vector):
     body = bytes.fromhex(vector["body"])
     assert checksum(body) == int(vector["checksum"], 16)
     assert encode(body) == bytes.fromhex(vector["wire"])
@@ -64,7 +64,7 @@ def test_frame_vectors(vector):
 
 
 @pytest.mark.parametrize("vector", STREAMS, ids=lambda v: v["why"])
-def test_stream_vectors_under_every_chunking(vector):
+def test_stream_vectors_give_their_events_under_every_chunking(vector):
     wire = bytes.fromhex(vector["wire"])
     for pattern in range(1 << max(0, len(wire) - 1)):
         cuts = [i + 1 for i in range(len(wire) - 1) if pattern >> i & 1]
@@ -73,7 +73,7 @@ def test_stream_vectors_under_every_chunking(vector):
 
 
 @given(st.lists(awkward, max_size=300).map(bytes), st.booleans())
-def test_round_trip(body, raw):
+def test_an_encoded_body_is_decoded_again(body, raw):
     wire = encode(body, raw_checksum=raw)
     events, decoder = all_events([wire])
     assert [e.body for e in events] == [body]
@@ -121,7 +121,7 @@ def test_a_second_reading_of_the_law_finds_the_same(settings, wire):
     check(settings + wire)
 
 
-def test_what_the_fuzzer_has_kept():
+def test_inputs_that_the_fuzzer_has_kept_break_no_property():
     inputs = [path.read_bytes() for path in (REPOSITORY / "fuzz/corpus/framing").iterdir()]
     assert len(inputs) > 50
     for data in inputs:
@@ -129,7 +129,7 @@ def test_what_the_fuzzer_has_kept():
 
 
 @given(wires)
-def test_sum_rule(wire):
+def test_the_sum_over_the_wire_is_that_of_the_plain_bytes(wire):
     plain, irregular = unstuff(wire)
     assert sum(plain) & 0xFF == sum(wire) & 0xFF
     if not irregular:
@@ -177,7 +177,7 @@ def test_strict_mode_reports_an_irregular_escape():
         ("40 C0 0D", "", False, True),
     ],
 )
-def test_corners_of_the_checksum_rule(wire, body, raw, irregular):
+def test_corners_of_the_checksum_rule_are_decoded_as_the_law_says(wire, body, raw, irregular):
     (event,) = Decoder().feed(bytes.fromhex(wire))
     if raw is None:
         assert isinstance(event, Damage)

@@ -22,7 +22,7 @@ from mikas.i18n import byte_count
         (256, "256 bytes", "256 байт"),
     ],
 )
-def test_bytes(count, en, ru) -> None:
+def test_a_count_of_bytes_has_the_unit_of_each_language(count, en, ru) -> None:
     assert byte_count(count) == (en, ru)
 
 

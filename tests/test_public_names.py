@@ -91,7 +91,7 @@ def own_errors():
     return found
 
 
-def test_the_package():
+def test_the_package_exports_exactly_this_list():
     assert mikas.__all__ == [
         "AsyncEcu",
         "Change",
@@ -128,7 +128,7 @@ def test_the_async_connect_has_the_options_of_connect():
     assert signature(mikas.AsyncEcu.connect) == signature(mikas.connect)
 
 
-def test_the_client():
+def test_the_client_exports_exactly_this_list():
     assert mikas.client.__all__ == [
         "METHODS",
         "Answer",

@@ -105,7 +105,7 @@ def test_audit_says_when_nothing_was_audited(audit, capsys, nothing):
     assert shown.count("can't be reached. Last look by hand: 20") == 2
 
 
-def test_audit_of_clean_packages(audit, capsys):
+def test_audit_passes_clean_packages(audit, capsys):
     assert audit.main(outputs(PIP_CLEAN, NPM_CLEAN)) == 0
     assert capsys.readouterr().out == "pip-audit: no known advisory\nnpm audit: no known advisory\n"
 

@@ -34,7 +34,7 @@ def test_the_depth_is_that_of_the_value(value, ascii_only):
 
 
 @pytest.mark.parametrize("opening", ["[", '{"a":', '{"[": ', "[1, ", '["\\"]", '])
-def test_what_never_ends_is_seen_too(opening):
+def test_a_nesting_that_never_ends_is_too_deep(opening):
     assert nests_too_deep(opening * (DEEPEST + 1))
     assert not nests_too_deep(opening * DEEPEST)
 

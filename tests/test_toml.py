@@ -67,7 +67,7 @@ def test_what_is_too_large_never_reaches_the_parser(
         "a = [[1]]\n" + "\n".join(f"[t{n}]\nx.y = 1" for n in range(100)),
     ],
 )
-def test_what_is_not_too_large(text: str) -> None:
+def test_what_is_not_too_large_is_parsed_as_by_tomllib(text: str) -> None:
     assert parse(text) == tomllib.loads(text)
 
 

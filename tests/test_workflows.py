@@ -42,7 +42,7 @@ def test_each_action_has_a_version_and_each_need_is_a_job(file):
 
 
 @pytest.mark.parametrize("file", FILES, ids=lambda file: file.name)
-def test_each_command_is_there(file):
+def test_each_command_of_a_workflow_exists(file):
     for line in (line for step in steps(file) for line in step.get("run", "").splitlines()):
         words = shlex.split(line.replace("&&", " && "))
         if words[:1] == ["make"]:

@@ -68,7 +68,7 @@ def test_a_whole_memory_comes_over_the_cable(box):
     assert out.read_bytes() == pattern("code")
 
 
-def test_two_cables_at_once(box):
+def test_two_cables_at_once_give_the_values_of_their_units(box):
     cables = [
         box.cable(0, serial="A50285BI", model="7.1"),
         box.cable(1, serial="FTG7X2QD", model="5.4"),

@@ -26,7 +26,7 @@ from virtual_harness import DATA, FAULTS, TableCar
 
 
 class TestFaults:
-    def test_they_come_in_the_units_order_with_texts(self):
+    def test_faults_come_in_the_units_order_with_texts(self):
         faults = ecu_on(bench()).faults()
         assert [f.code for f in faults] == FAULTS
         assert faults[0].known
@@ -222,7 +222,7 @@ class TestTheList:
             assert all(r.raw == DATA[r.parameter.code] for r in readings.values())
         assert it.requests() == [b"\x64\x1a\x07\x3f", b"\x63", b"\x63"]
 
-    def test_it_is_described_in_plain_words(self, tmp_path):
+    def test_a_list_to_set_is_described_in_plain_words(self, tmp_path):
         asked = []
         ecu = ecu_on(bench(), confirm=lambda c: asked.append(c) or True, journal=tmp_path / "j")
         ecu.set_list("TWAT", "INJ")

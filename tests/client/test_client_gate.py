@@ -150,13 +150,13 @@ class TestTheGate:
 
 
 class TestTheJournal:
-    def test_it_is_appended_to(self, tmp_path):
+    def test_the_journal_is_appended_to(self, tmp_path):
         journal = tmp_path / "deep" / "er" / "journal.jsonl"
         for _ in range(2):
             ecu_on(bench(), journal=journal).write_parameter("SSM", 30)
         assert [e["state"] for e in lines(journal)] == ["started", "done"] * 2
 
-    def test_it_keeps_all_bytes_that_were_there(self, tmp_path):
+    def test_the_journal_keeps_all_bytes_that_were_there(self, tmp_path):
         it = bench()
         ecu = ecu_on(it, journal=tmp_path / "journal")
         before = ecu.memory.xram.read_block(0, 600)
@@ -220,7 +220,7 @@ class TestTheJournal:
 
 
 class TestThreads:
-    def test_two_read_and_write_through_one_ecu(self, tmp_path):
+    def test_two_threads_read_and_write_through_one_ecu(self, tmp_path):
         it = bench()
         ecu = ecu_on(it, journal=tmp_path / "journal")
         failures = []

@@ -292,7 +292,7 @@ def test_a_refusal_half_way_does_not_say_that_nothing_was_changed():
     assert "Some of the bytes" not in str(caught.value)
 
 
-def test_what_info_and_supported_say_of_a_bare_unit():
+def test_info_and_supported_name_what_a_bare_unit_lacks():
     for unknown in ("silent", "01"):
         it = bench(missing="passports,bytes,blocks,sfr,count,stream,stroke,02", unknown=unknown)
         ecu = ecu_on(it)
@@ -311,7 +311,7 @@ def test_what_info_and_supported_say_of_a_bare_unit():
         assert known["CWRITP (62)"] is None  # not tried: it changes something
 
 
-def test_what_info_and_supported_say_of_a_whole_unit():
+def test_info_and_supported_name_all_that_a_whole_unit_has():
     it = bench()
     ecu = ecu_on(it)
     info = ecu.info()

@@ -27,7 +27,7 @@ class CountingCar(TableCar):
 
 @pytest.mark.parametrize("method", METHODS)
 class TestEveryMethod:
-    def test_it_gives_the_requested_parameters(self, method):
+    def test_watch_gives_the_requested_parameters(self, method):
         it = bench()
         ecu = ecu_on(it)
         samples = list(ecu.watch("TWAT", "INJ", "RXX", method=method, count=4))
@@ -38,11 +38,11 @@ class TestEveryMethod:
         assert times == sorted(set(times))
         assert ecu.read("TWAT")  # and the unit is free
 
-    def test_gives_all_of_the_catalog_with_no_names(self, method):
+    def test_watch_gives_all_of_the_catalog_with_no_names(self, method):
         (sample,) = ecu_on(bench()).watch(method=method, count=1)
         assert {r.parameter.code: r.raw for r in sample.readings.values()} == DATA
 
-    def test_never_gives_a_value_twice(self, method):
+    def test_watch_never_gives_a_value_twice(self, method):
         it = bench(car=CountingCar())
         ecu = ecu_on(it)
         observed = []
@@ -57,7 +57,7 @@ class TestEveryMethod:
         assert len(observed) > 80
         assert len(set(observed)) == len(observed)
 
-    def test_goes_on_after_the_supply_was_off(self, method):
+    def test_watch_goes_on_after_the_supply_was_off(self, method):
         it = bench()
         ecu = ecu_on(it)
         states = []

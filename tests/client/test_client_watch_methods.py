@@ -104,7 +104,7 @@ def test_a_lost_beginning_of_a_stream_is_no_refusal(unknown, method, monkeypatch
 
 
 class TestTheList:
-    def test_it_is_set_again_after_an_unnoticed_power_cycle(self):
+    def test_a_list_is_set_again_after_an_unnoticed_power_cycle(self):
         it = bench()
         ecu = ecu_on(it)
         for names in (("TWAT", "INJ"), ("TWAT",)):  # one byte: 01 could pass for a datum

@@ -132,7 +132,7 @@ class TestTheForms:
 @pytest.mark.parametrize("unknown", ["silent", "01"])
 class TestAFailureHalfWay:
     @pytest.mark.parametrize("missing", ["", NO_BYTES, NO_BLOCKS])
-    def test_it_says_what_stands_now(self, unknown, missing, tmp_path):
+    def test_a_failure_half_way_says_what_stands_now(self, unknown, missing, tmp_path):
         it = bench(missing=missing, unknown=unknown)
         ecu = ecu_on(it, confirm=yes, journal=tmp_path / "j")
         refusal = b"\x01" if unknown == "01" else None

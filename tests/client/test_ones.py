@@ -101,7 +101,7 @@ def test_a_bad_line_at_that_moment_is_no_limit():
 class TestAUnitWithoutWhatIsCommon:
     """No parameter is promised to anybody, neither FREQ nor another."""
 
-    def test_it_knows_61_all_the_same(self, unknown, long_list):
+    def test_a_unit_without_the_common_parameters_knows_61_all_the_same(self, unknown, long_list):
         for lacking in (GOOD, {c: r for c, r in DATA.items() if c != 0x29}):
             it = bench(lacking, unknown=unknown, long_list=long_list, max_list=3)
             ecu = ecu_on(it)

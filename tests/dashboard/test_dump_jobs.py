@@ -101,7 +101,7 @@ def test_it_is_not_gone_on_with_on_another_unit(held, tmp_path):
         assert "another unit" in failed["error"]["en"]
 
 
-def test_two_at_once_would_both_be_slow(held, idle):
+def test_a_second_dump_at_once_is_refused(held, idle):
     first = idle.post("/dumps", XRAM)["id"]
     assert idle.post("/dumps", XRAM, 409)["code"] == "Busy"
     idle.post(f"/dumps/{first}/pause")

@@ -98,7 +98,7 @@ def test_sampling_goes_on_while_a_frame_is_written(store, tmp_path, monkeypatch)
     assert list(tmp_path.rglob("*.json")) == []
 
 
-def test_of_many_files_the_latest_thirty_are_read(store, tmp_path):
+def test_of_many_frames_the_latest_thirty_are_read(store, tmp_path):
     store.begin_unit(UNIT)
     seen(store, 13, 8.0)
     (frame,) = store.frames

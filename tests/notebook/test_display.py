@@ -45,7 +45,7 @@ def texts(html):
     return [it.strip() for each in root.iter() if each.tag != "style" for it in each.itertext()]
 
 
-def test_it_shows_car_faults_gaps_markers_and_every_channel(car):
+def test_a_recording_shows_car_faults_gaps_markers_and_every_channel(car):
     recording = mikas.open(car, language="en")
     html = recording._repr_html_()
     shown = "\n".join(texts(html))
@@ -62,7 +62,7 @@ def test_it_shows_car_faults_gaps_markers_and_every_channel(car):
     assert [cell.text for cell in coolant][1:5] == ["Coolant temperature", "°C", "86", "86"]
 
 
-def test_it_speaks_the_language_of_its_reader(car, monkeypatch):
+def test_a_recording_speaks_the_language_of_its_reader(car, monkeypatch):
     monkeypatch.setenv("MIKAS_LANG", "ru")
     recording = mikas.open(car)
     russian = recording._repr_html_()

@@ -18,14 +18,14 @@ def path(request):
 
 @pytest.mark.realtime
 @pytest.mark.filterwarnings("ignore:Proactor event loop:RuntimeWarning")  # Windows: zmq goes on
-def test_it_runs_and_its_results_are_those_that_it_shows(path):
+def test_each_notebook_runs_and_has_the_results_that_it_shows(path):
     """Its own cells check its numbers against the virtual car that it drives."""
     assert results(executed(path)) == results(nbformat.read(path, as_version=4)), (
         f"{path.name} shows other results: .venv/bin/python tests/notebooks/execute.py"
     )
 
 
-def test_it_is_for_readers_of_both_languages_and_small(path):
+def test_each_notebook_is_for_readers_of_both_languages_and_small(path):
     notebook = nbformat.read(path, as_version=4)
     nbformat.validate(notebook)
     assert path.stat().st_size < LARGEST
@@ -41,7 +41,7 @@ def test_it_is_for_readers_of_both_languages_and_small(path):
     assert "/tmp/" not in path.read_text("utf-8")
 
 
-def test_the_guide_names_them():
+def test_the_guide_names_each_notebook():
     assert [path.stem for path in NOTEBOOKS] == ["fuel_economy", "ignition_map", "two_cars"]
     guide = (NOTEBOOKS[0].parents[1] / "README.md").read_text("utf-8")
     assert all(f"](notebooks/{path.name})" in guide for path in NOTEBOOKS)

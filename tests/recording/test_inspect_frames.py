@@ -158,7 +158,7 @@ def test_the_end_of_the_file_ends_every_frame():
     assert described("> 01", "< 0A") == [">! 01 unfinished", "<! 0A unfinished"]
 
 
-def test_what_looked_like_a_raw_checksum_up_to_the_end():
+def test_a_raw_checksum_at_the_end_of_the_file_is_damage():
     assert described("< F30D") == ["<! F3 checksum"]
 
 

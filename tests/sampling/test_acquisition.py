@@ -197,7 +197,7 @@ def test_alarms_follow_their_sample():
 
 
 class TestWanting:
-    def test_something_else_from_the_next_cycle_on(self):
+    def test_another_selection_is_sampled_from_the_next_cycle_on(self):
         plug = SimulatedPlug(make_bus())
         made = acquisition(plug, "FREQ", "TWAT")
         with closing(made.run()) as events:
@@ -252,7 +252,7 @@ class TestWanting:
         with pytest.raises((UnknownParameter, UsageError)):
             acquisition(SimulatedPlug(make_bus()), *names, method=method, rate=rate)
 
-    def test_by_other_threads_while_it_runs(self):
+    def test_other_threads_change_the_selection_while_it_runs(self):
         plug = SimulatedPlug(make_bus())
         made = acquisition(plug, "FREQ")
         sets = [["FREQ"], ["INJ", "FUEL_FLOW"], ["TWAT", "FUEL_STROKE/2"], ["THR"]]
@@ -288,7 +288,7 @@ class TestWanting:
         assert not of(ParameterDropped, reported)
 
 
-def test_prices():
+def test_a_price_is_that_of_the_plan():
     made = acquisition(SimulatedPlug(make_bus()))
     assert (
         made.price(["FREQ"], "stream")
@@ -321,7 +321,7 @@ def test_calls_are_passed_on():
     assert asked.result(0) == DATA[0x20]
 
 
-def test_nothing_at_all_is_an_error():
+def test_a_selection_that_the_unit_lacks_is_an_error():
     with pytest.raises(NotSupported):
         list(acquisition(SimulatedPlug(make_bus()), "0x99").run())
 

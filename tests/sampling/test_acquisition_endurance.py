@@ -67,7 +67,7 @@ def test_a_rate_does_not_drift(method):
     assert times[-1] - times[100] == pytest.approx(49.9, abs=0.03)
 
 
-def test_nor_is_it_lost_on_a_bad_line():
+def test_a_rate_is_kept_on_a_bad_line():
     times = sample_times("batch", {LineFault.DAMAGED: 0.01}, 1800)
     assert (times[-1] - times[0]) / 1799 == pytest.approx(0.1, rel=0.05)
 

@@ -35,7 +35,7 @@ def levels(alarms: Alarms, *values: float | None) -> list[tuple[Level, Side | No
     return states
 
 
-def test_levels_with_hysteresis() -> None:
+def test_a_level_ends_behind_its_hysteresis() -> None:
     low, high = Side.LOW, Side.HIGH
     assert levels(voltage(), 14, 15, 15.1, 14.6, 14.5, 16.1, 15.6, 15.5, 14.6, 14.5) == [
         (NONE, None), (NONE, None), (WARNING, high), (WARNING, high), (NONE, None),
@@ -52,12 +52,12 @@ def test_without_hysteresis_the_limit_itself_is_inside() -> None:
     assert [level for level, _ in levels(alarms, 15, 15.1, 15)] == [NONE, WARNING, NONE]
 
 
-def test_only_danger() -> None:
+def test_limits_of_danger_alone_have_no_warning() -> None:
     alarms = voltage(AlarmLimits(danger_low=9, hysteresis=1))
     assert [level for level, _ in levels(alarms, 9.5, 8.9, 9.9, 10)] == [NONE, DANGER, DANGER, NONE]
 
 
-def test_events() -> None:
+def test_each_change_of_a_level_is_an_event() -> None:
     alarms = voltage()
     events = []
     for time, value in enumerate([14, 15.5, 16.5, 15.2, 14, 8, 20]):
@@ -85,7 +85,7 @@ def test_events() -> None:
     assert all(each.name == "UACC" for each in events)
 
 
-def test_state_for_a_display() -> None:
+def test_the_state_has_level_limit_value_and_is_stale_without_a_value() -> None:
     alarms = voltage()
     parameter = shipped().parameter("UACC")
     assert alarms.current()["UACC"] == AlarmState(parameter)
@@ -106,7 +106,7 @@ def test_state_for_a_display() -> None:
     assert (state.level, state.since, state.stale) == (WARNING, 2.0, False)
 
 
-def test_the_catalog_s_limits() -> None:
+def test_the_limits_of_the_catalog_raise_alarms() -> None:
     alarms = Alarms(shipped())
     assert [each.name for each in alarms.channels] == ["TWAT", "FREQ", "UACC", "DUTY"]
     assert list(alarms.current()) == ["TWAT", "FREQ", "UACC", "DUTY"]
@@ -125,7 +125,7 @@ def test_limits_of_one_s_own_take_their_place() -> None:
     ]
 
 
-def test_a_flag(tmp_path: Path) -> None:
+def test_a_flag_raises_its_alarm(tmp_path: Path) -> None:
     path = tmp_path / "own.toml"
     path.write_text("[parameter.DET.limits]\nwhen_true = 'danger'\n", encoding="utf-8")
     catalog = load(path)
@@ -145,7 +145,7 @@ def test_a_flag(tmp_path: Path) -> None:
     ]
 
 
-def test_readings_in_the_corrected_sense_and_fresh() -> None:
+def test_only_fresh_readings_count_and_in_the_corrected_sense() -> None:
     alarms = Alarms(shipped(), fresh=0.5)
     parameter = shipped().parameter("UACC")
     reading = decode(parameter, parameter.encode(14.2), 10.0, "literal")
@@ -156,7 +156,7 @@ def test_readings_in_the_corrected_sense_and_fresh() -> None:
     assert alarms.current()["UACC"].stale
 
 
-def test_a_derived_channel() -> None:
+def test_a_derived_channel_raises_its_alarm() -> None:
     derived, alarms = DerivedChannels(shipped(), ["DUTY"]), Alarms(shipped())
     sample = {
         name: decode(parameter, parameter.encode(value), 0, "corrected")
@@ -177,7 +177,7 @@ def test_a_derived_channel() -> None:
         ("DUTY", AlarmLimits(when_true=DANGER), UsageError, "DUTY is a number"),
     ],
 )
-def test_limits_that_do_not_fit(
+def test_limits_that_do_not_fit_are_refused(
     name: str, limits: AlarmLimits, error: type[UsageError], problem: str
 ) -> None:
     with pytest.raises(error, match=re.escape(problem)):
@@ -190,7 +190,7 @@ volts = st.one_of(
 
 
 @given(st.lists(volts))
-def test_any_course(values: list[float | None]) -> None:
+def test_by_any_course_a_level_is_never_milder_than_its_value(values: list[float | None]) -> None:
     alarms = voltage()
     level, side = NONE, None
     for time, value in enumerate(values):

@@ -81,7 +81,7 @@ def test_a_value_is_never_bare() -> None:
     assert str(value) == "FUEL_FLOW 1.4 l/h"
 
 
-def test_inputs_and_values() -> None:
+def test_channels_name_their_inputs_and_have_values_in_order() -> None:
     channels = DerivedChannels(shipped(), ["FUEL_USED", "filling", "Fuel_Used"])
     assert channels.requires == ("FREQ", "INJ", "JAIR")
     assert [each.name for each in channels.channels] == ["FUEL_USED", "FILLING"]
@@ -93,7 +93,7 @@ def test_inputs_and_values() -> None:
 
 
 @pytest.mark.parametrize(("name", "error"), [("FUEL", UnknownParameter), ("TWAT", UsageError)])
-def test_only_derived_channels(name: str, error: type[Exception]) -> None:
+def test_what_is_no_derived_channel_is_refused(name: str, error: type[Exception]) -> None:
     with pytest.raises(error):
         DerivedChannels(shipped(), [name])
 
@@ -105,14 +105,14 @@ def test_missing_and_undefined_have_no_value() -> None:
     assert list(channels.update(readings(1.0, JAIR=15, FREQ=0, INJ=4), 1.0)) == ["DUTY"]
 
 
-def test_a_sample_may_last() -> None:
+def test_readings_of_a_sample_that_lasts_are_all_fresh() -> None:
     """One request a parameter on a slow unit: its own readings are seconds apart, all fresh."""
     channels = DerivedChannels(shipped(), ["DUTY"])
     sample = readings(1.0, INJ=4) | readings(7.0, FREQ=840)
     assert list(channels.update(sample, 1.0)) == ["DUTY"]
 
 
-def test_formulas_mean_the_corrected_reading(tmp_path: Path) -> None:
+def test_formulas_mean_the_corrected_interpretation(tmp_path: Path) -> None:
     path = tmp_path / "own.toml"
     path.write_text('[derived.D]\nformula = "UACC"\ntext = ""\n', encoding="utf-8")
     sample = readings(0, "literal", UACC=14.2)
@@ -133,7 +133,7 @@ def revs(channels: DerivedChannels, time: float, freq: float | None = 600) -> fl
     return made.value if made else None
 
 
-def test_adding_up(catalog: Catalog) -> None:
+def test_a_total_is_added_up_along_a_straight_line(catalog: Catalog) -> None:
     channels = DerivedChannels(catalog, ["REVS", "REVS_A_SECOND"])
     assert channels.accumulated == {"REVS": Accumulated(), "SECONDS": Accumulated()}
     assert revs(channels, 100.0) == 0
@@ -237,7 +237,7 @@ def test_columns_of_unrecorded_inputs_are_missing() -> None:
     assert np.isnan(columns["FUEL_USED"]).all()
 
 
-def test_empty_columns() -> None:
+def test_columns_without_rows_are_empty() -> None:
     channels = DerivedChannels(shipped(), ["FUEL_USED", "FILLING"])
     empty = np.empty(0)
     for rows in (Rows(empty, {}), Rows(empty, {"INJ": empty, "FREQ": empty, "JAIR": empty})):

@@ -39,7 +39,7 @@ def first_at(events) -> int:
 
 @pytest.mark.parametrize("adapter", [AdapterKind(), AdapterKind(echo=False)])
 @pytest.mark.parametrize("method", ["auto", "batch"])
-def test_it_comes_soon_after_the_port_is_open(adapter, method):
+def test_the_first_value_comes_soon_after_the_port_is_open(adapter, method):
     events = run(make_bus(adapter=adapter), method=method)
     first, found = events[first_at(events)], of(UnitFound, events)[0]
     assert first.time < 0.6
@@ -59,7 +59,7 @@ class PortOpenBefore(SimulatedPlug):
         return link
 
 
-def test_it_comes_sooner_if_the_port_was_open_before():
+def test_the_first_value_comes_sooner_if_the_port_was_open_before():
     opened_now, before = SimulatedPlug(make_bus()), PortOpenBefore(make_bus())
     first, sooner = (first_sample(plug) for plug in (opened_now, before))
     assert sooner.time - 0.4 < first.time - 0.15
@@ -113,17 +113,17 @@ def test_a_parameter_that_is_refused_is_found_as_ever(unknown):
 
 
 @pytest.mark.parametrize("method", ["single", "list", "stream"])
-def test_not_by_another_method_than_the_requested(method):
+def test_no_first_value_comes_by_another_method_than_the_requested(method):
     events = run(make_bus(), method=method)
     assert events.index(of(UnitFound, events)[0]) < first_at(events)
 
 
-def test_not_if_another_unit_may_have_been_sampled_before():
+def test_no_first_value_comes_if_another_unit_may_have_been_sampled_before():
     events = run(make_bus(), identify_first=True)
     assert events.index(of(UnitFound, events)[0]) < first_at(events)
 
 
-def test_not_if_a_unit_is_known_that_takes_no_long_list(tmp_path):
+def test_no_first_value_comes_if_a_unit_is_known_that_takes_no_long_list(tmp_path):
     short = EcuQuirks(max_list=8)
     run(make_bus(quirks=short), state=tmp_path)
     events = run(make_bus(quirks=short), state=tmp_path)

@@ -39,7 +39,7 @@ def faults(ecu):
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_they_go_in_between(method):
+def test_jobs_go_in_between_by_every_method(method):
     sampler = make_sampler(SimulatedPlug(make_bus(rpm=5200)), method=method)
     early = sampler.call(faults)
     with closing(sampler.run()) as events:
@@ -82,7 +82,7 @@ def test_a_steady_flow_of_them_does_not_stop_the_sampling_nor_the_other_way_roun
 
 
 @pytest.mark.parametrize(("method", "rate"), [("stroke0", None), ("batch", 0.05), ("stream", 0.05)])
-def test_they_do_not_wait_for_a_slow_cycle(method, rate):
+def test_jobs_do_not_wait_for_a_slow_cycle(method, rate):
     """An engine that stands still sends no stream; at one sample in 20 s there is time."""
     plug = SimulatedPlug(make_bus(rpm=850))
     sampler = make_sampler(plug, "FREQ", "TWAT", method=method, rate=rate)
@@ -127,7 +127,7 @@ def test_while_the_ecu_is_silent_jobs_fail_with_its_error():
         (lambda plug: plug.unsupply(), NoEcho, LineState.NO_ECHO),
     ],
 )
-def test_without_an_adapter_they_fail_soon(spoil, error, state):
+def test_without_an_adapter_jobs_fail_soon(spoil, error, state):
     plug = SimulatedPlug(make_bus())
     sampler = make_sampler(plug, method="batch")
     with closing(sampler.run()) as events:
@@ -146,7 +146,7 @@ def test_without_an_adapter_they_fail_soon(spoil, error, state):
     assert len(asked[2].result(0)) == 4
 
 
-def test_the_end_of_sampling_fails_them():
+def test_the_end_of_sampling_fails_waiting_jobs():
     sampler = make_sampler(SimulatedPlug(make_bus()), method="batch")
     with closing(sampler.run()) as events:
         take(events, enough)
@@ -184,7 +184,7 @@ def test_ctrl_c_in_a_job_fails_the_waiting_callers():
     assert isinstance(futures[1].exception(0), LinkLost)
 
 
-def test_during_the_measuring_they_are_done_too():
+def test_jobs_are_done_while_methods_are_measured():
     plug = SimulatedPlug(make_bus())
     sampler = make_sampler(plug)
     with closing(sampler.run()) as events:
@@ -195,7 +195,7 @@ def test_during_the_measuring_they_are_done_too():
     assert asked.result(0) - began < 2
 
 
-def test_many_threads_at_once():
+def test_jobs_of_many_threads_are_all_done():
     jobs = JobQueue("sim:")
     threads = [
         threading.Thread(target=lambda: futures.append(jobs.submit(lambda ecu: ecu)))
@@ -210,7 +210,7 @@ def test_many_threads_at_once():
     assert [future.result(0) for future in futures] == ["the unit"] * 50
 
 
-def test_one_that_loses_the_ecu_leaves_the_others_for_later():
+def test_a_job_that_loses_the_ecu_leaves_the_others_for_later():
     jobs = JobQueue("sim:")
 
     def lost(ecu):

@@ -188,7 +188,7 @@ def simple(cell: Cell) -> bool:
     return cell not in SPECIAL and (state is not None or event is not LineTrigger.ENDED)
 
 
-def test_port_lost_at_first_use(reached: list[Cell]) -> None:
+def test_a_port_lost_at_first_use_is_no_port(reached: list[Cell]) -> None:
     world = World()
     world.adapter_out_at_first_use()
     with closing(world.sampler.run()) as events:
@@ -199,7 +199,7 @@ def test_port_lost_at_first_use(reached: list[Cell]) -> None:
     ]
 
 
-def test_port_lost_at_first_use_after_it_was_missing(reached: list[Cell]) -> None:
+def test_a_port_lost_at_first_use_after_it_was_missing_stays_no_port(reached: list[Cell]) -> None:
     world = World()
     with closing(world.sampler.run()) as events:
         until_state(world, events, LineState.NO_PORT)
@@ -221,7 +221,7 @@ def test_another_unit_is_identified_twice(reached: list[Cell]) -> None:
     ]
 
 
-def test_a_unit_that_goes_on_refusing_everything(reached: list[Cell]) -> None:
+def test_a_unit_that_goes_on_refusing_everything_stays_alive(reached: list[Cell]) -> None:
     world = World()
     with closing(world.sampler.run()) as events:
         until_state(world, events, LineState.SAMPLING)
@@ -233,7 +233,7 @@ def test_a_unit_that_goes_on_refusing_everything(reached: list[Cell]) -> None:
     ]
 
 
-def test_sampling_begins(reached: list[Cell]) -> None:
+def test_sampling_begins_with_the_first_accepted_cycle(reached: list[Cell]) -> None:
     world = World()
     with closing(world.sampler.run()) as events:
         until_state(world, events, LineState.SAMPLING)
@@ -253,11 +253,17 @@ def test_a_strict_run_ends_before_any_state(reached: list[Cell]) -> None:
 
 
 SPECIAL: dict[Cell, Callable[[list[Cell]], None]] = {
-    (None, LineTrigger.PORT_LOST): test_port_lost_at_first_use,
-    (LineState.NO_PORT, LineTrigger.PORT_LOST): test_port_lost_at_first_use_after_it_was_missing,
+    (None, LineTrigger.PORT_LOST): test_a_port_lost_at_first_use_is_no_port,
+    (
+        LineState.NO_PORT,
+        LineTrigger.PORT_LOST,
+    ): test_a_port_lost_at_first_use_after_it_was_missing_stays_no_port,
     (LineState.ECU_ALIVE, LineTrigger.IDENTIFIED): test_another_unit_is_identified_twice,
-    (LineState.ECU_ALIVE, LineTrigger.REFUSED): test_a_unit_that_goes_on_refusing_everything,
-    (LineState.ECU_ALIVE, LineTrigger.ACCEPTED): test_sampling_begins,
+    (
+        LineState.ECU_ALIVE,
+        LineTrigger.REFUSED,
+    ): test_a_unit_that_goes_on_refusing_everything_stays_alive,
+    (LineState.ECU_ALIVE, LineTrigger.ACCEPTED): test_sampling_begins_with_the_first_accepted_cycle,
     (None, LineTrigger.ENDED): test_a_strict_run_ends_before_any_state,
 }
 
@@ -338,7 +344,7 @@ def test_an_event_without_a_cell_raises_and_changes_nothing(
         (PortBusy(url="sim:"), LineTrigger.ECHO_MISSING),
     ],
 )
-def test_which_event_an_error_is(error: MikasError, event: LineTrigger) -> None:
+def test_each_error_is_the_event_of_its_kind(error: MikasError, event: LineTrigger) -> None:
     assert trigger_of(error) is event
 
 
@@ -393,7 +399,7 @@ def test_whatever_happens_on_the_line_no_other_transition_occurs(
     assert world.plug.now() < time + 60
 
 
-def test_an_adapter_without_supply_at_the_beginning(reached: list[Cell]) -> None:
+def test_an_adapter_without_supply_at_the_beginning_is_no_echo(reached: list[Cell]) -> None:
     plug = SimulatedPlug(make_bus(adapter=AdapterKind(supplied=False)))
     with closing(make_sampler(plug).run()) as events:
         next(events)

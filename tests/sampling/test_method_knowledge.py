@@ -77,7 +77,7 @@ class TestKept:
         rates = of(MethodChosen, then)[0].rates
         assert rates == pytest.approx(dict(of(MethodChosen, first)[0].rates), rel=0.01)
 
-    def test_it_shows_in_info(self, tmp_path):
+    def test_measured_methods_show_in_info(self, tmp_path):
         session(make_bus(), state=tmp_path, until=settled)
         ecu = ecu_factory(tmp_path)(VirtualLink(make_bus()))
         ecu.tester.connect()
@@ -97,7 +97,7 @@ class TestKept:
         assert of(MethodChosen, reported)[0].rates["stream"] == 0
         assert not [h for h in heard if h.kind == "request" and h.data[0] == 0x71]
 
-    def test_but_a_shorter_list_may_be_taken(self, tmp_path):
+    def test_a_refused_method_is_tried_with_a_shorter_list(self, tmp_path):
         short = EcuQuirks(max_list=8)
         session(make_bus(quirks=short), state=tmp_path, until=settled)
         reported = session(make_bus(quirks=short), "FREQ", "INJ", state=tmp_path, until=settled)
@@ -180,7 +180,7 @@ class TestAdapters:
         assert chosen.rates["list"] < 0.9 * plain.rates["list"]  # its lumps cost what they cost
         assert chosen.rates["stream"] > 0.97 * plain.rates["stream"]
 
-    def test_one_inherits_nothing_from_the_other(self, tmp_path):
+    def test_an_adapter_inherits_no_measurement_from_another(self, tmp_path):
         (plain,) = of(MethodChosen, session(make_bus(), state=tmp_path, until=settled))
         (reported,) = of(
             MethodChosen, session(make_bus(adapter=LUMPS), state=tmp_path, until=settled)
@@ -190,7 +190,7 @@ class TestAdapters:
         back = session(make_bus(), state=tmp_path)
         assert of(MethodChosen, back)[0].rates == pytest.approx(dict(plain.rates), rel=0.01)
 
-    def test_each_keeps_its_own_choice(self, tmp_path):
+    def test_each_adapter_keeps_its_own_choice(self, tmp_path):
         """What is worth streaming by one is not by the other."""
         words = ["FREQ", "INJ", "JAIR/3", "TWAT/20", "TAIR/20", "UACC/20"]
         by = {}
@@ -291,7 +291,7 @@ class TestEnough:
         times = [s.time for s in of(Sampled, reported)]
         assert min(later - before for before, later in pairwise(times)) > 0.4
 
-    def test_a_fast_one_does(self):
+    def test_a_fast_rate_needs_a_stream(self):
         reported = session(make_bus(), rate=26.0, until=lambda e: len(of(Sampled, e)) >= 160)
         assert [c.method for c in of(MethodChosen, reported)] == ["stream"]
         samples = of(Sampled, reported[reported.index(of(MethodChosen, reported)[0]) :])[-50:]

@@ -27,7 +27,7 @@ def slow() -> tuple[SimulatedPlug, Sampler]:
 
 
 @pytest.mark.parametrize("after", [0.1, 1.3, 2.1, 4.2])
-def test_stop_does_not_wait_for_it(after):
+def test_stop_does_not_wait_for_a_trial(after):
     plug, sampler = slow()
     with closing(sampler.run()) as events:
         take(events, trying)

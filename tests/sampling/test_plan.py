@@ -37,7 +37,7 @@ def test_the_smallest_divisor_of_a_shared_byte_applies():
 @pytest.mark.parametrize(
     ("method", "sets"), [("single", 5.0), ("batch", 17.8), ("list", 30.0), ("stream", 35.0)]
 )
-def test_the_laws_arithmetic(method, sets):
+def test_rates_of_the_methods_are_those_of_the_law(method, sets):
     """§5: at d = 2 ms about 5.0, 17.8, 30 and 35 sets a second (it leaves data unstuffed)."""
     assert Plan(ALL, method).price().rate == pytest.approx(sets, rel=0.025)
 
@@ -90,12 +90,12 @@ def test_prices_are_those_of_the_requests(wanted, method):
     assert plan.busy_share == 1 or min(plan.divisors.values()) > 1
 
 
-def test_slow_ones_are_spread():
+def test_slow_parameters_are_spread_over_the_cycles():
     made = plan("FREQ", "TWAT/4", "TAIR/4", "TWATI/4", "UACC/4")
     assert [len(made.due(cycle)) for cycle in range(8)] == [2] * 8
 
 
-def test_misuse():
+def test_a_plan_of_nothing_or_with_wrong_numbers_is_refused():
     with pytest.raises(UsageError, match="nothing"):
         Plan(())
     with pytest.raises(UsageError, match="every 0"):

@@ -62,7 +62,7 @@ def test_every_tenth_cycle_is_ten_times_as_long_as_every_cycle(method, ran):
 
 
 @pytest.mark.parametrize("method", ["batch", "list"])
-def test_several_slow_ones_have_their_own_cycles(method):
+def test_several_slow_parameters_have_their_own_cycles(method):
     events = run(make_bus(), "TWAT/10", "TAIR/10", "UACC/4", method=method)
     slow, slower = apart(events, "UACC"), apart(events)
     assert sum(slower) / len(slower) == pytest.approx(2.5 * sum(slow) / len(slow), rel=0.1)
@@ -113,7 +113,7 @@ def test_a_failed_first_cycle_does_not_set_the_length_of_the_next():
     assert apart(back)[-1] < 0.3
 
 
-def test_the_price_of_slow_ones():
+def test_a_slow_parameter_costs_its_share_of_a_cycle():
     every = Plan(tuple(wishes("TWAT", "TAIR")))
     tenth = Plan(tuple(wishes("TWAT/10", "TAIR/10")))
     one = Plan(tuple(wishes("TWAT"))).price()

@@ -20,7 +20,7 @@ def test_no_names_are_all_parameters():
     assert not selection.explicit
 
 
-def test_names_in_any_case_and_codes():
+def test_names_in_any_case_and_codes_are_selected():
     names = [" twat ", "0x1a", "0x3F:2", "Freq/10"]
     assert [c.name for c in select(shipped(), names).channels] == [
         "TWAT",
@@ -45,7 +45,7 @@ def test_inputs_are_requested_as_often_as_their_derived_channel():
 
 
 @pytest.mark.parametrize("name", ["TWTA", "", "/", "/10", "0x1A:9", "0xFFF"])
-def test_unknown_names(name):
+def test_unknown_names_are_refused(name):
     with pytest.raises(UnknownParameter):
         select(shipped(), ["FREQ", name])
 
@@ -53,7 +53,7 @@ def test_unknown_names(name):
 @pytest.mark.parametrize(
     "name", ["FREQ/", "FREQ/0", "FREQ/-1", "FREQ/1.5", "FREQ/x", "FREQ/1001", "FREQ/²"]
 )
-def test_invalid_divisors(name):
+def test_invalid_divisors_are_refused(name):
     with pytest.raises(UsageError):
         select(shipped(), [name])
 

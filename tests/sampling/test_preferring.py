@@ -55,7 +55,7 @@ def test_another_choice_is_no_gap_and_loses_no_row(method):
     assert (len(of(PlanChanged, reported)) == 1) == (method in ("stream", "list"))
 
 
-def test_those_that_come_first_are_in_every_row_by_requests():
+def test_preferred_parameters_are_in_every_row_by_requests():
     reported = sampled_with_other_presets("batch")
     last = of(Sampled, reported)[-50:]
     assert all({"FREQ", "INJ", "JAIR"} <= set(row.fresh) for row in last)  # inputs of FUEL_FLOW too

@@ -35,7 +35,7 @@ from mikas.virtual.responder import Identity
 from virtual_harness import IDENTITY, make_bus
 
 
-def test_the_states_until_the_first_sample():
+def test_before_the_first_sample_the_unit_is_alive_then_sampled():
     events = run(make_bus(), method="batch")
     assert [e.state for e in of(StateChanged, events)] == [
         LineState.ECU_ALIVE,
@@ -69,7 +69,7 @@ def test_the_fastest_is_chosen_where_everything_works():
     ],
 )
 @pytest.mark.parametrize("unknown", Unknown)
-def test_it_falls_back_step_by_step(missing, method, unknown):
+def test_auto_falls_back_step_by_step(missing, method, unknown):
     lacks = frozenset().union(*(GROUPS[group] for group in missing))
     events = run(make_bus(quirks=EcuQuirks(missing=lacks, unknown=unknown)))
     assert of(MethodChosen, events)[0].method == method
@@ -146,7 +146,7 @@ def test_ignition_off_is_reported_as_soon_as_certain(method, most):
     assert (reported.state, reported.time - last < most) == (LineState.ECHO_ONLY, True)
 
 
-def test_ignition_off_and_on_again():
+def test_after_ignition_off_and_on_again_sampling_goes_on():
     bus = make_bus()
     car = bus.ecu.responder.car
     with closing(make_sampler(SimulatedPlug(bus)).run()) as events:
@@ -163,7 +163,7 @@ def test_ignition_off_and_on_again():
     assert_values_are_the_units(back)
 
 
-def test_the_adapter_pulled_out_and_put_back():
+def test_after_the_adapter_is_put_back_sampling_goes_on():
     plug = SimulatedPlug(make_bus())
     with closing(make_sampler(plug).run()) as events:
         take(events, settled)
@@ -194,7 +194,7 @@ def test_another_car_is_detected_and_its_methods_are_measured():
 
 
 @pytest.mark.parametrize("method", ["batch", "list", "stream"])
-def test_requests_of_others_go_in_between(method):
+def test_requests_of_others_go_in_between_samples(method):
     sampler = make_sampler(SimulatedPlug(make_bus()), method=method)
     with closing(sampler.run()) as events:
         take(events, enough)

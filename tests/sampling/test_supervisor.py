@@ -51,29 +51,29 @@ from virtual_harness import IDENTITY, PASSPORTS, make_bus
 
 
 class TestStrict:
-    def test_no_port(self):
+    def test_a_strict_run_without_a_port_ends_with_its_error(self):
         plug = SimulatedPlug(make_bus())
         plug.plugged_in = False
         with pytest.raises(PortNotFound):
             list(make_sampler(plug, strict=True).run())
 
-    def test_no_supply(self):
+    def test_a_strict_run_without_supply_ends_with_its_error(self):
         plug = SimulatedPlug(make_bus(adapter=AdapterKind(supplied=False)))
         with pytest.raises(NoEcho):
             list(make_sampler(plug, strict=True).run())
 
-    def test_no_ignition(self):
+    def test_a_strict_run_without_ignition_ends_with_its_error(self):
         bus = make_bus()
         bus.ecu.responder.car.on = False
         with pytest.raises(EchoOnly):
             list(make_sampler(SimulatedPlug(bus), strict=True).run())
 
-    def test_a_bad_line(self):
+    def test_a_strict_run_on_a_bad_line_ends_with_its_error(self):
         bus = make_bus(fault_injector=FaultInjector({LineFault.DAMAGED: 1.0}))
         with pytest.raises(LineError):
             list(make_sampler(SimulatedPlug(bus), strict=True).run())
 
-    def test_only_until_the_first_sample(self):
+    def test_a_strict_run_waits_once_it_had_a_sample(self):
         plug = SimulatedPlug(make_bus())
         car = plug.bus.ecu.responder.car
         with closing(make_sampler(plug, method="batch", strict=True).run()) as events:
@@ -95,7 +95,7 @@ class TestStrict:
             plug.link.read(0)
 
 
-def test_every_state_on_the_way():
+def test_every_state_on_the_way_is_reported_once():
     plug = SimulatedPlug(make_bus())
     car = plug.bus.ecu.responder.car
     plug.plugged_in = car.on = False
@@ -162,7 +162,7 @@ class TestAnotherCar:
             responder.car.on = True
             return take(events, settled)
 
-    def test_of_the_same_model(self):
+    def test_another_car_of_the_same_model_is_measured_again(self):
         reported = self.moved(Identity(0x0A, ("ANOTHER", *PASSPORTS[1:])), max_list=5)
         assert [u.another for u in of(UnitFound, reported)] == [True]
         assert of(UnitFound, reported)[0].passport.program[0] == "ANOTHER"
@@ -170,12 +170,12 @@ class TestAnotherCar:
         assert of(MethodChosen, reported)[0].method == "batch"  # measured again
         assert_values_are_the_units(reported)
 
-    def test_of_another_model(self):
+    def test_another_car_of_another_model_is_found(self):
         reported = self.moved(Identity(0x09, PASSPORTS))
         assert [(u.version_code, u.another) for u in of(UnitFound, reported)] == [(0x09, True)]
         assert_values_are_the_units(reported)
 
-    def test_the_same_unit_with_a_damaged_passport(self):
+    def test_the_same_unit_with_a_damaged_passport_is_no_other_car(self):
         plug = SimulatedPlug(make_bus())
         with closing(make_sampler(plug, method="batch").run()) as events:
             take(events, enough)
@@ -190,7 +190,7 @@ class TestAnotherCar:
                 assert [u.another for u in of(UnitFound, reported)] == [False]
 
 
-def test_a_cranking_dip():
+def test_after_a_cranking_dip_values_go_on_by_the_same_method():
     """The supply is gone for less than a response takes; the list is gone with it."""
     for method in ("list", "stream"):
         plug = SimulatedPlug(make_bus())
@@ -207,7 +207,7 @@ def test_a_cranking_dip():
 
 @pytest.mark.parametrize("hours", [-1, 1])
 @pytest.mark.parametrize("method", ["batch", "list", "stream"])
-def test_the_date_is_set_while_the_adapter_is_out(method, hours):
+def test_a_date_set_while_the_adapter_is_out_makes_no_time_run_back(method, hours):
     socket = SimulatedPlug(make_bus())
     shift = [0.0]
 
@@ -287,7 +287,7 @@ def test_a_unit_lost_before_its_passports_were_read_is_never_taken_for_the_next(
     assert not of(UnitFound, later)
 
 
-def test_it_can_be_stopped_while_it_waits():
+def test_a_run_can_be_stopped_while_it_waits():
     plug = SimulatedPlug(make_bus())
     plug.plugged_in = False
     sampler = make_sampler(plug)
@@ -304,7 +304,7 @@ def test_it_can_be_stopped_while_it_waits():
 
 
 @pytest.mark.parametrize("method", ["batch", "stream"])
-def test_it_can_be_stopped_while_it_samples(method):
+def test_a_run_can_be_stopped_while_it_samples(method):
     plug = SimulatedPlug(make_bus())
     sampler = make_sampler(plug, method=method)
     plug.at(3, sampler.stop)

@@ -219,7 +219,7 @@ def test_passports_of_two_cars_make_no_unit() -> None:
     assert {sample.fresh["FREQ"].raw for sample in of(Sampled, reported)} == {OTHER_DATA[0x29]}
 
 
-def test_is_same_unit() -> None:
+def test_a_unit_is_the_same_by_version_and_the_passport_pieces_of_both() -> None:
     whole = Passport(("A", "B", "C"), ("1", "2", "3", "4", "5"))
     part = Passport(("A", "B", "C"), (None,) * 5)
     none = Passport((None,) * 3, (None,) * 5)

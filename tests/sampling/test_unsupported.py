@@ -34,7 +34,7 @@ def weeding():
         yield sampler, plug, events
 
 
-def test_requests_of_others_go_in_between(weeding):
+def test_requests_of_others_go_in_between_while_refusals_are_looked_for(weeding):
     sampler, plug, events = weeding
     waited = []
 
@@ -50,7 +50,7 @@ def test_requests_of_others_go_in_between(weeding):
     assert of(Sampled, reported)  # and so do the values of the others
 
 
-def test_another_request_starts_soon(weeding):
+def test_another_selection_starts_soon_while_refusals_are_looked_for(weeding):
     sampler, plug, events = weeding
     began = plug.now()
     sampler.reconfigure(["FREQ", "TWAT"], "batch")
@@ -59,7 +59,7 @@ def test_another_request_starts_soon(weeding):
     assert list(sampler.plan.parameters) == wishes("FREQ", "TWAT")
 
 
-def test_stop_does_not_wait(weeding):
+def test_stop_does_not_wait_until_refusals_are_found(weeding):
     sampler, plug, events = weeding
     began = plug.now()
     sampler.stop()

@@ -208,7 +208,7 @@ def test_a_requested_method_that_fails_is_replaced(method):
 
 @pytest.mark.parametrize("method", ["list", "stream"])
 @pytest.mark.parametrize("unknown", Unknown)
-def test_a_method_that_is_refused_from_the_beginning(method, unknown):
+def test_a_method_that_is_refused_from_the_beginning_is_an_error_or_replaced(method, unknown):
     bus = make_bus(quirks=EcuQuirks(missing=GROUPS[method], unknown=unknown))
     with pytest.raises(EcuRefused):
         run(bus, method=method, strict=True)

@@ -123,7 +123,7 @@ def test_axe_has_nothing_against_the_sites_own(visit, car, site, profile):
     assert findings == {}
 
 
-def test_in_russian_as_well(chromium, site, car):
+def test_every_screen_is_there_in_russian(chromium, site, car):
     with chromium.new_context(locale="ru-RU") as context, site_tab(context, site.url) as tab:
         tab.page.goto(f"{tab.url}/#/connection")
         tab.says("mikas в этом браузере")

@@ -83,7 +83,7 @@ def test_no_request_of_a_whole_session_leaves_the_origin(logged, site, car):
     assert {it for it in asked if not it.startswith(f"{ORIGIN}/")} == set()
 
 
-def test_none_can(logged, site):
+def test_no_page_and_no_worker_can_reach_another_origin(logged, site):
     tab = logged.tab.open()
     for visit in ("first", "second"):
         assert tab.page.evaluate(IN_THE_PAGE, f"{ELSEWHERE}?page-{visit}") == []

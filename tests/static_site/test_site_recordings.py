@@ -86,7 +86,7 @@ def test_it_is_played_in_the_same_screens(listed, drives):
     expect(listed.traced("TWAT")).to_have_text("55")
 
 
-def test_two_are_compared(listed, drives):
+def test_two_recordings_are_compared(listed, drives):
     listed.press(f"Compare {drives[0]} with…")
     listed.page.get_by_role("dialog").get_by_role("button", name=drives[1]).click()
     expect(listed.page.get_by_role("group", name="Comparison")).to_be_visible()
@@ -120,7 +120,7 @@ def test_the_report_is_the_desktops(listed, at_home, drives):
     assert made == at_home.api.get(f"/api/recordings/{drives[0]}/report?lang=en").content
 
 
-def test_deleting_asks(listed, drives):
+def test_a_recording_is_deleted_only_after_a_confirmation(listed, drives):
     listed.press(f"Delete {drives[1]}")
     sheet = listed.page.get_by_role("dialog")
     sheet.get_by_role("button", name="Cancel").click()

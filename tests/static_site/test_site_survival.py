@@ -72,11 +72,11 @@ def test_a_reload_amid_a_recording_asks_first(tab, recording):
     is_kept(tab, long)
 
 
-def test_a_tab_that_is_closed(tab, recording):
+def test_a_closed_tab_loses_nothing_recorded(tab, recording):
     is_kept(tab.renew(), recording)
 
 
-def test_a_page_whose_process_is_killed(tab, recording, chromium):
+def test_a_page_whose_process_is_killed_loses_nothing_recorded(tab, recording, chromium):
     with tab.page.expect_event("crash"):
         kill_renderers(chromium)
     is_kept(tab.renew(), recording)
@@ -93,7 +93,7 @@ def test_an_adapter_that_is_pulled_amid_a_recording_leaves_one_gap(tab, car, rec
     assert tab.recordings()[0]["gaps"] == 1
 
 
-def test_a_full_disk(tab, recording):
+def test_on_a_full_disk_the_recording_so_far_is_whole(tab, recording):
     """The quota that the browser allows is a disk, for a page."""
     disk = tab.page.context.new_cdp_session(tab.page)
     used = disk.send("Storage.getUsageAndQuota", {"origin": tab.url})["usage"]
@@ -105,7 +105,9 @@ def test_a_full_disk(tab, recording):
     is_kept(tab, recording)
 
 
-def test_a_browser_that_is_killed(tab, car, driver, chromium_program, site, tmp_path):
+def test_a_killed_browser_loses_nothing_recorded(
+    tab, car, driver, chromium_program, site, tmp_path
+):
     tab.show("connection").press("Disconnect")  # it leaves the adapter to the other browser
     tab.is_line("off")
 

@@ -60,7 +60,7 @@ def commands(computer: Computer) -> dict[str, Callable[[bytes], bytes | None]]:
 
 
 @pytest.mark.realtime
-def test_the_link_in_the_browser(computer, host, visitor, tmp_path):
+def test_the_tests_of_the_link_pass_in_the_browser(computer, host, visitor, tmp_path):
     folder = tmp_path / "pages"
     folder.mkdir()
     (folder / "index.html").write_text("<!doctype html><link rel=icon href=data:,>", "ascii")

@@ -68,7 +68,7 @@ def connected(*, echo: bool = True, retries: int = 0):
     ],
     ids=["checksum", "cut", "doubled", "length", "silence"],
 )
-def test_it_waits_while_a_response_may_be_under_way(damage, at_once):
+def test_a_confirmation_waits_while_a_response_may_be_under_way(damage, at_once):
     link, tester = connected()
     for count in (1, 2):
         first = len(link.sent)
@@ -99,7 +99,7 @@ def test_only_two_silences_in_a_row_mean_that_no_unit_is_there(echo, between):
 
 
 @pytest.mark.parametrize("after", [OWN, ANOTHERS, b"\x00"], ids=lambda wire: wire.hex())
-def test_it_counts_only_if_nothing_follows_it(after):
+def test_a_confirmation_counts_only_if_nothing_follows_it(after):
     """One of the two answers an earlier request."""
     link, tester = connected(retries=1)
     link.answers = iter([SILENCE, [(0.005, OWN), (0.04, after)]])
@@ -126,7 +126,7 @@ def test_after_an_unknown_command_the_next_request_needs_no_other():
 
 
 @each_stream
-def test_nor_does_it_after_a_stream(command):
+def test_after_a_stream_the_next_request_needs_no_confirmation(command):
     unit = Watched()
     tester = unit.connected()
     with tester.stream(command) as stream:
@@ -148,7 +148,7 @@ def test_the_error_for_two_silences_says_what_was_sent_and_received(echo):
     assert caught.value.time == link.now()
 
 
-def test_it_follows_what_came_unasked_while_the_application_waited():
+def test_a_confirmation_follows_what_came_unasked_while_the_application_waited():
     link, tester = connected()
     sent = len(link.sent)
     link.arrive(link.now() + 0.03, OWN)

@@ -89,7 +89,7 @@ def test_late_bytes_in_one_chunk_do_not_run_back_in_time():
 
 
 @given(cuts, lateness)
-def test_so_did_the_one_response_to_a_request(handed_over, late):
+def test_one_response_to_a_request_began_no_later_than_its_lumps_say(handed_over, late):
     came = lumps(handed_over, late, 1)
     request = encode(b"\x63")
     tester = talking(request, came)

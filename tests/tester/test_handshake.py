@@ -47,14 +47,14 @@ each_adapter = pytest.mark.parametrize("adapter", ADAPTERS, ids=adapter_name)
 
 
 @each_adapter
-def test_finds_out_by_itself_whether_the_line_echoes(adapter):
+def test_connecting_finds_out_whether_the_line_echoes(adapter):
     tester = Watched(adapter=adapter).connected()
     assert tester.echoes is adapter.echo
     right(tester)
 
 
 @each_adapter
-def test_it_takes_the_echo_mode_that_is_set(adapter):
+def test_connecting_takes_the_echo_mode_that_is_set(adapter):
     tester = Watched(adapter=adapter).connected(echo=Echo.ON if adapter.echo else Echo.OFF)
     assert tester.echoes is adapter.echo
     right(tester)
@@ -70,7 +70,7 @@ def test_an_unknown_model_is_usable(version, adapter):
 
 @pytest.mark.parametrize("raw", [False, True])
 @pytest.mark.parametrize("version", [0xC0, 0xF3])  # whose checksums are 40 and 0D
-def test_a_unit_that_sends_its_checksum_raw(raw, version):
+def test_a_unit_that_sends_its_checksum_raw_is_read(raw, version):
     unit = Watched(version=version, raw_checksum=raw)
     right(unit.connected(raw_checksum=raw))
 
@@ -110,7 +110,7 @@ def test_with_the_ignition_off_and_no_echo_there_is_nothing():
         unit.tester().connect()
 
 
-def test_it_connects_once_the_ignition_is_on():
+def test_connecting_succeeds_once_the_ignition_is_on():
     unit = Watched()
     unit.car.on = False
     tester = unit.tester()
@@ -225,7 +225,7 @@ def test_an_elm327_is_no_adapter_for_this(elm_echo, mode, reply, lumps):
 
 @pytest.mark.parametrize("elm_echo", [True, False])
 @pytest.mark.parametrize("retries", [0, 2])
-def test_not_even_one_that_answers_late(elm_echo, retries):
+def test_an_elm327_that_answers_late_is_no_adapter_either(elm_echo, retries):
     link = ScriptedLink(lambda sent: [(0.55, b"?\r\r>")], echo=elm_echo)
     with pytest.raises(NotAKLineAdapter):
         make(link, retries=retries).connect()
@@ -258,7 +258,7 @@ def test_a_late_answer_to_an_earlier_program_is_no_version_code(datum, adapter):
             right(tester)
 
 
-def test_not_even_if_the_first_request_then_is_lost():
+def test_a_late_answer_is_no_version_code_even_if_the_first_request_is_lost():
     """The late one comes up to D14's limit after connecting began."""
     for after in (0.1 + 0.01 * i for i in range(60)):
         with case(after):
@@ -281,7 +281,7 @@ OPEN_FOR = [0.1, 0.3, 2.0]
 
 
 @pytest.mark.parametrize("before", OPEN_FOR)
-def test_it_counts_the_time_that_the_port_has_been_open(before):
+def test_connecting_counts_the_time_that_the_port_has_been_open(before):
     unit = Watched()
     unit.link.gather(before)
     unit.tester().connect(listening_since=0.0)

@@ -92,7 +92,7 @@ def test_the_half_second_begins_when_the_echo_has_come():
     right(tester, 22)
 
 
-def test_nor_does_it_begin_before_the_wire_has_carried_the_request():
+def test_the_half_second_does_not_begin_before_the_wire_has_carried_the_request():
     """An adapter that makes the echo itself, and a request that takes a fifth of a second."""
     link, tester = connected(retries=0)
     command = c.WriteXramBlock(0, bytes(200))

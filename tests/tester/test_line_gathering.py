@@ -114,7 +114,7 @@ def replies(link: Link, tester):
 
 
 @pytest.mark.parametrize("adapter", ADAPTERS, ids=adapter_name)
-def test_times_are_the_same_with_it_and_without(adapter):
+def test_times_are_the_same_with_gathering_and_without(adapter):
     with_it = replies(*connected(0.0, adapter)[1:])
     without = replies(*connected(None, adapter)[1:])
     half = Looked(Watched()).byte_time / 2
@@ -190,7 +190,7 @@ def test_an_echo_that_the_adapter_makes_itself_is_timed_when_it_comes():
     assert tester.time_echo(b"\x01") == pytest.approx(0.1 * 3 * link.byte_time)
 
 
-def test_it_never_waits_beyond_a_streams_deadline():
+def test_gathering_never_waits_beyond_a_streams_deadline():
     _, link, tester = connected(rpm=0.0)
     with tester.stream(c.StreamAtStroke(LIST, 0)) as stream:
         deadline = link.now() + 0.001

@@ -69,20 +69,20 @@ each_adapter = pytest.mark.parametrize("adapter", ADAPTERS, ids=adapter_name)
 @example([16, 22, 22], [(LATE, 0.95), (LATE, 0.95), (LOST, 0)], 0, 0)
 # The second copy meets the next request, and no echo marks it.
 @example([16, 16, 17, 18, 18], [(LineFault.DOUBLED, 0)] * 5, 0, 0)
-def test_never_another_parameters_value(adapter, codes, fates, seed, retries):
+def test_no_value_is_ever_that_of_another_parameter(adapter, codes, fates, seed, retries):
     never_anothers(codes, fates, adapter, seed, retries=retries)
 
 
 @each_adapter
 @given(codes=some_of(DATA), fates=fates, seed=st.integers(0, 9))
 @settings(max_examples=50)
-def test_nor_with_data_of_mixed_sizes(adapter, codes, fates, seed):
+def test_no_value_of_mixed_sizes_is_that_of_another_parameter(adapter, codes, fates, seed):
     never_anothers(codes, fates, adapter, seed)
 
 
 @given(codes=some_of(ONE_BYTE), fates=fates, seed=st.integers(0, 9))
 @settings(max_examples=50)
-def test_nor_after_the_application_pauses(codes, fates, seed):
+def test_no_value_after_a_pause_is_that_of_another_parameter(codes, fates, seed):
     unit = Watched()
     tester = unit.connected()
     unit.bus.fault_injector = Fate(fates, seed)
@@ -101,7 +101,7 @@ def test_a_retry_survives_one_line_fault(adapter, line_fault):
 
 
 @each_adapter
-def test_heavy_weather(adapter):
+def test_in_heavy_weather_some_reads_succeed_and_none_is_wrong(adapter):
     """Thousands of reads, a line fault in every second response: some succeed, none is wrong."""
     random = Random(1)
     codes = random.choices(sorted(DATA), k=500)

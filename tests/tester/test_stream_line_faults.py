@@ -54,7 +54,7 @@ from mikas.virtual.quirks import StreamEnd, Unknown
 @each_adapter
 @pytest.mark.parametrize("code", [0x71, 0x7F])
 @pytest.mark.parametrize("data", [ONE, SEVERAL, (c.Datum(19, 1),)])
-def test_a_unit_that_refuses_a_stream(code, data, adapter):
+def test_a_refused_stream_is_not_supported(code, data, adapter):
     command = c.StreamCyclic(data) if code == 0x71 else c.StreamAtStroke(data, 0)
     unit = Watched(adapter=adapter, missing=frozenset({code}), unknown=Unknown.ERROR)
     tester = unit.connected()
@@ -67,7 +67,7 @@ def test_a_unit_that_refuses_a_stream(code, data, adapter):
 
 @each_adapter
 @pytest.mark.parametrize("code", [0x71, 0x7F])
-def test_a_unit_that_is_silent_to_a_stream(code, adapter):
+def test_silence_to_a_stream_is_no_response(code, adapter):
     command = c.StreamCyclic(SEVERAL) if code == 0x71 else c.StreamAtStroke(SEVERAL, 0)
     unit = Watched(adapter=adapter, missing=frozenset({code}))
     tester = unit.connected()
@@ -126,7 +126,7 @@ def test_with_the_engine_standing_nothing_comes_until_it_turns(command, end):
 
 @each_stream
 @each_end
-def test_the_car_goes_off_meanwhile(command, end):
+def test_a_car_that_goes_off_during_a_stream_is_an_error(command, end):
     unit = Watched(stream_end=end)
     tester = unit.connected()
     with (  # noqa: PT012  (the error passes through both)
@@ -171,7 +171,7 @@ def test_a_unit_gone_at_the_end_is_reported_unless_another_error_came_first(insi
 
 
 @each_stream
-def test_the_adapter_is_pulled_out_meanwhile(command):
+def test_an_adapter_pulled_out_during_a_stream_is_a_lost_link(command):
     unit = Watched()
     tester = unit.connected()
     with (  # noqa: PT012  (the error passes through both)
@@ -225,7 +225,7 @@ class HeavyWeather(FaultInjector):
 
 
 @pytest.mark.parametrize("seed", [3, 4, 7, 13, 19, 27, 30, 36])
-def test_reads_and_streams_by_turns_in_heavy_weather(seed):
+def test_reads_and_streams_by_turns_are_never_wrong_in_heavy_weather(seed):
     random = Random(seed)
     unit = Watched(
         adapter=random.choice([ECHOING, SLOW, SILENT_ADAPTER, SLOW_AND_SILENT]),

@@ -20,7 +20,7 @@ STREAMS = [
 ]
 
 
-def test_eight_threads_each_get_their_own():
+def test_eight_threads_each_get_their_own_values():
     tester = Watched().connected()
 
     def ask(code: int) -> set[tuple[bytes, ...]]:
@@ -32,7 +32,7 @@ def test_eight_threads_each_get_their_own():
     assert tester.statistics.requests == 320
 
 
-def test_eight_threads_in_bad_weather():
+def test_eight_threads_in_bad_weather_get_no_wrong_value():
     unit = Watched()
     tester = unit.connected()
     line_faults = [*LineFault, None, None, None] * 30
@@ -142,7 +142,7 @@ def test_ctrl_c_at_any_point_leaves_it_usable(end, command):
         right(tester)
 
 
-def test_ctrl_c_while_a_late_answer_is_under_way():
+def test_ctrl_c_while_a_late_answer_is_under_way_leaves_no_wrong_value():
     """Interrupted while waiting; the answer then comes just when another might be missed."""
     for late in (0.05, 0.2, 0.4, 0.6, 0.9):
         unit = Watched()

@@ -64,7 +64,7 @@ each_adapter = pytest.mark.parametrize("adapter", ADAPTERS, ids=adapter_name)
 
 @each_adapter
 @pytest.mark.parametrize("line_fault", list(LineFault))
-def test_a_read_is_repeated(line_fault, adapter):
+def test_a_read_is_repeated_after_a_line_fault(line_fault, adapter):
     for command in READS:
         with case(command):
             unit = Watched(adapter=adapter)
@@ -78,7 +78,7 @@ def test_a_read_is_repeated(line_fault, adapter):
 
 @each_adapter
 @pytest.mark.parametrize("line_fault", ERROR_OF)
-def test_the_error_when_retries_do_not_help(line_fault, adapter):
+def test_without_retries_a_line_fault_is_its_error(line_fault, adapter):
     for command in READS:
         with case(command):
             unit = Watched(adapter=adapter)
@@ -122,7 +122,7 @@ def test_a_write_whose_echo_differs_is_not_sent_twice(command):
 
 
 @pytest.mark.parametrize("retries", [0, 1, 2, 5])
-def test_it_retries_as_often_as_set(retries):
+def test_a_read_is_repeated_as_often_as_set(retries):
     unit = Watched()
     tester = unit.connected(retries=retries)
     right(tester, 22)
@@ -156,7 +156,7 @@ def test_a_response_that_was_lost_is_one_though_its_command_was_new():
 
 
 @pytest.mark.parametrize(("trial", "failed"), [(False, 2), (True, 0)])
-def test_nor_is_silence_to_a_list_that_may_be_too_long(trial, failed):
+def test_silence_to_a_list_that_may_be_too_long_is_no_failure(trial, failed):
     unit = Watched(max_list=1)
     tester = unit.connected()
     right(tester, 22)
@@ -308,7 +308,7 @@ def test_a_checksum_may_come_raw_or_stuffed(datum):
 @pytest.mark.parametrize(
     "command", [command for command in READS if command.code not in (1, 2, 0x60, 0x61)], **by_name
 )
-def test_an_unknown_command(command, unknown, adapter):
+def test_an_unknown_command_is_not_supported_and_leaves_the_line_in_sync(command, unknown, adapter):
     missing = GROUPS["bytes"] | GROUPS["blocks"] | GROUPS["sfr"] | GROUPS["passports"]
     unit = Watched(adapter=adapter, missing=missing, unknown=unknown)
     tester = unit.connected()
@@ -348,7 +348,7 @@ def test_silence_because_the_unit_is_gone_is_not_an_unknown_command(adapter):
     assert isinstance(tester.request(c.ReadProgramPassport(1)), str)
 
 
-def test_once_known_silence_is_no_refusal():
+def test_once_a_command_was_answered_silence_is_no_refusal():
     unit = Watched()
     tester = unit.connected()
     right(tester, 22)

@@ -37,11 +37,11 @@ def test_one_response_is_struck_and_the_next_one_is_not(line_fault):
     assert tester.bus.fault_injector.count == 1
 
 
-def test_lost():
+def test_a_lost_response_is_silence():
     assert struck(LineFault.LOST).ask(ASK) == b""
 
 
-def test_late():
+def test_a_late_response_comes_whole():
     tester = struck(LineFault.LATE)
     tester.say(encode(ASK))
     tester.listen(3.0)
@@ -67,12 +67,12 @@ def test_cut_has_a_begin_and_no_end(seed):
 
 
 @given(seed=st.integers(0, 10_000))
-def test_a_missing_byte(seed):
+def test_a_missing_byte_is_one_of_the_response(seed):
     came = struck(LineFault.MISSING_BYTE, seed).ask(ASK)
     assert came in [GOOD[:n] + GOOD[n + 1 :] for n in range(len(GOOD))]
 
 
-def test_doubled():
+def test_a_doubled_response_comes_twice():
     assert struck(LineFault.DOUBLED).ask(ASK) == GOOD * 2
 
 
@@ -145,7 +145,7 @@ def test_a_late_response_and_the_next_one_do_not_mix():
 # Rates as text
 
 
-def test_rates_as_text():
+def test_rates_are_read_from_text():
     assert parse_rates({"damaged": "0.01", "missing-byte": "1", "lost": "0"}) == {
         LineFault.DAMAGED: 0.01,
         LineFault.MISSING_BYTE: 1.0,
@@ -163,7 +163,7 @@ def test_rates_as_text():
         ("rain", "0.1"),
     ],
 )
-def test_a_rate_that_makes_no_sense(name, value):
+def test_a_rate_that_makes_no_sense_is_refused(name, value):
     with pytest.raises(UsageError) as caught:
         parse_rates({name: value})
     for language in (caught.value.text.en, caught.value.text.ru):

@@ -32,7 +32,7 @@ def at(engine: Engine, time: float):
     return engine.state
 
 
-def test_same_seed_same_states() -> None:
+def test_the_same_seed_gives_the_same_states() -> None:
     one, other = Engine(CITY, seed=7), Engine(CITY, seed=7)
     assert [at(one, t) for t in range(30)] == [at(other, t) for t in range(30)]
 
@@ -48,7 +48,7 @@ def test_a_kept_start_is_the_same_as_a_new_one() -> None:
     assert [at(kept, t) for t in range(30)] == [at(new, t) for t in range(30)] == states
 
 
-def test_other_seed_other_states() -> None:
+def test_another_seed_gives_other_states() -> None:
     assert at(Engine(CITY, seed=1), 5).rpm != at(Engine(CITY, seed=2), 5).rpm
 
 
@@ -176,14 +176,14 @@ def test_strokes_are_a_quarter_of_a_cycle_apart() -> None:
     assert following == pytest.approx([0.035, 0.071, 0.106, 0.141], rel=0.06)
 
 
-def test_strokes_in_the_future() -> None:
+def test_strokes_in_the_future_are_those_of_then() -> None:
     ahead, there = Engine(CITY, 4), Engine(CITY, 4)
     ahead.advance(3)
     there.advance(21.7)
     assert ahead.next_cycle_time(2, 21.7) == there.next_cycle_time(2, 21.7)
 
 
-def test_no_strokes_while_the_engine_stands() -> None:
+def test_a_standing_engine_has_no_strokes() -> None:
     engine = Engine(SCENARIOS["cold-start"])
     engine.advance(2.0)
     assert engine.next_cycle_time(0, 2.0) > 3  # the starter has yet to turn
@@ -191,7 +191,7 @@ def test_no_strokes_while_the_engine_stands() -> None:
     assert Engine(standing).next_cycle_time(0, 0.0) == inf
 
 
-def test_no_strokes_with_the_key_off() -> None:
+def test_with_the_key_off_there_are_no_strokes() -> None:
     engine = Engine(SCENARIOS["key-off"])
     engine.advance(20.5)
     assert engine.next_cycle_time(0, 20.5) == inf
@@ -233,7 +233,7 @@ def test_power_follows_the_key() -> None:
     assert 12 < on.voltage < 12.8
 
 
-def test_a_long_way_in_one_go() -> None:
+def test_half_an_hour_in_one_go_gives_finite_values() -> None:
     engine = Engine(SCENARIOS["key-off"])
     assert all(isinstance(v, bool) or abs(v) < inf for v in astuple(at(engine, 1800)))
 

@@ -80,12 +80,12 @@ def test_injection_mixture_air_and_voltage_agree(name: str) -> None:
         assert state.fuel == pytest.approx(fuel * state.rpm * 120 / 1e6 / 0.74)
 
 
-def test_filling_is_possible(name: str) -> None:
+def test_the_filling_of_the_cylinders_is_possible(name: str) -> None:
     for state in steady(run(name)):
         assert 0.08 < ph.air_per_stroke(state.air, state.rpm) / ph.STROKE_AIR < 1.02
 
 
-def test_no_injection_no_fuel(name: str) -> None:
+def test_without_injection_no_fuel_is_used(name: str) -> None:
     for state in run(name):
         assert (state.injection == 0) == (state.fuel == 0)
         assert state.injection == 0 or state.ignition_on
@@ -129,7 +129,9 @@ def test_the_idle_valve_follows_its_set_position(name: str) -> None:
         ("fuel_correction", -0.55, -0.45),
     ],
 )
-def test_warm_idle_from_the_first_moment(field: str, low: float, high: float) -> None:
+def test_warm_idle_has_its_values_from_the_first_moment(
+    field: str, low: float, high: float
+) -> None:
     values = [getattr(state, field) for state in run("warm-idle", length=900)]
     assert low <= mean(values) <= high
     assert low <= values[0] <= high
@@ -161,7 +163,7 @@ def test_a_cold_engine_idles_faster_richer_and_slows_down_as_it_warms() -> None:
     assert states[0].intake_air < warm.intake_air
 
 
-def test_full_load() -> None:
+def test_full_load_has_the_air_of_the_facts() -> None:
     states = run("full-load")
     at_power = [s for s in steady(states) if abs(s.rpm - 5200) < 50 and s.throttle > 99]
     assert at_power
@@ -200,7 +202,7 @@ def test_the_starter_pulls_the_voltage_down() -> None:
     assert 12 < states[0].voltage < 12.8
 
 
-def test_fuel_consumption_on_the_highway() -> None:
+def test_the_highway_takes_7_to_11_litres_per_100_km() -> None:
     states = run("highway", length=300)
     way = sum(s.speed / 3600 / 8 for s in states)
     assert 7 < states[-1].fuel_used / way * 100 < 11  # l/100 km
@@ -229,7 +231,7 @@ def test_with_one_sensor_gone_the_engine_still_runs(name: str, faults: tuple[int
     assert 0.9 < fuel < 1.25
 
 
-def test_substitutes() -> None:
+def test_a_stored_fault_gives_the_substitute_of_its_sensor() -> None:
     full = run("full-load", (41,), length=30)
     assert not any(state.knock or state.knock_corrected for state in full)
     assert full[-1].advance_correction == -6

@@ -25,7 +25,7 @@ def scenario(text: str) -> Scenario:
     return from_source(parse_source("my.toml", text.encode()))
 
 
-def test_the_shipped_ones() -> None:
+def test_the_shipped_scenarios_have_texts_and_pin_nothing() -> None:
     assert set(SCENARIOS) == set(KNOWN)
     assert next(iter(SCENARIOS)) == DEFAULT == "warm-idle"
     for name, shipped in SCENARIOS.items():
@@ -35,7 +35,7 @@ def test_the_shipped_ones() -> None:
         assert (shipped.values, shipped.raw, shipped.faults) == ({}, {}, frozenset())
 
 
-def test_found_by_name_or_by_file(tmp_path: Path) -> None:
+def test_a_scenario_is_found_by_name_or_by_file(tmp_path: Path) -> None:
     assert find("city") is SCENARIOS["city"]
     file = tmp_path / "ride.toml"
     file.write_text("duration = 20\n", encoding="utf-8")
@@ -52,7 +52,7 @@ def test_found_by_name_or_by_file(tmp_path: Path) -> None:
         load(tmp_path / "none.toml")
 
 
-def test_everything_a_file_can_say() -> None:
+def test_a_file_sets_everything_that_it_can_say() -> None:
     own = scenario(
         """
         name = "mine"
@@ -150,7 +150,7 @@ def test_errors_name_their_line(text: str, line: int, problem: str) -> None:
     assert problem in str(caught.value)
 
 
-def test_steps_and_lines() -> None:
+def test_a_track_goes_along_lines_or_in_steps() -> None:
     line, step = Track((0, 10), (0, 100)), Track((0, 10), (0, 100), smooth=False)
     assert [line.at(t) for t in (-1, 0, 2.5, 10, 99)] == [0, 0, 25, 100, 100]
     assert [step.at(t) for t in (-1, 0, 9.9, 10, 99)] == [0, 0, 0, 100, 100]
@@ -195,7 +195,7 @@ def test_key_changes_are_met_one_after_the_other(
         assert changes == len(points)
 
 
-def test_the_key_on_a_clock_that_counts_from_1970() -> None:
+def test_the_key_is_met_on_a_clock_that_counts_from_1970() -> None:
     key_off, start, now = SCENARIOS["key-off"], 1_790_000_000.123456, 0.0
     for _ in range(50):
         now = start + key_off.timeline.next_key_change(now)
@@ -204,7 +204,7 @@ def test_the_key_on_a_clock_that_counts_from_1970() -> None:
         now -= start
 
 
-def test_a_hundred_laps_of_the_key() -> None:
+def test_the_key_is_turned_at_its_times_in_a_hundred_laps() -> None:
     key_off, now = SCENARIOS["key-off"], 0.0
     for lap in range(100):
         now = key_off.timeline.next_key_change(now)

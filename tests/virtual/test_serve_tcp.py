@@ -54,13 +54,13 @@ def is_hung_up(connection: socket.socket) -> bool:
         return True
 
 
-def test_the_echo_and_the_answer():
+def test_the_tester_receives_the_echo_and_the_answer():
     with serving(a_tcp_port) as server, client(server.url) as connection:
         assert server.url.startswith("socket://127.0.0.1:")
         assert ask(connection) == ANSWERED
 
 
-def test_without_echo():
+def test_without_echo_the_tester_receives_the_answer_alone():
     with serving(a_tcp_port, {"echo": "0"}) as server, client(server.url) as connection:
         assert ask(connection, count=3) == ANSWERED[3:]
 
@@ -84,7 +84,7 @@ def test_bytes_arrive_one_by_one():
         receive(connection, 1)
 
 
-def test_another_pace():
+def test_bytes_take_the_time_of_the_baud_rate():
     with serving(a_tcp_port, {"baud": "300"}) as server, client(server.url) as connection:
         began = monotonic()
         assert ask(connection) == ANSWERED
@@ -149,12 +149,12 @@ def test_closing_hangs_up_and_takes_the_port_away():
             pass
 
 
-def test_closing_without_a_tester():
+def test_closing_without_a_tester_is_no_error():
     with serving(a_tcp_port) as server:
         server.close()
 
 
-def test_many_units_on_one_loop():
+def test_many_units_on_one_loop_answer_as_themselves():
     models = ["5.4", "7.1"] * 4
     heard: dict[int, bytes] = {}
 
@@ -187,7 +187,7 @@ def test_an_elm327_on_tcp_is_recognized(tmp_path):
         mikas.connect(server.url, journal=tmp_path / "journal", state=tmp_path)
 
 
-def test_a_port_that_is_taken():
+def test_a_port_that_is_taken_is_an_error():
     with serving(a_tcp_port) as server:
         number = int(server.url.rsplit(":", 1)[1])
 
@@ -198,7 +198,7 @@ def test_a_port_that_is_taken():
             serve.run(open_it_again())
 
 
-def test_a_host_that_does_not_exist():
+def test_a_host_that_does_not_exist_is_an_error():
     async def open_it():
         await serve.TcpPort.open(build_bus({}), monotonic, "256.256.256.256", 0)
 

@@ -70,7 +70,7 @@ def test_every_setting_arrives():
 
 
 @pytest.mark.parametrize("text", ["13,53", "13+53", "13 53", " 13, 53 ", "13,,53,"])
-def test_faults_in_any_spelling(text):
+def test_faults_are_taken_in_any_spelling(text):
     assert build_bus({"faults": text}).ecu.responder.car.faults == [13, 53]
 
 
@@ -131,7 +131,7 @@ def test_every_scenario_can_be_had(name):
 
 
 @pytest.mark.parametrize("model", MODELS)
-def test_models(model):
+def test_each_model_has_its_version_code(model):
     tester = RawTester(build_bus({"model": model}))
     assert tester.ask(b"\x01")[0] == MODELS[model]
 
@@ -139,7 +139,7 @@ def test_models(model):
 # sim:
 
 
-def test_the_two_clocks():
+def test_the_clock_is_simulated_or_real_as_set():
     with open_link("sim:?clock=simulated&seed=3") as link:
         assert isinstance(link, VirtualLink)
         assert link.now() == 0
@@ -153,7 +153,7 @@ def test_the_two_clocks():
     ("url", "problem"),
     [("sim:?clock=fast", "allowed: real, simulated"), ("sim:warm-idle", r"\?scenario=warm-idle")],
 )
-def test_urls_that_make_no_sense(url, problem):
+def test_urls_that_make_no_sense_are_refused(url, problem):
     with pytest.raises(BadPortUrl, match=problem):
         open_link(url)
 
@@ -209,7 +209,7 @@ def test_it_does_not_understand_a_request():
         (b"ATI", b"ATI"),
     ],
 )
-def test_what_it_says(sent, heard):
+def test_an_elm327_answers_as_an_elm327(sent, heard):
     tester = elm()
     tester.say(sent)
     assert tester.listen(1.0) == heard

@@ -40,7 +40,7 @@ def test_stalls_come_about_as_often_and_last_as_long_as_set(seed):
     assert max(lengths) <= 0.18
 
 
-def test_none_by_default():
+def test_by_default_there_are_no_stalls():
     assert Stalls().passed(5.0) == 5.0
     assert build_bus({}).adapter.stalls.every == 0
 

@@ -36,7 +36,7 @@ def test_every_byte_takes_ten_bits():
 
 
 @pytest.mark.parametrize("baud", [300, 9600, 10400, 115200])
-def test_at_another_pace(baud):
+def test_at_another_baud_rate_bytes_take_its_time(baud):
     ecu = VirtualEcu(Responder(TableCar(DATA), IDENTITY), baud=baud)
     tester = RawTester(Bus(ecu))
     tester.say(b"\x01\xff\x0d")
@@ -75,7 +75,7 @@ def stuffing(*bodies: bytes) -> int:
     return sum(len(encode(body)) - len(body) - 2 for body in bodies)
 
 
-def test_one_request_a_code():
+def test_one_request_a_code_takes_the_time_of_the_law():
     def single(tester):
         for datum in DATUMS:
             tester.request(c.ReadParameters((datum,)))
@@ -88,7 +88,7 @@ def test_one_request_a_code():
     assert pytest.approx(0.200, rel=0.01) == 152 * BYTE + 21 * TURN
 
 
-def test_all_codes_in_one_request():
+def test_all_codes_in_one_request_take_the_time_of_the_law():
     body = b"\x61" + bytes(DATA)
     answer = b"".join(DATA.values())
     assert len(encode(body)) == 25
@@ -98,7 +98,7 @@ def test_all_codes_in_one_request():
     assert pytest.approx(0.056, rel=0.01) == 52 * BYTE + TURN
 
 
-def test_the_list():
+def test_a_list_takes_the_time_of_the_law():
     def read(tester):
         if not tester.has_answered(0x63):
             tester.request(c.WriteList(DATUMS))
@@ -109,7 +109,7 @@ def test_the_list():
     assert pytest.approx(0.033, rel=0.01) == 30 * BYTE + TURN
 
 
-def test_the_stream():
+def test_a_stream_has_the_period_of_the_law():
     answer = encode(b"".join(DATA.values()))
     tester = RawTester(make_bus(rpm=RPM))
     tester.say(encode(b"\x71" + bytes(DATA)))
@@ -144,7 +144,7 @@ def stroke_times(rpm: float, code: int, parameters: bytes = b"\x1a", seconds: fl
 
 
 @pytest.mark.parametrize(("rpm", "rate"), [(850, 7.083), (5200, 43.33)])
-def test_one_response_a_cycle(rpm, rate):
+def test_strokes_bring_one_response_a_cycle(rpm, rate):
     times = stroke_times(rpm, 0x7F)
     assert len(times) == pytest.approx(10 * rate, abs=1.5)
     for a, b in pairwise(times):

@@ -91,7 +91,7 @@ def test_a_unit_without_supply_sends_no_late_response():
     assert tester.data == b"\x01\xff\x0d"
 
 
-def test_the_key_from_end_to_end():
+def test_a_turn_of_the_key_is_seen_from_end_to_end():
     link = VirtualLink(build_bus({"scenario": "key-off"}))
     tester = Client(link)
     tester.connect()
@@ -173,7 +173,7 @@ def test_a_power_cycle_between_the_two_writes_saves_the_faults():
     assert tester.ask(b"\x02") != encode(b"\x00")
 
 
-def test_more_faults_than_the_answer_can_count():
+def test_of_more_faults_than_the_answer_can_count_255_are_reported():
     every = ",".join(map(str, range(256)))
     tester = Client(VirtualLink(build_bus({"faults": every})))
     tester.connect()
@@ -276,7 +276,7 @@ def test_a_scenarios_values_stand_over_the_engines(pinned_tester):
         pinned_tester.wait(pinned_tester.link.now() + 30)
 
 
-def test_a_scenarios_passports_and_memory(pinned_tester):
+def test_passports_and_memory_of_a_scenario_are_the_units(pinned_tester):
     assert pinned_tester.request(c.ReadProgramPassport(1)) == "МИКАС 7.1"
     assert pinned_tester.request(c.ReadDataPassport(2)) == "ПЯТЫЙ"
     assert pinned_tester.request(c.ReadRamBlock(0x10, 3))[:2] == b"\x0d\x40"
@@ -306,7 +306,7 @@ def test_flags_that_share_a_byte_are_put_together():
     assert pinned(CATALOG, {}, {"DET": False}) == {8: b"\x00"}
 
 
-def test_what_can_not_be_pinned():
+def test_what_can_not_be_pinned_is_refused():
     with pytest.raises(UnknownParameter):
         pinned(CATALOG, {}, {"TWATT": 1})
     with pytest.raises(ValueDoesNotFit):

@@ -68,7 +68,7 @@ def a_bus(kind, adapter, seed) -> Bus:
 
 @settings(max_examples=150)
 @given(scripts, quirks, adapters, st.integers(0, 9), st.lists(moments, max_size=20))
-def test_any_bytes_at_any_time(script, kind, adapter, seed, chunks):
+def test_any_bytes_at_any_time_are_answered_the_same_again(script, kind, adapter, seed, chunks):
     once = play(a_bus(kind, adapter, seed), script)
     for earlier, later in pairwise(once.times):
         assert earlier <= later
@@ -94,7 +94,7 @@ def test_bytes_follow_each_other_no_faster_than_the_wire(script, kind):
     st.sampled_from(["warm-idle", "key-off", "cranking-dip", "city"]),
     st.lists(moments, max_size=20),
 )
-def test_a_car_with_an_engine_too(script, scenario, chunks):
+def test_a_car_with_an_engine_answers_the_same_again_however_it_is_read(script, scenario, chunks):
     def bus():
         return build_bus({"scenario": scenario, "seed": "5", "damaged": "0.05"})
 
@@ -104,7 +104,7 @@ def test_a_car_with_an_engine_too(script, scenario, chunks):
 
 @pytest.mark.parametrize("start", [0.0, 0.1, 1.7e9 + 0.1, 1763694000.123457])
 @pytest.mark.parametrize("scenario", ["key-off", "cranking-dip", "city"])
-def test_a_long_time_with_the_key_turned_at_any_start_of_the_clock(start, scenario):
+def test_the_key_is_turned_at_its_times_at_any_start_of_the_clock(start, scenario):
     """At today's date a float has a quarter of a microsecond: the key must still be met, once."""
     turned = []
     bus = build_bus(

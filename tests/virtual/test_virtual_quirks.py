@@ -60,7 +60,7 @@ def test_the_defaults_are_the_letter():
         "7F 99",
     ],
 )
-def test_what_a_unit_does_not_know(body):
+def test_what_a_unit_does_not_know_gets_silence_or_01(body):
     body = bytes.fromhex(body)
     assert a_tester().ask(body) == b""
     assert a_tester(unknown="01").ask(body) == NO
@@ -87,7 +87,7 @@ def test_what_a_unit_does_not_know(body):
         "64 1A 99",
     ],
 )
-def test_a_write_that_the_unit_knows_and_cannot_do(body):
+def test_a_write_that_the_unit_can_not_do_gets_01_or_silence(body):
     body = bytes.fromhex(body)
     assert a_tester().ask(body) == NO
     assert a_tester(unknown="01", bad_write="silent").ask(body) == b""
@@ -149,11 +149,11 @@ def test_a_missing_group_is_unknown_and_the_rest_works(group):
     assert tester.ask(b"\x61\x29") == encode(DATA[0x29])
 
 
-def test_goto_can_be_missing_too():
+def test_a_missing_goto_is_unknown():
     assert a_tester(missing="goto", unknown="01").ask(b"\x41\x00\x80") == NO
 
 
-def test_missing_names_groups_and_codes_in_any_mixture():
+def test_names_groups_and_codes_may_be_missing_in_any_mixture():
     expected = GROUPS["list"] | {0x61, 0x71}
     for text in ("list,61,71", "list+0x61+71", "list 61 0x71", " list , 61,71,"):
         assert EcuQuirks().with_options({"missing": text}).missing == expected
@@ -201,7 +201,7 @@ def test_a_list_may_name_a_parameter_twice():
     assert a_tester().ask(b"\x61\x1a\x1a\x3f") == encode(DATA[0x1A] * 2 + DATA[0x3F])
 
 
-def test_the_longest_list():
+def test_a_list_of_255_codes_is_answered():
     answer = a_tester().ask(b"\x61" + b"\x1a" * 255)
     assert answer == encode(DATA[0x1A] * 255)
 
@@ -210,7 +210,7 @@ def test_the_longest_list():
 
 
 @pytest.mark.parametrize("unknown", ["silent", "01"])
-def test_a_block_over_the_limit(unknown):
+def test_a_block_over_the_limit_is_refused(unknown):
     tester = a_tester(max_block="16", unknown=unknown)
     refusal = NO if unknown == "01" else b""
     for read in (b"\x21\x00", b"\x23\x00\x10", b"\x25\x00\x10"):
@@ -222,7 +222,7 @@ def test_a_block_over_the_limit(unknown):
     assert tester.ask(b"\x11\x00") == encode(b"\x00\x00")  # what was refused was not written
 
 
-def test_the_count_in_a_block_response():
+def test_a_block_response_has_its_count_if_set():
     for counted in ("0", "1", "on", "off", "true", "no"):
         tester = a_tester(counted_blocks=counted)
         count = b"\x02" if counted in ("1", "on", "true") else b""
@@ -238,7 +238,7 @@ def test_the_count_in_a_block_response():
 
 
 @pytest.mark.parametrize("turn_round", [0.0, 0.002, 0.1, 10.0])
-def test_the_turn_round_delay(turn_round):
+def test_a_response_begins_after_the_turn_round_delay(turn_round):
     tester = a_tester(turn_round=str(turn_round))
     tester.say(b"\x01\xff\x0d")
     tester.listen(11.0)
@@ -276,7 +276,7 @@ def test_any_byte_ends_a_stream():
     assert not is_streaming(tester)
 
 
-def test_a_stream_that_only_a_request_ends():
+def test_only_a_sound_request_ends_such_a_stream():
     tester = streaming(StreamEnd.REQUEST)
     tester.say(b"\xff")  # in the middle of a response
     assert is_streaming(tester)
@@ -294,7 +294,7 @@ def test_a_request_in_a_response_is_lost_and_the_stream_goes_on():
     assert is_streaming(tester)
 
 
-def test_a_stream_that_only_a_break_ends():
+def test_only_a_break_ends_such_a_stream():
     tester = streaming(StreamEnd.BREAK)
     into_a_gap(tester, b"\x01\xff\x0d")
     assert is_streaming(tester)
@@ -337,7 +337,7 @@ def test_one_stream_takes_the_place_of_another(stream_end):
         ("counted_blocks", "FALSE", False),
     ],
 )
-def test_options_as_text(name, text, value):
+def test_options_are_read_from_text(name, text, value):
     assert getattr(EcuQuirks().with_options({name: text}), name) == value
 
 

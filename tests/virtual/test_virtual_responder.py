@@ -17,7 +17,7 @@ def hexed(text: str | None) -> bytes:
 
 
 @pytest.mark.parametrize("echo", [True, False])
-def test_every_exchange_in_sequence(echo):
+def test_every_exchange_of_the_vectors_is_answered_in_sequence(echo):
     tester = RawTester(make_bus(adapter=AdapterKind(echo=echo)))
     for exchange in EXCHANGES:
         request, answer = hexed(exchange["request_wire"]), hexed(exchange["answer_wire"])
@@ -26,7 +26,7 @@ def test_every_exchange_in_sequence(echo):
         assert came == (request if echo else b"") + answer, exchange["why"]
 
 
-def test_every_exchange_with_raw_checksums_in_both_directions():
+def test_every_exchange_is_answered_with_raw_checksums_in_both_directions():
     tester = RawTester(make_bus(quirks=EcuQuirks(raw_checksum=True)))
     raw = 0
     for exchange in EXCHANGES:
@@ -46,7 +46,7 @@ def test_every_exchange_with_raw_checksums_in_both_directions():
         assert came[: len(request) + 1] == request + body[1:2]
 
 
-def test_a_raw_checksum_in_a_response():
+def test_a_raw_checksum_in_a_response_is_not_stuffed():
     """61 with two data that sum to F3 and to C0: their checksums are 0D and 40."""
     for value, check in ((0xF3, b"\x0d"), (0xC0, b"\x40")):
         for raw in (False, True):

@@ -47,7 +47,7 @@ def test_an_older_file_is_replaced(mikas, file):
     assert mikas("ports", "--install-rules", "--json").object["written"] is False
 
 
-def test_those_of_the_debian_package_are_enough_unless_an_older_file_hides_them(mikas, file):
+def test_rules_of_the_debian_package_are_enough_unless_an_older_file_hides_them(mikas, file):
     packaged = command.udev_rules.PACKAGED
     packaged.parent.mkdir()
     packaged.write_text(rules())

@@ -39,7 +39,7 @@ def told(findings):
     return [(each.line, each.text) for each in findings]
 
 
-def test_links_that_lead_nowhere(repository):
+def test_links_that_lead_nowhere_are_reported(repository):
     repository(
         {
             "docs/ours.md": "[a](there.md#one)\n[b](there.md#two)\n[c](gone.md)\n[d](#e)\n"
@@ -57,7 +57,7 @@ def test_links_that_lead_nowhere(repository):
     ]
 
 
-def test_paths_and_names_that_do_not_exist(repository):
+def test_paths_and_names_that_do_not_exist_are_reported(repository):
     repository(
         {
             "docs/ours.md": "`src/n.py` `src/o.py` `src/NAME/p.py`\n`mikas read`, mikas.Ecu.read\n"
@@ -71,7 +71,7 @@ def test_paths_and_names_that_do_not_exist(repository):
     ]
 
 
-def test_files_of_another_release(repository):
+def test_files_of_another_release_are_reported(repository):
     repository({"docs/ours.md": f"`mikas-{mikas.__version__}.tar.gz` mikas_0.0.9_amd64.deb\n"})
     assert told(named.findings(OURS)) == [(1, f"0.0.9: the version is {mikas.__version__}")]
 
@@ -127,7 +127,7 @@ def test_a_translation_is_built_like_the_original(repository, change, found):
     assert translated(repository, RUSSIAN.replace(*change)) == found
 
 
-def test_steps_of_a_session_and_of_a_list():
+def test_a_session_and_a_list_are_split_into_steps():
     session = "$ mikas read \\\n    TWAT\na\n…\n$ ls\n"
     assert [(step.command, step.shown, step.ours) for step in sessions.steps(session)] == [
         ("mikas read TWAT", ("a", "…"), True),
@@ -246,7 +246,7 @@ def test_ports_become_the_virtual_unit():
     assert as_written("at sim:?clock=simulated&seed=1") == "at sim:?seed=1"
 
 
-def test_links_of_the_built_site(tmp_path):
+def test_wrong_links_of_the_built_site_are_reported(tmp_path):
     (tmp_path / "en").mkdir()
     (tmp_path / "en" / "a.html").write_text(
         '<a href="b.html#one">\n<a href="b.html#two">\n<img src="c.png">\n<a href="/b.html">'

@@ -52,7 +52,7 @@ def test_headings_have_the_anchors_of_github():
         ("snake_case & more", "snake_case--more"),
     ],
 )
-def test_an_anchor(words, anchor):
+def test_a_heading_has_the_anchor_of_github(words, anchor):
     assert slug_of(words) == anchor
 
 

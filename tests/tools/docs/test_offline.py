@@ -23,6 +23,6 @@ from tools.docs.offline import loaded_from_elsewhere
         ("a.svg", '<svg><image xlink:href="https://b.example/c.png"/></svg>', 1),
     ],
 )
-def test_it_is_found(tmp_path, name, text, found):
+def test_what_a_page_loads_from_elsewhere_is_found(tmp_path, name, text, found):
     (tmp_path / name).write_text(text)
     assert len(list(loaded_from_elsewhere(tmp_path))) == found

@@ -34,7 +34,7 @@ def response(port, path):
     return got
 
 
-def test_types_and_caching(tmp_path):
+def test_files_have_their_type_and_versioned_ones_are_cached(tmp_path):
     for name in ("index.html", "files.json", "service-worker.js", "manifest.webmanifest"):
         (tmp_path / name).write_text("x")
     (tmp_path / "program-0123").mkdir()

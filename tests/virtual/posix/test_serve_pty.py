@@ -47,7 +47,7 @@ def ask(port: int, wire: bytes = ASKED, count: int = len(ANSWERED)) -> bytes:
     return read_until(lambda seconds: some(port, seconds), lambda data: len(data) >= count)
 
 
-def test_the_echo_and_the_answer():
+def test_the_tester_receives_the_echo_and_the_answer():
     with serving(a_pty_port) as server, opened(server.url) as port:
         assert ask(port) == ANSWERED
 
@@ -111,7 +111,7 @@ def test_closing_is_an_adapter_unplugged(tmp_path):
             ecu.faults()
 
 
-def test_many_ptys_on_one_loop():
+def test_many_ptys_on_one_loop_answer_as_themselves():
     models = ["5.4", "7.1"] * 2
     with serving(a_pty_port, *({"model": model} for model in models)) as server:
         for model, url in zip(models, server.urls, strict=True):
@@ -130,7 +130,7 @@ def pinned(tmp_path):
     return str(path)
 
 
-def test_the_main_job_over_a_pty_with_echo_and_pacing(pinned, tmp_path):
+def test_all_values_are_read_over_a_pty_with_echo_and_pacing(pinned, tmp_path):
     expected = {p.name: p.decode(DATA[p.code]) for p in SECTION_4.parameters}
     assert len(expected) == 23
     with (
