@@ -62,7 +62,9 @@ class Step:
     error: MikasError | None = None
 
 
-def examine(open_port: Callable[[], Link], create_ecu: Callable[[Link], Ecu]) -> Iterator[Step]:
+def examine(
+    open_port: Callable[[], Link], create_ecu: Callable[[Link], Ecu]
+) -> Generator[Step, None, None]:
     """Yield the steps in the order of `STEPS`, until no ECU can answer. Closes the port.
 
     `create_ecu`: as `ConnectionOptions.create_ecu`; the unit's list (64) is the one thing changed.

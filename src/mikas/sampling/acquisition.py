@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
+from contextlib import closing
 from dataclasses import replace
 
 from mikas.catalog import AlarmLimits, Catalog
@@ -76,25 +77,27 @@ class Acquisition(Sampler):
         """Yield events as `Sampler.run`, each sample with its derived channels and its alarms."""
         self._pending_alarms.clear()
         log = EventLogger()
-        for event in super().run():
-            log.take(event)
-            match event:
-                case Sampled():
+        with closing(super().run()) as events:  # Ctrl-C while it ends is not lost
+            for event in events:
+                log.take(event)
+                if isinstance(event, Sampled):
                     yield from self._with_derived(event)
-                    continue
-                case CycleFailed():  # accumulation continues unless the next value is late
-                    self._alarms.update({}, event.time)
-                case PlanChanged():
-                    changed = self._adopt_selection(event.time)
-                    yield event
-                    yield from changed
-                    continue
-                case UnitFound(another=True):  # the totals are the previous car's
-                    self._derived = DerivedChannels(self._adopted.catalog, self._adopted.derived)
-                    self._alarms = Alarms(self._adopted.catalog, self._limits)
-                case _:
-                    pass
-            yield event
+                else:
+                    yield from self._followed(event)
+
+    def _followed(self, event: Event) -> Iterator[Event]:
+        match event:
+            case CycleFailed():  # accumulation continues unless the next value is late
+                self._alarms.update({}, event.time)
+            case PlanChanged():
+                changed = self._adopt_selection(event.time)
+                yield event
+                yield from changed
+                return
+            case UnitFound(another=True):  # the totals are the previous car's
+                self._derived = DerivedChannels(self._adopted.catalog, self._adopted.derived)
+                self._alarms = Alarms(self._adopted.catalog, self._limits)
+        yield event
 
     def _with_derived(self, sampled: Sampled) -> Iterator[Event]:
         derived = self._derived.update(sampled.fresh, sampled.time)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from contextlib import ExitStack
+from contextlib import ExitStack, closing
 
 from mikas.cli.advice import DOCTOR_ADVICE
 from mikas.cli.click_extensions import command
@@ -33,8 +33,11 @@ from mikas.link import CaptureTee, Link, choose_port, open_link
 )
 def doctor(context: CommandContext) -> int:
     steps = []
-    with ExitStack() as stack:
-        for step in examine(lambda: _open(context, stack), context.options.create_ecu):
+    with (
+        ExitStack() as stack,
+        closing(examine(lambda: _open(context, stack), context.options.create_ecu)) as found,
+    ):
+        for step in found:
             steps.append(step)
             if not context.output.json:
                 context.output.line(_line(step))

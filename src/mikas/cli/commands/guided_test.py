@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import ExitStack, closing
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -159,8 +160,12 @@ def _guide(
     options = SamplingOptions(names=chosen.channels, duration=duration)
     engine = TestEngine(chosen, context.options.catalog)
     guide = _Guide(context, engine)
-    with sampling_session(context, options, ahead, context.capture, joined=False) as run:
-        for event in Notices(run, output.note, verbose=output.verbose).watch():
+    with ExitStack() as stack:
+        run = stack.enter_context(
+            sampling_session(context, options, ahead, context.capture, joined=False)
+        )
+        notices = Notices(run, output.note, verbose=output.verbose)
+        for event in stack.enter_context(closing(notices.watch())):
             if not isinstance(event, Sampled):
                 continue
             engine.take(event.time, {n: number_of(it) for n, it in event.fresh.items()})

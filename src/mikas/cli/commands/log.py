@@ -5,7 +5,7 @@ from __future__ import annotations
 import _thread
 import signal
 import threading
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -124,8 +124,13 @@ def _record(context: CommandContext, current: SamplingRun, rotate: Portion | Non
     current.wants_faults = current.is_recording
     try:
         show = partial(_show_typed, progress) if progress.live else None
-        with Marking(current.recorder, progress.note, show), _last_reading(current):
-            for event in Notices(current, progress.note, verbose=output.verbose).watch():
+        notices = Notices(current, progress.note, verbose=output.verbose)
+        with (
+            Marking(current.recorder, progress.note, show),
+            _last_reading(current),
+            closing(notices.watch()) as events,
+        ):
+            for event in events:
                 if output.json:
                     json_line(current, output, event)
                 progress.draw(event.time)

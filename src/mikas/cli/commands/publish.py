@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import signal
 import threading
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -203,9 +203,9 @@ def _publish(
         notices = Notices(run, report.note, verbose=context.output.verbose)
         with _until_terminated():
             try:
-                with publisher:
+                with publisher, closing(notices.watch()) as events:
                     report.publisher = publisher
-                    for event in notices.watch():
+                    for event in events:
                         publisher.take(event)
                         report.take(event)
             finally:

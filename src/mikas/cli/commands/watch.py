@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Callable
-from contextlib import ExitStack
+from contextlib import ExitStack, closing
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -76,5 +76,6 @@ def _watch(context: CommandContext, options: SamplingOptions, ahead: PortAhead) 
         if drawable and not log_on_screen and not output.json:
             table = stack.enter_context(LiveTable(run, output))
             note, show = table.note, table.take
-        for event in Notices(run, note, verbose=output.verbose).watch():
+        notices = Notices(run, note, verbose=output.verbose)
+        for event in stack.enter_context(closing(notices.watch())):
             show(event)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Generator, Iterable, Iterator
+from contextlib import closing
 from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -71,11 +72,12 @@ class Notices:
             self._failure = failure
             self._show(stopped_sentence(failure))
 
-    def watch(self) -> Iterator[Event]:
+    def watch(self) -> Generator[Event, None, None]:
         """Yield the run's events, each after its notices; then show if its recording is over."""
-        for event in self._session.events():
-            self.take(event)  # first: the notice that values are back comes before them
-            yield event
+        with closing(self._session.events()) as events:
+            for event in events:
+                self.take(event)  # first: the notice that values are back comes before them
+                yield event
         if self._session.recording_over is not None:
             self._show(f"{localized(self._session.recording_over.reason)}.")
 

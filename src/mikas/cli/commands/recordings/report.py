@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import closing
 from dataclasses import asdict
 from math import isfinite
 from pathlib import Path
@@ -118,13 +119,15 @@ def _measured_now(context: CommandContext, seconds: float, car: CarOptions) -> F
 
 def _sample(context: CommandContext, current: SamplingRun) -> None:
     progress = StatusLine(context.output, lambda: _progress(current))
+    notices = Notices(current, progress.note, verbose=context.output.verbose)
     try:
-        for event in Notices(current, progress.note, verbose=context.output.verbose).watch():
-            if isinstance(event, UnitFound):
-                if event.another:
-                    return  # the report is on the first car
-                current.acquisition.call(lambda ecu: ecu.faults())
-            progress.draw(event.time)
+        with closing(notices.watch()) as events:
+            for event in events:
+                if isinstance(event, UnitFound):
+                    if event.another:
+                        return  # the report is on the first car
+                    current.acquisition.call(lambda ecu: ecu.faults())
+                progress.draw(event.time)
     finally:
         progress.clear()
 
