@@ -2,29 +2,24 @@
 
 from __future__ import annotations
 
-import csv
-
 import numpy as np
 import pytest
 from test_export_mlg import read as read_mlg
 from test_export_msl import read as read_msl
 
+from csv_columns import columns_of
 from mikas.catalog import shipped
 from mikas.recording.export import EXCEL, PLAIN, export
 from mikas.recording.table.channels import Channel, Rows
 
 
-def numbers_of(path, dialect):
-    """The columns after the time, as numbers."""
-    if path.suffix == ".mlg":
-        rows = read_mlg(path.read_bytes()).values
-    elif path.suffix == ".msl":
-        rows = read_msl(path)[4]
-    else:
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
-        rows = list(csv.reader(lines, delimiter=dialect.separator))[1:]
-    if dialect.decimal != ".":
-        rows = [[cell.replace(dialect.decimal, ".") for cell in row] for row in rows]
+def numbers_of(path, dialect, names):
+    """The columns of these channels, as numbers."""
+    if path.suffix == ".csv":
+        columns = columns_of(path.read_text(encoding="utf-8-sig"), dialect.separator)
+        cells = [[cell.replace(dialect.decimal, ".") for cell in columns[it]] for it in names]
+        return np.array(cells, float)
+    rows = read_mlg(path.read_bytes()).values if path.suffix == ".mlg" else read_msl(path)[4]
     return np.array(rows, float).T[1:]
 
 
@@ -47,7 +42,9 @@ def test_every_raw_value_is_read_back(tmp_path, name, dialect, interpretation, s
     channels = [Channel(name, p.unit, p.text, p.is_flag, 0) for name, p in chosen.items()]
     rows = Rows(np.arange(len(raw)) / 32, values)
     result = export(tmp_path / name, channels, [rows], dialect=dialect, overwrite=True)
-    for parameter, column in zip(chosen.values(), numbers_of(result.out, dialect), strict=True):
+    for parameter, column in zip(
+        chosen.values(), numbers_of(result.out, dialect, chosen), strict=True
+    ):
         conversion = parameter.interpretation(interpretation)
         if conversion.is_flag or result.out.suffix != ".mlg":  # no rounding at all
             assert column.tolist() == values[parameter.name].tolist()
