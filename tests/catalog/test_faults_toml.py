@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from pathlib import Path
 
 import pytest
 
@@ -36,19 +35,6 @@ def test_the_faults_with_a_text_are_exactly_the_known_numbers() -> None:
         Confidence.UNCONFIRMED: UNCONFIRMED,
         Confidence.UNKNOWN: set(),
     }
-
-
-def test_the_document_of_facts_has_the_same_numbers_with_the_same_confidence() -> None:
-    document = (Path(__file__).parents[2] / "docs" / "reference" / "facts.md").read_text(
-        encoding="utf-8"
-    )
-    rows = re.findall(r"^\| ([0-9–, /]+) \|.*\| (\w+)[^|]*\|$", document, re.MULTILINE)
-    documented: dict[int, Confidence] = {}
-    for numbers, confidence in rows:
-        for first, last in re.findall(r"(\d+)(?:–(\d+))?", numbers):
-            for code in range(int(first), int(last or first) + 1):
-                documented.setdefault(code, Confidence(confidence))  # 195 has a row of its own
-    assert documented == {code: fault.confidence for code, fault in shipped().faults.items()}
 
 
 def test_every_fault_is_complete() -> None:

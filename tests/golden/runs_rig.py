@@ -38,6 +38,7 @@ from mikas.recording.recording import Recording
 
 CHANNELS = ("FREQ", "TWAT/4", "MINERR", "FUEL_FLOW")
 RATE = "5"
+CATALOG = "1+ourcatal"  # in the place of its version, which each edit of a text changes
 TICK = 2.0  # s between two messages of the dashboard
 
 
@@ -264,7 +265,8 @@ class _Viewer:
 def _files(folder: Path) -> Iterator[str]:
     """The recordings: their bytes, their notes, and the events that a reader makes of them."""
     for path in sorted(folder.glob("*.pcapng")):
-        content, reader = path.read_bytes(), CaptureReader(path)
+        content = path.read_bytes().replace(shipped().version.encode(), CATALOG.encode())
+        reader = CaptureReader(path)
         packets = [it for it in reader if isinstance(it, Packet)]
         sides = {it.direction for it in packets}
         counts = [
@@ -300,10 +302,11 @@ def _json(value: object) -> str:
 
 def _text(*parts: Any) -> str:
     """Titles and lines in turn."""
-    return "".join(
+    text = "".join(
         f"## {title}\n" + "".join(f"{str(line).rstrip()}\n" for line in lines)
         for title, lines in zip(parts[::2], parts[1::2], strict=True)
     )
+    return text.replace(shipped().version, CATALOG)
 
 
 RUNS = {"log": log, "watch": watch, "publish": publish, "dashboard": dashboard}

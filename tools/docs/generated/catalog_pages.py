@@ -154,7 +154,7 @@ def _fault(fault: Fault, language: Language) -> tuple[str, ...]:
     return (
         f"**{fault.code}**",
         fault.text.to(language),
-        _sure(fault, language),
+        _sure(fault, language) + (f" ({' '.join(fault.sources)})" if fault.sources else ""),
         fault.check.to(language),
         " ".join(map(code, fault.parameters)),
     )
