@@ -33,15 +33,19 @@ def joined(separator: str, texts: Iterable[Text]) -> Text:
     return Text(*map(separator.join, zip(*texts, strict=True)))
 
 
+def plural(count: int, one: str, more: str) -> str:
+    """Return `1 gap`, `3 gaps`."""
+    return f"{count} {one if count == 1 else more}"
+
+
 def counted(count: int, english: tuple[str, str], russian: tuple[str, str, str]) -> Text:
     """Return `1 fault`, `3 faults`; `1 ошибка`, `3 ошибки`, `5 ошибок`."""
-    en = english[0] if count == 1 else english[1]
     last = count % 10
     if count % 100 in range(11, 15) or last == 0 or last > 4:
         ru = russian[2]
     else:
         ru = russian[0] if last == 1 else russian[1]
-    return Text(f"{count} {en}", f"{count} {ru}")
+    return Text(plural(count, *english), f"{count} {ru}")
 
 
 def byte_count(count: int) -> Text:

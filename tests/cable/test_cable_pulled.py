@@ -46,7 +46,7 @@ def test_the_log_goes_on_when_the_cable_is_back(box, cable, moment):
     done = log.interrupt()
     assert done.status == 130
     assert "No adapter. Waiting" in done.err
-    assert ", 1 gaps, 0 line errors," in done.err
+    assert ", 1 gap, 0 line errors," in done.err
     assert summary(out).gaps == 1
     assert wrong_values(out) == {}
     # Nothing is lost but what was on its way through USB when the device vanished. Then the

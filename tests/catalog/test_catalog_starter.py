@@ -41,7 +41,7 @@ def test_a_starter_file_is_written_as_expected():
     assert starter_catalog(data, shipped(), ["Scan\n2"], "en") == (
         "# Scan 2\n"
         "# Defined already: 07 RXX BITPOW RDET, 3F INJ\n"
-        "# 1A: 2 bytes here, 1 in the catalog; it keeps the catalog's definition\n"
+        "# 1A: bytes here: 2, in the catalog: 1; it keeps the catalog's definition\n"
         "# 90: 4 bytes, more than an entry can have (AB 00 00 00)\n"
         "\n"
         "[parameter.CODE_33]  # at the scan: 00\n"
@@ -63,7 +63,7 @@ def test_a_starter_file_is_written_as_expected():
 
 def test_a_code_of_another_size_stays_as_the_catalog_has_it(tmp_path):
     text = starter_catalog({0x1A: b"\x01\x02", 0x90: bytes(4)}, shipped(), ["x"], "en")
-    assert "1A: 2 bytes here, 1 in the catalog" in text
+    assert "1A: bytes here: 2, in the catalog: 1" in text
     assert "90: 4 bytes, more than an entry can have (00 00 00 00)" in text
     (tmp_path / "c").write_text(text, "utf-8")
     assert load(tmp_path / "c").parameters == shipped().parameters

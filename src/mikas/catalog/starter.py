@@ -15,7 +15,7 @@ from mikas.i18n import Language, Text
 _LARGEST = 2  # bytes of a parameter, docs/reference/catalog.md
 _KNOWN = Text("Defined already:", "Уже описаны:")
 _OTHER_SIZE = Text(
-    "{code}: {size} bytes here, {defined} in the catalog; it keeps the catalog's definition",
+    "{code}: bytes here: {size}, in the catalog: {defined}; it keeps the catalog's definition",
     "{code}: здесь байтов {size}, в каталоге {defined}; остаётся описание каталога",
 )
 _TOO_LARGE = Text(

@@ -25,7 +25,7 @@ from mikas.i18n import Text
 
 SEPARATOR = 0xE0
 OTHER_NUMBER_OF_FAULTS = Text(
-    "it announces {announced} and holds {held} faults",
+    "faults: it announces {announced} and holds {held}",
     "объявлено ошибок {announced}, а пришло {held}",
 )
 NO_SEPARATOR = Text("a fault is not followed by E0", "за номером ошибки нет E0")

@@ -281,6 +281,6 @@ _SLOW: Final = Text(
     "{name} приходил {rate} раза в секунду, а нужно {needed}",
 )
 _FEW: Final = Text(
-    "only {count} readings fit; at least {fewest} are needed",
+    "too few readings fit: {count}; at least {fewest} are needed",
     "подходящих замеров {count}, а нужно не меньше {fewest}",
 )

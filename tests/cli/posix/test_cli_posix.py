@@ -166,7 +166,7 @@ def test_an_adapter_that_goes_and_comes_back_is_a_gap_with_its_reason(start, sim
     reported = err.splitlines()
     assert reported[0] == "No adapter. Waiting; sampling resumes by itself."
     assert re.fullmatch(r"Back after \d+ s\.", reported[1])
-    assert "1 gaps" in reported[2]
+    assert "1 gap" in reported[2]
     reader = CaptureReader(tmp_path / "a.pcapng")
     assert all(isinstance(it, Packet) for it in reader)
     (gap,) = (note.data for note in reader.notes() if note.kind == "gap")

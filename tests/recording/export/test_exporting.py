@@ -157,7 +157,7 @@ def test_a_channel_that_a_stretch_lacks_is_missing_there(tmp_path, suffix):
 
 
 def test_values_that_do_not_match_their_times_are_a_mistake(tmp_path):
-    with pytest.raises(ValueError, match="UACC: 2 values for 1 times"):
+    with pytest.raises(ValueError, match="UACC: values: 2, times: 1"):
         export(tmp_path / "log.csv", [UACC], [rows([1.0], UACC=[1, 2])])
 
 

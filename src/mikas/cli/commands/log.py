@@ -19,7 +19,7 @@ from mikas.cli.options.parameter_types import Portion, any_file, portion
 from mikas.cli.options.sampling import SamplingOptions, sampling_options
 from mikas.cli.render.output import StatusLine
 from mikas.errors import usage_error
-from mikas.i18n import Text
+from mikas.i18n import Text, plural
 
 _SHOWN = 40  # characters of a name that is being typed
 
@@ -240,8 +240,9 @@ def _summary(current: SamplingRun, status: RecordingStatus) -> str:
         else ("", "")
     )
     summary = tr(
-        f"{status.path}: {current.samples} samples, {but}{rate} readings/s, {status.gaps} "
-        f"gaps, {current.errors} line errors, {size:.0f} KiB, {seconds:.0f} s",
+        f"{status.path}: {plural(current.samples, 'sample', 'samples')}, {but}{rate} readings/s, "
+        f"{plural(status.gaps, 'gap', 'gaps')}, "
+        f"{plural(current.errors, 'line error', 'line errors')}, {size:.0f} KiB, {seconds:.0f} s",
         f"{status.path}: замеров: {current.samples}, {ru_but}{decimal(rate)} опр/с, "
         f"пропусков: {status.gaps}, ошибок линии: {current.errors}, {size:.0f} КиБ, "
         f"{seconds:.0f} с",

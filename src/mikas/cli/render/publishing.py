@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from mikas.cli.advice import ADVICE
 from mikas.cli.language import capital, decimal, localized, tr
 from mikas.cli.render.output import Output, StatusLine
+from mikas.i18n import plural
 from mikas.sampling.events import Event, StateChanged
 
 if TYPE_CHECKING:
@@ -106,8 +107,9 @@ class PublishingReport:
         run = self._run
         rate, gaps = f"{run.rate:.1f}", run.gap_cycles
         return tr(
-            f"{self._url}: {sent} messages, {run.samples} samples, {rate} readings/s, "
-            f"{gaps} failed cycles",
+            f"{self._url}: {plural(sent, 'message', 'messages')}, "
+            f"{plural(run.samples, 'sample', 'samples')}, {rate} readings/s, "
+            f"{plural(gaps, 'failed cycle', 'failed cycles')}",
             f"{self._url}: сообщений: {sent}, замеров: {run.samples}, {decimal(rate)} опр/с, "
             f"неудачных циклов: {gaps}",
         )
@@ -120,6 +122,7 @@ def _json(lost: Lost) -> dict[str, int]:
 def _lost_sentence(lost: Lost) -> str:
     span = f"{(lost.until or 0) - (lost.since or 0):.0f}"
     return tr(
-        f"It has not got {lost.samples} samples and {lost.events} events, of {span} s in all.",
+        f"It has not got {plural(lost.samples, 'sample', 'samples')} and "
+        f"{plural(lost.events, 'event', 'events')}, of {span} s in all.",
         f"Он не получил замеров: {lost.samples}, событий: {lost.events}, всего за {span} с.",
     )

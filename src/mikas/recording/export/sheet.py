@@ -76,7 +76,7 @@ class Stretches:
             if values is None:
                 values = np.full(len(times), np.nan)
             elif len(values) != len(times):
-                raise ValueError(f"{name}: {len(values)} values for {len(times)} times")
+                raise ValueError(f"{name}: values: {len(values)}, times: {len(times)}")
             columns.append(np.asarray(values, np.float64))
         return columns
 

@@ -10,7 +10,7 @@ import click
 from mikas.cli.click_extensions import command, option
 from mikas.cli.commands.memory.cells import SPACE
 from mikas.cli.context import CommandContext
-from mikas.cli.language import tr
+from mikas.cli.language import localized, tr
 from mikas.cli.options.common import RELEARN
 from mikas.cli.options.parameter_types import any_file, block_size, existing_file, hex_address
 from mikas.cli.render.progress import progress
@@ -25,7 +25,7 @@ from mikas.client.memory.dumps import (
 )
 from mikas.commands.base import Space, check_range
 from mikas.errors import UsageError, reason_at, usage_error
-from mikas.i18n import Text
+from mikas.i18n import Text, byte_count
 
 BLOCK = option(
     "--block",
@@ -119,7 +119,7 @@ def dump(
                 found = job.verify(block=block, progress=done)
             show_differences(context, found, tr("first pass differs", "проходы расходятся"))
     place = f"{out}: {space} {first:04X}–{end:04X}"
-    size = tr(f"{manifest.size} bytes", f"байт: {manifest.size}")
+    size = localized(byte_count(manifest.size))
     context.output.result(manifest.as_json(), f"{place}, {size}, sha256 {manifest.sha256}")
 
 

@@ -15,7 +15,7 @@ from mikas.cli.context import CommandContext
 from mikas.cli.language import current_language, localized
 from mikas.cli.options.parameter_types import choices, existing_file, one_of
 from mikas.errors import usage_error
-from mikas.i18n import Text
+from mikas.i18n import Text, plural
 from mikas.recording.export import DIALECTS
 
 if TYPE_CHECKING:
@@ -92,7 +92,7 @@ def export(
         context.output.data({"rows": result.rows, "channels": count, "out": str(result.out)})
     else:
         context.say(
-            f"{out}: {result.rows} rows, {count} channels",
+            f"{out}: {plural(result.rows, 'row', 'rows')}, {plural(count, 'channel', 'channels')}",
             f"{out}: строк: {result.rows}, каналов: {count}",
         )
 

@@ -21,7 +21,7 @@ from mikas.client.identity import count_parameters
 from mikas.client.parameters.parameters import decode
 from mikas.commands import ReadUnknownSize
 from mikas.errors import NotSupported, UsageError, reason_at, usage_error
-from mikas.i18n import Text
+from mikas.i18n import Text, plural
 from mikas.saving import save
 
 _CODES = 0x100
@@ -211,7 +211,7 @@ def _write(
         heading = [
             *heading,
             tr(
-                f"Incomplete: {len(left)} codes were not requested.",
+                f"Incomplete: {plural(len(left), 'code was', 'codes were')} not requested.",
                 f"Неполно: не запрошено кодов {len(left)}.",
             ),
         ]
@@ -221,6 +221,7 @@ def _write(
         raise UsageError(problem=reason_at(out, error)) from error
     new = sum(catalog.size_of(code) is None for code in data)
     context.say(
-        f"{out}: {new} codes that the catalog does not know. Use it with: --catalog {out}",
+        f"{out}: {plural(new, 'code', 'codes')} that the catalog does not know. "
+        f"Use it with: --catalog {out}",
         f"{out}: кодов, которых нет в каталоге: {new}. Подключить файл: --catalog {out}",
     )
