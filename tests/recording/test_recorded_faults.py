@@ -16,6 +16,8 @@ from mikas.catalog import shipped
 from mikas.client.connecting import ConnectionOptions
 from mikas.dashboard.session.history import History
 from mikas.link.base import CaptureTee
+from mikas.recording.annotations.events import events_of
+from mikas.recording.capture.notes import Note
 from mikas.recording.freeze_frames import FreezeFrame, frame_of, new_faults
 from mikas.recording.recorded_faults import FrameCollector, faults_in
 from mikas.recording.recorder import Recorder
@@ -174,6 +176,18 @@ def test_there_is_none_without_minerr_or_where_the_clock_was_set_back_or_the_uni
     assert collected(short, [one, one]).appeared[0].frame is None
     other = UnitFound(21.0, 0x0A, None, another=True)
     assert collected(short, [one], [other]).appeared == ()
+
+
+def test_a_fault_is_the_same_units_when_a_piece_of_its_passport_was_lost_at_first():
+    passports = ["A", "B", "C", *["D"] * 5]
+    notes = [
+        Note("unit", time, {"version_code": "0A", "passports": pieces})
+        for time, pieces in ((1.0, ["A", None, *passports[2:]]), (21.0, passports))
+    ]
+    short = [FaultReading(20.0, ()), FaultReading(22.0, (13,))]
+    one = rows(0.0, 40.0, FREQ=lambda times: times)
+    (appeared,) = collected(short, [one], events_of(notes, shipped())).appeared
+    assert appeared.frame is not None
 
 
 def test_a_fault_that_comes_and_goes_leaves_room_for_the_others():

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -215,6 +217,46 @@ def test_events_are_made_of_each_kind_of_note():
     assert events[2]["rates"] == {"list": 29.5}
     assert events[3]["name"] == events[4]["name"] == "TAIR"
     assert [event["another"] for event in events[5:]] == [False, True]
+
+
+def units(*pieces: str | None, another: list[bool | None] | None = None) -> list[Note]:
+    """Notes of a unit whose second piece of the passport is each of `pieces`."""
+    notes = []
+    for time, (piece, said) in enumerate(zip(pieces, another or [None] * 9, strict=False)):
+        data = {"version_code": "0A", "passports": ["A", piece, "C", *["D"] * 5]}
+        if said is not None:
+            data["another"] = said
+        notes.append(Note("unit", float(time), data))
+    return notes
+
+
+def test_a_piece_that_was_lost_at_first_makes_no_other_unit():
+    notes = units(None, "B", None, "B")
+    (event,) = events_of(notes, shipped())
+    assert not event.another
+    assert unit_of(notes, shipped()).passport == ("A", "B", "C", *["D"] * 5)
+
+
+def test_all_pieces_known_of_a_unit_show_another():
+    events = events_of(units("B", None, "X"), shipped())
+    assert [event.another for event in events] == [False, True]
+    events = events_of(units(None, "B", "X"), shipped())
+    assert [event.another for event in events] == [False, True]
+
+
+def test_whether_a_unit_is_another_is_read_from_its_note():
+    events = events_of(units("B", "B", "B", another=[False, True, False]), shipped())
+    assert [(event.time, event.another) for event in events] == [(0.0, False), (1.0, True)]
+    (event,) = events_of(units("B", "X", another=[False, False]), shipped())
+    assert not event.another
+
+
+def test_the_first_unit_of_a_joined_recording_is_compared_with_the_one_before():
+    first, second = units("B", "X", another=[False, False])
+    events = events_of([first, replace(second, recording=1)], shipped())
+    assert [event.another for event in events] == [False, True]
+    events = events_of([first, replace(first, recording=1)], shipped())
+    assert [event.another for event in events] == [False, False]
 
 
 values = st.recursive(

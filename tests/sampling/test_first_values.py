@@ -19,6 +19,8 @@ from sampling_harness import (
 )
 
 from mikas import tester
+from mikas.client import Passport
+from mikas.client.identity import UnitIdentity
 from mikas.sampling.events import (
     CycleFailed,
     ParameterDropped,
@@ -29,7 +31,7 @@ from mikas.sampling.events import (
 )
 from mikas.virtual.bus import AdapterKind
 from mikas.virtual.quirks import GROUPS, EcuQuirks, Unknown
-from virtual_harness import make_bus
+from virtual_harness import PASSPORTS, make_bus
 
 
 def first_at(events) -> int:
@@ -119,7 +121,7 @@ def test_no_first_value_comes_by_another_method_than_the_requested(method):
 
 
 def test_no_first_value_comes_if_another_unit_may_have_been_sampled_before():
-    events = run(make_bus(), identify_first=True)
+    events = run(make_bus(), before=UnitIdentity(0x0A, Passport(PASSPORTS[:3], PASSPORTS[3:])))
     assert events.index(of(UnitFound, events)[0]) < first_at(events)
 
 

@@ -9,6 +9,7 @@ import pytest
 from sampling_harness import SimulatedPlug, enough, make_sampler, of, settled, take
 
 from mikas.client import Passport
+from mikas.client.identity import UnitIdentity
 from mikas.sampling.events import (
     CycleFailed,
     Event,
@@ -18,7 +19,6 @@ from mikas.sampling.events import (
     StateChanged,
     UnitFound,
 )
-from mikas.sampling.supervisor import is_same_unit
 from mikas.virtual.bus import Bus
 from mikas.virtual.ecu import VirtualEcu
 from mikas.virtual.fault_injector import FaultInjector, LineFault
@@ -219,18 +219,6 @@ def test_passports_of_two_cars_make_no_unit() -> None:
     assert {sample.fresh["FREQ"].raw for sample in of(Sampled, reported)} == {OTHER_DATA[0x29]}
 
 
-def test_a_unit_is_the_same_by_version_and_the_passport_pieces_of_both() -> None:
-    whole = Passport(("A", "B", "C"), ("1", "2", "3", "4", "5"))
-    part = Passport(("A", "B", "C"), (None,) * 5)
-    none = Passport((None,) * 3, (None,) * 5)
-    assert is_same_unit((9, whole), (9, part))
-    assert is_same_unit((9, none), (9, none))
-    assert not is_same_unit((9, whole), (10, whole))
-    assert not is_same_unit((9, none), (9, part))
-    assert not is_same_unit((9, part), (9, Passport(("A", "B", "D"), (None,) * 5)))
-    assert not is_same_unit((9, part), (9, Passport((None,) * 3, whole.data)))
-
-
 def test_a_unit_that_cannot_be_resynchronized_is_found_again_at_once() -> None:
     """No hand on the keyboard: two cycles at most, and the state says so."""
     plug = SimulatedPlug(make_bus())
@@ -243,3 +231,80 @@ def test_a_unit_that_cannot_be_resynchronized_is_found_again_at_once() -> None:
     assert len(of(CycleFailed, reported)) <= 2
     states = [event.state for event in of(StateChanged, reported)]
     assert states == [LineState.ECHO_ONLY, LineState.ECU_ALIVE, LineState.SAMPLING]
+
+
+PIECES_READ = (0, 1, 7)
+
+
+def lost_early(away: float, pieces: int, other: Responder | None = None) -> list[Event]:
+    """The events after the port is lost when the first values and `pieces` of the passport came."""
+    unit = Asked(TableCar(DATA, faults=FAULTS, rpm=850), IDENTITY, EcuQuirks())
+    plug = SimulatedPlug(Bus(VirtualEcu(unit)))
+
+    def pull() -> None:
+        plug.pull()
+        if other is not None:
+            plug.bus.ecu.responder = other
+        plug.at(plug.now() + away, plug.mend)
+
+    def pull_then() -> None:
+        if sum(0x51 <= code <= 0x58 for code in unit.asked) > pieces:
+            pull()
+        else:
+            plug.at(plug.now(), pull_then)
+
+    with closing(make_sampler(plug, "FREQ", "INJ").run()) as events:
+        first = take(events, lambda e: bool(of(Sampled, e)))
+        plug.at(plug.now(), pull_then if pieces else pull)
+        return first + take(events, settled)
+
+
+@pytest.mark.parametrize("pieces", PIECES_READ)
+def test_a_unit_away_for_a_moment_before_its_passports_were_read_is_the_same(pieces: int) -> None:
+    reported = lost_early(1.5, pieces)
+    (found,) = of(UnitFound, reported)
+    assert not found.another
+    lost = next(at for at, event in enumerate(reported) if isinstance(event, CycleFailed))
+    back = next(event for event in reported[lost:] if isinstance(event, Sampled))
+    assert reported.index(found) < reported.index(back)
+
+
+@pytest.mark.parametrize("pieces", PIECES_READ)
+def test_a_unit_away_for_longer_before_its_passports_were_read_counts_as_another(
+    pieces: int,
+) -> None:
+    assert [found.another for found in of(UnitFound, lost_early(6, pieces))] == [True]
+
+
+@pytest.mark.parametrize(
+    ("pieces", "identity"),
+    [
+        (0, Identity(0x09, PASSPORTS)),
+        (1, Identity(0x0A, ("OTHER", *PASSPORTS[1:]))),
+        (7, Identity(0x0A, ("OTHER", *PASSPORTS[1:]))),
+        (7, Identity(0x0A, (*PASSPORTS[:6], "OTHER", PASSPORTS[7]))),
+    ],
+)
+def test_a_version_or_a_piece_that_differs_shows_another_unit_however_early_the_first_was_lost(
+    pieces: int, identity: Identity
+) -> None:
+    other = Responder(TableCar(OTHER_DATA, faults=FAULTS, rpm=850), identity, EcuQuirks())
+    reported = lost_early(1.5, pieces, other)
+    assert [found.another for found in of(UnitFound, reported)] == [True]
+    found = reported.index(of(UnitFound, reported)[0])
+    assert of(PlanChanged, reported[found:])  # a new recording begins with it
+    for table, part in ((DATA, reported[:found]), (OTHER_DATA, reported[found:])):
+        for sample in of(Sampled, part):
+            for reading in (*sample.fresh.values(), *sample.stale.values()):
+                assert reading.raw == table[reading.parameter.code]
+
+
+def test_the_unit_of_an_earlier_connection_is_compared_before_the_first_value() -> None:
+    known = UnitIdentity(0x0A, Passport(PASSPORTS[:3], (None, *PASSPORTS[4:])))
+    for before, is_another in ((known, False), (known._replace(version_code=9), True)):
+        sampler = make_sampler(SimulatedPlug(make_bus()), "FREQ", before=before)
+        with closing(sampler.run()) as events:
+            reported = take(events, enough)
+        (found,) = of(UnitFound, reported)
+        assert found.another is is_another
+        assert reported.index(found) < reported.index(of(Sampled, reported)[0])

@@ -347,6 +347,11 @@ def passport_in_steps(ecu: Ecu) -> Generator[None, None, Passport]:
     return ecu._passport_in_steps()  # noqa: SLF001
 
 
+def passport_so_far(ecu: Ecu) -> Passport:
+    """Return the pieces that `passport_in_steps` has read by now; the others are missing."""
+    return ecu._passport_reader.so_far  # noqa: SLF001
+
+
 def read_passport(ecu: Ecu) -> Passport:
     """Do all steps of `passport_in_steps`."""
     steps = passport_in_steps(ecu)

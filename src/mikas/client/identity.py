@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Generator
 from dataclasses import dataclass
-from typing import TypeVar
+from itertools import zip_longest
+from typing import NamedTuple, TypeVar
 
 from mikas import commands as c
 from mikas.catalog import Model
@@ -34,11 +35,17 @@ class Passport:
         """All eight pieces, "" for a missing one; they identify a unit."""
         return tuple(piece or "" for piece in (*self.program, *self.data))
 
+    def contradicts(self, other: Passport) -> bool:
+        """Whether both are of two units: noise can remove pieces, but not change them."""
+        return any(own != others for own, others in self._in_both(other))
+
     def may_be(self, other: Passport) -> bool:
-        """Whether both may be of one unit: noise can remove pieces, but not change them."""
-        pairs = zip((*self.program, *self.data), (*other.program, *other.data), strict=True)
-        both = [(own, others) for own, others in pairs if own is not None and others is not None]
-        return all(own == others for own, others in both) and (bool(both) or self == other)
+        """Whether both may be of one unit: a piece is known of both, or neither has any."""
+        return not self.contradicts(other) and (bool(self._in_both(other)) or self == other)
+
+    def _in_both(self, other: Passport) -> list[tuple[str, str]]:
+        pairs = zip_longest((*self.program, *self.data), (*other.program, *other.data))
+        return [(own, others) for own, others in pairs if own is not None and others is not None]
 
     def filled_from(self, other: Passport) -> Passport:
         """Return this passport with its missing pieces taken from `other`."""
@@ -48,8 +55,35 @@ class Passport:
 def _filled(
     pieces: tuple[str | None, ...], others: tuple[str | None, ...]
 ) -> tuple[str | None, ...]:
-    pairs = zip(pieces, others, strict=True)
+    pairs = zip_longest(pieces, others)
     return tuple(other if piece is None else piece for piece, other in pairs)
+
+
+class UnitIdentity(NamedTuple):
+    """What distinguishes units, live and in recordings; None: unknown."""
+
+    version_code: int | None
+    passport: Passport | None
+
+    def contradicts(self, other: UnitIdentity) -> bool:
+        """Whether both are certainly two units."""
+        if self.version_code != other.version_code:
+            return True
+        own, others = self.passport, other.passport
+        return own is not None and others is not None and own.contradicts(others)
+
+    def may_be(self, other: UnitIdentity) -> bool:
+        """Whether both may be one unit, as far as their passports are known."""
+        own, others = self.passport, other.passport
+        if own is None or others is None:
+            return self == other
+        return self.version_code == other.version_code and own.may_be(others)
+
+    def filled_from(self, other: UnitIdentity) -> UnitIdentity:
+        """Return this identity with the missing pieces of its passport taken from `other`."""
+        if self.passport is None or other.passport is None:
+            return self
+        return self._replace(passport=self.passport.filled_from(other.passport))
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,6 +111,12 @@ class PassportReader:
 
     def _unit(self) -> tuple[int | None, int]:
         return self._tester.version_code, self._tester.silences
+
+    @property
+    def so_far(self) -> Passport:
+        """The pieces read by the steps that are under way; the others are missing."""
+        program, data = (tuple(map(self._pieces.get, kind.CODES)) for kind in _KINDS)
+        return Passport(program, data)
 
     def restart(self) -> None:
         """Read all again: since the latest step there may have been a pause without requests."""

@@ -19,6 +19,7 @@ from dataclasses import replace
 from mikas.catalog import Catalog
 from mikas.client import Info, Support
 from mikas.client.cars import CarBook, CarDetails
+from mikas.client.identity import UnitIdentity
 from mikas.client.parameters.polling import FixedMethod
 from mikas.dashboard.library.folder import RecordingFolder
 from mikas.dashboard.library.references import References
@@ -87,8 +88,8 @@ class Dashboard:
         self.plan = SamplingPlanner(self.connection, self.monitor, options)
         folder = RecordingFolder(settings.recordings)
         self.cars = CarBook(settings.cars, virtual_units=settings.virtual_units)
-        self.car_now: tuple[int, tuple[str, ...], CarDetails] | None = None
-        """The details as last given since the start, with the unit's code and passports."""
+        self.car_now: tuple[UnitIdentity, CarDetails] | None = None
+        """The details as last given since the start, with the unit."""
         self.freeze_frames = FreezeFrameStore(
             settings.freeze_frames,
             self.history,
@@ -128,7 +129,7 @@ class Dashboard:
         """The diagnosis that has the port."""
         self.info: Info | None = None
         self.supported: list[Support] | None = None
-        self._unit: UnitFound | None = None
+        self._unit: UnitIdentity | None = None  # the latest, on this connection or before
 
     @asynccontextmanager
     async def running(self) -> AsyncIterator[None]:
@@ -203,7 +204,7 @@ class Dashboard:
             confirm=self._approval.confirm,
             on_event=self._on_event,
             on_end=self._on_end,
-            identify_first=self._unit is not None,  # another unit may answer now
+            before=self._unit,  # another unit may answer now
         )
         self.monitor.begin(request.every, thread.now())
         return thread
@@ -218,8 +219,6 @@ class Dashboard:
         """Pass on an event; in the sampling thread."""
         if thread is not self.connection.thread:
             return
-        if isinstance(event, UnitFound):
-            event = self._compared(event)
         if isinstance(event, AdapterMoved):
             self.connection.moved(event.port)
         self.recorder.take(event, thread)
@@ -231,6 +230,7 @@ class Dashboard:
             self._clear_unit()
             self.fault_history.clear()
         if isinstance(event, UnitFound):
+            self._unit = event.identity
             self.freeze_frames.begin_unit(event)
         self.freeze_frames.follow(event.time)
         self._fault_reader.follow(event, thread)
@@ -259,11 +259,6 @@ class Dashboard:
         self.confirmations.clear()
         self.info = self.supported = None
         self.write_lock.close()
-
-    def _compared(self, event: UnitFound) -> UnitFound:
-        """Return `event`, compared with the unit of the connection before."""
-        before, self._unit = self._unit, event
-        return event if before is None or event.may_be(before) else replace(event, another=True)
 
     def _measure(self, thread: SamplingThread) -> None:
         now, ecu = thread.now(), thread.ecu

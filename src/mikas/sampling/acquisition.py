@@ -15,6 +15,7 @@ from dataclasses import replace
 
 from mikas.catalog import AlarmLimits, Catalog
 from mikas.client import Ecu
+from mikas.client.identity import UnitIdentity
 from mikas.link import Link
 from mikas.link.reconnecting import ReconnectingPort
 from mikas.sampling.alarms import Alarms, AlarmState, Value
@@ -44,7 +45,7 @@ class Acquisition(Sampler):
         method: str = "auto",
         rate: float | None = None,
         strict: bool = False,
-        identify_first: bool = False,
+        before: UnitIdentity | None = None,
         limits: Mapping[str, AlarmLimits | None] | None = None,
     ) -> None:
         super().__init__(
@@ -55,7 +56,7 @@ class Acquisition(Sampler):
             method=method,
             rate=rate,
             strict=strict,
-            identify_first=identify_first,
+            before=before,
         )
         self._limits = limits
         self._adopted = self._context.request.selection  # that of the latest `PlanChanged`

@@ -18,6 +18,7 @@ from enum import StrEnum
 from typing import Any, ClassVar, Final
 
 from mikas.client import Limits, Passport, Reading
+from mikas.client.identity import UnitIdentity
 from mikas.commands.unit import version_text
 from mikas.errors import MikasError
 from mikas.i18n import Text
@@ -186,11 +187,10 @@ class UnitFound(Event):
         """As `Event.as_json`; the version code as hex text."""
         return {**Event.as_json(self), "version_code": version_text(self.version_code)}
 
-    def may_be(self, other: UnitFound) -> bool:
-        """Return whether both may be one unit, as far as their passports could be read."""
-        if self.version_code != other.version_code or not (self.passport and other.passport):
-            return False
-        return self.passport.may_be(other.passport)
+    @property
+    def identity(self) -> UnitIdentity:
+        """The unit, to be compared with another."""
+        return UnitIdentity(self.version_code, self.passport)
 
 
 @dataclass(frozen=True, slots=True)

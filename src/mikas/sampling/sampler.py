@@ -17,6 +17,7 @@ from typing import TypeVar
 
 from mikas.catalog import Catalog, Derived, Parameter
 from mikas.client import Ecu
+from mikas.client.identity import UnitIdentity
 from mikas.client.parameters.polling import FixedMethod, fixed_method
 from mikas.errors import (
     LineNotQuiet,
@@ -38,7 +39,7 @@ from mikas.sampling.running.context import SamplingContext, SamplingRequest
 from mikas.sampling.running.method_knowledge import CANDIDATES, FALLBACK, best_method
 from mikas.sampling.running.plan_runner import PlanRunner
 from mikas.sampling.running.unsupported import UnsupportedParameters
-from mikas.sampling.supervisor import ConnectionSupervisor, UnitIdentity, is_same_unit
+from mikas.sampling.supervisor import ConnectionSupervisor
 
 T = TypeVar("T")
 
@@ -54,7 +55,8 @@ class Sampler:
     session. `make_ecu` returns an unconnected `Ecu` on a link. `method`: auto is the fastest that
     works. `rate`: most cycles a second. `strict`: until the first sample, an obstacle (no port, no
     ECU, a bad line, a refused `method`) is raised; otherwise sampling waits.
-    `identify_first`: no sample before the passports; without, the first unit is sampled at once.
+    `before`: the unit of an earlier connection; without, the first unit is sampled at once, before
+    its passports are known.
 
     Raises `UnknownParameter` and `UsageError` before it opens the port.
     """
@@ -69,18 +71,15 @@ class Sampler:
         method: str = "auto",
         rate: float | None = None,
         strict: bool = False,
-        identify_first: bool = False,
+        before: UnitIdentity | None = None,
     ) -> None:
         self._catalog = catalog
         self._jobs = JobQueue(port.url)
         request = self._request(names, method, rate)
-        self._context = SamplingContext(
-            request, self._jobs, strict=strict, identify_first=identify_first
-        )
+        self._context = SamplingContext(request, self._jobs, strict=strict)
         self._make_ecu = make_ecu
-        self._supervisor = ConnectionSupervisor(port, self._create_ecu, self._context)
+        self._supervisor = ConnectionSupervisor(port, self._create_ecu, self._context, before)
         self._unsupported = UnsupportedParameters(self._context)
-        self._unit: UnitIdentity | None = None
 
     def _create_ecu(self, link: Link) -> Ecu:
         ecu = self._make_ecu(link)
@@ -221,10 +220,6 @@ class Sampler:
 
     def _use_unit(self, ecu: Ecu) -> Iterator[Event]:
         """Sample from `ecu` until another unit answers or sampling is stopped."""
-        unit = self._supervisor.unit
-        if self._unit is not None and (unit is None or not is_same_unit(unit, self._unit)):
-            self._context.forget_unit()
-        self._unit = unit
         answers = True
         while answers and not self._context.stopped:
             self._unsupported.dropped.reconnected()

@@ -8,9 +8,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterator
 from math import inf
+from typing import NamedTuple
 
-from mikas.client import Ecu, Passport, Reading
-from mikas.client.ecu import may_be_limited, passport_in_steps, read_at_once, read_passport
+from mikas.client import Ecu, Reading
+from mikas.client.ecu import (
+    may_be_limited,
+    passport_in_steps,
+    passport_so_far,
+    read_at_once,
+    read_passport,
+)
+from mikas.client.identity import UnitIdentity
 from mikas.commands import Availability
 from mikas.errors import (
     EcuRefused,
@@ -39,22 +47,34 @@ from mikas.sampling.line_state import LineStateMachine, LineTrigger, trigger_of
 from mikas.sampling.plan import Plan
 from mikas.sampling.running.context import SamplingContext
 
-UnitIdentity = tuple[int, Passport]
-
 _RETRY_PORT = 1.0  # s between attempts to open the port
 _FLOODED = 20.0  # s until a port is opened again that sent more than a line carries
 _PAUSE = 0.5  # s between two cycles; passports that are answered take 0.2 s
+_CARRIED = 4.0  # s: in less no plug is carried to another car whose unit then answers
+
+
+class _Unnamed(NamedTuple):
+    """A unit that has given values before all its passports were read; `seen`: its last answer."""
+
+    identity: UnitIdentity
+    seen: float
 
 
 class ConnectionSupervisor:
     """Opens `port` and finds the unit, as often as needed.
 
-    While no unit answers, queued jobs fail with the error that prevents an answer; with `strict`
-    the methods raise that error until the first sample.
+    `before`: the unit of an earlier connection, with which the first one is compared before it is
+    sampled; without, the first unit is sampled at once. While no unit answers, queued jobs fail
+    with the error that prevents an answer; with `strict` the methods raise that error until the
+    first sample.
     """
 
     def __init__(
-        self, port: ReconnectingPort, make_ecu: Callable[[Link], Ecu], context: SamplingContext
+        self,
+        port: ReconnectingPort,
+        make_ecu: Callable[[Link], Ecu],
+        context: SamplingContext,
+        before: UnitIdentity | None = None,
     ) -> None:
         self.state: LineState | None = None
         """The state reported last; None before the first run."""
@@ -68,7 +88,9 @@ class ConnectionSupervisor:
         self._machine = LineStateMachine()
         self._reported: type[MikasError] | None = None  # the reason reported with `state`
         self._listening_since = inf  # when the port was opened, until something was sent on it
-        self._unnamed = False  # values were given of a unit whose passports are not read yet
+        self._before = before
+        self._unnamed: _Unnamed | None = None
+        self._answered = -inf  # when a unit answered after the latest silence or lost port
 
     def open_port(self) -> Generator[Event, None, Link | None]:
         """Open the port; None: sampling was stopped before."""
@@ -103,8 +125,11 @@ class ConnectionSupervisor:
         unit = yield from self._wait_for_answer(ecu, again=False)
         if unit is None:
             return None
-        another = self._unnamed or (self.unit is not None and not is_same_unit(unit, self.unit))
-        self._unnamed = False
+        if another := self._is_another(unit):
+            self._context.forget_unit()
+        elif self._known is not None:
+            unit = unit.filled_from(self._known)
+        self._unnamed = None
         self.unit, self.ecu = unit, ecu
         yield _found(ecu, unit, another=another)
         return ecu
@@ -119,7 +144,7 @@ class ConnectionSupervisor:
         yield from self._no_answer(ecu, error)
         # A unit that cannot be resynchronized may be one of another version.
         unit = yield from self._wait_for_answer(ecu, again=not isinstance(error, SyncLost))
-        if unit is None or self.unit is None or not is_same_unit(unit, self.unit):
+        if unit is None or self._is_another(unit):
             return False
         self.unit = unit
         yield _found(ecu, unit, another=False)
@@ -147,14 +172,15 @@ class ConnectionSupervisor:
         """Repeat requests until a unit answers; each attempt has its own timeout (D14)."""
         while not self._context.stopped:
             try:
-                if again and self.unit and ecu.version_code == self.unit[0]:
+                if again and self.unit and ecu.version_code == self.unit.version_code:
                     ecu.tester.request(Availability())  # enough after a short voltage dip
                     again = False
                 else:
                     since, self._listening_since = self._listening_since, inf
                     ecu.tester.connect(listening_since=since)
+                self._answered = ecu.tester.link.now()
                 unit: UnitIdentity | None
-                if self.unit is None and not self._unnamed:
+                if self.unit is None and self._unnamed is None:
                     unit = yield from self._identify_first(ecu)
                 else:
                     unit = self._identify(ecu)
@@ -173,16 +199,16 @@ class ConnectionSupervisor:
         """Read the identity of the first unit, with which no other can be confused.
 
         So its values come first, and the passports between two cycles. None: sampling was stopped.
-        If the unit is lost in between, it can't be compared with the next one: that counts as
-        another, and is identified before it is sampled.
+        If the unit is lost in between, the next one is identified before it is sampled, and is
+        compared with what was read by then.
         """
         self.ecu = ecu
         yield from self.process(LineTrigger.IDENTIFIED, ecu.tester.link.now())
-        first_values = FirstValues(self._context, ecu)
+        first_values = FirstValues(self._context, ecu, works=self._before is None)
         steps = passport_in_steps(ecu)
         while not self._context.stopped:
             if fresh := first_values.read():
-                self._unnamed = True
+                self._note_unnamed(ecu)
                 time = min(reading.time for reading in fresh.values())
                 yield from self.process(LineTrigger.ACCEPTED, time)
                 yield from self._context.report_plan(first_values.plan, time)
@@ -190,21 +216,41 @@ class ConnectionSupervisor:
             try:
                 next(steps)
             except StopIteration as end:
-                self._unnamed = False
-                return ecu.version_code, end.value
+                self._unnamed = None
+                return UnitIdentity(ecu.version_code, end.value)
+            if self._unnamed is not None:
+                self._note_unnamed(ecu)
         return None
+
+    def _note_unnamed(self, ecu: Ecu) -> None:
+        identity = UnitIdentity(ecu.version_code, passport_so_far(ecu))
+        self._unnamed = _Unnamed(identity, ecu.tester.link.now())
+
+    def _is_another(self, unit: UnitIdentity) -> bool:
+        """Return whether `unit` is another than the one before: the one place that decides.
+
+        One that was lost before its passports were read is known by its version and the pieces read
+        by then, which may be none: it is the same one only if it was away for a moment.
+        """
+        if (unnamed := self._unnamed) is not None:
+            away = self._answered - unnamed.seen
+            return away > _CARRIED or unnamed.identity.contradicts(unit)
+        return self._known is not None and not unit.may_be(self._known)
+
+    @property
+    def _known(self) -> UnitIdentity | None:
+        """The unit before, as far as it is known."""
+        return self._unnamed.identity if self._unnamed else self.unit or self._before
 
     def _identify(self, ecu: Ecu) -> UnitIdentity:
         """Read the identity; a different one is read twice, as a part may have been lost."""
-        unit = ecu.version_code, read_passport(ecu)
-        if self.unit is None:
-            return unit
-        if not is_same_unit(unit, self.unit):
-            once, unit = unit, (ecu.version_code, read_passport(ecu))
-            if not is_same_unit(once, unit):
+        unit = UnitIdentity(ecu.version_code, read_passport(ecu))
+        if self._is_another(unit):
+            once, unit = unit, UnitIdentity(ecu.version_code, read_passport(ecu))
+            if not once.may_be(unit):
                 raise SyncLost(time=ecu.tester.link.now())
             return unit
-        return unit[0], unit[1].filled_from(self.unit[1])
+        return unit.filled_from(self._known) if self._known else unit
 
     def _verify(self, ecu: Ecu) -> None:
         """Raise `SyncLost` unless `unit` certainly answers; `NoConnection` if no unit does."""
@@ -212,7 +258,7 @@ class ConnectionSupervisor:
             unit = self._identify(ecu)
         except LineError as error:
             raise SyncLost(time=ecu.tester.link.now()) from error
-        if self.unit is None or not is_same_unit(unit, self.unit):
+        if self._is_another(unit):
             raise SyncLost(time=ecu.tester.link.now())
 
     def _no_answer(self, ecu: Ecu, error: NoConnection | LineError) -> Iterator[Event]:
@@ -234,20 +280,16 @@ class FirstValues:
     """Reads all requested parameters of `ecu` by one 61, until that may be refused.
 
     Later the unit's refusals are found and its fastest method is measured. Not if another method is
-    requested; if another unit may have been sampled before (`identify_first`); if limits are saved
-    for any unit, for this may be the one that does not take the whole list.
+    requested; without `works`; if limits are saved for any unit, for this may be the one that does
+    not take the whole list.
     """
 
-    def __init__(self, context: SamplingContext, ecu: Ecu) -> None:
+    def __init__(self, context: SamplingContext, ecu: Ecu, *, works: bool) -> None:
         request = context.request
         self.plan = Plan(request.selection.parameters, max_list=context.knowledge.max_list)
         self._context = context
         self._ecu = ecu
-        self._works = (
-            request.method in (None, "batch")
-            and not context.identify_first
-            and not may_be_limited(ecu)
-        )
+        self._works = works and request.method in (None, "batch") and not may_be_limited(ecu)
         self._due = -inf
 
     def read(self) -> dict[str, Reading]:
@@ -281,8 +323,3 @@ def _found(ecu: Ecu, unit: UnitIdentity, *, another: bool) -> UnitFound:
         echo=ecu.tester.echoes,
         catalog=ecu.catalog.version,
     )
-
-
-def is_same_unit(one: UnitIdentity, other: UnitIdentity) -> bool:
-    """Return whether both are one unit, as far as their passports are known."""
-    return one[0] == other[0] and one[1].may_be(other[1])

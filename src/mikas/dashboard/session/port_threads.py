@@ -19,6 +19,7 @@ from typing import TypeVar
 from mikas.client import Ecu
 from mikas.client.doctor import Step, examine
 from mikas.client.gate import Confirm
+from mikas.client.identity import UnitIdentity
 from mikas.dashboard.errors import InternalError
 from mikas.dashboard.settings import PlanSettings, PortSettings, Settings
 from mikas.errors import MikasError
@@ -71,8 +72,8 @@ class StoppablePort:
 class SamplingThread(threading.Thread):
     """Samples from the port until `stop`.
 
-    `on_event` gets the events; `on_end` the error, if sampling ended by itself. `identify_first`:
-    as for `Sampler`.
+    `on_event` gets the events; `on_end` the error, if sampling ended by itself. `before`: as for
+    `Sampler`.
     """
 
     def __init__(
@@ -85,7 +86,7 @@ class SamplingThread(threading.Thread):
         confirm: Confirm,
         on_event: Callable[[SamplingThread, Event], None],
         on_end: Callable[[SamplingThread, MikasError | None], None],
-        identify_first: bool = False,
+        before: UnitIdentity | None = None,
     ) -> None:
         super().__init__(name="mikas sampling", daemon=True)
         self.url = port.url
@@ -116,7 +117,7 @@ class SamplingThread(threading.Thread):
             request.names,
             method=request.method or "auto",
             rate=request.rate,
-            identify_first=identify_first,
+            before=before,
         )
         self.acquisition.prefer(request.first)
 

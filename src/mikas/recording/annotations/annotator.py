@@ -117,10 +117,11 @@ class SessionAnnotator:
         self.echoes = event.echo is not False
         if event.another:
             self._plan = None
-        notes = [note_of(event), catalog_note(event.time, event.catalog)]
-        if [note.data for note in notes] != [note.data for note in self._unit]:
-            self._unit = notes
-            yield from notes
+        catalog = catalog_note(event.time, event.catalog)
+        head = [note_of(replace(event, another=False)), catalog]  # a recording's first unit
+        if event.another or [note.data for note in head] != [note.data for note in self._unit]:
+            self._unit = head
+            yield from (note_of(event), catalog)
             if event.another or self._car is None:
                 self._car = self._car_of(event)
                 if self._car is not None:

@@ -15,7 +15,7 @@ from itertools import islice
 from typing import Any, Final
 
 from mikas.catalog import Catalog
-from mikas.client import Passport
+from mikas.client.identity import UnitIdentity
 from mikas.commands.unit import version_of
 from mikas.i18n import Text
 from mikas.recording.annotations.fields import (
@@ -77,6 +77,7 @@ def note_of(event: Event, interpretation: str = "corrected") -> Note:
                 "adapter": event.adapter,
                 "baud": event.baud,
                 "echo": event.echo,
+                "another": event.another,
             }
             return Note(Kind.UNIT, event.time, data)
         case PlanChanged(plan=plan):
@@ -143,6 +144,11 @@ class RecordedUnit:
     method: str | None = None
     names: tuple[str, ...] = ()
 
+    @property
+    def identity(self) -> UnitIdentity:
+        """The unit, to be compared with another."""
+        return UnitIdentity(self.version_code, passport_of(self.passport))
+
 
 def catalogs_of(notes: Iterable[Note]) -> list[str]:
     """Return the versions of the catalogs that were in use, one after the other, ten at most."""
@@ -151,14 +157,23 @@ def catalogs_of(notes: Iterable[Note]) -> list[str]:
 
 
 def unit_of(notes: Iterable[Note], catalog: Catalog) -> RecordedUnit | None:
-    """Return the unit of one recording's notes; None without a note of one."""
+    """Return the unit of one recording's notes, with the pieces of its passport that a later note
+    of it has; None without a note of one.
+    """
     first: dict[str, Mapping[str, Any]] = {}
+    identity: UnitIdentity | None = None
     for note in notes:
         first.setdefault(note.kind, note.data)
-    if Kind.UNIT not in first:
+        if note.kind == Kind.UNIT:
+            found = _identity(note)
+            if identity is None:
+                identity = found
+            elif found.may_be(identity):
+                identity = identity.filled_from(found)
+    if identity is None:
         return None
     unit, plan = first[Kind.UNIT], first.get(Kind.PLAN, {})
-    version, passport = version_of(unit.get("version_code")), passport_of(unit.get("passports"))
+    version, passport = identity
     names = plan.get("names")
     return RecordedUnit(
         version_code=version,
@@ -181,17 +196,19 @@ def events_of(notes: Iterable[Note], catalog: Catalog) -> list[Event]:
     A renamed marker stands where the latest one of its time stands.
     """
     events: list[Event | None] = []
-    before: UnitFound | None = None
+    before: UnitFound | None = None  # with all pieces known of its passport
     markers: dict[float, tuple[int, int]] = {}  # by time: place and recording
     for note in notes:
         event = _event(note, catalog)
         if isinstance(event, UnitFound):
-            if before is not None:
-                another = _identity(event) != _identity(before)
-                if not another and before.recording == event.recording:
+            found = event = replace(event, another=_is_another(event, note, before))
+            if before is not None and not found.another:
+                passport = found.identity.filled_from(before.identity).passport
+                before, repeated = replace(found, passport=passport), before.recording
+                if repeated == found.recording:
                     continue
-                event = replace(event, another=another)
-            before = event
+            else:
+                before = found
         if isinstance(event, Marker):
             place, recording = markers.get(event.time, (None, 0))
             if event.removed:
@@ -204,6 +221,16 @@ def events_of(notes: Iterable[Note], catalog: Catalog) -> list[Event]:
             markers[event.time] = len(events), event.recording
         events.append(event)
     return [event for event in events if event is not None]
+
+
+def _is_another(found: UnitFound, note: Note, before: UnitFound | None) -> bool:
+    """Return what sampling has decided; older files, and one recording after another, lack it."""
+    if before is None:
+        return False
+    decided = note.data.get("another")
+    if isinstance(decided, bool) and found.recording == before.recording:
+        return decided
+    return not found.identity.may_be(before.identity)
 
 
 def had_marker(notes: Iterable[Note], time: float) -> bool:
@@ -229,8 +256,9 @@ def recorded_faults(notes: Iterable[Note]) -> Iterator[FaultReading]:
             yield from filter(None, map(_fault_reading, data))
 
 
-def _identity(unit: UnitFound) -> tuple[int | None, Passport | None]:
-    return unit.version_code, unit.passport
+def _identity(note: Note) -> UnitIdentity:
+    data = note.data
+    return UnitIdentity(version_of(data.get("version_code")), passport_of(data.get("passports")))
 
 
 def _event(note: Note, catalog: Catalog) -> Event | None:
@@ -279,9 +307,8 @@ def _event(note: Note, catalog: Catalog) -> Event | None:
         case Kind.FAULTS_READ if (codes := codes_of(data.get("codes"))) is not None:
             return FaultReading(time, codes, data.get("erased") is True, recording=recording)
         case Kind.UNIT:
-            version = version_of(data.get("version_code"))
+            version, passport = _identity(note)
             model = None if version is None else catalog.model(version).text
-            passport = passport_of(data.get("passports"))
             return UnitFound(time, version, passport, model=model, recording=recording)
     return None
 

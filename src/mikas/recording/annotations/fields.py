@@ -70,7 +70,7 @@ def codes_of(value: object) -> tuple[int, ...] | None:
 
 def passport_of(value: object) -> Passport | None:
     """Return the pieces of 51–58; a unit gives at most 16 characters for each."""
-    if not isinstance(value, list):
+    if not isinstance(value, list | tuple):
         return None
     pieces = tuple(
         clean_line(piece, PASSPORT_LENGTH) if isinstance(piece, str) else None

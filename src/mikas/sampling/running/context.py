@@ -40,7 +40,6 @@ class SamplingContext:
         jobs: JobQueue,
         *,
         strict: bool = False,
-        identify_first: bool = False,
     ) -> None:
         self.latest = request
         """The latest request, by any thread."""
@@ -50,8 +49,6 @@ class SamplingContext:
         """The parameters that come first (`Plan.preferring`); set by any thread."""
         self.jobs = jobs
         self.strict = strict
-        self.identify_first = identify_first
-        """Whether no unit is sampled before its passports are known."""
         self.plan: Plan | None = None
         """The plan reported last; None before the first."""
         self.is_reported = False

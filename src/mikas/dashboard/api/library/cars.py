@@ -79,12 +79,12 @@ def write_car(dashboard: TheDashboard, _: KnownClient, body: CarRequest) -> CarR
 
     Empty ones put the question off. A mileage of null leaves the last one.
     """
-    version_code, pieces = _unit(dashboard)
-    if version_code is None:
+    unit = dashboard.monitor.unit
+    if unit is None or unit.version_code is None:
         raise NotConnected
     details = body.details()
-    dashboard.cars.keep(version_code, pieces, details)
-    dashboard.car_now = (version_code, pieces, details)
+    dashboard.cars.keep(*_unit(dashboard), details)
+    dashboard.car_now = unit.identity, details
     if details:
         dashboard.recorder.describe(details)
     return CarResponse.of(dashboard)
@@ -119,11 +119,10 @@ async def write_recording_car(
 
 def _keep_unknown(dashboard: Dashboard, recorded: RecordedUnit | None, details: CarDetails) -> None:
     """Keep `details` of a recorded unit, if that is connected and its car has no name yet."""
+    unit = dashboard.monitor.unit
+    if recorded is None or unit is None or not recorded.identity.may_be(unit.identity):
+        return
     version_code, pieces = _unit(dashboard)
-    if recorded is None or recorded.version_code != version_code:
-        return
-    if tuple(piece or "" for piece in recorded.passport or ()) != pieces:
-        return
     kept = dashboard.cars.of(version_code, pieces)
     if details.name and not (kept and kept.name):
         workshop = CarDetails(workshop=dashboard.cars.workshop)
@@ -142,7 +141,7 @@ def car_of_connection(dashboard: Dashboard) -> CarDetails:
     """Return the details for a report on the connected car: the mileage only if it was given since
     the program started, as it is another later.
     """
-    version_code, pieces = _unit(dashboard)
-    if (now := dashboard.car_now) is not None and now[:2] == (version_code, pieces):
-        return now[2]
-    return replace(dashboard.cars.of(version_code, pieces) or CarDetails(), mileage=None)
+    unit, now = dashboard.monitor.unit, dashboard.car_now
+    if unit is not None and now is not None and now[0].may_be(unit.identity):
+        return now[1]
+    return replace(dashboard.cars.of(*_unit(dashboard)) or CarDetails(), mileage=None)
