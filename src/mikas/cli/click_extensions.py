@@ -19,9 +19,9 @@ from mikas.i18n import Text
 F = TypeVar("F", bound=Callable[..., Any])
 
 
-def option(*names: str, text: Text, **settings: Any) -> Callable[[F], F]:
-    """`click.option` with a `Text`."""
-    return click.option(*names, cls=LocalizedOption, text=text, **settings)
+def option(*names: str, en: str, ru: str, **settings: Any) -> Callable[[F], F]:
+    """`click.option` with its help in both languages."""
+    return click.option(*names, cls=LocalizedOption, en=en, ru=ru, **settings)
 
 
 def grouped(
@@ -47,15 +47,13 @@ def grouped(
     return decorate
 
 
-YES = option("--yes", is_flag=True, text=Text("do not ask", "не спрашивать"))
+YES = option("--yes", is_flag=True, en="do not ask", ru="не спрашивать")
 SURE = option(
     "--i-know-what-this-does",
     "sure",
     is_flag=True,
-    text=Text(
-        "required together with --yes for what can leave the unit unable to run",
-        "обязателен вместе с --yes, если после команды блок может перестать работать",
-    ),
+    en="required together with --yes for what can leave the unit unable to run",
+    ru="обязателен вместе с --yes, если после команды блок может перестать работать",
 )
 OUT = option(
     "-o",
@@ -63,23 +61,25 @@ OUT = option(
     required=True,
     type=any_file,
     metavar="OUT",
-    text=Text("output file; required", "выходной файл; обязательно"),
+    en="output file; required",
+    ru="выходной файл; обязательно",
 )
 OVERWRITE = option(
     "--overwrite",
     is_flag=True,
-    text=Text("replace OUT if it exists", "заменить OUT, если файл есть"),
+    en="replace OUT if it exists",
+    ru="заменить OUT, если файл есть",
 )
 
 
 class LocalizedCommand(click.Command):
-    """A command whose help is a `Text`, followed by examples."""
+    """A command whose help is in both languages, followed by examples."""
 
     def __init__(
-        self, *args: Any, text: Text, examples: tuple[str, ...] = (), **kwargs: Any
+        self, *args: Any, en: str, ru: str, examples: tuple[str, ...] = (), **kwargs: Any
     ) -> None:
         super().__init__(*args, **kwargs)
-        self.text = text
+        self.text = Text(en, ru)
         self.examples = examples
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
@@ -210,7 +210,7 @@ def _command_missing(ctx: click.Context) -> click.UsageError:
 
 
 def command(
-    name: str, text: Text, *, examples: tuple[str, ...] = (), **settings: Any
+    name: str, *, en: str, ru: str, **settings: Any
 ) -> Callable[[Callable[..., Any]], LocalizedCommand]:
     """Make a function a command with the common options.
 
@@ -218,7 +218,7 @@ def command(
     """
 
     def decorate(function: Callable[..., Any]) -> LocalizedCommand:
-        new = click.command(name, cls=LocalizedCommand, text=text, examples=examples, **settings)(
+        new = click.command(name, cls=LocalizedCommand, en=en, ru=ru, **settings)(
             click.pass_context(_with_run(function))
         )
         new.params.extend(common_options())

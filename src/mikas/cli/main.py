@@ -28,7 +28,6 @@ from mikas.cli.render.terminal import (
     write_error,
     write_out,
 )
-from mikas.i18n import Text
 
 _OBJECTS_BEFORE_COLLECTION = 50_000
 """Python's own 700 traverses the imported modules over and over: 4 % of the start of `dash`."""
@@ -45,12 +44,10 @@ def _version(ctx: click.Context, _: click.Parameter, value: bool) -> None:
 cli = LocalizedGroup(
     "mikas",
     homes=COMMANDS,
-    text=Text(
-        "Diagnostics for the Mikas 5.4 and 7.1 engine control units over K-Line. "
-        "No cable at hand? Try: mikas demo",
-        "Диагностика блоков управления Микас 5.4 и 7.1 по K-Line. "
-        "Нет кабеля под рукой? Попробуйте: mikas demo",
-    ),
+    en="Diagnostics for the Mikas 5.4 and 7.1 engine control units over K-Line. "
+    "No cable at hand? Try: mikas demo",
+    ru="Диагностика блоков управления Микас 5.4 и 7.1 по K-Line. "
+    "Нет кабеля под рукой? Попробуйте: mikas demo",
     examples=("mikas doctor", "mikas read TWAT FREQ", "mikas watch --port sim:"),
     params=[
         *common_options(),
@@ -60,7 +57,8 @@ cli = LocalizedGroup(
             is_eager=True,
             expose_value=False,
             callback=_version,
-            text=Text("show the version", "показать версию программы"),
+            en="show the version",
+            ru="показать версию программы",
         ),
     ],
 )

@@ -20,7 +20,6 @@ from mikas.cli.options.dashboard import DashboardOptions, dashboard_options
 from mikas.cli.options.parameter_types import whole
 from mikas.cli.render.terminal import error_drawing
 from mikas.errors import UsageError, usage_error
-from mikas.i18n import Text
 
 if TYPE_CHECKING:
     from mikas.dashboard.dashboard import Dashboard
@@ -44,27 +43,23 @@ class Start:
 
 @command(
     "dash",
-    Text(
-        "Opens the dashboard in the browser: live values, charts, faults, memory, recordings. "
-        "With --port it connects at once, otherwise on request. No data leave this computer "
-        "unless you allow phones and other computers to look on: with --lan, or with the switch "
-        "on the screen Connection.",
-        "Открывает панель в браузере: живые значения, графики, ошибки, память, записи. С ключом "
-        "--port соединяется сразу, иначе — по нажатию. Данные не покидают этот компьютер, пока "
-        "вы не пустите телефоны и другие компьютеры: ключом --lan или переключателем на экране "
-        "«Связь».",
-    ),
+    en="Opens the dashboard in the browser: live values, charts, faults, memory, recordings. "
+    "With --port it connects at once, otherwise on request. No data leave this computer "
+    "unless you allow phones and other computers to look on: with --lan, or with the switch "
+    "on the screen Connection.",
+    ru="Открывает панель в браузере: живые значения, графики, ошибки, память, записи. С ключом "
+    "--port соединяется сразу, иначе — по нажатию. Данные не покидают этот компьютер, пока "
+    "вы не пустите телефоны и другие компьютеры: ключом --lan или переключателем на экране "
+    "«Связь».",
     examples=("mikas dash", "mikas dash --port /dev/ttyUSB0", "mikas dash --lan --no-browser"),
 )
 @option(
     FLAG,
     is_flag=True,
-    text=Text(
-        "as its icon starts it: without a terminal. A second start opens the page of the first; "
-        "the page ends the program",
-        "как запускает её значок: без терминала. Второй запуск открывает страницу первого; "
-        "завершают программу со страницы",
-    ),
+    en="as its icon starts it: without a terminal. A second start opens the page of the first; "
+    "the page ends the program",
+    ru="как запускает её значок: без терминала. Второй запуск открывает страницу первого; "
+    "завершают программу со страницы",
 )
 @dashboard_options
 def dash(context: CommandContext, options: DashboardOptions, *, desktop: bool) -> None:
@@ -89,32 +84,33 @@ def dash(context: CommandContext, options: DashboardOptions, *, desktop: bool) -
 
 @command(
     "demo",
-    Text(
-        "Opens the dashboard with a virtual car in this process: a cold start and warm-up, with "
-        "one stored fault. The same in a terminal: mikas watch --port sim:",
-        "Открывает панель с виртуальным автомобилем в этом же процессе: холодный пуск и прогрев, "
-        "одна ошибка в памяти. То же в терминале: mikas watch --port sim:",
-    ),
+    en="Opens the dashboard with a virtual car in this process: a cold start and warm-up, with "
+    "one stored fault. The same in a terminal: mikas watch --port sim:",
+    ru="Открывает панель с виртуальным автомобилем в этом же процессе: холодный пуск и прогрев, "
+    "одна ошибка в памяти. То же в терминале: mikas watch --port sim:",
     examples=("mikas demo", "mikas demo --scenario city --lang ru", "mikas demo --no-browser"),
 )
 @option(
     "--scenario",
     default="cold-start",
     metavar="NAME|FILE",
-    text=Text("driving scenario (cold-start)", "сценарий поездки (cold-start)"),
+    en="driving scenario (cold-start)",
+    ru="сценарий поездки (cold-start)",
 )
 @option(
     "--seed",
     type=whole(0),
     default="1",
     metavar="N",
-    text=Text("seed of the random numbers (1)", "начальное число случайной последовательности (1)"),
+    en="seed of the random numbers (1)",
+    ru="начальное число случайной последовательности (1)",
 )
 @option(
     "--faults",
     default=_FAULTS,
     metavar="LIST",
-    text=Text(f"stored faults, e.g. 13,53 ({_FAULTS})", f"ошибки в памяти: 13,53 ({_FAULTS})"),
+    en=f"stored faults, e.g. 13,53 ({_FAULTS})",
+    ru=f"ошибки в памяти: 13,53 ({_FAULTS})",
 )
 @dashboard_options
 def demo(

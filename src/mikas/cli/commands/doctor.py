@@ -16,14 +16,12 @@ from mikas.link import CaptureTee, Link, choose_port, open_link
 
 @command(
     "doctor",
-    Text(
-        "Checks the connection step by step: port, echo, baud rate by echo timing, latency, line "
-        "errors, ECU, supported commands; says what to fix. Nothing is changed but the unit's list "
-        "(64): one that another program has set is lost.",
-        "Проверяет связь по шагам: порт, эхо, скорость по эху, задержка, ошибки на линии, блок, "
-        "команды; подсказывает, что исправить. Меняет только список блока (64): заданный другой "
-        "программой будет потерян.",
-    ),
+    en="Checks the connection step by step: port, echo, baud rate by echo timing, latency, line "
+    "errors, ECU, supported commands; says what to fix. Nothing is changed but the unit's list "
+    "(64): one that another program has set is lost.",
+    ru="Проверяет связь по шагам: порт, эхо, скорость по эху, задержка, ошибки на линии, блок, "
+    "команды; подсказывает, что исправить. Меняет только список блока (64): заданный другой "
+    "программой будет потерян.",
     examples=(
         "mikas doctor",
         "mikas doctor --port /dev/ttyUSB0",

@@ -28,14 +28,12 @@ if TYPE_CHECKING:
 
 @command(
     "test",
-    Text(
-        "Leads through the guided test NAME step by step, and ends with a verdict, its rule, its "
-        "doubt, and what to check next; without NAME, lists the tests. Only values are read. "
-        "With --recording the test is done over FILE, if its steps are found there.",
-        "Проводит проверку NAME по шагам и заканчивает заключением: правило, сомнения, что "
-        "проверить дальше; без NAME — список проверок. Значения только читаются. С --recording "
-        "проверка идёт по записи FILE, если в ней есть нужные шаги.",
-    ),
+    en="Leads through the guided test NAME step by step, and ends with a verdict, its rule, its "
+    "doubt, and what to check next; without NAME, lists the tests. Only values are read. "
+    "With --recording the test is done over FILE, if its steps are found there.",
+    ru="Проводит проверку NAME по шагам и заканчивает заключением: правило, сомнения, что "
+    "проверить дальше; без NAME — список проверок. Значения только читаются. С --recording "
+    "проверка идёт по записи FILE, если в ней есть нужные шаги.",
     examples=(
         "mikas test",
         "mikas test charging",
@@ -48,22 +46,22 @@ if TYPE_CHECKING:
     "--skip",
     multiple=True,
     metavar="STEP",
-    text=Text(
-        "skip this step (more than once for several); without its numbers nothing is good",
-        "пропустить этот шаг (можно несколько раз); без его чисел ничего не «в порядке»",
-    ),
+    en="skip this step (more than once for several); without its numbers nothing is good",
+    ru="пропустить этот шаг (можно несколько раз); без его чисел ничего не «в порядке»",
 )
 @option(
     "--recording",
     type=existing_file,
     metavar="FILE",
-    text=Text("do the test over a recording (needs no port)", "по записи (порт не нужен)"),
+    en="do the test over a recording (needs no port)",
+    ru="по записи (порт не нужен)",
 )
 @option(
     "--duration",
     type=number(above=0),
     metavar="S",
-    text=Text("end after S seconds without a verdict", "закончить через S секунд без заключения"),
+    en="end after S seconds without a verdict",
+    ru="закончить через S секунд без заключения",
 )
 def test(
     context: CommandContext,

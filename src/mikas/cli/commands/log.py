@@ -19,7 +19,7 @@ from mikas.cli.options.parameter_types import Portion, any_file, portion
 from mikas.cli.options.sampling import SamplingOptions, sampling_options
 from mikas.cli.render.output import StatusLine
 from mikas.errors import usage_error
-from mikas.i18n import Text, plural
+from mikas.i18n import plural
 
 _SHOWN = 40  # characters of a name that is being typed
 
@@ -37,16 +37,14 @@ if TYPE_CHECKING:
 
 @command(
     "log",
-    Text(
-        "Records everything on the line to FILE (.pcapng) while reading each NAME until Ctrl-C. "
-        "The file is valid at any moment, even if the computer loses power. If the adapter is "
-        "unplugged or the ignition switched off, it waits and continues in the same file; another "
-        "car gets FILE-2. On a terminal, Enter sets a marker; text typed before it is its name.",
-        "Записывает весь обмен на линии в FILE (.pcapng), читая параметры NAME до Ctrl-C. Файл "
-        "цел в любой момент, даже если компьютер выключится. Если отключён адаптер или выключено "
-        "зажигание, ждёт и продолжает в том же файле; для другой машины начинает FILE-2. В "
-        "терминале Enter ставит отметку; текст, набранный перед ним, — её имя.",
-    ),
+    en="Records everything on the line to FILE (.pcapng) while reading each NAME until Ctrl-C. "
+    "The file is valid at any moment, even if the computer loses power. If the adapter is "
+    "unplugged or the ignition switched off, it waits and continues in the same file; another "
+    "car gets FILE-2. On a terminal, Enter sets a marker; text typed before it is its name.",
+    ru="Записывает весь обмен на линии в FILE (.pcapng), читая параметры NAME до Ctrl-C. Файл "
+    "цел в любой момент, даже если компьютер выключится. Если отключён адаптер или выключено "
+    "зажигание, ждёт и продолжает в том же файле; для другой машины начинает FILE-2. В "
+    "терминале Enter ставит отметку; текст, набранный перед ним, — её имя.",
     examples=(
         "mikas log -o drive.pcapng",
         "mikas log -o idle.pcapng FREQ JAIR INJ TWAT/10 --duration 60",
@@ -59,16 +57,15 @@ if TYPE_CHECKING:
     required=True,
     type=any_file,
     metavar="FILE",
-    text=Text("file to record to; required", "файл записи; обязательно"),
+    en="file to record to; required",
+    ru="файл записи; обязательно",
 )
 @option(
     "--rotate",
     type=portion,
     metavar="SIZE|TIME",
-    text=Text(
-        "continue in FILE-2, FILE-3 … after this size or time: 100MB, 30min, 2h",
-        "продолжать в FILE-2, FILE-3 … после такого объёма или времени: 100MB, 30min, 2h",
-    ),
+    en="continue in FILE-2, FILE-3 … after this size or time: 100MB, 30min, 2h",
+    ru="продолжать в FILE-2, FILE-3 … после такого объёма или времени: 100MB, 30min, 2h",
 )
 @car_options
 @sampling_options

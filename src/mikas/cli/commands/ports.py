@@ -22,24 +22,20 @@ _READABLE = 0o644  # by udev and everybody
 
 @command(
     "ports",
-    Text(
-        "Lists the serial adapters of this computer, the most likely first. With --install-rules "
-        "(Linux): prints the udev rules for adapters and installs them, after a question. They "
-        "keep ModemManager and brltty off, let you open the port, and set an FT232 to 1 ms.",
-        "Показывает последовательные адаптеры этого компьютера; самый вероятный — первый. С ключом "
-        "--install-rules (Linux): печатает правила udev для адаптеров и после вопроса ставит их: "
-        "ModemManager и brltty не трогают адаптер, порт может открыть тот, кто за компьютером, "
-        "FT232 отдаёт байты через 1 мс.",
-    ),
+    en="Lists the serial adapters of this computer, the most likely first. With --install-rules "
+    "(Linux): prints the udev rules for adapters and installs them, after a question. They "
+    "keep ModemManager and brltty off, let you open the port, and set an FT232 to 1 ms.",
+    ru="Показывает последовательные адаптеры этого компьютера; самый вероятный — первый. С ключом "
+    "--install-rules (Linux): печатает правила udev для адаптеров и после вопроса ставит их: "
+    "ModemManager и brltty не трогают адаптер, порт может открыть тот, кто за компьютером, "
+    "FT232 отдаёт байты через 1 мс.",
     examples=("mikas ports", "mikas ports --json", "mikas ports --install-rules"),
 )
 @option(
     "--install-rules",
     is_flag=True,
-    text=Text(
-        "print and install udev rules for adapters (Linux)",
-        "напечатать и поставить правила udev для адаптеров (Linux)",
-    ),
+    en="print and install udev rules for adapters (Linux)",
+    ru="напечатать и поставить правила udev для адаптеров (Linux)",
 )
 @YES
 def ports(context: CommandContext, *, install_rules: bool, yes: bool) -> None:

@@ -15,7 +15,6 @@ from mikas.cli.language import current_language, tr
 from mikas.cli.options.broker import BrokerOptions, broker_options
 from mikas.cli.options.parameter_types import number, whole
 from mikas.cli.options.sampling import SamplingOptions, sampling_options
-from mikas.i18n import Text
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -49,93 +48,73 @@ publish_options = grouped(
         type=number(above=0),
         default="1",
         metavar="S",
-        text=Text(
-            "seconds between two messages of values (1); --rate is how often the unit is asked",
-            "секунд между сообщениями со значениями (1); --rate — как часто опрашивать блок",
-        ),
+        en="seconds between two messages of values (1); --rate is how often the unit is asked",
+        ru="секунд между сообщениями со значениями (1); --rate — как часто опрашивать блок",
     ),
     option(
         "--each",
         is_flag=True,
-        text=Text(
-            "each value under a topic of its own, too: TOPIC/value/NAME",
-            "каждое значение ещё и под своей темой: TOPIC/value/NAME",
-        ),
+        en="each value under a topic of its own, too: TOPIC/value/NAME",
+        ru="каждое значение ещё и под своей темой: TOPIC/value/NAME",
     ),
     option(
         "--samples",
         is_flag=True,
-        text=Text(
-            "every sample, too, several in a message: for a database; kept while the broker is "
-            "away",
-            "ещё и все замеры, по нескольку в сообщении: для базы данных; пока брокера нет, "
-            "сохраняются",
-        ),
+        en="every sample, too, several in a message: for a database; kept while the broker is away",
+        ru="ещё и все замеры, по нескольку в сообщении: для базы данных; пока брокера нет, "
+        "сохраняются",
     ),
     option(
         "--qos",
         type=whole(0, 2),
         default="0",
         metavar="N",
-        text=Text(
-            "quality of service of the values, 0 to 2 (0); of all others 1",
-            "качество доставки значений, от 0 до 2 (0); у остального 1",
-        ),
+        en="quality of service of the values, 0 to 2 (0); of all others 1",
+        ru="качество доставки значений, от 0 до 2 (0); у остального 1",
     ),
     option(
         "--home-assistant",
         is_flag=True,
-        text=Text(
-            "make the car a device of Home Assistant", "сделать машину устройством Home Assistant"
-        ),
+        en="make the car a device of Home Assistant",
+        ru="сделать машину устройством Home Assistant",
     ),
     option(
         "--discovery-prefix",
         metavar="TOPIC",
-        text=Text(
-            "where Home Assistant looks for devices (homeassistant)",
-            "где Home Assistant ищет устройства (homeassistant)",
-        ),
+        en="where Home Assistant looks for devices (homeassistant)",
+        ru="где Home Assistant ищет устройства (homeassistant)",
     ),
     option(
         "--name",
         metavar="TEXT",
-        text=Text(
-            "name of that device (the last word of TOPIC)",
-            "название этого устройства (последнее слово TOPIC)",
-        ),
+        en="name of that device (the last word of TOPIC)",
+        ru="название этого устройства (последнее слово TOPIC)",
     ),
     option(
         "--wait",
         is_flag=True,
-        text=Text(
-            "wait for broker, adapter and unit at the start, too: for a service",
-            "ждать брокера, адаптер и блок и при запуске: для службы",
-        ),
+        en="wait for broker, adapter and unit at the start, too: for a service",
+        ru="ждать брокера, адаптер и блок и при запуске: для службы",
     ),
     option(
         "--remove",
         is_flag=True,
-        text=Text(
-            "delete the device and all that the broker keeps under TOPIC (needs no port)",
-            "удалить устройство и всё, что брокер хранит под TOPIC (порт не нужен)",
-        ),
+        en="delete the device and all that the broker keeps under TOPIC (needs no port)",
+        ru="удалить устройство и всё, что брокер хранит под TOPIC (порт не нужен)",
     ),
 )
 
 
 @command(
     "publish",
-    Text(
-        "Publishes live values, the state of the line, faults and alarms to an MQTT broker until "
-        "Ctrl-C: for Home Assistant, Node-RED and others. Without NAME, all parameters. A value "
-        "that could not be read is null. If the broker, the adapter or the unit is lost, it waits "
-        "and continues. --capture records the line beside it.",
-        "Публикует текущие значения, состояние линии, ошибки и тревоги на брокере MQTT до Ctrl-C: "
-        "для Home Assistant, Node-RED и других. Без NAME — все параметры. Непрочитанное значение — "
-        "null. Если пропадёт брокер, адаптер или блок, ждёт и продолжает. С ключом --capture ещё и "
-        "записывает обмен на линии.",
-    ),
+    en="Publishes live values, the state of the line, faults and alarms to an MQTT broker until "
+    "Ctrl-C: for Home Assistant, Node-RED and others. Without NAME, all parameters. A value "
+    "that could not be read is null. If the broker, the adapter or the unit is lost, it waits "
+    "and continues. --capture records the line beside it.",
+    ru="Публикует текущие значения, состояние линии, ошибки и тревоги на брокере MQTT до Ctrl-C: "
+    "для Home Assistant, Node-RED и других. Без NAME — все параметры. Непрочитанное значение — "
+    "null. Если пропадёт брокер, адаптер или блок, ждёт и продолжает. С ключом --capture ещё и "
+    "записывает обмен на линии.",
     examples=(
         "mikas publish mqtt://192.168.1.10 --home-assistant",
         "mikas publish mqtts://broker.example --user volga --password-file pw.txt",

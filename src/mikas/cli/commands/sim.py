@@ -12,7 +12,6 @@ from mikas.cli.click_extensions import command, option
 from mikas.cli.context import CommandContext
 from mikas.cli.options.parameter_types import any_file, choices, one_of
 from mikas.errors import usage_error
-from mikas.i18n import Text
 from mikas.link import WallClock
 from mikas.virtual import serve
 from mikas.virtual.build import CAR_SETTINGS, MODELS, SETTINGS, build_bus
@@ -28,12 +27,10 @@ _LINE_FAULTS = ", ".join(it.value for it in LineFault if it is not LineFault.DAM
 
 @command(
     "sim",
-    Text(
-        "Serves a virtual ECU in real time until Ctrl-C. Its address is the first line on stdout, "
-        "for --port of another command or for any other tester.",
-        "Виртуальный блок в реальном времени до Ctrl-C. Первая строка вывода — его адрес: он "
-        "подходит для --port другой команды и для любого другого тестера.",
-    ),
+    en="Serves a virtual ECU in real time until Ctrl-C. Its address is the first line on stdout, "
+    "for --port of another command or for any other tester.",
+    ru="Виртуальный блок в реальном времени до Ctrl-C. Первая строка вывода — его адрес: он "
+    "подходит для --port другой команды и для любого другого тестера.",
     examples=(
         "mikas sim",
         "mikas sim --scenario city --faults 13,53",
@@ -45,60 +42,63 @@ _LINE_FAULTS = ", ".join(it.value for it in LineFault if it is not LineFault.DAM
     "--replay",
     type=any_file,
     metavar="FILE",
-    text=Text(
-        "a recorded unit that answers as it did; options: --set seek=600, speed=2, loop=1",
-        "записанный блок: отвечает, как в записи; ещё --set seek=600, speed=2, loop=1",
-    ),
+    en="a recorded unit that answers as it did; options: --set seek=600, speed=2, loop=1",
+    ru="записанный блок: отвечает, как в записи; ещё --set seek=600, speed=2, loop=1",
 )
 @option(
     "--tcp",
     metavar="HOST:PORT",
-    text=Text("on TCP instead of a pty (port 0: any)", "по TCP вместо pty (порт 0: любой)"),
+    en="on TCP instead of a pty (port 0: any)",
+    ru="по TCP вместо pty (порт 0: любой)",
 )
 @option(
     "--model",
     type=one_of(MODELS),
     metavar=choices(MODELS),
-    text=Text("model of the unit (7.1)", "модель блока (7.1)"),
+    en="model of the unit (7.1)",
+    ru="модель блока (7.1)",
 )
 @option(
     "--scenario",
     metavar="NAME|FILE",
-    text=Text("driving scenario (warm-idle)", "сценарий поездки (warm-idle)"),
+    en="driving scenario (warm-idle)",
+    ru="сценарий поездки (warm-idle)",
 )
-@option("--faults", metavar="LIST", text=Text("stored faults: 13,53", "ошибки в памяти: 13,53"))
-@option("--no-echo", is_flag=True, text=Text("an adapter without echo", "адаптер без эха"))
+@option("--faults", metavar="LIST", en="stored faults: 13,53", ru="ошибки в памяти: 13,53")
+@option("--no-echo", is_flag=True, en="an adapter without echo", ru="адаптер без эха")
 @option(
     "--baud",
     metavar="N",
-    text=Text("baud rate on the line (9600)", "скорость на линии, бит/с (9600)"),
+    en="baud rate on the line (9600)",
+    ru="скорость на линии, бит/с (9600)",
 )
 @option(
     "--seed",
     metavar="N",
-    text=Text("seed of the random numbers (0)", "начальное число случайной последовательности (0)"),
+    en="seed of the random numbers (0)",
+    ru="начальное число случайной последовательности (0)",
 )
 @option(
     "--latency-ms",
     metavar="MS",
-    text=Text("the adapter's latency timer (0)", "таймер задержки адаптера (0)"),
+    en="the adapter's latency timer (0)",
+    ru="таймер задержки адаптера (0)",
 )
 @option(
     "--line-fault",
     "line_faults",
     multiple=True,
     metavar="KIND=RATE",
-    text=Text(f"damaged=0.01; also {_LINE_FAULTS}", f"damaged=0.01; ещё {_LINE_FAULTS}"),
+    en=f"damaged=0.01; also {_LINE_FAULTS}",
+    ru=f"damaged=0.01; ещё {_LINE_FAULTS}",
 )
 @option(
     "--set",
     "settings",
     multiple=True,
     metavar="NAME=VALUE",
-    text=Text(
-        "any other setting, as unknown=01, max_list=8, missing=stream+list, supplied=0",
-        "любая другая настройка: unknown=01, max_list=8, missing=stream+list, supplied=0",
-    ),
+    en="any other setting, as unknown=01, max_list=8, missing=stream+list, supplied=0",
+    ru="любая другая настройка: unknown=01, max_list=8, missing=stream+list, supplied=0",
 )
 def sim(
     context: CommandContext,

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 from mikas.cli.click_extensions import command, option
 from mikas.cli.context import CommandContext
 from mikas.cli.options.sampling import SamplingOptions, sampling_options
-from mikas.i18n import Text
 
 if TYPE_CHECKING:
     from mikas.link.ahead import PortAhead
@@ -21,15 +20,13 @@ if TYPE_CHECKING:
 
 @command(
     "watch",
-    Text(
-        "Shows each NAME live until Ctrl-C; with no name, all parameters. NAME/10: every tenth "
-        "cycle, so that the others are read more often. A value that could not be read is a dash, "
-        "never the last number. If the adapter is unplugged or the ignition switched off, it "
-        "waits and continues.",
-        "Показывает текущие значения параметров NAME до Ctrl-C; без имён — всех. NAME/10: в "
-        "каждом десятом цикле, тогда остальные читаются чаще. Непрочитанное значение — прочерк, а "
-        "не прежнее число. Если отключён адаптер или выключено зажигание, ждёт и продолжает.",
-    ),
+    en="Shows each NAME live until Ctrl-C; with no name, all parameters. NAME/10: every tenth "
+    "cycle, so that the others are read more often. A value that could not be read is a dash, "
+    "never the last number. If the adapter is unplugged or the ignition switched off, it "
+    "waits and continues.",
+    ru="Показывает текущие значения параметров NAME до Ctrl-C; без имён — всех. NAME/10: в "
+    "каждом десятом цикле, тогда остальные читаются чаще. Непрочитанное значение — прочерк, а "
+    "не прежнее число. Если отключён адаптер или выключено зажигание, ждёт и продолжает.",
     examples=(
         "mikas watch FREQ UOZ TWAT/10 FUEL_FLOW",
         "mikas watch --method stream --duration 60",
@@ -40,10 +37,8 @@ if TYPE_CHECKING:
 @option(
     "--price",
     is_flag=True,
-    text=Text(
-        "only show the time these names take with each method (needs no port)",
-        "только показать, сколько времени займут эти имена при каждом способе (порт не нужен)",
-    ),
+    en="only show the time these names take with each method (needs no port)",
+    ru="только показать, сколько времени займут эти имена при каждом способе (порт не нужен)",
 )
 @sampling_options
 def watch(context: CommandContext, options: SamplingOptions, *, price: bool) -> None:

@@ -53,58 +53,50 @@ broker_options = grouped(
     option(
         "--topic",
         metavar="TOPIC",
-        text=Text(
-            "topic under which all is published (mikas/car); another one for each car",
-            "тема, под которой всё публикуется (mikas/car); у каждой машины своя",
-        ),
+        en="topic under which all is published (mikas/car); another one for each car",
+        ru="тема, под которой всё публикуется (mikas/car); у каждой машины своя",
     ),
     option(
         "--user",
         metavar="NAME",
-        text=Text("user name for the broker (MIKAS_MQTT_USER)", "имя на брокере (MIKAS_MQTT_USER)"),
+        en="user name for the broker (MIKAS_MQTT_USER)",
+        ru="имя на брокере (MIKAS_MQTT_USER)",
     ),
     option(
         "--password-file",
         type=any_file,
         metavar="FILE",
-        text=Text(
-            "file whose first line is the password (or MIKAS_MQTT_PASSWORD); one in the address "
-            "can be read in the list of processes",
-            "файл с паролем в первой строке (или MIKAS_MQTT_PASSWORD); пароль в адресе виден в "
-            "списке процессов",
-        ),
+        en="file whose first line is the password (or MIKAS_MQTT_PASSWORD); one in the address "
+        "can be read in the list of processes",
+        ru="файл с паролем в первой строке (или MIKAS_MQTT_PASSWORD); пароль в адресе виден в "
+        "списке процессов",
     ),
     option(
         "--client-id",
         metavar="NAME",
-        text=Text(
-            "name of this client; the broker lets in one of a name (made of TOPIC)",
-            "имя клиента; с одним именем брокер пускает только одного (составляется из TOPIC)",
-        ),
+        en="name of this client; the broker lets in one of a name (made of TOPIC)",
+        ru="имя клиента; с одним именем брокер пускает только одного (составляется из TOPIC)",
     ),
     option(
         "--tls-ca",
         type=any_file,
         metavar="FILE",
-        text=Text(
-            "certificate of the authority to trust, with mqtts:// (PEM; the system's)",
-            "сертификат центра, которому доверять, для mqtts:// (PEM; иначе системные)",
-        ),
+        en="certificate of the authority to trust, with mqtts:// (PEM; the system's)",
+        ru="сертификат центра, которому доверять, для mqtts:// (PEM; иначе системные)",
     ),
     option(
         "--tls-cert",
         type=any_file,
         metavar="FILE",
-        text=Text(
-            "certificate of this client, if the broker demands one (PEM)",
-            "сертификат этого клиента, если его требует брокер (PEM)",
-        ),
+        en="certificate of this client, if the broker demands one (PEM)",
+        ru="сертификат этого клиента, если его требует брокер (PEM)",
     ),
     option(
         "--tls-key",
         type=any_file,
         metavar="FILE",
-        text=Text("its private key (PEM)", "закрытый ключ к нему (PEM)"),
+        en="its private key (PEM)",
+        ru="закрытый ключ к нему (PEM)",
     ),
 )
 """The address of the broker and its options."""

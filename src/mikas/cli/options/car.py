@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING
 from mikas.cli.click_extensions import grouped, option
 from mikas.cli.options.parameter_types import whole
 from mikas.errors import UsageError
-from mikas.i18n import Text
 
 if TYPE_CHECKING:
     from mikas.client.cars import CarDetails
@@ -69,27 +68,29 @@ car_options = grouped(
         "--car",
         default="",
         metavar="TEXT",
-        text=Text(
-            "the car, as “Volga 3110”; kept for this unit", "машина, «Волга 3110»; запоминается"
-        ),
+        en="the car, as “Volga 3110”; kept for this unit",
+        ru="машина, «Волга 3110»; запоминается",
     ),
     option(
         "--plate",
         default="",
         metavar="TEXT",
-        text=Text("its number plate; kept for this unit", "госномер; запоминается"),
+        en="its number plate; kept for this unit",
+        ru="госномер; запоминается",
     ),
     option(
         "--mileage",
         type=whole(0, 9_999_999),
         metavar="KM",
-        text=Text("its mileage now, in km", "пробег сейчас, км"),
+        en="its mileage now, in km",
+        ru="пробег сейчас, км",
     ),
     option(
         "--workshop",
         default="",
         metavar="TEXT",
-        text=Text("who measures; kept for all cars", "кто проводит измерение; запоминается"),
+        en="who measures; kept for all cars",
+        ru="кто проводит измерение; запоминается",
     ),
 )
 """The options that `log` and `report` share."""

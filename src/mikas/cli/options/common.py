@@ -18,11 +18,11 @@ from mikas.i18n import Text
 
 
 class LocalizedOption(click.Option):
-    """An option whose help is a `Text`."""
+    """An option whose help is in both languages."""
 
-    def __init__(self, *args: Any, text: Text, **kwargs: Any) -> None:
+    def __init__(self, *args: Any, en: str, ru: str, **kwargs: Any) -> None:
         super().__init__(*args, **kwargs)
-        self.text = text
+        self.text = Text(en, ru)
 
     def get_help_record(self, ctx: click.Context) -> tuple[str, str] | None:
         record = super().get_help_record(ctx)
@@ -51,12 +51,10 @@ RELEARN = click.option(
     is_flag=True,
     expose_value=False,
     callback=_keep,
-    text=Text(
-        "forget what was learnt of this unit (the fastest method, sizes of lists and blocks, "
-        "refused codes) and find it out again",
-        "забыть всё, что узнано об этом блоке (самый быстрый способ, размеры списков и блоков, "
-        "неизвестные ему коды), и выяснить заново",
-    ),
+    en="forget what was learnt of this unit (the fastest method, sizes of lists and blocks, "
+    "refused codes) and find it out again",
+    ru="забыть всё, что узнано об этом блоке (самый быстрый способ, размеры списков и блоков, "
+    "неизвестные ему коды), и выяснить заново",
 )
 """An option of the commands that use what was learnt of the unit (D10, D11)."""
 
@@ -67,110 +65,90 @@ def common_options() -> list[click.Parameter]:
         CommonOption(
             ["--port"],
             metavar="URL",
-            text=Text(
-                "/dev/ttyUSB0, COM3, socket://host:port, rfc2217://host:port, sim: (a virtual "
-                "ECU), replay:FILE (a recorded one)",
-                "/dev/ttyUSB0, COM3, socket://host:port, rfc2217://host:port, sim: (виртуальный "
-                "блок), replay:FILE (записанный)",
-            ),
+            en="/dev/ttyUSB0, COM3, socket://host:port, rfc2217://host:port, sim: (a virtual "
+            "ECU), replay:FILE (a recorded one)",
+            ru="/dev/ttyUSB0, COM3, socket://host:port, rfc2217://host:port, sim: (виртуальный "
+            "блок), replay:FILE (записанный)",
         ),
         CommonOption(
             ["--echo"],
             type=one_of(ECHO),
             metavar=choices(ECHO),
-            text=Text(
-                "whether the adapter echoes what it sends (auto: detect)",
-                "возвращает ли адаптер эхо (auto: определить)",
-            ),
+            en="whether the adapter echoes what it sends (auto: detect)",
+            ru="возвращает ли адаптер эхо (auto: определить)",
         ),
         CommonOption(
             ["--timeout"],
             type=timeout,
             metavar="SECONDS",
-            text=Text(
-                "how long to wait for the first byte of a response (0.5)",
-                "сколько ждать первого байта ответа, секунд (0.5)",
-            ),
+            en="how long to wait for the first byte of a response (0.5)",
+            ru="сколько ждать первого байта ответа, секунд (0.5)",
         ),
         CommonOption(
             ["--inter-byte"],
             type=timeout,
             metavar="SECONDS",
-            text=Text(
-                "longest pause inside a response (0.2); longer for a slow network or a busy "
-                "computer: --inter-byte 0.5",
-                "наибольшая пауза внутри ответа, секунд (0.2); для медленной сети или занятого "
-                "компьютера больше: --inter-byte 0.5",
-            ),
+            en="longest pause inside a response (0.2); longer for a slow network or a busy "
+            "computer: --inter-byte 0.5",
+            ru="наибольшая пауза внутри ответа, секунд (0.2); для медленной сети или занятого "
+            "компьютера больше: --inter-byte 0.5",
         ),
         CommonOption(
             ["--retries"],
             type=whole(0, MAX_RETRIES),
             metavar="N",
-            text=Text(
-                "how often to repeat a failed request, if that is safe (2)",
-                "сколько раз повторять неудачный запрос, если это безопасно (2)",
-            ),
+            en="how often to repeat a failed request, if that is safe (2)",
+            ru="сколько раз повторять неудачный запрос, если это безопасно (2)",
         ),
         CommonOption(
             ["--checksum"],
             type=one_of(CHECKSUMS),
             metavar=choices(CHECKSUMS),
-            text=Text(
-                "how a request's checksum of 0D or 40 is sent: stuffed as 40 CD, 40 00, or raw; "
-                "responses are accepted in both forms (stuffed)",
-                "как посылать контрольную сумму 0D или 40: stuffed — заменять на 40 CD, 40 00, "
-                "raw — как есть; ответы принимаются в обоих видах (stuffed)",
-            ),
+            en="how a request's checksum of 0D or 40 is sent: stuffed as 40 CD, 40 00, or raw; "
+            "responses are accepted in both forms (stuffed)",
+            ru="как посылать контрольную сумму 0D или 40: stuffed — заменять на 40 CD, 40 00, "
+            "raw — как есть; ответы принимаются в обоих видах (stuffed)",
         ),
         CommonOption(
             ["--strict/--no-strict"],
             default=None,
-            text=Text(
-                "treat a response with an escape other than 40 CD, 40 00 as damaged",
-                "считать повреждённым ответ, где после 40 стоит не CD и не 00",
-            ),
+            en="treat a response with an escape other than 40 CD, 40 00 as damaged",
+            ru="считать повреждённым ответ, где после 40 стоит не CD и не 00",
         ),
         CommonOption(
             ["--capture"],
             type=any_file,
             metavar="FILE",
-            text=Text(
-                "record everything on the line (.pcapng)", "записать весь обмен на линии (.pcapng)"
-            ),
+            en="record everything on the line (.pcapng)",
+            ru="записать весь обмен на линии (.pcapng)",
         ),
         CommonOption(
             ["--interpretation"],
             type=one_of(INTERPRETATIONS),
             metavar=choices(INTERPRETATIONS),
-            text=Text(
-                "how the doubtful places of the protocol's source are interpreted (corrected)",
-                "как толковать сомнительные места описания протокола (corrected)",
-            ),
+            en="how the doubtful places of the protocol's source are interpreted (corrected)",
+            ru="как толковать сомнительные места описания протокола (corrected)",
         ),
         CommonOption(
             ["--catalog"],
             type=any_file,
             multiple=True,
             metavar="FILE",
-            text=Text(
-                "your own parameters and faults, added to the shipped ones",
-                "свои параметры и ошибки в дополнение к встроенным",
-            ),
+            en="your own parameters and faults, added to the shipped ones",
+            ru="свои параметры и ошибки в дополнение к встроенным",
         ),
         CommonOption(
             ["--lang"],
             type=one_of(LANGUAGES),
             metavar=choices(LANGUAGES),
-            text=Text("language", "язык: en или ru"),
+            en="language",
+            ru="язык: en или ru",
         ),
-        CommonOption(["--json"], is_flag=True, text=Text("JSON on stdout", "вывод в виде JSON")),
+        CommonOption(["--json"], is_flag=True, en="JSON on stdout", ru="вывод в виде JSON"),
         CommonOption(
             ["-v", "--verbose"],
             count=True,
-            text=Text(
-                "more details (on stderr); -vv: the log too, with every frame",
-                "больше подробностей (в stderr); -vv — ещё и журнал с каждым кадром",
-            ),
+            en="more details (on stderr); -vv: the log too, with every frame",
+            ru="больше подробностей (в stderr); -vv — ещё и журнал с каждым кадром",
         ),
     ]

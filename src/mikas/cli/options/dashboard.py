@@ -8,7 +8,6 @@ from pathlib import Path
 from mikas.cli.click_extensions import grouped, option
 from mikas.cli.options.parameter_types import existing_file, whole
 from mikas.errors import usage_error
-from mikas.i18n import Text
 
 
 @dataclass(slots=True)
@@ -60,61 +59,48 @@ dashboard_options = grouped(
         "--host-port",
         type=whole(1, 65535),
         metavar="N",
-        text=Text(
-            "TCP port of the page (8071, or the next free one)",
-            "порт TCP для страницы (8071 или следующий свободный)",
-        ),
+        en="TCP port of the page (8071, or the next free one)",
+        ru="порт TCP для страницы (8071 или следующий свободный)",
     ),
     option(
         "--lan",
         is_flag=True,
-        text=Text(
-            "allow viewing from the network, encrypted, by a link with a key (also a QR code)",
-            "разрешить просмотр из сети, с шифрованием, по ссылке с ключом (есть и QR-код)",
-        ),
+        en="allow viewing from the network, encrypted, by a link with a key (also a QR code)",
+        ru="разрешить просмотр из сети, с шифрованием, по ссылке с ключом (есть и QR-код)",
     ),
     option(
         "--lan-control",
         is_flag=True,
-        text=Text(
-            "allow control from the network, not only viewing",
-            "разрешить из сети и управление, не только просмотр",
-        ),
+        en="allow control from the network, not only viewing",
+        ru="разрешить из сети и управление, не только просмотр",
     ),
     option(
         "--tls-cert",
         type=existing_file,
         metavar="FILE",
-        text=Text(
-            "certificate of your own for the network (PEM); otherwise mikas makes one",
-            "свой сертификат для доступа из сети (PEM); иначе его сделает mikas",
-        ),
+        en="certificate of your own for the network (PEM); otherwise mikas makes one",
+        ru="свой сертификат для доступа из сети (PEM); иначе его сделает mikas",
     ),
     option(
         "--tls-key",
         type=existing_file,
         metavar="FILE",
-        text=Text("its private key (PEM)", "закрытый ключ к нему (PEM)"),
+        en="its private key (PEM)",
+        ru="закрытый ключ к нему (PEM)",
     ),
     option(
         "--no-tls",
         is_flag=True,
-        text=Text(
-            "do not encrypt in the network: others there can read the key of the link",
-            "не шифровать в сети: ключ из ссылки смогут прочитать другие в ней",
-        ),
+        en="do not encrypt in the network: others there can read the key of the link",
+        ru="не шифровать в сети: ключ из ссылки смогут прочитать другие в ней",
     ),
-    option(
-        "--no-browser", is_flag=True, text=Text("only print the address", "только напечатать адрес")
-    ),
+    option("--no-browser", is_flag=True, en="only print the address", ru="только напечатать адрес"),
     option(
         "--record",
         type=Path,
         metavar="DIR",
-        text=Text(
-            "folder for recordings and dumps (mikas in your documents)",
-            "папка для записей и дампов (mikas в «Документах»)",
-        ),
+        en="folder for recordings and dumps (mikas in your documents)",
+        ru="папка для записей и дампов (mikas в «Документах»)",
     ),
 )
 """The options that `dash` and `demo` share."""

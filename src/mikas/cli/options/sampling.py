@@ -13,7 +13,6 @@ import click
 from mikas.cli.click_extensions import grouped, option
 from mikas.cli.options.common import RELEARN
 from mikas.cli.options.parameter_types import number, one_of, whole
-from mikas.i18n import Text
 
 _DEFAULT = "auto"
 
@@ -52,30 +51,31 @@ sampling_options = grouped(
         type=_method,
         metavar="METHOD",
         default=_DEFAULT,
-        text=Text(
-            "sampling method: auto (the fastest that works), single, batch, list, stream, stroke0 "
-            "… stroke4",
-            "способ опроса: auto (самый быстрый из работающих), single, batch, list, stream, "
-            "stroke0 … stroke4",
-        ),
+        en="sampling method: auto (the fastest that works), single, batch, list, stream, stroke0 "
+        "… stroke4",
+        ru="способ опроса: auto (самый быстрый из работающих), single, batch, list, stream, "
+        "stroke0 … stroke4",
     ),
     option(
         "--rate",
         type=number(above=0),
         metavar="HZ",
-        text=Text("at most this many readings/s", "опросов в секунду, не больше"),
+        en="at most this many readings/s",
+        ru="опросов в секунду, не больше",
     ),
     option(
         "--count",
         type=whole(1),
         metavar="N",
-        text=Text("stop after this many samples", "остановиться после стольких замеров"),
+        en="stop after this many samples",
+        ru="остановиться после стольких замеров",
     ),
     option(
         "--duration",
         type=number(above=0),
         metavar="S",
-        text=Text("stop after this many seconds", "остановиться через столько секунд"),
+        en="stop after this many seconds",
+        ru="остановиться через столько секунд",
     ),
     RELEARN,
 )

@@ -14,7 +14,6 @@ from mikas.cli.language import decimal, localized, tr
 from mikas.cli.options.parameter_types import whole
 from mikas.cli.render.progress import progress
 from mikas.cli.render.terminal import cell_text
-from mikas.i18n import Text
 
 if TYPE_CHECKING:
     from mikas.fleet.adding import Added
@@ -24,18 +23,16 @@ MOST_WORKERS = 61  # that a pool may have on Windows
 
 @command(
     "add",
-    Text(
-        "Adds all recordings (.pcapng) in each FOLDER and below it, or a single file, to DATASET. "
-        "What is there already is skipped; a recording that has grown, or another version of the "
-        "catalog, replaces what was there. A file that can't be read is reported and passed over. "
-        "After Ctrl-C or a power cut the same command continues. FOLDER and DATASET may be URLs "
-        "(s3://bucket/path).",
-        "Добавляет в набор DATASET все записи (.pcapng) из каждой папки FOLDER и из вложенных в "
-        "неё, или один файл. Что уже есть, пропускается; выросшая запись и новая версия каталога "
-        "заменяют прежнее. Файл, который не читается, называется и пропускается. После Ctrl-C или "
-        "отключения питания та же команда продолжит работу. FOLDER и DATASET могут быть адресами "
-        "(s3://корзина/путь).",
-    ),
+    en="Adds all recordings (.pcapng) in each FOLDER and below it, or a single file, to DATASET. "
+    "What is there already is skipped; a recording that has grown, or another version of the "
+    "catalog, replaces what was there. A file that can't be read is reported and passed over. "
+    "After Ctrl-C or a power cut the same command continues. FOLDER and DATASET may be URLs "
+    "(s3://bucket/path).",
+    ru="Добавляет в набор DATASET все записи (.pcapng) из каждой папки FOLDER и из вложенных в "
+    "неё, или один файл. Что уже есть, пропускается; выросшая запись и новая версия каталога "
+    "заменяют прежнее. Файл, который не читается, называется и пропускается. После Ctrl-C или "
+    "отключения питания та же команда продолжит работу. FOLDER и DATASET могут быть адресами "
+    "(s3://корзина/путь).",
     examples=(
         "mikas fleet add recordings --to dataset",
         "mikas fleet add /media/usb --to dataset --car A123BC52",
@@ -48,37 +45,29 @@ MOST_WORKERS = 61  # that a pool may have on Windows
     "dataset",
     required=True,
     metavar="DATASET",
-    text=Text(
-        "folder or URL of the dataset; made if it is not there; required",
-        "папка или адрес набора; создаётся, если его нет; обязательно",
-    ),
+    en="folder or URL of the dataset; made if it is not there; required",
+    ru="папка или адрес набора; создаётся, если его нет; обязательно",
 )
 @option(
     "--executor",
     default="processes",
     metavar="processes|dask://HOST[:PORT]",
-    text=Text(
-        "who does the work: processes of this computer, or a Dask cluster (processes)",
-        "кто выполняет работу: процессы этого компьютера или кластер Dask (processes)",
-    ),
+    en="who does the work: processes of this computer, or a Dask cluster (processes)",
+    ru="кто выполняет работу: процессы этого компьютера или кластер Dask (processes)",
 )
 @option(
     "--workers",
     type=whole(1, MOST_WORKERS),
     metavar="N",
-    text=Text(
-        "number of processes; as many as processors, if not given",
-        "число процессов; если не задано, по числу процессоров",
-    ),
+    en="number of processes; as many as processors, if not given",
+    ru="число процессов; если не задано, по числу процессоров",
 )
 @option(
     "--car",
     default="",
     metavar="TEXT",
-    text=Text(
-        "the car of all these recordings; otherwise each says itself which car it is of",
-        "машина всех этих записей; иначе её называет каждая запись",
-    ),
+    en="the car of all these recordings; otherwise each says itself which car it is of",
+    ru="машина всех этих записей; иначе её называет каждая запись",
 )
 def add(
     context: CommandContext,

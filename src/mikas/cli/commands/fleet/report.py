@@ -12,7 +12,6 @@ from mikas.cli.context import CommandContext
 from mikas.cli.language import current_language, localized
 from mikas.cli.options.parameter_types import any_file
 from mikas.cli.render.terminal import cell_text
-from mikas.i18n import Text
 
 if TYPE_CHECKING:
     from mikas.fleet.report.findings import CarFindings, FleetFindings
@@ -20,15 +19,13 @@ if TYPE_CHECKING:
 
 @command(
     "report",
-    Text(
-        "Reports on all cars of DATASET: faults over time, values at warm idle that drift or leave "
-        "their normal range, charging and thermostat, and cars that differ from the others. With "
-        "-o a page to read, print or send; without it the findings as text.",
-        "Отчёт по всем машинам набора DATASET: ошибки по времени, значения на прогретом холостом "
-        "ходу, которые уходят или вышли из нормы, зарядка и термостат, машины, непохожие на "
-        "остальные. С ключом -o — страница, которую можно прочитать, напечатать или переслать; без "
-        "него — список найденного.",
-    ),
+    en="Reports on all cars of DATASET: faults over time, values at warm idle that drift or leave "
+    "their normal range, charging and thermostat, and cars that differ from the others. With "
+    "-o a page to read, print or send; without it the findings as text.",
+    ru="Отчёт по всем машинам набора DATASET: ошибки по времени, значения на прогретом холостом "
+    "ходу, которые уходят или вышли из нормы, зарядка и термостат, машины, непохожие на "
+    "остальные. С ключом -o — страница, которую можно прочитать, напечатать или переслать; без "
+    "него — список найденного.",
     examples=(
         "mikas fleet report dataset",
         "mikas fleet report dataset -o fleet.html --lang ru",
@@ -40,7 +37,8 @@ if TYPE_CHECKING:
     "--out",
     type=any_file,
     metavar="OUT",
-    text=Text("the page, an .html file", "страница, файл .html"),
+    en="the page, an .html file",
+    ru="страница, файл .html",
 )
 @OVERWRITE
 def report(context: CommandContext, dataset: str, out: Path | None, *, overwrite: bool) -> None:

@@ -18,7 +18,6 @@ import click
 from mikas.cli.click_extensions import command, option
 from mikas.cli.context import CommandContext
 from mikas.cli.language import decimal
-from mikas.i18n import Text
 
 if TYPE_CHECKING:
     from mikas.fleet.database import Answer
@@ -29,14 +28,12 @@ MOST = 1000
 
 @command(
     "sql",
-    Text(
-        "Asks DATASET by SQL (DuckDB's): SELECT, DESCRIBE, SUMMARIZE or EXPLAIN. Its tables: "
-        "drives, samples, statistics, faults, gaps, alarms, each with car and day. DATASET is only "
-        "read, and SQL can reach no other file.",
-        "Запрос к набору DATASET на SQL (DuckDB): SELECT, DESCRIBE, SUMMARIZE или EXPLAIN. "
-        "Таблицы: drives, samples, statistics, faults, gaps, alarms; в каждой есть car и day. "
-        "Набор только читается, к другим файлам из SQL доступа нет.",
-    ),
+    en="Asks DATASET by SQL (DuckDB's): SELECT, DESCRIBE, SUMMARIZE or EXPLAIN. Its tables: "
+    "drives, samples, statistics, faults, gaps, alarms, each with car and day. DATASET is only "
+    "read, and SQL can reach no other file.",
+    ru="Запрос к набору DATASET на SQL (DuckDB): SELECT, DESCRIBE, SUMMARIZE или EXPLAIN. "
+    "Таблицы: drives, samples, statistics, faults, gaps, alarms; в каждой есть car и day. "
+    "Набор только читается, к другим файлам из SQL доступа нет.",
     examples=(
         "mikas fleet sql dataset 'SELECT car, count(*) FROM drives GROUP BY car'",
         "mikas fleet sql dataset 'FROM samples WHERE TWAT > 100' --csv",
@@ -49,7 +46,8 @@ MOST = 1000
     "--csv",
     "as_csv",
     is_flag=True,
-    text=Text("print CSV with commas and decimal points", "вывести CSV (запятые, точка в числах)"),
+    en="print CSV with commas and decimal points",
+    ru="вывести CSV (запятые, точка в числах)",
 )
 def sql(context: CommandContext, dataset: str, sql: str, *, as_csv: bool) -> None:
     from mikas.fleet.places import require_database

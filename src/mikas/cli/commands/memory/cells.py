@@ -19,11 +19,9 @@ SPACE = one_of(("ram", "xram", "code", "sfr"))
 
 @command(
     "read",
-    Text(
-        "Shows COUNT bytes (1) from ADDR. Addresses are hex. SPACE: ram, xram, code, sfr.",
-        "Показывает COUNT байт (1) с адреса ADDR. Адреса шестнадцатеричные. SPACE: ram, xram, "
-        "code, sfr.",
-    ),
+    en="Shows COUNT bytes (1) from ADDR. Addresses are hex. SPACE: ram, xram, code, sfr.",
+    ru="Показывает COUNT байт (1) с адреса ADDR. Адреса шестнадцатеричные. SPACE: ram, xram, "
+    "code, sfr.",
     examples=("mikas mem read ram 40", "mikas mem read xram 0x1000 64 --json"),
 )
 @click.argument("space", metavar="SPACE", type=SPACE)
@@ -41,14 +39,12 @@ def read(context: CommandContext, space: str, address: int, count: int) -> None:
 
 @command(
     "write",
-    Text(
-        "Writes the bytes HEX from ADDR: asks first, reads them back, adds them to the journal. "
-        "A unit that lacks single-byte commands gets blocks, one that lacks blocks single bytes. "
-        "Writing CODE can make the unit unusable.",
-        "Записывает байты HEX с адреса ADDR: спрашивает подтверждение, проверяет чтением, ведёт "
-        "журнал. Если у блока нет побайтовых команд, пишет блочными, и наоборот. После записи в "
-        "CODE блок может перестать работать.",
-    ),
+    en="Writes the bytes HEX from ADDR: asks first, reads them back, adds them to the journal. "
+    "A unit that lacks single-byte commands gets blocks, one that lacks blocks single bytes. "
+    "Writing CODE can make the unit unusable.",
+    ru="Записывает байты HEX с адреса ADDR: спрашивает подтверждение, проверяет чтением, ведёт "
+    "журнал. Если у блока нет побайтовых команд, пишет блочными, и наоборот. После записи в "
+    "CODE блок может перестать работать.",
     examples=("mikas mem write ram 40 0D", "mikas mem write xram 1000 AABB --yes"),
 )
 @click.argument("space", metavar="SPACE", type=SPACE)
@@ -89,12 +85,10 @@ def write(context: CommandContext, space: str, address: int, data: bytes, *, yes
 
 @command(
     "goto",
-    Text(
-        "Makes the ECU jump to ADDR. The most dangerous command: the unit executes the bytes at "
-        "that address. Always asks; --yes alone is not enough.",
-        "Переход блока на адрес ADDR. Самая опасная команда: блок выполнит то, что там записано. "
-        "Всегда спрашивает подтверждение; одного --yes недостаточно.",
-    ),
+    en="Makes the ECU jump to ADDR. The most dangerous command: the unit executes the bytes at "
+    "that address. Always asks; --yes alone is not enough.",
+    ru="Переход блока на адрес ADDR. Самая опасная команда: блок выполнит то, что там записано. "
+    "Всегда спрашивает подтверждение; одного --yes недостаточно.",
     examples=("mikas mem goto 8000",),
 )
 @click.argument("address", metavar="ADDR", type=hex_address)

@@ -25,24 +25,23 @@ from mikas.client.memory.dumps import (
 )
 from mikas.commands.base import Space, check_range
 from mikas.errors import UsageError, reason_at, usage_error
-from mikas.i18n import Text, byte_count
+from mikas.i18n import byte_count
 
 BLOCK = option(
     "--block",
     type=block_size,
     metavar="N",
-    text=Text("bytes per request, at most (255)", "байт за запрос, не больше (255)"),
+    en="bytes per request, at most (255)",
+    ru="байт за запрос, не больше (255)",
 )
 
 
 @command(
     "dump",
-    Text(
-        "Reads a whole SPACE, or --from to --to, into FILE (plain binary) and writes its manifest "
-        "FILE.json. --resume continues an interrupted dump.",
-        "Считывает дамп SPACE, целиком или от --from до --to, в FILE (двоичный) и его описание в "
-        "FILE.json. Прерванное чтение продолжает --resume.",
-    ),
+    en="Reads a whole SPACE, or --from to --to, into FILE (plain binary) and writes its manifest "
+    "FILE.json. --resume continues an interrupted dump.",
+    ru="Считывает дамп SPACE, целиком или от --from до --to, в FILE (двоичный) и его описание в "
+    "FILE.json. Прерванное чтение продолжает --resume.",
     examples=(
         "mikas mem dump code -o code.bin --verify",
         "mikas mem dump xram -o xram.bin --from 1000 --to 1FFF",
@@ -56,7 +55,8 @@ BLOCK = option(
     required=True,
     type=any_file,
     metavar="FILE",
-    text=Text("the file to write; required", "файл для записи; обязательно"),
+    en="the file to write; required",
+    ru="файл для записи; обязательно",
 )
 @option(
     "--from",
@@ -64,23 +64,24 @@ BLOCK = option(
     type=hex_address,
     default="0",
     metavar="ADDR",
-    text=Text("first address (0)", "первый адрес (0)"),
+    en="first address (0)",
+    ru="первый адрес (0)",
 )
 @option(
     "--to",
     "last",
     type=hex_address,
     metavar="ADDR",
-    text=Text("last address, inclusive", "последний адрес, включительно"),
+    en="last address, inclusive",
+    ru="последний адрес, включительно",
 )
 @BLOCK
-@option(
-    "--verify", is_flag=True, text=Text("read everything a second time", "прочитать всё второй раз")
-)
+@option("--verify", is_flag=True, en="read everything a second time", ru="прочитать всё второй раз")
 @option(
     "--resume",
     is_flag=True,
-    text=Text("continue an interrupted dump", "продолжить прерванное чтение"),
+    en="continue an interrupted dump",
+    ru="продолжить прерванное чтение",
 )
 @RELEARN
 def dump(
@@ -141,18 +142,14 @@ def show_differences(context: CommandContext, found: Sequence[Difference], what:
 
 @command(
     "verify",
-    Text(
-        "Compares FILE with the unit's memory, starting at the address in FILE's manifest (else "
-        "--from).",
-        "Сравнивает дамп FILE с памятью блока, начиная с адреса из его описания (иначе --from).",
-    ),
+    en="Compares FILE with the unit's memory, starting at the address in FILE's manifest (else "
+    "--from).",
+    ru="Сравнивает дамп FILE с памятью блока, начиная с адреса из его описания (иначе --from).",
     examples=("mikas mem verify code code.bin", "mikas mem verify xram part.bin --from 1000"),
 )
 @click.argument("space", metavar="SPACE", type=SPACE)
 @click.argument("file", metavar="FILE", type=existing_file)
-@option(
-    "--from", "first", type=hex_address, metavar="ADDR", text=Text("first address", "первый адрес")
-)
+@option("--from", "first", type=hex_address, metavar="ADDR", en="first address", ru="первый адрес")
 @BLOCK
 @RELEARN
 def verify(
@@ -174,11 +171,9 @@ def verify(
 
 @command(
     "diff",
-    Text(
-        "Compares two dumps byte by byte at the addresses in their manifests (else from 0). Needs "
-        "no port.",
-        "Сравнивает два дампа побайтно по адресам из их описаний (иначе с 0). Порт не нужен.",
-    ),
+    en="Compares two dumps byte by byte at the addresses in their manifests (else from 0). Needs "
+    "no port.",
+    ru="Сравнивает два дампа побайтно по адресам из их описаний (иначе с 0). Порт не нужен.",
     examples=("mikas mem diff before.bin after.bin", "mikas mem diff a.bin b.bin --json"),
 )
 @click.argument("a", metavar="FILE", type=existing_file)

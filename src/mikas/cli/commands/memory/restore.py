@@ -17,21 +17,18 @@ from mikas.cli.options.common import RELEARN
 from mikas.cli.options.parameter_types import existing_file, hex_address
 from mikas.cli.render.progress import progress
 from mikas.client.memory.restoring import DumpFile, Restore
-from mikas.i18n import Text
 
 
 @command(
     "restore",
-    Text(
-        "Writes the dump FILE back to SPACE. Compares first, shows how many bytes differ and "
-        "where, and asks; then writes only those, reads each back and adds it to the journal. "
-        "Without a terminal and --yes it only compares. FILE must fit its manifest FILE.json and "
-        "the unit. Restoring CODE can make the unit unusable.",
-        "Записывает дамп FILE обратно в SPACE. Сначала сравнивает, показывает, сколько байтов "
-        "отличается и где, и спрашивает подтверждение; затем пишет только их, проверяет каждый "
-        "чтением, ведёт журнал. Без терминала и --yes только сравнивает. FILE должен подходить к "
-        "описанию FILE.json и к блоку. После записи в CODE блок может перестать работать.",
-    ),
+    en="Writes the dump FILE back to SPACE. Compares first, shows how many bytes differ and "
+    "where, and asks; then writes only those, reads each back and adds it to the journal. "
+    "Without a terminal and --yes it only compares. FILE must fit its manifest FILE.json and "
+    "the unit. Restoring CODE can make the unit unusable.",
+    ru="Записывает дамп FILE обратно в SPACE. Сначала сравнивает, показывает, сколько байтов "
+    "отличается и где, и спрашивает подтверждение; затем пишет только их, проверяет каждый "
+    "чтением, ведёт журнал. Без терминала и --yes только сравнивает. FILE должен подходить к "
+    "описанию FILE.json и к блоку. После записи в CODE блок может перестать работать.",
     examples=(
         "mikas mem restore xram xram.bin",
         "mikas mem restore xram xram.bin --resume --yes",
@@ -43,22 +40,22 @@ from mikas.i18n import Text
 @option(
     "--resume",
     is_flag=True,
-    text=Text("go on after an interruption", "продолжить прерванную запись"),
+    en="go on after an interruption",
+    ru="продолжить прерванную запись",
 )
 @option(
     "--ignore-manifest",
     is_flag=True,
-    text=Text(
-        "restore FILE to any unit, whatever its manifest says; requires --from",
-        "записать FILE в любой блок, что бы ни говорило описание; нужен --from",
-    ),
+    en="restore FILE to any unit, whatever its manifest says; requires --from",
+    ru="записать FILE в любой блок, что бы ни говорило описание; нужен --from",
 )
 @option(
     "--from",
     "first",
     type=hex_address,
     metavar="ADDR",
-    text=Text("first address, with --ignore-manifest", "первый адрес, вместе с --ignore-manifest"),
+    en="first address, with --ignore-manifest",
+    ru="первый адрес, вместе с --ignore-manifest",
 )
 @BLOCK
 @YES

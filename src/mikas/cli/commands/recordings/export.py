@@ -15,7 +15,7 @@ from mikas.cli.context import CommandContext
 from mikas.cli.language import current_language, localized
 from mikas.cli.options.parameter_types import choices, existing_file, one_of
 from mikas.errors import usage_error
-from mikas.i18n import Text, plural
+from mikas.i18n import plural
 from mikas.recording.export import DIALECTS
 
 if TYPE_CHECKING:
@@ -32,14 +32,12 @@ MOST_PROBLEMS = 20
 
 @command(
     "export",
-    Text(
-        "Exports a recording (.pcapng) as a table for other programs. OUT's suffix sets the "
-        "format: .csv, .mf4, .parquet, .msl or .mlg. With no NAME it has every recorded parameter "
-        "and every channel that can be derived from them.",
-        "Экспортирует запись (.pcapng) в таблицу для других программ. Формат определяет "
-        "расширение файла OUT: .csv, .mf4, .parquet, .msl или .mlg. Без NAME в таблице все "
-        "записанные параметры и все каналы, которые из них рассчитываются.",
-    ),
+    en="Exports a recording (.pcapng) as a table for other programs. OUT's suffix sets the "
+    "format: .csv, .mf4, .parquet, .msl or .mlg. With no NAME it has every recorded parameter "
+    "and every channel that can be derived from them.",
+    ru="Экспортирует запись (.pcapng) в таблицу для других программ. Формат определяет "
+    "расширение файла OUT: .csv, .mf4, .parquet, .msl или .mlg. Без NAME в таблице все "
+    "записанные параметры и все каналы, которые из них рассчитываются.",
     examples=(
         "mikas export drive.pcapng -o drive.csv",
         "mikas export drive.pcapng -o drive.parquet FREQ JAIR FUEL_FLOW",
@@ -53,10 +51,8 @@ MOST_PROBLEMS = 20
     "--dialect",
     type=one_of(DIALECTS),
     metavar=choices(DIALECTS),
-    text=Text(
-        "form of a .csv: commas (plain), or for an Excel with a decimal comma (excel)",
-        "вид файла .csv: через запятую (plain) или для таблиц с десятичной запятой (excel)",
-    ),
+    en="form of a .csv: commas (plain), or for an Excel with a decimal comma (excel)",
+    ru="вид файла .csv: через запятую (plain) или для таблиц с десятичной запятой (excel)",
 )
 @OVERWRITE
 def export(
@@ -149,12 +145,10 @@ def _watched(context: CommandContext, stretches: Iterable[Rows]) -> Iterator[Row
 
 @command(
     "decode",
-    Text(
-        "Shows a capture (.pcapng) frame by frame: time, direction, bytes, meaning; damage with "
-        "its reason and offset. Of a truncated file the readable part is shown.",
-        "Показывает запись (.pcapng) по кадрам: время, направление, байты, значение; повреждения "
-        "с причиной и смещением. Обрезанный файл показывается до места обрыва.",
-    ),
+    en="Shows a capture (.pcapng) frame by frame: time, direction, bytes, meaning; damage with "
+    "its reason and offset. Of a truncated file the readable part is shown.",
+    ru="Показывает запись (.pcapng) по кадрам: время, направление, байты, значение; повреждения "
+    "с причиной и смещением. Обрезанный файл показывается до места обрыва.",
     examples=("mikas decode drive.pcapng", "mikas decode drive.pcapng --json"),
 )
 @click.argument("file", metavar="FILE", type=existing_file)

@@ -11,7 +11,7 @@ from mikas.cli.click_extensions import command
 from mikas.cli.context import CommandContext
 from mikas.cli.language import decimal, tr
 from mikas.cli.options.parameter_types import existing_file
-from mikas.i18n import Text, counted
+from mikas.i18n import counted
 
 if TYPE_CHECKING:
     from mikas.recording.search import Hit, SearchCondition
@@ -19,16 +19,14 @@ if TYPE_CHECKING:
 
 @command(
     "find",
-    Text(
-        "Finds the moments of a recording (.pcapng) at which EXPRESSION holds: a formula of "
-        "parameters and derived channels, as in a catalog file. A moment ends where the formula "
-        "is false or has no value for two seconds. PEAK is the extreme of what the first "
-        "comparison compares: the lowest value of a <, else the highest.",
-        "Находит в записи (.pcapng) моменты, когда выполняется EXPRESSION: формула из параметров и "
-        "производных каналов, как в файле каталога. Момент кончается там, где формула неверна или "
-        "две секунды не имеет значения. PEAK — крайнее значение того, что сравнивается первым: при "
-        "< наименьшее, иначе наибольшее.",
-    ),
+    en="Finds the moments of a recording (.pcapng) at which EXPRESSION holds: a formula of "
+    "parameters and derived channels, as in a catalog file. A moment ends where the formula "
+    "is false or has no value for two seconds. PEAK is the extreme of what the first "
+    "comparison compares: the lowest value of a <, else the highest.",
+    ru="Находит в записи (.pcapng) моменты, когда выполняется EXPRESSION: формула из параметров и "
+    "производных каналов, как в файле каталога. Момент кончается там, где формула неверна или "
+    "две секунды не имеет значения. PEAK — крайнее значение того, что сравнивается первым: при "
+    "< наименьшее, иначе наибольшее.",
     examples=(
         "mikas find drive.pcapng 'FREQ > 3000 and DET'",
         "mikas find drive.pcapng 'TWAT > 100' --json",

@@ -22,7 +22,6 @@ from mikas.cli.render.notices import Notices
 from mikas.cli.render.output import StatusLine
 from mikas.cli.sampling_run import SamplingRun, sampling_session
 from mikas.errors import usage_error
-from mikas.i18n import Text
 from mikas.sampling.events import UnitFound
 
 if TYPE_CHECKING:
@@ -35,16 +34,14 @@ _SECONDS = 30.0
 
 @command(
     "report",
-    Text(
-        "Makes a report on the car (OUT.html) to read, print or send: stored faults in plain "
-        "words, values at warm idle with their normal range, charts, and what remains unknown. "
-        "Made from the recording FILE or, without it, from the connected car: measured for half a "
-        "minute, best with the warm engine idling.",
-        "Делает отчёт о машине (OUT.html), который можно прочитать, напечатать или переслать: "
-        "ошибки понятными словами, значения на прогретом холостом ходу и их нормы, графики и то, "
-        "чего узнать не удалось. По записи FILE, а без неё — по подключённой машине: полминуты "
-        "измерений, лучше на прогретом холостом ходу.",
-    ),
+    en="Makes a report on the car (OUT.html) to read, print or send: stored faults in plain "
+    "words, values at warm idle with their normal range, charts, and what remains unknown. "
+    "Made from the recording FILE or, without it, from the connected car: measured for half a "
+    "minute, best with the warm engine idling.",
+    ru="Делает отчёт о машине (OUT.html), который можно прочитать, напечатать или переслать: "
+    "ошибки понятными словами, значения на прогретом холостом ходу и их нормы, графики и то, "
+    "чего узнать не удалось. По записи FILE, а без неё — по подключённой машине: полминуты "
+    "измерений, лучше на прогретом холостом ходу.",
     examples=(
         "mikas report drive.pcapng -o drive.html",
         "mikas report -o car.html --duration 60 --lang ru",
@@ -56,10 +53,8 @@ _SECONDS = 30.0
     "--duration",
     type=number(above=0),
     metavar="S",
-    text=Text(
-        f"measure for so many seconds ({_SECONDS:g}); not with FILE",
-        f"измерять столько секунд ({_SECONDS:g}); без FILE",
-    ),
+    en=f"measure for so many seconds ({_SECONDS:g}); not with FILE",
+    ru=f"измерять столько секунд ({_SECONDS:g}); без FILE",
 )
 @OVERWRITE
 @RELEARN

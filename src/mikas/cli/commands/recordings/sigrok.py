@@ -13,23 +13,20 @@ from mikas.cli.context import CommandContext
 from mikas.cli.language import current_language
 from mikas.cli.render import terminal
 from mikas.errors import usage_error
-from mikas.i18n import Text
 
 _EXAMPLE = "sigrok-cli -i line.sr -P uart:baudrate=9600:rx=D0,mikas -A mikas"
 
 
 @command(
     "sigrok",
-    Text(
-        "Prints the protocol decoder for sigrok and PulseView: a logic analyser's recording "
-        "of the line as frames, requests, responses and values. It has your own catalog, and the "
-        "language and the interpretation of this command by default. With --install it goes where "
-        "these programs look for it: run the command again after a change of your catalog.",
-        "Печатает декодер протокола для sigrok и PulseView: запись линии логическим "
-        "анализатором как кадры, запросы, ответы и значения. В нём и ваш каталог; язык и "
-        "толкование по умолчанию — как у этой команды. С ключом --install ставит его туда, где его "
-        "ищут эти программы: после изменения каталога выполните команду ещё раз.",
-    ),
+    en="Prints the protocol decoder for sigrok and PulseView: a logic analyser's recording "
+    "of the line as frames, requests, responses and values. It has your own catalog, and the "
+    "language and the interpretation of this command by default. With --install it goes where "
+    "these programs look for it: run the command again after a change of your catalog.",
+    ru="Печатает декодер протокола для sigrok и PulseView: запись линии логическим "
+    "анализатором как кадры, запросы, ответы и значения. В нём и ваш каталог; язык и "
+    "толкование по умолчанию — как у этой команды. С ключом --install ставит его туда, где его "
+    "ищут эти программы: после изменения каталога выполните команду ещё раз.",
     examples=(
         "mikas sigrok --install",
         "mikas sigrok --lang ru --install",
@@ -39,10 +36,8 @@ _EXAMPLE = "sigrok-cli -i line.sr -P uart:baudrate=9600:rx=D0,mikas -A mikas"
 @option(
     "--install",
     is_flag=True,
-    text=Text(
-        "install it for you; replaces only its own file",
-        "поставить для вас; заменяет только свой файл",
-    ),
+    en="install it for you; replaces only its own file",
+    ru="поставить для вас; заменяет только свой файл",
 )
 @option(
     "-o",
@@ -50,10 +45,8 @@ _EXAMPLE = "sigrok-cli -i line.sr -P uart:baudrate=9600:rx=D0,mikas -A mikas"
     "folder",
     type=click.Path(path_type=Path),
     metavar="FOLDER",
-    text=Text(
-        "write it into another folder of decoders",
-        "записать в другую папку декодеров",
-    ),
+    en="write it into another folder of decoders",
+    ru="записать в другую папку декодеров",
 )
 def sigrok(context: CommandContext, *, install: bool, folder: Path | None) -> None:
     from mikas.dissectors.sigrok import decoder_file, source

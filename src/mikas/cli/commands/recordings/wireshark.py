@@ -9,22 +9,19 @@ from mikas.cli.click_extensions import command, option
 from mikas.cli.context import CommandContext
 from mikas.cli.language import current_language
 from mikas.cli.render import terminal
-from mikas.i18n import Text
 
 _FILTER = "mikas.param.TWAT > 90"
 
 
 @command(
     "wireshark",
-    Text(
-        "Prints a plugin for Wireshark and tshark, in Lua: recordings (.pcapng) then open there "
-        "frame by frame, with every parameter as a field to filter by. With --install it is put "
-        "where Wireshark looks for it. It knows your own catalog, too: run the command again after "
-        "a change.",
-        "Печатает плагин на Lua для Wireshark и tshark: записи (.pcapng) открываются там по "
-        "кадрам, каждый параметр — поле для фильтра. С ключом --install плагин ставится туда, где "
-        "его ищет Wireshark. Он знает и ваш каталог: после изменения выполните команду ещё раз.",
-    ),
+    en="Prints a plugin for Wireshark and tshark, in Lua: recordings (.pcapng) then open there "
+    "frame by frame, with every parameter as a field to filter by. With --install it is put "
+    "where Wireshark looks for it. It knows your own catalog, too: run the command again after "
+    "a change.",
+    ru="Печатает плагин на Lua для Wireshark и tshark: записи (.pcapng) открываются там по "
+    "кадрам, каждый параметр — поле для фильтра. С ключом --install плагин ставится туда, где "
+    "его ищет Wireshark. Он знает и ваш каталог: после изменения выполните команду ещё раз.",
     examples=(
         "mikas wireshark --install",
         "mikas wireshark > mikas.lua",
@@ -34,10 +31,8 @@ _FILTER = "mikas.param.TWAT > 90"
 @option(
     "--install",
     is_flag=True,
-    text=Text(
-        "put it into your folder of Wireshark plugins",
-        "поставить в вашу папку плагинов Wireshark",
-    ),
+    en="put it into your folder of Wireshark plugins",
+    ru="поставить в вашу папку плагинов Wireshark",
 )
 def wireshark(context: CommandContext, *, install: bool) -> None:
     import mikas

@@ -11,17 +11,14 @@ from mikas.cli.click_extensions import YES, command
 from mikas.cli.context import CommandContext
 from mikas.cli.language import localized, tr
 from mikas.cli.options.parameter_types import one_of
-from mikas.i18n import Text
 
 
 @command(
     "faults",
-    Text(
-        "Shows the stored faults with their text, its confidence, and what to check. "
-        "`faults erase` erases them and reads the memory again.",
-        "Показывает ошибки в памяти блока: описание, его достоверность, что проверить. "
-        "`faults erase` сбрасывает ошибки и перечитывает память.",
-    ),
+    en="Shows the stored faults with their text, its confidence, and what to check. "
+    "`faults erase` erases them and reads the memory again.",
+    ru="Показывает ошибки в памяти блока: описание, его достоверность, что проверить. "
+    "`faults erase` сбрасывает ошибки и перечитывает память.",
     examples=("mikas faults", "mikas faults erase", "mikas faults erase --yes --json"),
 )
 @click.argument("action", metavar="[erase]", type=one_of(["erase"]), required=False)

@@ -22,21 +22,19 @@ _BAUD = 9600  # §1
 
 @command(
     "info",
-    Text(
-        "Shows the ECU's model and passports and the commands that it knows. Every command is "
-        "tried once that changes nothing but the unit's list (64; a list that another program has "
-        "set is lost): 1 s for each without a response, 2 s for each stream; streams by strokes "
-        "only with the engine turning. For a recording (replay:) the result is that of the "
-        "recorded requests.",
-        "Показывает модель и паспорта блока и команды, которые он знает. Один раз проверяется "
-        "каждая команда, которая не меняет ничего, кроме списка блока (64; список, заданный другой "
-        "программой, будет потерян): 1 с на каждую без ответа, 2 с на каждый поток; потоки по "
-        "тактам — только при вращающемся двигателе. Для записи (replay:) результат берётся из "
-        "записанных запросов.",
-    ),
+    en="Shows the ECU's model and passports and the commands that it knows. Every command is "
+    "tried once that changes nothing but the unit's list (64; a list that another program has "
+    "set is lost): 1 s for each without a response, 2 s for each stream; streams by strokes "
+    "only with the engine turning. For a recording (replay:) the result is that of the "
+    "recorded requests.",
+    ru="Показывает модель и паспорта блока и команды, которые он знает. Один раз проверяется "
+    "каждая команда, которая не меняет ничего, кроме списка блока (64; список, заданный другой "
+    "программой, будет потерян): 1 с на каждую без ответа, 2 с на каждый поток; потоки по "
+    "тактам — только при вращающемся двигателе. Для записи (replay:) результат берётся из "
+    "записанных запросов.",
     examples=("mikas info", "mikas info --quick", "mikas info --port socket://192.168.1.5:2000"),
 )
-@option("--quick", is_flag=True, text=Text("do not try the commands", "не проверять команды"))
+@option("--quick", is_flag=True, en="do not try the commands", ru="не проверять команды")
 @RELEARN
 def info(context: CommandContext, *, quick: bool) -> None:
     with context.ecu() as ecu:

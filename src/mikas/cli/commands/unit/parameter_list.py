@@ -23,12 +23,10 @@ _SET_OR_NAME = Text(
 list = LocalizedGroup(  # noqa: A001  (the command's name)
     "list",
     homes=LIST_COMMANDS,
-    text=Text(
-        "The list in the unit: `set` chooses its parameters, `read` reads all of them by one short "
-        "request. The unit forgets it when its supply goes off.",
-        "Список в самом блоке: `set` задаёт его параметры, `read` читает их все одним коротким "
-        "запросом. При отключении питания блок его забывает.",
-    ),
+    en="The list in the unit: `set` chooses its parameters, `read` reads all of them by one short "
+    "request. The unit forgets it when its supply goes off.",
+    ru="Список в самом блоке: `set` задаёт его параметры, `read` читает их все одним коротким "
+    "запросом. При отключении питания блок его забывает.",
     examples=("mikas list set FREQ TWAT INJ", "mikas list read"),
     params=common_options(),
 )
@@ -36,12 +34,10 @@ list = LocalizedGroup(  # noqa: A001  (the command's name)
 
 @command(
     "set",
-    Text(
-        "Sets the unit's list to each NAME (64): asks first. Changes nothing else in the unit, and "
-        "is undone by its next power-off. The names are kept for `mikas list read`.",
-        "Записывает в блок список из NAME (64): спрашивает подтверждение. Больше в блоке ничего не "
-        "меняет, отключение питания отменяет. Имена сохраняются для `mikas list read`.",
-    ),
+    en="Sets the unit's list to each NAME (64): asks first. Changes nothing else in the unit, and "
+    "is undone by its next power-off. The names are kept for `mikas list read`.",
+    ru="Записывает в блок список из NAME (64): спрашивает подтверждение. Больше в блоке ничего не "
+    "меняет, отключение питания отменяет. Имена сохраняются для `mikas list read`.",
     examples=("mikas list set FREQ TWAT INJ", "mikas list set 0x3F:2 --yes --json"),
 )
 @click.argument("names", metavar="NAME...", nargs=-1, required=True)
@@ -60,12 +56,10 @@ def set(context: CommandContext, names: tuple[str, ...], *, yes: bool) -> None: 
 
 @command(
     "read",
-    Text(
-        "Reads the unit's list once (63), as `mikas list set` has set it last. The unit does not "
-        "say which parameters it has: a list set by another program needs each NAME in order.",
-        "Читает список блока один раз (63), каким его последний раз задала `mikas list set`. Блок "
-        "не сообщает, какие в нём параметры: для списка другой программы назовите NAME по порядку.",
-    ),
+    en="Reads the unit's list once (63), as `mikas list set` has set it last. The unit does not "
+    "say which parameters it has: a list set by another program needs each NAME in order.",
+    ru="Читает список блока один раз (63), каким его последний раз задала `mikas list set`. Блок "
+    "не сообщает, какие в нём параметры: для списка другой программы назовите NAME по порядку.",
     examples=("mikas list read", "mikas list read FREQ TWAT INJ --json"),
 )
 @click.argument("names", metavar="[NAME]...", nargs=-1)

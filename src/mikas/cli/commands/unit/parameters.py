@@ -18,17 +18,14 @@ from mikas.cli.render.values import reading_json, reference, unit_text, valid_re
 from mikas.client import Reading
 from mikas.client.parameters.parameters import datum_to_write, decode
 from mikas.errors import usage_error
-from mikas.i18n import Text
 
 
 @command(
     "params",
-    Text(
-        "Lists every known parameter with its code, unit, formula, limits and errata, then the "
-        "derived channels. Needs no port.",
-        "Показывает все известные параметры: код, единицу, формулу, пределы, сомнительные места; "
-        "затем производные каналы. Порт не нужен.",
-    ),
+    en="Lists every known parameter with its code, unit, formula, limits and errata, then the "
+    "derived channels. Needs no port.",
+    ru="Показывает все известные параметры: код, единицу, формулу, пределы, сомнительные места; "
+    "затем производные каналы. Порт не нужен.",
     examples=("mikas params", "mikas params --interpretation literal", "mikas params --json"),
 )
 def params(context: CommandContext) -> None:
@@ -115,12 +112,10 @@ def _parameter_json(catalog: Catalog, parameter: Parameter, interpretation: str)
 
 @command(
     "read",
-    Text(
-        "Reads each NAME once; with no name, every parameter that the unit knows. A raw code is "
-        "written 0x1A, or 0x3F:2 for two bytes.",
-        "Читает каждый параметр NAME один раз; без имён — все, которые знает блок. Код без имени "
-        "пишется 0x1A, двухбайтовый 0x3F:2.",
-    ),
+    en="Reads each NAME once; with no name, every parameter that the unit knows. A raw code is "
+    "written 0x1A, or 0x3F:2 for two bytes.",
+    ru="Читает каждый параметр NAME один раз; без имён — все, которые знает блок. Код без имени "
+    "пишется 0x1A, двухбайтовый 0x3F:2.",
     examples=("mikas read", "mikas read TWAT FREQ UACC", "mikas read 0x3F:2 --json"),
 )
 @click.argument("names", metavar="[NAME]...", nargs=-1)
@@ -168,12 +163,10 @@ def _reading_row(name: str, reading: Reading) -> list[str]:
 
 @command(
     "write",
-    Text(
-        "Writes parameter NAME by its physical VALUE or by raw bytes (low byte first): asks "
-        "first, then reads it back.",
-        "Записывает в параметр NAME физическое значение VALUE или байты (младший первым): "
-        "спрашивает подтверждение, затем проверяет чтением.",
-    ),
+    en="Writes parameter NAME by its physical VALUE or by raw bytes (low byte first): asks "
+    "first, then reads it back.",
+    ru="Записывает в параметр NAME физическое значение VALUE или байты (младший первым): "
+    "спрашивает подтверждение, затем проверяет чтением.",
     examples=("mikas write UOZ 12.5", "mikas write INJ --raw 5802", "mikas write UOZ 12.5 --yes"),
     context_settings={"ignore_unknown_options": True},
 )
@@ -183,7 +176,8 @@ def _reading_row(name: str, reading: Reading) -> list[str]:
     "--raw",
     type=hex_bytes,
     metavar="HEX",
-    text=Text("raw bytes instead of VALUE", "байты вместо VALUE"),
+    en="raw bytes instead of VALUE",
+    ru="байты вместо VALUE",
 )
 @RELEARN
 @YES

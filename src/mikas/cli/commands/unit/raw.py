@@ -13,14 +13,12 @@ from mikas.i18n import Text
 
 @command(
     "raw",
-    Text(
-        "Sends HEX as a request's body (checksum, stuffing and 0D are added) and prints the "
-        "response's body. Asks first, unless the request is known to be harmless. For a jump (41) "
-        "and writes to CODE (16, 26) --yes alone is not enough.",
-        "Отправляет HEX как тело запроса (контрольная сумма, замена байтов и 0D добавляются) и "
-        "печатает тело ответа. Если запрос не из безвредных, спрашивает подтверждение. Для "
-        "перехода (41) и записи в CODE (16, 26) одного --yes недостаточно.",
-    ),
+    en="Sends HEX as a request's body (checksum, stuffing and 0D are added) and prints the "
+    "response's body. Asks first, unless the request is known to be harmless. For a jump (41) "
+    "and writes to CODE (16, 26) --yes alone is not enough.",
+    ru="Отправляет HEX как тело запроса (контрольная сумма, замена байтов и 0D добавляются) и "
+    "печатает тело ответа. Если запрос не из безвредных, спрашивает подтверждение. Для "
+    "перехода (41) и записи в CODE (16, 26) одного --yes недостаточно.",
     examples=(
         "mikas raw 611A",
         'mikas raw "02" --json',

@@ -21,7 +21,7 @@ from mikas.client.identity import count_parameters
 from mikas.client.parameters.parameters import decode
 from mikas.commands import ReadUnknownSize
 from mikas.errors import NotSupported, UsageError, reason_at, usage_error
-from mikas.i18n import Text, plural
+from mikas.i18n import plural
 from mikas.saving import save
 
 _CODES = 0x100
@@ -29,16 +29,14 @@ _CODES = 0x100
 
 @command(
     "scan",
-    Text(
-        "Requests every code 00–FF by command 61 and shows which of them the unit answers, with "
-        "size and value, beside the number that command 60 promises. A silent code takes about "
-        "2 s, all of them about ten minutes (--timeout 0.2 or --retries 0 shorten that). Changes "
-        "nothing in the unit. Ctrl-C shows the codes found so far.",
-        "Запрашивает командой 61 все коды 00–FF и показывает, на какие из них блок отвечает, с "
-        "размером и значением, рядом с числом, которое обещает команда 60. Код без ответа "
-        "занимает около 2 с, все — около десяти минут (быстрее: --timeout 0.2 или --retries 0). "
-        "В блоке ничего не меняет. Ctrl-C показывает найденное.",
-    ),
+    en="Requests every code 00–FF by command 61 and shows which of them the unit answers, with "
+    "size and value, beside the number that command 60 promises. A silent code takes about "
+    "2 s, all of them about ten minutes (--timeout 0.2 or --retries 0 shorten that). Changes "
+    "nothing in the unit. Ctrl-C shows the codes found so far.",
+    ru="Запрашивает командой 61 все коды 00–FF и показывает, на какие из них блок отвечает, с "
+    "размером и значением, рядом с числом, которое обещает команда 60. Код без ответа "
+    "занимает около 2 с, все — около десяти минут (быстрее: --timeout 0.2 или --retries 0). "
+    "В блоке ничего не меняет. Ctrl-C показывает найденное.",
     examples=("mikas scan", "mikas scan -o mine.toml", "mikas scan --retries 0 --json"),
 )
 @option(
@@ -46,10 +44,8 @@ _CODES = 0x100
     "--out",
     type=any_file,
     metavar="OUT",
-    text=Text(
-        "write the unknown codes to OUT, a catalog file for --catalog",
-        "записать неизвестные коды в OUT, файл каталога для --catalog",
-    ),
+    en="write the unknown codes to OUT, a catalog file for --catalog",
+    ru="записать неизвестные коды в OUT, файл каталога для --catalog",
 )
 @OVERWRITE
 @RELEARN
