@@ -113,7 +113,7 @@ class Rig:
         self.dashboard, self.cars = dashboard, cars
         self.access, self.client, self.server = reached.access, reached.client, reached.server
         self.port = self.access.port
-        self._open = reached.open
+        self.reached, self._open = reached, reached.open
 
     def get(self, path, status=200, headers=ME, **params):
         return self._checked(self.client.get(f"/api{path}", headers=headers, params=params), status)

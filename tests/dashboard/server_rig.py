@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import threading
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -22,6 +23,8 @@ class Reached:
     access: Access
     client: httpx.Client
     server: Server
+    loop: asyncio.AbstractEventLoop
+    """The server's."""
 
     def open(self, address, headers):
         """A WebSocket."""
@@ -35,7 +38,13 @@ def served(dashboard, page, tls, access):
     with listen(0, lan=False) as own:
         rules = Access(own.getsockname()[1], **access)
         ready = threading.Event()
-        server = Server(create_app(dashboard, rules, folder=page), ready=ready.set, tls=tls)
+        loops = []
+
+        def begun():
+            loops.append(asyncio.get_running_loop())
+            ready.set()
+
+        server = Server(create_app(dashboard, rules, folder=page), ready=begun, tls=tls)
         thread = threading.Thread(target=server.run, kwargs={"sockets": [own]})
         thread.start()
         try:
@@ -43,7 +52,7 @@ def served(dashboard, page, tls, access):
             url = f"http://127.0.0.1:{rules.port}"
             # Without TLS: to load the system's certificates takes as long as to start the server.
             with httpx.Client(base_url=url, timeout=60, verify=False) as client:
-                yield Reached(rules, client, server)
+                yield Reached(rules, client, server, loops[0])
         finally:
             server.should_exit = True
             thread.join()

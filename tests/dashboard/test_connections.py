@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import errno
 import json
 import logging
@@ -20,7 +21,8 @@ from mikas.dashboard.connections import (
     TcpLimits,
     TcpPhase,
 )
-from mikas.dashboard.server import _report
+from mikas.dashboard.entrance import Entrance
+from mikas.dashboard.listening import listen
 
 
 class Clock:
@@ -40,8 +42,8 @@ class Accepted:
         Accepted.count += 1
         self.number, self.ended = Accepted.count, False
 
-    def fileno(self):
-        return self.number
+    def getsockname(self):
+        return "127.0.0.1", self.number
 
     def shutdown(self, _):
         self.ended = True
@@ -52,14 +54,22 @@ class Transport:
     def __init__(self, accepted):
         self.accepted, self.unsent = accepted, 0
 
-    def get_extra_info(self, _):
-        return self.accepted
+    def get_protocol(self):
+        return None
+
+    def is_closing(self):
+        return False
 
     def get_write_buffer_size(self):
         return self.unsent
 
     def abort(self):
         self.accepted.ended = True
+
+
+def peer(address):
+    """The other end: an address in the network, or None for this computer."""
+    return address or "127.0.0.1", 50_000
 
 
 @pytest.fixture
@@ -73,15 +83,20 @@ def come(guard, address, count=1):
     for _ in range(count):
         guard.clock.now += 1
         accepted = Accepted()
-        if guard.admit(accepted, address):
+        if guard.admit(accepted, peer(address)):
             came.append(accepted)
     return came
 
 
 def work(guard, accepted):
     """It has sent its request."""
+    return enter(guard, accepted, TcpPhase.NOTHING)
+
+
+def enter(guard, accepted, phase):
     transport = Transport(accepted)
-    guard.of(transport).enter(TcpPhase.NOTHING, guard.clock())
+    accepted.connection.attach(transport, None)
+    accepted.connection.enter(phase, guard.clock())
     return transport
 
 
@@ -121,17 +136,17 @@ def test_the_network_at_work_leaves_places_for_this_computer(guard):
 
 
 def test_an_address_opens_no_more_than_so_many_a_second(guard):
-    came = [guard.admit(Accepted(), "10.0.0.1") for _ in range(MAX_NEW + 5)]
+    came = [guard.admit(Accepted(), peer("10.0.0.1")) for _ in range(MAX_NEW + 5)]
     assert came == [True] * MAX_NEW + [False] * 5
-    assert guard.admit(Accepted(), None)
+    assert guard.admit(Accepted(), peer(None))
     guard.clock.now += 1
-    assert guard.admit(Accepted(), "10.0.0.1")
+    assert guard.admit(Accepted(), peer("10.0.0.1"))
 
 
 @pytest.mark.parametrize("phase", TcpPhase)
 def test_a_client_has_so_long_for_each_phase(guard, phase):
     (it,) = come(guard, None)
-    guard.of(Transport(it)).enter(phase, guard.clock())
+    enter(guard, it, phase)
     for _ in range(50):
         guard.clock.now += (phase.value or 1e6) / 51
         guard.sweep()
@@ -144,8 +159,7 @@ def test_a_client_has_so_long_for_each_phase(guard, phase):
 @pytest.mark.parametrize("phase", TcpPhase)
 def test_who_takes_nothing_of_what_was_sent_is_dropped_and_a_slow_one_is_not(guard, phase):
     (it,) = come(guard, None)
-    transport = Transport(it)
-    guard.of(transport).enter(phase, guard.clock())
+    transport = enter(guard, it, phase)
     for transport.unsent in range(9000, 0, -100):
         guard.clock.now += STALL_SECONDS - 1
         guard.sweep()
@@ -158,13 +172,41 @@ def test_who_takes_nothing_of_what_was_sent_is_dropped_and_a_slow_one_is_not(gua
     assert it.ended
 
 
+def test_a_connection_that_can_t_be_looked_at_ends_no_sweep(guard, caplog):
+    broken, late = come(guard, None, 2)
+    enter(guard, broken, TcpPhase.NOTHING).get_write_buffer_size = lambda: 1 // 0
+    guard.clock.now += HEAD_SECONDS
+    guard.sweep()
+    assert late.ended
+    assert "could not be looked at" in caplog.text
+
+
+class ClosedTwice(Transport):
+    """As asyncio's transport of TLS is after a second `close`."""
+
+    def get_write_buffer_size(self):
+        raise AttributeError("'NoneType' object has no attribute '_get_write_buffer_size'")
+
+    def is_closing(self):
+        return True
+
+
+def test_tls_that_was_closed_twice_has_nothing_unsent_and_ends_in_its_time(guard):
+    (it,) = come(guard, None)
+    it.connection.attach(ClosedTwice(it), None)
+    assert it.connection.unsent == 0
+    guard.clock.now += HEAD_SECONDS
+    guard.sweep()
+    assert it.connection.dropped
+
+
 class NoFileLeft:
     """A listening socket where the system accepts only with the spare descriptor free."""
 
     def __init__(self, guard, waiting):
         self.guard, self.waiting, self.closed, self.asked = guard, waiting, 0, 0
 
-    def accept_any(self):
+    def accept(self):
         self.asked += 1
         if self.guard._spare is not None:  # noqa: SLF001
             raise OSError(errno.EMFILE, "no file left")
@@ -186,11 +228,53 @@ def test_without_a_descriptor_connections_are_closed_and_nothing_spins(guard, ca
     assert all(it.ended for it in came)  # half-open ones, whose descriptors are free now
     guard._spare = -1  # noqa: SLF001
     endless = NoFileLeft(guard, 10**9)
-    endless.accept_any = lambda: (_ for _ in ()).throw(ConnectionAbortedError())
-    with pytest.raises(ConnectionAbortedError):  # which asyncio takes for the end
+    endless.accept = lambda: (_ for _ in ()).throw(ConnectionAbortedError())
+    with pytest.raises(ConnectionAbortedError):  # which the entrance takes for the end
         guard.accept(endless)
-    _report(None, {"exception": OSError(errno.EMFILE, "no file left"), "message": "x"})
-    assert [record.exc_info for record in caplog.records] == [None]
+
+
+def test_without_a_descriptor_the_entrance_says_so_and_tries_again(guard, caplog, monkeypatch):
+    monkeypatch.setattr("mikas.dashboard.connections._spare", lambda: None)
+    monkeypatch.setattr("mikas.dashboard.entrance._OUT_OF_DESCRIPTORS", 0.01)
+    tried = []
+
+    def full(_):
+        tried.append(1)
+        if len(tried) == 2:
+            over.set()
+        raise OSError(errno.EMFILE, "no file left")
+
+    async def main():
+        with listen(0, lan=False) as own, socket.create_connection(own.getsockname()):
+            entrance = Entrance(own, asyncio.Protocol, guard, None)
+            entrance.open()
+            await asyncio.wait_for(over.wait(), 60)
+            await entrance.close()
+
+    monkeypatch.setattr(guard, "accept", full)
+    over = asyncio.Event()
+    asyncio.run(main())
+    assert {record.exc_info for record in caplog.records} == {None}
+    assert "no files left" in caplog.text
+
+
+def test_what_is_sent_does_not_wait_for_an_acknowledgement(guard):
+    class Made(asyncio.Protocol):
+        def connection_made(self, transport):
+            own = transport.get_extra_info("socket")
+            sends_at_once.set_result(own.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY))
+
+    async def main():
+        nonlocal sends_at_once
+        sends_at_once = asyncio.get_running_loop().create_future()
+        with listen(0, lan=False) as own, socket.create_connection(own.getsockname()):
+            entrance = Entrance(own, Made, guard, None)
+            entrance.open()
+            assert await asyncio.wait_for(sends_at_once, 60)
+            await entrance.close()
+
+    sends_at_once = None
+    asyncio.run(main())
 
 
 @pytest.fixture(scope="module")

@@ -148,7 +148,7 @@ def test_half_open_handshakes_make_room_for_the_next_one(certificate, tmp_path, 
 
 def test_closed_to_the_network_it_ends_its_connections_and_takes_no_more(lan, certificate):
     entrance = lan.server._entrances[0]  # noqa: SLF001
-    loop = entrance._accepting.get_loop()  # noqa: SLF001
+    loop = lan.reached.loop
     with raw(lan) as plain, certificate[1].wrap_socket(plain, server_hostname="garage") as open_one:
         open_one.sendall(b"GET / HTTP/1.1\r\n")  # the handshake is over at both ends
         with raw(lan) as half_open:

@@ -10,14 +10,16 @@ Some places are kept for this computer, and each address in the network has a li
     at work, or a WebSocket                          no limit here
     the client takes none of what was sent           30 s, in each of these
 
-`sweep` ends what has waited too long; the server calls it every second. All of it runs in the event
-loop. `clock`: seconds that never run back.
+`sweep` ends what has waited too long; the server calls it every second. What a connection waits for
+comes from `phases`. All of it runs in the event loop. `clock`: seconds that never
+run back.
 """
 
 from __future__ import annotations
 
 import asyncio
 import errno
+import logging
 import os
 import socket
 from collections import Counter
@@ -27,7 +29,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Final
 
-from mikas.dashboard.listening import ListeningSocket, is_loopback
+from mikas.dashboard.listening import is_loopback
 
 HEAD_SECONDS: Final = 10.0
 BODY_SECONDS: Final = 30.0
@@ -38,6 +40,11 @@ _MIN_TOTAL = 64
 _OTHER_FILES = 256  # descriptors of recordings, exports, ports, and of connections being closed
 _DESCRIPTORS = 1024  # more would not do: pyserial waits by select()
 _REFUSED_AT_ONCE = 64
+_log = logging.getLogger("mikas.dashboard")
+
+End = tuple[str, int]
+"""The address and port of one end of a connection."""
+
 _EXHAUSTED = (errno.EMFILE, errno.ENFILE, errno.ENOBUFS, errno.ENOMEM)
 
 
@@ -74,19 +81,24 @@ class TcpLimits:
 class TcpConnection:
     """An accepted connection. `address`: of an address in the network; None: of this computer."""
 
-    __slots__ = ("_drop", "_moved", "_transport", "_unsent", "address", "phase", "since")
+    __slots__ = (
+        "_drop", "_moved", "_protocol", "_refused", "_transport", "_unsent", "address", "phase",
+        "since",
+    )  # fmt: skip
 
     def __init__(self, address: str | None, drop: Callable[[], object], now: float) -> None:
         self.address = address
         self.phase = TcpPhase.REQUEST
         self._drop: Callable[[], object] | None = drop
         self._transport: asyncio.Transport | None = None
+        self._protocol: asyncio.BaseProtocol | None = None
         self.since = self._moved = now
         self._unsent = 0
+        self._refused = False
 
-    def attach(self, transport: asyncio.Transport) -> None:
-        """Set the transport, once there is one; for TLS after the handshake."""
-        self._transport = transport
+    def attach(self, transport: asyncio.Transport, protocol: asyncio.BaseProtocol) -> None:
+        """Set the transport and its HTTP, once there are; for TLS after the handshake."""
+        self._transport, self._protocol = transport, protocol
         if self._drop is not None:
             self._drop = transport.abort
 
@@ -98,7 +110,10 @@ class TcpConnection:
     @property
     def unsent(self) -> int:
         """Bytes that the client has not taken; the system's own buffer is not counted."""
-        return self._transport.get_write_buffer_size() if self._transport else 0
+        try:
+            return self._transport.get_write_buffer_size() if self._transport else 0
+        except AttributeError:  # asyncio's transport of TLS that was closed twice has no answer
+            return 0
 
     @property
     def dropped(self) -> bool:
@@ -118,7 +133,18 @@ class TcpConnection:
         if self._unsent:
             self.since = now  # the client is still taking the last response
             return now - self._moved >= STALL_SECONDS
+        before, self._refused = self._refused, self._is_websocket_without_a_request()
+        if before and self._refused:
+            return True
         return self.phase.value is not None and now - self.since >= self.phase.value
+
+    def _is_websocket_without_a_request(self) -> bool:
+        """Return whether HTTP gave way to a WebSocket that the application has not been asked for:
+        it may be about to be, or was refused without an answer, for more headers than are read."""
+        transport = self._transport
+        if transport is None or self.phase is not TcpPhase.REQUEST or transport.is_closing():
+            return False
+        return transport.get_protocol() is not self._protocol
 
     def drop(self) -> None:
         """End the connection at once."""
@@ -134,8 +160,8 @@ class TcpConnections:
     def __init__(self, limits: TcpLimits, clock: Callable[[], float]) -> None:
         self.limits = limits
         self.clock = clock
-        self._open: dict[int, TcpConnection] = {}
-        """By file descriptor."""
+        self._open: dict[tuple[End, End], TcpConnection] = {}
+        """By the ends: the client's, and the one here."""
         self._new: Counter[str] = Counter()
         self._second = 0.0
         self._spare: int | None = None
@@ -144,36 +170,32 @@ class TcpConnections:
         """Return the number of connections whose sockets are open."""
         return len(self._open)
 
-    def of(self, transport: asyncio.Transport) -> TcpConnection:
-        """Return the connection of `transport`, and attach it."""
-        own, peer = transport.get_extra_info("socket"), transport.get_extra_info("peername")
-        connection = self._open.get(own.fileno()) if own is not None else None
-        if connection is None:  # not accepted by a `ListeningSocket`
-            connection = TcpConnection(_address(peer), transport.abort, self.clock())
-        connection.attach(transport)
-        return connection
+    def between(self, client: End, here: End) -> TcpConnection | None:
+        """Return the connection with these ends; None: it has gone already."""
+        return self._open.get((client, here))
 
-    def accept(self, listening: ListeningSocket) -> tuple[socket.socket, object]:
+    def accept(self, listening: socket.socket) -> AcceptedSocket:
         """Accept a connection. Raises `BlockingIOError` if none that may come in is waiting."""
         if self._spare is None:
             self._spare = _spare()
         for _ in range(_REFUSED_AT_ONCE):
             try:
-                own, peer = listening.accept_any()
+                own, peer = listening.accept()
             except OSError as error:
                 if not is_exhausted(error) or self._spare is None:
-                    raise  # asyncio waits for a second
+                    raise
                 self._refuse_by_spare(listening)
                 continue
-            accepted = _Accepted(own.family, own.type, own.proto, fileno=own.detach())
-            if self.admit(accepted, _address(peer)):
-                return accepted, peer
+            accepted = AcceptedSocket(own.family, own.type, own.proto, fileno=own.detach())
+            with suppress(OSError):  # it has gone already, and has no name
+                if self.admit(accepted, peer):
+                    return accepted
             accepted.close()
         raise BlockingIOError
 
-    def admit(self, accepted: _Accepted, address: str | None) -> bool:
-        """Return whether a new connection of `address` may come in, and count it."""
-        now = self.clock()
+    def admit(self, accepted: AcceptedSocket, peer: End) -> bool:
+        """Return whether a new connection of `peer` may come in, and count it."""
+        address, now = _address(peer), self.clock()
         if address is not None and not (self._is_fair(address, now) and self._fits(address)):
             return False
         live = self._live()
@@ -181,19 +203,22 @@ class TcpConnections:
             others = [it for it in live if it.address is not None]
             if not (self._make_room(others) or self._make_room(live)):
                 return False
-        number = accepted.fileno()
-        self._open[number] = TcpConnection(
+        ends = peer, accepted.getsockname()
+        self._open[ends] = accepted.connection = TcpConnection(
             address, lambda: accepted.shutdown(socket.SHUT_RDWR), now
         )
-        accepted.left = lambda: self._open.pop(number, None)
+        accepted.left = lambda: self._open.pop(ends, None)
         return True
 
     def sweep(self) -> None:
         """Drop the connections that have kept the server waiting for too long."""
         now = self.clock()
         for connection in self._live():
-            if connection.is_late(now):
-                connection.drop()
+            try:
+                if connection.is_late(now):
+                    connection.drop()
+            except Exception:  # of one connection; the server and the others go on
+                _log.exception("a connection could not be looked at")
 
     def _live(self) -> list[TcpConnection]:
         return [it for it in self._open.values() if not it.dropped]
@@ -222,14 +247,14 @@ class TcpConnections:
         min(waiting, key=lambda it: (-many[it.address], it.since)).drop()
         return True
 
-    def _refuse_by_spare(self, listening: ListeningSocket) -> None:
+    def _refuse_by_spare(self, listening: socket.socket) -> None:
         """Close one waiting connection, with no descriptor left but the spare one."""
         assert self._spare is not None
         self._make_room(self._live())
         os.close(self._spare)
         self._spare = None
         try:
-            listening.accept_any()[0].close()
+            listening.accept()[0].close()
         finally:
             self._spare = _spare()
 
@@ -239,9 +264,10 @@ def is_exhausted(error: object) -> bool:
     return isinstance(error, OSError) and error.errno in _EXHAUSTED
 
 
-class _Accepted(socket.socket):
+class AcceptedSocket(socket.socket):
     """A connection's socket; `left` is called when it is closed."""
 
+    connection: TcpConnection
     left: Callable[[], object] | None = None
 
     def close(self) -> None:
@@ -252,8 +278,8 @@ class _Accepted(socket.socket):
         super().close()
 
 
-def _address(peer: object) -> str | None:
-    address = str(peer[0]) if isinstance(peer, tuple) and peer else ""
+def _address(peer: End) -> str | None:
+    address = str(peer[0]) if peer else ""  # of one that has gone already, macOS gives none
     return None if is_loopback(address) else address
 
 

@@ -1,13 +1,15 @@
-"""The entrance with TLS: one socket, plain HTTP from this computer, TLS from the network.
+"""The entrance: accepts connections on one socket, and gives each the protocol of the server.
 
-A browser on this computer would warn of a self-signed certificate, and no other computer can read
-what goes over 127.0.0.1. Everyone else has to shake hands first; a client that speaks plain HTTP,
-or nothing, is closed. `connections` counts and bounds all of them from the moment of acceptance.
+With TLS, this computer gets plain HTTP and the network TLS. A browser on this computer would warn
+of a self-signed certificate, and no other computer can read what goes over 127.0.0.1. Everyone else
+has to shake hands first; a client that speaks plain HTTP, or nothing, is closed. `connections`
+counts and bounds all of them from the moment of acceptance.
 """
 
 from __future__ import annotations
 
 import asyncio
+import logging
 import socket
 import ssl
 from collections.abc import Callable, Iterator
@@ -15,32 +17,47 @@ from contextlib import contextmanager
 from typing import Final
 from weakref import WeakSet
 
-from mikas.dashboard.connections import HEAD_SECONDS
+from mikas.dashboard.connections import (
+    HEAD_SECONDS,
+    AcceptedSocket,
+    TcpConnections,
+    is_exhausted,
+)
 
 PLAIN: Final = "127.0.0.1"
 """The address of this computer at which connections are not encrypted."""
 _GOODBYE: Final = 2.0  # s for the other side to end TLS
 _OUT_OF_DESCRIPTORS: Final = 0.5  # s until the next try
+_AT_ONCE: Final = 64  # connections that are accepted before others get a turn
+
+_log = logging.getLogger("mikas.dashboard")
 
 
 class Entrance:
-    """Accepts connections on `own`, a listening socket, and gives each a protocol of `create`."""
+    """Accepts connections on `own`, a listening socket, and gives each a protocol of `create`.
+
+    `context`: how the network is served; None: closed to it. `plain`: everyone gets plain HTTP.
+    """
 
     def __init__(
         self,
         own: socket.socket,
         create: Callable[[], asyncio.Protocol],
+        guard: TcpConnections,
         context: ssl.SSLContext | None,
+        *,
+        plain: bool = False,
     ) -> None:
-        self._own, self._create, self._context = own, create, context
-        self._accepting: asyncio.Task[None] | None = None
+        self._own, self._create, self._guard = own, create, guard
+        self._context, self._plain = context, plain
+        self._again: asyncio.TimerHandle | None = None
         self._tasks: set[asyncio.Task[None]] = set()
         self._network: WeakSet[asyncio.Transport] = WeakSet()
 
     def open(self) -> None:
         """Begin to accept; in the event loop."""
         self._own.setblocking(False)
-        self._accepting = asyncio.create_task(self._accept())
+        asyncio.get_running_loop().add_reader(self._own, self._accept)
 
     def admit_network(self, context: ssl.SSLContext | None) -> None:
         """Serve the network by `context`; None: close its connections, and refuse new ones."""
@@ -53,50 +70,57 @@ class Entrance:
 
     async def close(self) -> None:
         """Accept no more, and end the handshakes; connections stay."""
-        tasks = {*self._tasks, *filter(None, [self._accepting])}
-        for task in tasks:
+        asyncio.get_running_loop().remove_reader(self._own)
+        if self._again is not None:
+            self._again.cancel()
+        for task in self._tasks:
             task.cancel()
-        if tasks:
-            await asyncio.wait(tasks)
+        if self._tasks:
+            await asyncio.wait(self._tasks)
 
-    async def _accept(self) -> None:
+    def _accept(self) -> None:
+        """Accept those that wait."""
         loop = asyncio.get_running_loop()
-        while True:
-            try:
-                connection, _ = await loop.sock_accept(self._own)
-            except OSError:
-                await asyncio.sleep(_OUT_OF_DESCRIPTORS)
-                continue
-            task = asyncio.create_task(self._admit(connection))
-            self._tasks.add(task)
-            task.add_done_callback(self._tasks.discard)
+        try:
+            for _ in range(_AT_ONCE):
+                task = loop.create_task(self._admit(self._guard.accept(self._own)))
+                self._tasks.add(task)
+                task.add_done_callback(self._tasks.discard)
+        except (BlockingIOError, InterruptedError, ConnectionAbortedError):
+            return  # no other one waits, or it has gone already
+        except OSError as error:
+            if is_exhausted(error):
+                _log.warning("no more connections: the system has no files left; trying again")
+            loop.remove_reader(self._own)
+            self._again = loop.call_later(_OUT_OF_DESCRIPTORS, self.open)
 
-    async def _admit(self, connection: socket.socket) -> None:
+    async def _admit(self, accepted: AcceptedSocket) -> None:
         loop = asyncio.get_running_loop()
-        with _closed_on_error(connection):
-            if connection.getsockname()[0] == PLAIN:
-                await loop.connect_accepted_socket(self._create, connection)
-                return
+        with _closed_on_error(accepted):
             context = self._context
-            if context is None:  # closed to the network
-                connection.close()
+            is_plain = self._plain or accepted.getsockname()[0] == PLAIN
+            if not is_plain and context is None:  # closed to the network
+                accepted.close()
                 return
-            transport, _ = await loop.connect_accepted_socket(
+            transport, protocol = await loop.connect_accepted_socket(
                 self._create,
-                connection,
-                ssl=context,
-                ssl_handshake_timeout=HEAD_SECONDS,
-                ssl_shutdown_timeout=_GOODBYE,
+                accepted,
+                ssl=None if is_plain else context,
+                ssl_handshake_timeout=None if is_plain else HEAD_SECONDS,
+                ssl_shutdown_timeout=None if is_plain else _GOODBYE,
             )
+            accepted.connection.attach(transport, protocol)
+            if is_plain:
+                return
             self._network.add(transport)
             if self._context is not context:  # closed, or opened again, during the handshake
                 transport.abort()
 
 
 @contextmanager
-def _closed_on_error(connection: socket.socket) -> Iterator[None]:
+def _closed_on_error(accepted: AcceptedSocket) -> Iterator[None]:
     """Close the connection if it can't be admitted: plain HTTP, silence, an early end."""
     try:
         yield
     except OSError:  # those of TLS are, too
-        connection.close()
+        accepted.close()

@@ -6,7 +6,6 @@ import errno
 import ipaddress
 import socket
 import sys
-from collections.abc import Callable
 from contextlib import suppress
 
 from mikas.errors import reason_of, usage_error
@@ -14,20 +13,6 @@ from mikas.errors import reason_of, usage_error
 FIRST_PORT = 8071
 _TRIED = 20
 _SEND_BUFFER = 1 << 16  # bytes of a slow client that the system may queue
-
-
-class ListeningSocket(socket.socket):
-    """A listening socket. `accept_by`, if set, chooses the connections that may come in."""
-
-    accept_by: Callable[[ListeningSocket], tuple[socket.socket, object]] | None = None
-
-    def accept(self) -> tuple[socket.socket, object]:
-        """Accept a connection."""
-        return self.accept_any() if self.accept_by is None else self.accept_by(self)
-
-    def accept_any(self) -> tuple[socket.socket, object]:
-        """Accept the next connection."""
-        return super().accept()
 
 
 def is_loopback(address: str) -> bool:
@@ -38,7 +23,7 @@ def is_loopback(address: str) -> bool:
         return False
 
 
-def listen(port: int | None, *, lan: bool) -> ListeningSocket:
+def listen(port: int | None, *, lan: bool) -> socket.socket:
     """Return a socket on `port`, or on the first free one from 8071 on. Raises `UsageError`."""
     wanted = range(FIRST_PORT, FIRST_PORT + _TRIED) if port is None else [port]
     failure: OSError | None = None
@@ -59,9 +44,10 @@ def listen(port: int | None, *, lan: bool) -> ListeningSocket:
     ) from failure
 
 
-def bound(host: str, port: int) -> ListeningSocket:
+def bound(host: str, port: int) -> socket.socket:
     """Return a listening socket at one address. Raises `OSError`."""
-    own = ListeningSocket(socket.AF_INET, socket.SOCK_STREAM)
+    # With its protocol named, asyncio sends without waiting for more (TCP_NODELAY).
+    own = socket.socket(socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP)
     try:
         if sys.platform != "win32":  # where the option would share the port with another program
             own.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)

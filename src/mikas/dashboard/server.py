@@ -19,31 +19,17 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
-from typing import Any
 
 import uvicorn
 from fastapi import FastAPI
-from h11 import Request
-from uvicorn.protocols.http.h11_impl import H11Protocol
-from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
-from uvicorn.server import ServerState
 
-from mikas.dashboard.connections import (
-    TcpConnection,
-    TcpConnections,
-    TcpLimits,
-    TcpPhase,
-    is_exhausted,
-)
+from mikas.dashboard.connections import TcpConnections, TcpLimits
 from mikas.dashboard.entrance import Entrance
-from mikas.dashboard.listening import ListeningSocket
-
-_log = logging.getLogger("mikas.dashboard")
+from mikas.dashboard.phases import PhaseReports
 
 _PING = 20.0
 _GRACE = 3
 _IDLE = 8  # seconds; httpx sends a request on a connection that was idle for up to 5
-_BACKLOG = 64  # connections that the system queues, and that are accepted at once
 _TICKS = 10  # of uvicorn's clock, a second
 _INTERRUPTED = 130  # as docs/reference/cli.md has it
 _EXPECTED = (  # messages of uvicorn that report no error
@@ -75,44 +61,6 @@ def _is_error(record: logging.LogRecord) -> bool:
     return record.msg not in _EXPECTED and not isinstance(error, asyncio.CancelledError)
 
 
-class _State(ServerState):
-    """What all protocols of a server share."""
-
-    def __init__(self, guard: TcpConnections) -> None:
-        super().__init__()
-        self.guard = guard
-
-
-class _Protocol(H11Protocol):
-    """HTTP on one connection, which reports what it waits for."""
-
-    server_state: _State
-    _connection: TcpConnection
-
-    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
-        super().connection_made(transport)
-        self._connection = self.server_state.guard.of(transport)
-
-    def handle_events(self) -> None:
-        super().handle_events()
-        if self.cycle is not None and not self.cycle.response_complete:
-            self._enter(TcpPhase.BODY if self.cycle.more_body else TcpPhase.NOTHING)
-
-    def on_response_complete(self) -> None:
-        self._enter(TcpPhase.REQUEST)
-        super().on_response_complete()
-
-    def handle_websocket_upgrade(self, event: Request) -> None:
-        self._enter(TcpPhase.NOTHING)
-        super().handle_websocket_upgrade(event)
-        upgraded = self.transport.get_protocol()
-        if isinstance(upgraded, WebSocketsSansIOProtocol) and not upgraded.handshake_initiated:
-            self.transport.close()  # it has more headers than websockets reads, and no answer
-
-    def _enter(self, phase: TcpPhase) -> None:
-        self._connection.enter(phase, self.server_state.guard.clock())
-
-
 class Server(uvicorn.Server):
     """uvicorn with the application's settings. `clock`: seconds, for the times of connections."""
 
@@ -127,15 +75,15 @@ class Server(uvicorn.Server):
         log = logging.getLogger("uvicorn.error")
         log.setLevel(logging.ERROR)
         log.addFilter(_is_error)
+        self.guard = TcpConnections(TcpLimits.of_this_process(), clock)
         super().__init__(
             uvicorn.Config(
-                app,
+                PhaseReports(app, self.guard),
                 log_config=None,
                 access_log=False,
                 lifespan="on",
-                loop="asyncio:SelectorEventLoop",  # elsewhere `ListeningSocket` is passed by
-                http=_Protocol,
-                backlog=_BACKLOG,
+                loop="asyncio:SelectorEventLoop",  # `Entrance` waits for its socket by itself
+                http="h11",
                 ws="websockets-sansio",
                 ws_max_size=1 << 16,
                 ws_ping_interval=_PING,
@@ -148,8 +96,6 @@ class Server(uvicorn.Server):
                 timeout_graceful_shutdown=_GRACE,
             )
         )
-        self.guard = TcpConnections(TcpLimits.of_this_process(), clock)
-        self.server_state = _State(self.guard)
         self._app, self._ready, self._tls = app, ready, tls
         self._entrances: list[Entrance] = []
         self._signal: int | None = None  # the first one received
@@ -196,18 +142,13 @@ class Server(uvicorn.Server):
         await super().shutdown(sockets)
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
-        """Start, and call `ready`."""
-        asyncio.get_running_loop().set_exception_handler(_report)
-        for own in sockets or []:
-            if isinstance(own, ListeningSocket):
-                own.accept_by = self.guard.accept
-        tls = self._tls
-        await super().startup(sockets if tls is None else [])
-        if tls is not None:
-            self._entrances = [Entrance(own, self._protocol, tls) for own in sockets or ()]
-            for entrance in self._entrances:
-                entrance.open()
-        self._app.state.sharing.attach(self._network_entrance, self._entrances)
+        """Start, open the entrances, and call `ready`."""
+        await super().startup([])
+        plain = self._tls is None
+        for own in sockets or ():
+            self._entrances.append(self._entrance(own, self._tls, plain=plain))
+        first = () if plain else self._entrances
+        self._app.state.sharing.attach(self._entrance, first)
         self._app.state.ending.attach(self._end)
         if not self.should_exit:
             self._ready()
@@ -216,10 +157,11 @@ class Server(uvicorn.Server):
         """Shut down without a signal."""
         self.should_exit = True
 
-    def _network_entrance(self, own: ListeningSocket, context: ssl.SSLContext) -> Entrance:
-        """Return an open entrance for the network, which is counted with the others."""
-        own.accept_by = self.guard.accept
-        entrance = Entrance(own, self._protocol, context)
+    def _entrance(
+        self, own: socket.socket, context: ssl.SSLContext | None, *, plain: bool = False
+    ) -> Entrance:
+        """Return an open entrance, whose connections are counted with those of the others."""
+        entrance = Entrance(own, self._protocol, self.guard, context, plain=plain)
         entrance.open()
         return entrance
 
@@ -236,11 +178,3 @@ class Server(uvicorn.Server):
             self.guard.sweep()
             self._app.state.ending.check()
         return await super().on_tick(counter)
-
-
-def _report(loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
-    """Report an error of the event loop; in a line, if the system has no file left for a client."""
-    if is_exhausted(context.get("exception")):
-        _log.warning("no more connections: the system has no files left; trying again")
-    else:
-        loop.default_exception_handler(context)

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import asyncio
 import ipaddress
+import socket
 import ssl
 from collections.abc import Callable, Sequence
 from datetime import UTC, datetime
@@ -21,7 +22,7 @@ from typing import Protocol
 
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.errors import Busy
-from mikas.dashboard.listening import ListeningSocket, bound
+from mikas.dashboard.listening import bound
 from mikas.dashboard.security.access import Access
 from mikas.dashboard.security.certificate import Certificate, own_certificate
 from mikas.errors import reason_of
@@ -62,13 +63,13 @@ class Sharing:
         self._dashboard, self._access, self._certificate = dashboard, access, certificate
         self._plain = access.lan and certificate is None and access.fingerprint is None
         self._lock = asyncio.Lock()
-        self._create: Callable[[ListeningSocket, ssl.SSLContext], NetworkEntrance] | None = None
+        self._create: Callable[[socket.socket, ssl.SSLContext], NetworkEntrance] | None = None
         self._first: Sequence[NetworkEntrance] = ()
-        self._opened: list[tuple[ListeningSocket, NetworkEntrance]] = []
+        self._opened: list[tuple[socket.socket, NetworkEntrance]] = []
 
     def attach(
         self,
-        create: Callable[[ListeningSocket, ssl.SSLContext], NetworkEntrance],
+        create: Callable[[socket.socket, ssl.SSLContext], NetworkEntrance],
         first: Sequence[NetworkEntrance] = (),
     ) -> None:
         """Set how an entrance is opened, and those of the start; called by the server."""
@@ -125,7 +126,7 @@ class Sharing:
             await entrance.close()
             own.close()
 
-    def _bound(self, numbers: Sequence[str]) -> list[ListeningSocket]:
+    def _bound(self, numbers: Sequence[str]) -> list[socket.socket]:
         """Return a socket for each address at which the port is free. Raises `Busy` if none is."""
         found, failure = [], None
         for number in numbers:
