@@ -26,7 +26,8 @@ def parameters(ecu, *names):
 
 def fetch(ecu, *names, method="single"):
     """One cycle, without a second request for what was refused."""
-    return poller_of(ecu, method).cycle([parameters(ecu, *names)])
+    poller = poller_of(ecu, method)
+    return poller.cycle([poller.turn(parameters(ecu, *names))])
 
 
 def is_refused(ecu, *names):

@@ -35,6 +35,7 @@ from mikas.sampling.derived import DerivedChannels
 
 _STUFFED = 2 / 256  # of random bytes: 0D and 40 take two bytes on the wire
 _LARGEST_DIVISOR = 1000
+_MOST_AVERAGED = 2 * _LARGEST_DIVISOR  # cycles
 _OTHERS = 5
 """Cycles in which the parameters that do not come first are requested once; 3 gives 27 cycles a
 second, 10 gives 34."""
@@ -148,7 +149,7 @@ class Plan:
     @cached_property
     def busy_share(self) -> float:
         """The share of cycles with requests or a stream."""
-        cycles = self._period()
+        cycles = min(self.period, _MOST_AVERAGED)
         return sum(map(self.sends_in, range(cycles))) / cycles
 
     def reads_list(self, cycle: int) -> bool:
@@ -160,7 +161,7 @@ class Plan:
 
         `turn_round`: seconds from a request to its response; `pause`: between those of a stream.
         """
-        cycles = self._period()
+        cycles = min(self.period, _MOST_AVERAGED)
         size = count = 0.0
         for cycle in range(cycles):
             for request in self.requests(cycle):
@@ -176,9 +177,10 @@ class Plan:
         waited = pause if self.method in STREAMS else count * turn_round
         return Price(size, count, (size * 10 / baud + waited) / self.busy_share)
 
-    def _period(self) -> int:
-        """Return the cycles to average over: the common multiple of the divisors, or 2,000."""
-        return min(lcm(*self.divisors.values()), 2 * _LARGEST_DIVISOR)
+    @cached_property
+    def period(self) -> int:
+        """The cycles after which the same requests come again."""
+        return lcm(*self.divisors.values())
 
     def preferring(self, first: Collection[str]) -> Plan:
         """Return this plan with the parameters outside `first` in every fifth cycle only.

@@ -9,7 +9,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 from mikas import commands as c
-from mikas.catalog import Catalog, Parameter
+from mikas.catalog import Catalog, Conversion, Parameter
 from mikas.client.gate import Change, Gate, journal_hex
 from mikas.client.parameters.data import DataReader, RawDatum, distinct, refused
 from mikas.client.parameters.unit_list import UnitList, list_of
@@ -64,10 +64,50 @@ class Reading:
 
 def decode(parameter: Parameter, raw: bytes, time: float, interpretation: str) -> Reading:
     """Decode `raw` into a reading."""
-    conversion = parameter.interpretation(interpretation)
+    conversion, used = _conversion(parameter, interpretation)
+    return Reading(parameter, conversion.decode(raw), conversion.unit, raw, time, used)
+
+
+def _conversion(parameter: Parameter, interpretation: str) -> tuple[Conversion, str]:
     lacks_it = interpretation == "alternative" and parameter.alternative is None
     used = "corrected" if lacks_it else interpretation
-    return Reading(parameter, conversion.decode(raw), conversion.unit, raw, time, used)
+    return parameter.interpretation(interpretation), used
+
+
+class Wanted:
+    """Parameters that are read together: their data, each code once, and how each is decoded.
+
+    Made once for many cycles. Raises `UsageError` for a code with two sizes.
+    """
+
+    def __init__(self, parameters: Sequence[Parameter], interpretation: str) -> None:
+        self.parameters = tuple(parameters)
+        self.data = distinct(self.parameters)
+        places = {datum.code: place for place, datum in enumerate(self.data)}
+        self._decoded = [
+            (each.name, each.code, places[each.code], each, *_conversion(each, interpretation))
+            for each in self.parameters
+        ]
+
+    def readings(self, got: Mapping[int, RawDatum]) -> dict[str, Reading]:
+        """Decode the parameters whose code is in `got`."""
+        return {
+            name: Reading(
+                each, conversion.decode(datum.raw), conversion.unit, datum.raw, datum.time, used
+            )
+            for name, code, _, each, conversion, used in self._decoded
+            if (datum := got.get(code)) is not None
+        }
+
+    def of_item(self, item: StreamItem) -> dict[str, Reading]:
+        """Decode one streamed response, which has all data in their order."""
+        data, time = item.data, item.time
+        return {
+            name: Reading(
+                each, conversion.decode(data[place]), conversion.unit, data[place], time, used
+            )
+            for name, _, place, each, conversion, used in self._decoded
+        }
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,45 +168,42 @@ class Parameters:
 
         Raises `NotSupported` if the unit does not know a named parameter, or knows none.
         """
-        wanted = self.named(names)
+        wanted = self.wanted(self.named(names))
         got = self.fetch(wanted, again=bool(names))
-        for parameter in wanted:
+        for parameter in wanted.parameters:
             if parameter.code not in got and (names or not got):
                 raise refused(parameter.name, parameter.code)
-        return self.readings(wanted, got)
+        return wanted.readings(got)
+
+    def wanted(self, parameters: Sequence[Parameter]) -> Wanted:
+        """Return `parameters`, to be read together."""
+        return Wanted(parameters, self._interpretation)
 
     def fetch(
-        self, wanted: Sequence[Parameter], method: str = "batch", *, again: bool = False
+        self, wanted: Wanted, method: str = "batch", *, again: bool = False
     ) -> dict[int, RawDatum]:
         """Read the data of `wanted`, each code once. Arguments and errors: `DataReader.batch`."""
         read = self._data.single if method == "single" else self._data.batch
-        return read(distinct(wanted), again=again)
+        return read(wanted.data, again=again)
 
-    def announce(self, wanted: Sequence[Parameter]) -> None:
+    def announce(self, wanted: Wanted) -> None:
         """Announce (`Tester.announce`) the request that reads `wanted`, if it takes one."""
-        if (command := self._data.request_for(distinct(wanted))) is not None:
+        if (command := self._data.request_for(wanted.data)) is not None:
             self.tester.announce(command)
 
-    def announce_list(self, wanted: tuple[Parameter, ...]) -> None:
+    def announce_list(self, wanted: Wanted) -> None:
         """Announce the request that reads the unit's list, if it is set to `wanted`."""
-        if self._list.current == wanted:
-            self.tester.announce(c.ReadList(list_of(wanted)))
+        if self._list.current == wanted.parameters:
+            self.tester.announce(c.ReadList(list_of(wanted.parameters)))
 
-    def at_once(self, wanted: Sequence[Parameter]) -> dict[str, Reading]:
-        """Read `wanted` by one request; errors and result: `DataReader.at_once`."""
-        return self.readings(wanted, self._data.at_once(distinct(wanted)))
+    def at_once(self, parameters: Sequence[Parameter]) -> dict[str, Reading]:
+        """Read `parameters` by one request; errors and result: `DataReader.at_once`."""
+        wanted = self.wanted(parameters)
+        return wanted.readings(self._data.at_once(wanted.data))
 
     def refuses(self, wanted: Sequence[Parameter]) -> bool:
         """Whether the unit is known to refuse every one of them."""
         return self._data.refuses(p.code for p in wanted)
-
-    def readings(self, wanted: Sequence[Parameter], got: dict[int, RawDatum]) -> dict[str, Reading]:
-        """Decode those of `wanted` whose code is in `got`."""
-        return {
-            p.name: decode(p, got[p.code].raw, got[p.code].time, self._interpretation)
-            for p in wanted
-            if p.code in got
-        }
 
     # Lists, 63 and 64
 
@@ -202,17 +239,17 @@ class Parameters:
         """Read each parameter of the list once (63); `names`: of a list that others have set."""
         with self._list.held():
             if names:
-                wanted = self.named(names)
-                return self.readings(wanted, self._list.read(wanted, named=True))
-            wanted = self._list.current or self.named(self._list.kept())
-            return self.readings(wanted, self._list.read(wanted))
+                listed = self.named(names)
+            else:
+                listed = self._list.current or self.named(self._list.kept())
+            return self.wanted(listed).readings(self._list.read(listed, named=bool(names)))
 
-    def through_list(self, wanted: tuple[Parameter, ...]) -> dict[str, Reading]:
+    def through_list(self, wanted: Wanted) -> dict[str, Reading]:
         """Read `wanted` by the unit's list, which is set first if it differs."""
         with self._list.held():
-            if self._list.current != wanted:
-                self._list.set(wanted)
-            return self.readings(wanted, self._list.read(wanted))
+            if self._list.current != wanted.parameters:
+                self._list.set(wanted.parameters)
+            return wanted.readings(self._list.read(wanted.parameters))
 
     # Streams, 71 and 7F … 83
 
@@ -221,21 +258,15 @@ class Parameters:
         self, names: Sequence[str], *, stroke: int | None = None
     ) -> Iterator[Iterator[dict[str, Reading]]]:
         """Stream readings until the `with` ends (D12); `stroke` as for `Ecu.stream`."""
-        wanted = self.named(names)
+        wanted = self.wanted(self.named(names))
         with self.raw_stream(wanted, stroke) as stream:
-            yield (self.of_item(wanted, item) for item in stream)
+            yield (wanted.of_item(item) for item in stream)
 
-    def raw_stream(self, wanted: Sequence[Parameter], stroke: int | None) -> Stream:
+    def raw_stream(self, wanted: Wanted, stroke: int | None) -> Stream:
         """Start the tester's stream of `wanted`; the caller closes it."""
-        data = distinct(wanted)
+        data = wanted.data
         command = c.StreamCyclic(data) if stroke is None else c.StreamAtStroke(data, stroke)
         return self.tester.stream(command)
-
-    def of_item(self, wanted: Sequence[Parameter], item: StreamItem) -> dict[str, Reading]:
-        """Decode the readings of one streamed response."""
-        data = distinct(wanted)
-        got = {d.code: RawDatum(raw, item.time) for d, raw in zip(data, item.data, strict=True)}
-        return self.readings(wanted, got)
 
     # Writing, 62
 
@@ -274,11 +305,12 @@ class Parameters:
         return self._gate.make(change, act, lambda w: journal_hex(w.after.raw) if w.after else None)
 
     def _one(self, parameter: Parameter) -> Reading | None:
+        wanted = self.wanted([parameter])
         try:
-            got = self.fetch([parameter])
+            got = self.fetch(wanted)
         except NotSupported:
             return None
-        return self.readings([parameter], got).get(parameter.name)
+        return wanted.readings(got).get(parameter.name)
 
 
 def datum_to_write(

@@ -17,7 +17,7 @@ from math import inf
 from typing import Literal, NamedTuple, get_args
 
 from mikas.catalog import Parameter
-from mikas.client.parameters.parameters import Parameters, Reading
+from mikas.client.parameters.parameters import Parameters, Reading, Wanted
 from mikas.commands import Availability, StreamAtStroke, StreamCyclic
 from mikas.errors import (
     EcuRefused,
@@ -46,14 +46,11 @@ STREAMS = frozenset({"stream", *(m for m in FIXED_METHODS if m.startswith("strok
 
 _SLICE = 0.1  # s that a cycle waits for a silent stream
 
-Requests = Sequence[Sequence[Parameter]]
-"""The parameters of each request of a cycle."""
-
 
 class Turn(NamedTuple):
     """One request of a cycle: its parameters, by 61, or by 63 if they are `listed`."""
 
-    parameters: Sequence[Parameter]
+    wanted: Wanted
     listed: bool = False
 
 
@@ -84,18 +81,17 @@ class Poller(ABC):
         self._parameters = parameters
 
     @abstractmethod
-    def cycle(
-        self,
-        requests: Requests = (),
-        listed: Sequence[Parameter] = (),
-        then: Turn | None = None,
-    ) -> dict[str, Reading]:
-        """Run one cycle; return its readings by name: by 61 for `requests`, by 63 for `listed`.
+    def cycle(self, turns: Sequence[Turn] = (), then: Turn | None = None) -> dict[str, Reading]:
+        """Run one cycle of `turns`; return its readings by name.
 
         `then`: how the next cycle begins, if it follows at once; it is sent before this returns. A
-        stream ignores all three and returns its next response, or nothing yet. Raises a
-        `LineError`, a `NoConnection`, or an `EcuRefused` if the unit refuses the method.
+        stream ignores both and returns its next response, or nothing yet. Raises a `LineError`, a
+        `NoConnection`, or an `EcuRefused` if the unit refuses the method.
         """
+
+    def turn(self, parameters: Sequence[Parameter], *, listed: bool = False) -> Turn:
+        """Return a turn that reads `parameters`; it may be used in many cycles."""
+        return Turn(self._parameters.wanted(parameters), listed)
 
     def refuses(self, parameters: Sequence[Parameter]) -> bool:
         """Whether the unit is known to refuse every one of `parameters`."""
@@ -120,16 +116,8 @@ class RequestPoller(Poller):
         self._method = "single" if single else "batch"
         self._again = again
 
-    def cycle(
-        self,
-        requests: Requests = (),
-        listed: Sequence[Parameter] = (),
-        then: Turn | None = None,
-    ) -> dict[str, Reading]:
+    def cycle(self, turns: Sequence[Turn] = (), then: Turn | None = None) -> dict[str, Reading]:
         readings: dict[str, Reading] = {}
-        turns = [Turn(request) for request in requests]
-        if listed:
-            turns.append(Turn(listed, listed=True))
         for turn, following in zip(turns, [*turns[1:], then], strict=True):
             if following is not None and not self._again:
                 self._announce(following)
@@ -139,15 +127,15 @@ class RequestPoller(Poller):
 
     def _announce(self, turn: Turn) -> None:
         if turn.listed:
-            self._parameters.announce_list(tuple(turn.parameters))
+            self._parameters.announce_list(turn.wanted)
         else:
-            self._parameters.announce(turn.parameters)
+            self._parameters.announce(turn.wanted)
 
     def _read(self, turn: Turn) -> dict[str, Reading]:
         if turn.listed:
-            return self._parameters.through_list(tuple(turn.parameters))
-        got = self._parameters.fetch(turn.parameters, self._method, again=self._again)
-        return self._parameters.readings(turn.parameters, got)
+            return self._parameters.through_list(turn.wanted)
+        got = self._parameters.fetch(turn.wanted, self._method, again=self._again)
+        return turn.wanted.readings(got)
 
     def close(self) -> None:
         self._parameters.tester.settle()
@@ -167,7 +155,7 @@ class StreamPoller(Poller):
     ) -> None:
         super().__init__(parameters)
         self._tester = parameters.tester
-        self._wanted = tuple(wanted)
+        self._wanted = parameters.wanted(wanted)
         self._stroke = stroke
         self._stream: Stream | None = None
         self._heard = 0.0
@@ -176,8 +164,7 @@ class StreamPoller(Poller):
 
     def cycle(
         self,
-        requests: Requests = (),  # noqa: ARG002  (all cycles are equal)
-        listed: Sequence[Parameter] = (),  # noqa: ARG002  (a stream has no list)
+        turns: Sequence[Turn] = (),  # noqa: ARG002  (all cycles are equal)
         then: Turn | None = None,  # noqa: ARG002  (the unit sends the next one by itself)
     ) -> dict[str, Reading]:
         """As `Poller.cycle`. A damaged response does not end the stream.
@@ -207,7 +194,7 @@ class StreamPoller(Poller):
                 if item is None:
                     return {}
                 self._works, self._silent, self._heard = True, 0, self._tester.link.now()
-                return self._parameters.of_item(self._wanted, item)
+                return self._wanted.of_item(item)
 
     def is_refusal(self, error: MikasError) -> bool:
         return isinstance(error, EcuRefused) or self._silent > 1
@@ -272,7 +259,7 @@ class StreamPoller(Poller):
     def _not_supported(self, error: NoResponse) -> NotSupported:
         cyclic = self._stroke is None
         code = StreamCyclic.CODES[0] if cyclic else StreamAtStroke.CODES[self._stroke or 0]
-        count = len(self._wanted)
+        count = len(self._wanted.parameters)
         command = Text(
             f"a stream ({code:02X}) of parameters ({count})",
             f"потока ({code:02X}) с числом параметров {count}",

@@ -33,6 +33,7 @@ class Watcher:
         self._wanted = parameters.named(names)
         self._method = method
         self._poller = create_poller(parameters, method, self._wanted, again=bool(names))
+        self._turns = [self._poller.turn(self._wanted, listed=method == "list")]
         self._period = 1 / rate if rate else 0.0
         self._due: float | None = None
         self._worked = False
@@ -74,10 +75,8 @@ class Watcher:
             times = [reading.time for reading in readings.values()]
             return readings if times and self._is_due(min(times)) else {}
         self._wait()
-        if self._method == "list":
-            return self._poller.cycle(listed=self._wanted)
-        readings = self._poller.cycle([self._wanted])
-        if not readings and self._poller.refuses(self._wanted):
+        readings = self._poller.cycle(self._turns)
+        if self._method != "list" and not readings and self._poller.refuses(self._wanted):
             # Every request would be skipped, and a log would stay empty without an error.
             raise refused(self._wanted[0].name, self._wanted[0].code)
         return readings

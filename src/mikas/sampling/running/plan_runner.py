@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterator
 from contextlib import suppress
+from typing import NamedTuple
 
 from mikas.catalog import Parameter
 from mikas.client import Ecu, Reading
@@ -25,7 +26,15 @@ from mikas.sampling.running.context import IdentityCheck, SamplingContext
 from mikas.sampling.running.unsupported import UnsupportedParameters, explained
 
 _BAD_LINE = 6  # failed cycles in a row after which another method may do better
+_MOST_CYCLES = 1000  # whose requests are kept
 _REFUSALS = 2  # refusals by the unit in a row after which the method is given up
+
+
+class _Turns(NamedTuple):
+    """The requests of one cycle, and the least number of readings if all are answered."""
+
+    turns: tuple[Turn, ...]
+    expected: int
 
 
 class PlanCycles:
@@ -46,6 +55,7 @@ class PlanCycles:
                 sharing.append(parameter)
         self._streams = plan.method in STREAMS
         self.poller = poller_of(ecu, plan.method, self._named(plan.fast))
+        self._cycles: dict[int, _Turns] = {}  # by number within the plan's period
         if plan.method == "list":
             ecu.forget_list()  # the unit may have lost its supply since
 
@@ -54,11 +64,7 @@ class PlanCycles:
 
     def expected(self, number: int) -> int:
         """Return the least number of readings of cycle `number` if all requests are answered."""
-        if self._streams:
-            return 0  # a response has all readings, or is damaged
-        if self.plan.method == "list":
-            return len(self._listed(number))
-        return len(self._named(self.plan.due(number)))
+        return self._of(number).expected
 
     def run(self, number: int, *, goes_on: bool = False) -> dict[str, Reading]:
         """Run cycle `number` (from 0) and return its readings by name.
@@ -67,10 +73,9 @@ class PlanCycles:
         none is due, or before a stream's first response. Raises a `LineError`, a `NoConnection`, or
         an `EcuRefused` if the unit refuses the method; `SyncLost` also if another unit may answer.
         """
-        requests = [self._named(request) for request in self.plan.requests(number)]
+        then = self._of(number + 1).turns[:1] if goes_on else ()
         try:
-            then = self._first_turn(number + 1) if goes_on else None
-            fresh = self.poller.cycle(requests, self._listed(number), then)
+            fresh = self.poller.cycle(self._of(number).turns, *then)
         except NoResponse:
             if self._streams:
                 self._identity_check.suspect()
@@ -79,15 +84,21 @@ class PlanCycles:
             self._identity_check.check(self.ecu, self.poller.close)
         return fresh
 
-    def _first_turn(self, number: int) -> Turn | None:
-        """Return the first request of cycle `number`; None: it has none."""
-        for request in self.plan.requests(number):
-            return Turn(self._named(request))
-        listed = self._listed(number)
-        return Turn(listed, listed=True) if listed else None
-
-    def _listed(self, number: int) -> list[Parameter]:
-        return self._named(self.plan.fast) if self.plan.reads_list(number) else []
+    def _of(self, number: int) -> _Turns:
+        """Return the requests of cycle `number`, made once for all cycles that are alike."""
+        place = number % self.plan.period
+        if place not in self._cycles:
+            if len(self._cycles) == _MOST_CYCLES:
+                self._cycles.clear()
+            turns = [self.poller.turn(self._named(it)) for it in self.plan.requests(number)]
+            if listed := self.plan.reads_list(number):
+                turns.append(self.poller.turn(self._named(self.plan.fast), listed=True))
+            expected = 0  # a stream's response has all readings, or is damaged
+            if not self._streams:
+                counted = turns[-1:] if listed else turns if self.plan.method != "list" else []
+                expected = sum(len(turn.wanted.parameters) for turn in counted)
+            self._cycles[place] = _Turns(tuple(turns), expected)
+        return self._cycles[place]
 
 
 class PlanRunner:

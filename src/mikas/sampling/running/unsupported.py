@@ -88,7 +88,7 @@ class UnsupportedParameters:
         requested = self._context.request
         again = requested.selection.explicit and requested is not self._retried
         poller = poller_of(ecu, "batch", again=again or self._again)
-        fresh = poller.cycle([parameters])
+        fresh = poller.cycle([poller.turn(parameters)])
         self._retried, self._again = requested, False
         self._context.knowledge.max_list = ecu.limits().max_list
         for name in self._context.dropped.intersection(fresh):
@@ -174,7 +174,8 @@ class UnsupportedParameters:
         parameters = [p.parameter for p in plan.parameters if datum_of(p.parameter) in answered]
         if not parameters:
             return
-        fresh = poller_of(ecu, "batch").cycle([parameters])
+        poller = poller_of(ecu, "batch")
+        fresh = poller.cycle([poller.turn(parameters)])
         if fresh:
             self._context.identity_check.check(ecu, lambda: None)
             yield from self._context.sampled(fresh)
