@@ -46,6 +46,6 @@ export function lostText(item: unknown): string {
   const fields = item as { en?: unknown; ru?: unknown; code?: unknown; text?: unknown };
   const text =
     typeof fields.en === "string" && typeof fields.ru === "string" ? localized({ en: fields.en, ru: fields.ru }) : lostText(fields.text);
-  const code = fields.code === undefined ? "" : String(fields.code);
+  const code = typeof fields.code === "string" || typeof fields.code === "number" ? String(fields.code) : "";
   return [code, text].filter(Boolean).join(" · ");
 }

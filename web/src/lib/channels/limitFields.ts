@@ -20,7 +20,7 @@ export const notNumber = (texts: readonly string[]): string | undefined => texts
 /** The limits to save; the texts are numbers or empty. */
 export function limitsOf(texts: LimitTexts): NewLimits {
   const limits = Object.fromEntries(LIMITS.map((key) => [key, parsedNumber(texts[key]) ?? null]));
-  return { ...limits, hysteresis: parsedNumber(texts.hysteresis) ?? 0, when_true: "none" } as NewLimits;
+  return { ...limits, hysteresis: parsedNumber(texts.hysteresis) ?? 0, when_true: "none" };
 }
 
 /** Both ends, null if both are empty; undefined if one is missing. */

@@ -25,8 +25,8 @@ export function lineOf(rows: Rows, name: string, least = 0): Line | null {
   if (!column || first === undefined || last === undefined || last <= first) return null;
   const known = column.flatMap((value, row) => (value === null ? [] : [{ time: rows.times[row]!, value }]));
   if (known.length < 2) return null;
-  let low = Math.min(...known.map(({ value }) => value));
-  let high = Math.max(...known.map(({ value }) => value));
+  const low = Math.min(...known.map(({ value }) => value));
+  const high = Math.max(...known.map(({ value }) => value));
   const more = Math.max(0, (least || 1) - (high - low)) / 2;
   const [from, span] = [low - more, high - low + 2 * more];
   let before = -Infinity;

@@ -41,7 +41,7 @@ export function rowsOf(tiles: readonly Pick<Tile, "kind" | "span">[], most: numb
   }
   const placed: Placed[] = [];
   for (let end = tiles.length; end > 0; end = begins[end]!) {
-    const row = spans.slice(begins[end]!, end);
+    const row = spans.slice(begins[end], end);
     const columns = row.reduce((sum, span) => sum + span, 0);
     placed.unshift(...row.map((span) => ({ span, columns })));
   }

@@ -6,7 +6,7 @@ export interface Browser {
   fetch: typeof fetch;
   caches: CacheStorage | undefined;
   workers: Pick<ServiceWorkerContainer, "getRegistrations"> | undefined;
-  reload(): void;
+  reload: () => void;
 }
 
 const here: Browser = {

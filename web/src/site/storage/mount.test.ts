@@ -37,8 +37,7 @@ async function reload(): Promise<void> {
 
 beforeAll(async () => {
   python = await loadPyodide();
-  python.FS.mkdirTree("/source");
-  python.FS.mount(python.FS.filesystems.NODEFS, { root: SOURCE }, "/source");
+  python.mountNodeFS("/source", SOURCE);
   await run(`
 import errno, os, stat, sys
 from pathlib import Path

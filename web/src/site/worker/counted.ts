@@ -7,7 +7,7 @@ interface Size {
 
 /** Count the files of `sizes`, by their addresses, as they travel; return how to stop that. */
 export function counted(sizes: ReadonlyMap<string, Size>, onProgress: (loaded: number, total: number) => void): () => void {
-  const original = self.fetch;
+  const original = self.fetch.bind(self);
   const total = [...sizes.values()].reduce((sum, size) => sum + size.compressed, 0);
   let loaded = 0;
   self.fetch = async (...request) => {

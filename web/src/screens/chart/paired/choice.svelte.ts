@@ -71,8 +71,8 @@ class Choice {
 
   /** null: the defaults of the catalog again. */
   setEdges(name: string, edges: number[] | null): void {
-    const { [name]: _, ...rest } = this.kept.edges;
-    this.change({ edges: edges ? { ...rest, [name]: edges } : rest });
+    const others = Object.entries(this.kept.edges).filter(([each]) => each !== name);
+    this.change({ edges: Object.fromEntries(edges ? [...others, [name, edges]] : others) });
   }
 }
 

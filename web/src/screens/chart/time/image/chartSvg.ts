@@ -63,10 +63,12 @@ const ENTITIES: Record<string, string> = { "&": "&amp;", "<": "&lt;", ">": "&gt;
 
 /** Escape a text for XML; characters that no XML may have are left out. */
 export function escaped(text: string): string {
-  // eslint-disable-next-line no-control-regex
-  return text
-    .replace(/[\u0000-\u0008\u000B\u000C\u000E-\u001F\uFFFE\uFFFF]|[\uD800-\uDFFF](?![\uDC00-\uDFFF])/gu, "")
-    .replace(/[&<>"']/g, (sign) => ENTITIES[sign]!);
+  return (
+    text
+      // eslint-disable-next-line no-control-regex -- those are what is left out
+      .replace(/[\u0000-\u0008\u000B\u000C\u000E-\u001F\uFFFE\uFFFF]|[\uD800-\uDFFF](?![\uDC00-\uDFFF])/gu, "")
+      .replace(/[&<>"']/g, (sign) => ENTITIES[sign]!)
+  );
 }
 
 type Attributes = Record<string, string | number | undefined>;

@@ -98,7 +98,7 @@ export function makePlot(plan: PlotPlan, width: number, height: number, target: 
       return {
         ...axis,
         scale: scaleOf(series),
-        side: (index === 0 ? 3 : 1) as 3 | 1,
+        side: index === 0 ? 3 : 1,
         size: LEFT,
         space: 34,
         stroke: colour,
@@ -156,7 +156,8 @@ function interruptions(plot: uPlot, plan: PlotPlan, series: number, second: bool
 }
 
 /** The reference's ranges, in the colours of their lines; an edge of its own, so that a single value is seen too. */
-function stripes({ ctx, bbox, valToPos }: uPlot, visible: readonly Trace[], { bandOf, channel, look }: PlotPlan): void {
+function stripes(plot: uPlot, visible: readonly Trace[], { bandOf, channel, look }: PlotPlan): void {
+  const { ctx, bbox } = plot;
   ctx.save();
   ctx.beginPath();
   ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
@@ -164,7 +165,7 @@ function stripes({ ctx, bbox, valToPos }: uPlot, visible: readonly Trace[], { ba
   visible.forEach(({ name, colour }, series) => {
     const band = channel(name)?.flag ? undefined : bandOf(name);
     if (!band) return;
-    const [bottom, top] = band.map((value) => Math.round(valToPos(value, scaleOf(series), true))) as [number, number];
+    const [bottom, top] = band.map((value) => Math.round(plot.valToPos(value, scaleOf(series), true))) as [number, number];
     ctx.fillStyle = look.traces[colour - 1]!;
     ctx.globalAlpha = STRIPE;
     ctx.fillRect(bbox.left, top, bbox.width, bottom - top);
