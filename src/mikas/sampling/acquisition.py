@@ -11,15 +11,14 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
 from contextlib import closing
-from dataclasses import replace
 
 from mikas.catalog import AlarmLimits, Catalog
-from mikas.client import Ecu
+from mikas.client import Ecu, Reading
 from mikas.client.identity import UnitIdentity
 from mikas.link import Link
 from mikas.link.reconnecting import ReconnectingPort
 from mikas.sampling.alarms import Alarms, AlarmState, Value
-from mikas.sampling.derived import DerivedChannels, number_of
+from mikas.sampling.derived import DerivedChannels, DerivedValue, numbers_of
 from mikas.sampling.events import (
     AlarmChanged,
     CycleFailed,
@@ -62,7 +61,9 @@ class Acquisition(Sampler):
         self._adopted = self._context.request.selection  # that of the latest `PlanChanged`
         self._derived = DerivedChannels(catalog, self._adopted.derived)
         self._alarms = Alarms(catalog, limits)
-        self._pending_alarms: deque[AlarmChanged] = deque()  # of the latest sample
+        self._numbers: dict[str, float] = {}  # of the latest sample
+        self._pending_alarms: deque[AlarmChanged] = deque()  # of it
+        self._context.derive = self._derive
 
     @property
     def alarms(self) -> Mapping[str, AlarmState]:
@@ -82,7 +83,7 @@ class Acquisition(Sampler):
             for event in events:
                 log.take(event)
                 if isinstance(event, Sampled):
-                    yield from self._with_derived(event)
+                    yield from self._with_alarms(event)
                 else:
                     yield from self._followed(event)
 
@@ -100,13 +101,15 @@ class Acquisition(Sampler):
                 self._alarms = Alarms(self._adopted.catalog, self._limits)
         yield event
 
-    def _with_derived(self, sampled: Sampled) -> Iterator[Event]:
-        derived = self._derived.update(sampled.fresh, sampled.time)
+    def _derive(self, fresh: Mapping[str, Reading], time: float) -> Mapping[str, DerivedValue]:
+        self._numbers = numbers_of(fresh)
+        return self._derived.update(fresh, time, self._numbers)
+
+    def _with_alarms(self, sampled: Sampled) -> Iterator[Event]:
         # Values of this cycle are fresh, however long it lasts; only the others have an age.
-        fresh = {name: number_of(reading) for name, reading in sampled.fresh.items()}
-        values: dict[str, Value] = {**sampled.stale, **fresh, **derived}
+        values: dict[str, Value] = {**sampled.stale, **self._numbers, **sampled.derived}
         self._pending_alarms.extend(self._alarms.update(values, sampled.time))
-        yield replace(sampled, derived=derived)
+        yield sampled
         while self._pending_alarms:
             yield self._pending_alarms.popleft()
 

@@ -124,12 +124,22 @@ class DerivedChannels:
         names = [channel.name for channel in self.channels]
         self._steps = _steps(self._catalog, dict.fromkeys([*names, *self._integrals]))
 
-    def update(self, readings: Mapping[str, Reading], time: float) -> dict[str, DerivedValue]:
-        """Return the channels that have a value in a sample of `readings`."""
+    def update(
+        self,
+        readings: Mapping[str, Reading],
+        time: float,
+        numbers: Mapping[str, float] | None = None,
+    ) -> dict[str, DerivedValue]:
+        """Return the channels that have a value in a sample of `readings`.
+
+        `numbers`: `numbers_of` them, if the caller needs these too.
+        """
         values: dict[str, Reading | DerivedValue] = {**readings}
+        known = numbers_of(readings) if numbers is None else {**numbers}
         for channel, calculation in self._steps:
-            if value := self._value(channel, calculation, values, time):
+            if value := self._value(channel, calculation, values, known, time):
                 values[channel.name] = value
+                known[channel.name] = value.value
         derived = (values.get(channel.name) for channel in self.channels)
         return {each.name: each for each in derived if isinstance(each, DerivedValue)}
 
@@ -138,12 +148,12 @@ class DerivedChannels:
         channel: Derived,
         calculation: Calculation,
         values: Mapping[str, Reading | DerivedValue],
+        numbers: Mapping[str, float],
         time: float,
     ) -> DerivedValue | None:
         inputs = {name: values[name] for name in channel.inputs if name in values}
         if len(inputs) < len(channel.inputs):
             return None
-        numbers = {name: number_of(each) for name, each in inputs.items()}
         value, state = calculation.number(numbers), Accumulated()
         if isfinite(value) and (integral := self._integrals.get(channel.name)):
             value, state = integral.add(time, value), integral.state
@@ -237,6 +247,14 @@ def number_of(value: Reading | DerivedValue) -> float:
     if isinstance(value, Reading) and value.interpretation != "corrected":
         return float(value.parameter.decode(value.raw))
     return float(value.value)
+
+
+def numbers_of(readings: Mapping[str, Reading]) -> dict[str, float]:
+    """Return the `number_of` each reading of a sample."""
+    return {
+        name: float(each.value) if each.interpretation == "corrected" else number_of(each)
+        for name, each in readings.items()
+    }
 
 
 def _steps(catalog: Catalog, names: Iterable[str]) -> list[tuple[Derived, Calculation]]:

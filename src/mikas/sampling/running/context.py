@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from math import inf
+from operator import attrgetter
 
 from mikas.client import Ecu, Reading
 from mikas.client.parameters.polling import FixedMethod, check_rate, next_due
 from mikas.commands import Datum
 from mikas.errors import LineNotQuiet
+from mikas.sampling.derived import DerivedValue
 from mikas.sampling.events import PlanChanged, Sampled
 from mikas.sampling.jobs import JobQueue
 from mikas.sampling.plan import Plan, Selection
 from mikas.sampling.running.method_knowledge import MethodKnowledge
 
 _SLICE = 0.1  # s between checks for jobs and new requests during a wait
+_time = attrgetter("time")
 
 
 @dataclass(frozen=True)
@@ -67,6 +70,9 @@ class SamplingContext:
         """Names of parameters that the unit has answered."""
         self.due = -inf
         """The beginning of the next cycle, with a rate or in a cycle without requests."""
+        self.derive: Callable[[Mapping[str, Reading], float], Mapping[str, DerivedValue]]
+        """Returns the derived channels of a sample."""
+        self.derive = lambda *_: {}
         self._last: dict[str, Reading] = {}
 
     def start_run(self) -> None:
@@ -115,12 +121,12 @@ class SamplingContext:
         stale = {name: r for name, r in self._last.items() if name not in fresh}
         self._last.update(fresh)
         self.read.update(fresh)
-        time, rate = min(r.time for r in fresh.values()), self.request.rate
+        time, rate = min(map(_time, fresh.values())), self.request.rate
         if rate and time < self.due:
             return
         if rate:
             self._schedule_after(time, 1 / rate)
-        yield Sampled(time, fresh, stale)
+        yield Sampled(time, fresh, stale, self.derive(fresh, time))
 
     def schedule_empty_cycle(self, time: float, length: float) -> None:
         """End a cycle without requests by the rate, else after `length` seconds."""
