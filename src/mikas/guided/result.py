@@ -6,14 +6,17 @@ bounds every part, and returns None if the JSON is not a result.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from math import isfinite
-from typing import Any, Final
+from typing import Any, Final, TypeVar, get_type_hints
 
 from mikas.cleaning import clean_line, clean_text, is_in_calendar
 from mikas.guided.definition import Certainty, VerdictKind
 from mikas.i18n import Language, Text
+from mikas.json_values import json_of
+
+P = TypeVar("P", "Finding", "Number", "StepDone", "Curve")
 
 _LONGEST: Final = 4000  # characters of a text
 _MOST: Final = 60  # steps, numbers, findings
@@ -82,6 +85,10 @@ class Curve:
     lows: tuple[float, ...]
     highs: tuple[float, ...]
 
+    def __post_init__(self) -> None:
+        if not len(self.times) == len(self.lows) == len(self.highs):
+            raise ValueError("columns of different lengths")
+
 
 @dataclass(frozen=True, slots=True)
 class TestResult:
@@ -112,60 +119,8 @@ class TestResult:
 
     def as_json(self) -> dict[str, Any]:
         """Return the result as JSON values."""
-        return {
-            "test": self.test,
-            "title": self.title._asdict(),
-            "began": self.began,
-            "ended": self.ended,
-            "outcome": self.outcome.value,
-            "findings": [
-                {
-                    "rule": it.rule,
-                    "formula": it.formula,
-                    "outcome": it.outcome.value,
-                    "text": it.text._asdict(),
-                    "check": it.check._asdict(),
-                    "doubt": it.doubt._asdict(),
-                    "confidence": it.confidence.value,
-                }
-                for it in self.findings
-            ],
-            "missing": [text._asdict() for text in self.missing],
-            "numbers": [
-                {
-                    "name": it.name,
-                    "text": it.text._asdict(),
-                    "value": it.value,
-                    "unit": it.unit._asdict(),
-                    "decimals": it.decimals,
-                    "count": it.count,
-                    "rate": it.rate,
-                    "why": it.why._asdict(),
-                }
-                for it in self.numbers
-            ],
-            "steps": [
-                {
-                    "name": it.name,
-                    "text": it.text._asdict(),
-                    "began": it.began,
-                    "ended": it.ended,
-                    "skipped": it.skipped,
-                }
-                for it in self.steps
-            ],
-            "curves": [
-                {
-                    "name": it.name,
-                    "text": it.text._asdict(),
-                    "unit": it.unit._asdict(),
-                    "times": list(it.times),
-                    "lows": list(it.lows),
-                    "highs": list(it.highs),
-                }
-                for it in self.curves
-            ],
-        }
+        form: dict[str, Any] = json_of(self)
+        return form
 
     def as_text(self) -> Text:
         """Return the result as lines of text, for a message or a terminal."""
@@ -231,51 +186,22 @@ def _read(data: Any) -> TestResult:  # noqa: ANN401  (any JSON)
         began=_time(data["began"]),
         ended=_time(data["ended"]),
         outcome=VerdictKind(data["outcome"]),
-        findings=tuple(
-            Finding(
-                _line(it["rule"]),
-                _line(it["formula"]),
-                VerdictKind(it["outcome"]),
-                _both(it["text"]),
-                _both(it["check"]),
-                _both(it["doubt"]),
-                Certainty(it["confidence"]),
-            )
-            for it in _list(data["findings"])
-        ),
+        findings=_parts(Finding, data["findings"]),
         missing=tuple(map(_both, _list(data["missing"]))),
-        numbers=tuple(
-            Number(
-                _line(it["name"]),
-                _both(it["text"]),
-                None if it["value"] is None else _number(it["value"]),
-                _both(it["unit"]),
-                min(4, max(0, int(it["decimals"]))),
-                int(min(1e9, max(0.0, _number(it["count"])))),
-                _number(it["rate"]),
-                _both(it["why"]),
-            )
-            for it in _list(data["numbers"])
-        ),
-        steps=tuple(
-            StepDone(
-                _line(it["name"]),
-                _both(it["text"]),
-                _time(it["began"]),
-                _time(it["ended"]),
-                it["skipped"] is True,
-            )
-            for it in _list(data["steps"])
-        ),
-        curves=tuple(map(_curve, _list(data["curves"])[:_MOST_CURVES])),
+        numbers=_parts(Number, data["numbers"]),
+        steps=_parts(StepDone, data["steps"]),
+        curves=_parts(Curve, data["curves"], _MOST_CURVES),
     )
 
 
-def _curve(data: Any) -> Curve:  # noqa: ANN401  (any JSON)
-    columns = [tuple(map(_number, data[key][:MOST_POINTS])) for key in ("times", "lows", "highs")]
-    if len({len(column) for column in columns}) != 1:
-        raise ValueError("columns of different lengths")
-    return Curve(_line(data["name"]), _both(data["text"]), _both(data["unit"]), *columns)
+def _parts(kind: type[P], data: object, most: int = _MOST) -> tuple[P, ...]:
+    """Return the dataclasses `kind` in a list of JSON, each field by its name or its type."""
+    types = get_type_hints(kind)
+    readers = {name: _BY_NAME.get(name) or _BY_TYPE[types[name]] for name in types}
+    return tuple(
+        kind(**{name: read(each[name]) for name, read in readers.items()})
+        for each in _list(data)[:most]
+    )
 
 
 def _list(value: object) -> list[Any]:
@@ -312,3 +238,21 @@ def _time(value: object) -> float:
 
 def _local(number: str) -> Text:
     return Text(number, number.replace(".", ","))
+
+
+_BY_NAME: Final[Mapping[str, Callable[[Any], Any]]] = {
+    "began": _time,
+    "ended": _time,
+    "decimals": lambda value: min(4, max(0, int(value))),
+}
+_BY_TYPE: Final[Mapping[object, Callable[[Any], Any]]] = {
+    str: _line,
+    Text: _both,
+    bool: lambda value: value is True,
+    int: lambda value: int(min(1e9, max(0.0, _number(value)))),
+    float: _number,
+    float | None: lambda value: None if value is None else _number(value),
+    tuple[float, ...]: lambda value: tuple(map(_number, value[:MOST_POINTS])),
+    VerdictKind: VerdictKind,
+    Certainty: Certainty,
+}

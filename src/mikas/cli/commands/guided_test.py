@@ -16,6 +16,7 @@ from mikas.cli.options.parameter_types import existing_file, number
 from mikas.cli.options.sampling import SamplingOptions
 from mikas.errors import usage_error
 from mikas.i18n import Text
+from mikas.json_values import picked
 from mikas.options import nearest
 
 if TYPE_CHECKING:
@@ -120,20 +121,11 @@ def _list(context: CommandContext, loaded: LoadedTests) -> None:
         context.output.data(
             {
                 "tests": [
-                    {
-                        "name": it.name,
-                        "title": it.title._asdict(),
-                        "finds": it.finds._asdict(),
-                        "minutes": it.minutes,
-                        "steps": [step.name for step in it.steps],
-                        "own": it.own,
-                    }
+                    picked(it, "name", "title", "finds", "minutes")
+                    | {"steps": [step.name for step in it.steps], "own": it.own}
                     for it in tests
                 ],
-                "errors": [
-                    {"file": it.file, "line": it.line, "problem": it.problem._asdict()}
-                    for it in loaded.errors
-                ],
+                "errors": [picked(it, "file", "line", "problem") for it in loaded.errors],
             }
         )
         return

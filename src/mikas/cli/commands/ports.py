@@ -14,6 +14,7 @@ from mikas.cli.context import CommandContext, require_consent
 from mikas.cli.language import localized, tr
 from mikas.errors import UsageError, reason_of, usage_error
 from mikas.i18n import Text
+from mikas.json_values import picked
 from mikas.link import find_ports, udev_rules
 from mikas.link.holders import adapter_without_port
 
@@ -52,18 +53,8 @@ def ports(context: CommandContext, *, install_rules: bool, yes: bool) -> None:
 def _list(context: CommandContext) -> None:
     found = find_ports()
     if context.output.json:
-        listed = [
-            {
-                "url": port.url,
-                "description": port.description,
-                "chip": port.chip,
-                "likely": port.likely,
-                "serial_number": port.serial_number,
-                "quirks": [quirk._asdict() for quirk in port.quirks],
-            }
-            for port in found
-        ]
-        context.output.data({"ports": listed})
+        names = ("url", "description", "chip", "likely", "serial_number", "quirks")
+        context.output.data({"ports": [picked(port, *names) for port in found]})
         return
     without_port = adapter_without_port()
     if found:

@@ -27,6 +27,8 @@ class TestStep(BaseModel):
 
     __test__ = False
 
+    model_config = ConfigDict(from_attributes=True)
+
     name: str
     text: TwoTexts
     hold: float
@@ -217,16 +219,7 @@ def tests(dashboard: TheDashboard) -> TestList:
     folder = dashboard.settings.tests
     return TestList(
         tests=[
-            TestInfo(
-                name=test.name,
-                title=two(test.title),
-                finds=two(test.finds),
-                needs=two_or_none(test.needs),
-                minutes=test.minutes,
-                own=test.own,
-                steps=[made_of(TestStep, step, text=two(step.text)) for step in test.steps],
-                last=last.get(test.name),
-            )
+            made_of(TestInfo, test, needs=two_or_none(test.needs), last=last.get(test.name))
             for test in found.tests.values()
         ],
         errors=[
@@ -290,9 +283,9 @@ def _state(dashboard: Dashboard) -> TestRunState:
             TestRun,
             progress,
             name=test.name,
-            title=two(test.title),
+            title=test.title,
             needs=two_or_none(test.needs),
-            steps=[made_of(TestStep, it, text=two(it.text)) for it in test.steps],
+            steps=test.steps,
             prepare=step.prepare if step else 0.0,
             advice=two_or_none(step.advice) if step else None,
             values=dict(progress.values),
@@ -304,19 +297,5 @@ def _state(dashboard: Dashboard) -> TestRunState:
 def verdict_of(kept: KeptResult) -> TestVerdict:
     """Return a result for the page."""
     result = kept.result
-    return TestVerdict(
-        id=kept.identity,
-        test=result.test,
-        title=two(result.title),
-        began=result.began,
-        ended=result.ended,
-        outcome=result.outcome,
-        verdict=two(result.verdict),
-        findings=[TestFinding.model_validate(it) for it in result.findings],
-        missing=[two(text) for text in result.missing],
-        numbers=[TestNumber.model_validate(it) for it in result.numbers],
-        steps=[TestStepDone.model_validate(it) for it in result.steps],
-        curves=[TestCurve.model_validate(it) for it in result.curves],
-        as_text=two(result.as_text()),
-        in_report=kept.in_report,
-    )
+    more = {"id": kept.identity, "in_report": kept.in_report, "as_text": result.as_text()}
+    return made_of(TestVerdict, result, **more)

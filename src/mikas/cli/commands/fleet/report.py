@@ -12,6 +12,7 @@ from mikas.cli.context import CommandContext
 from mikas.cli.language import current_language, localized
 from mikas.cli.options.parameter_types import any_file
 from mikas.cli.render.terminal import cell_text
+from mikas.json_values import picked
 
 if TYPE_CHECKING:
     from mikas.fleet.report.findings import CarFindings, FleetFindings
@@ -112,10 +113,7 @@ def _as_json(car: CarFindings, found: FleetFindings) -> dict[str, object]:
         "stands_out": [
             {
                 "measure": it.measure.key,
-                "value": it.outlier.value,
-                "others": it.outlier.others,
-                "low": it.outlier.low,
-                "high": it.outlier.high,
+                **picked(it.outlier, "value", "others", "low", "high"),
                 "cars": it.outlier.count,
             }
             for it in car.stands_out

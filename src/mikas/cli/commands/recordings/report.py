@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from contextlib import closing
-from dataclasses import asdict
 from math import isfinite
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -22,6 +21,7 @@ from mikas.cli.render.notices import Notices
 from mikas.cli.render.output import StatusLine
 from mikas.cli.sampling_run import SamplingRun, sampling_session
 from mikas.errors import usage_error
+from mikas.json_values import json_of, picked
 from mikas.sampling.events import UnitFound
 
 if TYPE_CHECKING:
@@ -160,12 +160,7 @@ def _print_summary(context: CommandContext, out: Path, found: Findings) -> None:
 
 
 def _frame_as_json(frame: FreezeFrame) -> dict[str, object]:
-    return {
-        "code": frame.code,
-        "without": frame.without,
-        "seen": frame.seen,
-        "values": {name: asdict(value) for name, value in frame.then.items()},
-    }
+    return picked(frame, "code", "without", "seen") | {"values": json_of(frame.then)}
 
 
 def _alarm_as_json(alarm: Alarm) -> dict[str, object]:
@@ -182,9 +177,7 @@ def _alarm_as_json(alarm: Alarm) -> dict[str, object]:
 
 def _as_json(value: ChannelFinding) -> dict[str, object]:
     return {
-        "median": value.stats.median,
-        "low": value.stats.low,
-        "high": value.stats.high,
+        **picked(value.stats, "median", "low", "high"),
         "unit": value.channel.unit,
         "reference": getattr(value.channel, "reference", None),
         "mark": value.mark.value,

@@ -18,6 +18,7 @@ from mikas.cli.render.values import reading_json, reference, unit_text, valid_re
 from mikas.client import Reading
 from mikas.client.parameters.parameters import datum_to_write, decode
 from mikas.errors import usage_error
+from mikas.json_values import picked
 
 
 @command(
@@ -76,17 +77,9 @@ def _derived_row(channel: Derived) -> list[str]:
 
 
 def _derived_json(channel: Derived) -> dict[str, Any]:
-    return {
-        "name": channel.name,
-        "unit": channel.unit,
-        "formula": channel.formula,
-        "constants": dict(channel.constants),
-        "inputs": channel.inputs,
-        "accumulates": channel.accumulates,
-        "text": channel.text._asdict(),
-        "source": channel.source,
-        "confidence": channel.confidence,
-    }
+    names = ("inputs", "accumulates", "text", "source", "confidence")
+    constants = {"constants": dict(channel.constants)}
+    return picked(channel, "name", "unit", "formula") | constants | picked(channel, *names)
 
 
 def _parameter_json(catalog: Catalog, parameter: Parameter, interpretation: str) -> dict[str, Any]:
@@ -98,15 +91,8 @@ def _parameter_json(catalog: Catalog, parameter: Parameter, interpretation: str)
         "unit": parameter.interpretation(interpretation).unit,
         "formula": parameter.formula(interpretation),
         "limits": parameter.limits(interpretation),
-        "plausible": parameter.plausible,
-        "reference": parameter.reference,
-        "text": parameter.text._asdict(),
-        "source": parameter.source,
-        "confidence": parameter.confidence,
-        "errata": [
-            {"name": e.name, "title": e.title._asdict(), "reason": e.reason._asdict()}
-            for e in errata
-        ],
+        **picked(parameter, "plausible", "reference", "text", "source", "confidence"),
+        "errata": [picked(each, "name", "title", "reason") for each in errata],
     }
 
 
