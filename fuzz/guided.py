@@ -46,7 +46,7 @@ def check(data: bytes) -> None:
     for number in range(60):
         time = number / 4 + 5 * (number > 40)
         level = float(number % 20)
-        engine.take(time, dict.fromkeys(test.channels, level))
+        engine.add_row(time, dict.fromkeys(test.channels, level))
         progress = engine.progress()
         assert 0 <= progress.held <= progress.hold or progress.step is None
         if number == 55:

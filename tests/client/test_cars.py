@@ -16,24 +16,24 @@ VOLGA = CarDetails("Волга 3110", "А123ВС 52", 154_000, "Гараж")
 
 def test_kept_by_unit_and_the_workshop_for_all(tmp_path) -> None:
     book = CarBook(tmp_path / "state" / "cars.json")
-    assert book.of(10, ("A",)) is None
+    assert book.details_of(10, ("A",)) is None
     book.keep(10, ("A",), VOLGA)
     book.keep(10, ("B",), CarDetails(workshop="Гараж"))
     again = CarBook(tmp_path / "state" / "cars.json")
-    assert again.of(10, ("A",)) == VOLGA
-    assert again.of(10, ("B",)) == CarDetails(workshop="Гараж")  # put off, but asked
-    assert again.of(9, ("A",)) is None
+    assert again.details_of(10, ("A",)) == VOLGA
+    assert again.details_of(10, ("B",)) == CarDetails(workshop="Гараж")  # put off, but asked
+    assert again.details_of(9, ("A",)) is None
     book.keep(10, ("A",), CarDetails("Волга", "", None, "Сервис"))
-    assert again.of(10, ("A",)) == CarDetails("Волга", "", 154_000, "Сервис")
-    assert again.of(10, ("B",)) == CarDetails(workshop="Сервис")
+    assert again.details_of(10, ("A",)) == CarDetails("Волга", "", 154_000, "Сервис")
+    assert again.details_of(10, ("B",)) == CarDetails(workshop="Сервис")
 
 
 def test_a_unit_with_empty_passports_has_no_car(tmp_path) -> None:
     book = CarBook(tmp_path / "cars.json")
     book.keep(10, ("", ""), VOLGA)
     book.keep(None, ("A",), VOLGA)
-    assert book.of(10, ("", "")) is None
-    assert book.of(None, ("A",)) is None
+    assert book.details_of(10, ("", "")) is None
+    assert book.details_of(None, ("A",)) is None
     assert book.workshop == "Гараж"
 
 
@@ -43,9 +43,9 @@ def test_a_unit_with_empty_passports_has_no_car(tmp_path) -> None:
 def test_a_file_that_can_not_be_used_has_no_cars(tmp_path, stored) -> None:
     (tmp_path / "cars.json").write_text(stored)
     book = CarBook(tmp_path / "cars.json")
-    assert (book.of(10, ("A",)), book.workshop) == (None, "")
+    assert (book.details_of(10, ("A",)), book.workshop) == (None, "")
     book.keep(10, ("A",), VOLGA)
-    assert book.of(10, ("A",)) == VOLGA
+    assert book.details_of(10, ("A",)) == VOLGA
 
 
 def test_the_book_is_bounded(tmp_path) -> None:
@@ -55,7 +55,7 @@ def test_the_book_is_bounded(tmp_path) -> None:
     book = CarBook(file)
     book.keep(10, ("A",), VOLGA)
     assert len(json.loads(file.read_text("utf-8"))["cars"]) == 500
-    assert book.of(10, ("A",)) == VOLGA
+    assert book.details_of(10, ("A",)) == VOLGA
 
 
 @pytest.mark.parametrize(
@@ -86,6 +86,6 @@ def test_the_last_note_counts() -> None:
 def test_nothing_is_kept_of_a_virtual_unit_unless_asked_for(tmp_path) -> None:
     book = CarBook(tmp_path / "cars.json", virtual_units=False)
     book.keep(10, ("A", VIRTUAL_PASSPORT), VOLGA)
-    assert book.of(10, ("A", VIRTUAL_PASSPORT)) is None
+    assert book.details_of(10, ("A", VIRTUAL_PASSPORT)) is None
     assert not book.keeps(10, ("A", VIRTUAL_PASSPORT))
     assert book.keeps(10, ("A", "B"))

@@ -55,7 +55,7 @@ class Transport(httpx.BaseTransport):
     def handle_request(self, request):
         body = request.read()
         number, answers = self._end.begin()
-        self._server.take(
+        self._server.receive_message(
             {
                 "kind": "request",
                 "id": number,
@@ -101,7 +101,7 @@ class Body(httpx.SyncByteStream):
     def close(self):
         if not self._over:
             self._over = True
-            self._server.take({"kind": "abort", "id": self._number})
+            self._server.receive_message({"kind": "abort", "id": self._number})
 
 
 class Socket:
@@ -110,7 +110,7 @@ class Socket:
     def __init__(self, server, end, address):
         self._server = server
         self._number, self._answers = end.begin()
-        self._server.take({"kind": "open", "id": self._number, "path": address})
+        self._server.receive_message({"kind": "open", "id": self._number, "path": address})
         self._closed = None
         self._next(60, "opened")
 
@@ -133,12 +133,12 @@ class Socket:
         if self._closed is not None:
             raise ConnectionClosed(self._closed, None)
         text = data.decode() if isinstance(data, bytes) else data
-        self._server.take({"kind": "send", "id": self._number, "data": text})
+        self._server.receive_message({"kind": "send", "id": self._number, "data": text})
 
     def close(self, code=1000):
         if self._closed is None:
             self._closed = Close(code, "")
-            self._server.take({"kind": "close", "id": self._number, "code": code})
+            self._server.receive_message({"kind": "close", "id": self._number, "code": code})
 
     def __enter__(self):
         return self

@@ -263,10 +263,12 @@ READABLE = ("/state", "/history", "/journal", "/recordings", "/dumps", "/about",
 
 
 def test_the_id_of_this_computer_is_another_client_in_the_network():
-    here, there = (Client.of("the-same-id", "", may_control=True, local=it) for it in (True, False))
+    here, there = (
+        Client.with_secret("the-same-id", "", may_control=True, local=it) for it in (True, False)
+    )
     assert here.id != there.id
     assert here.handle != there.handle
-    assert here == Client.of("the-same-id", "", may_control=True, local=True)
+    assert here == Client.with_secret("the-same-id", "", may_control=True, local=True)
     assert "the-same-id" not in f"{here!r} {here.id} {here.handle}"
     assert here.id not in f"{here!r} {here.handle}"
 

@@ -73,7 +73,7 @@ def test_a_program_in_a_terminal_does_not_end_by_itself(program):
     pass_time(program, 3 * AWAY)
     assert not program.ended
     with pytest.raises(Busy):
-        program.ending.end()
+        program.ending.end_program()
 
 
 def test_the_button_of_a_program_in_a_terminal_is_refused(shared_off):

@@ -320,7 +320,7 @@ def test_a_break_ends_a_stream_and_is_no_byte(folder, tmp_path):
     for _ in range(2):
         link.write(encode(b"\x01"))
         link.gather(link.now() + 0.05)
-    link.bus.take(link.now())
+    link.bus.collect_received(link.now())
     arguments = FORMATS["bin"](tmp_path / "line.bin", signals(tap, 50_000))
     annotations = sigrok_cli(folder, arguments)
     assert [each.text for each in said(annotations, "damage")][-1] == "line break"

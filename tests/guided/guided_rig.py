@@ -34,7 +34,7 @@ def run(test: GuidedTest, rows: Iterable[Row], catalog: Catalog | None = None) -
     """Return the result of a test over rows; None if they end before it does."""
     engine = TestEngine(test, catalog or shipped())
     for time, values in rows:
-        engine.take(time, values)
+        engine.add_row(time, values)
         if engine.result is not None:
             break
     return engine.result

@@ -66,7 +66,7 @@ def measure(statistic: str, of: str = "FREQ", **keys: str) -> str:
 
 def feed(engine: TestEngine, began: float, ended: float, rate: float = 10, **values: float) -> None:
     for number in range(round((ended - began) * rate)):
-        engine.take(began + number / rate, values)
+        engine.add_row(began + number / rate, values)
 
 
 def finished(test: GuidedTest, voltage: float) -> TestResult:
@@ -99,7 +99,7 @@ def test_a_step_waits_for_its_start_then_holds_and_ends() -> None:
     assert engine.progress(18.0).lacking == ("UACC",)
     feed(engine, 15.5, 17, UACC=12.6, FREQ=0)
     assert engine.progress().step == 1
-    engine.take(17.0, {"UACC": 12.6, "FREQ": 800})
+    engine.add_row(17.0, {"UACC": 12.6, "FREQ": 800})
     result = engine.result
     assert result is not None
     assert (result.outcome, [step.name for step in result.steps]) == (
@@ -117,7 +117,7 @@ def test_a_gap_begins_the_hold_anew() -> None:
     assert engine.progress().step == 0
     feed(engine, 5, 7, UACC=12.8, FREQ=0)
     assert engine.progress().step == 1
-    engine.take(7, {"FREQ": 800})
+    engine.add_row(7, {"FREQ": 800})
     assert engine.result is not None
     assert engine.result.numbers[0].value == 12.8
 
@@ -126,7 +126,7 @@ def test_one_channel_a_row_is_enough() -> None:
     engine = TestEngine(made(), shipped())
     for number in range(60):
         time = number / 10
-        engine.take(time, {"UACC": 12.8} if number % 2 else {"FREQ": 0.0 if time < 4 else 800.0})
+        engine.add_row(time, {"UACC": 12.8} if number % 2 else {"FREQ": 0.0 if time < 4 else 800.0})
     assert engine.result is not None
     assert engine.result.outcome is VerdictKind.GOOD
 
@@ -218,7 +218,7 @@ def test_each_statistic_is_computed_over_the_step(
     feed(engine, 0, 2.6, UACC=12.8, FREQ=0)
     assert engine.progress().step == 1
     for number in range(14):
-        engine.take(2.6 + number / 10, {"FREQ": 40.0 * number, "UACC": 12.8, "JAIR": 12.0})
+        engine.add_row(2.6 + number / 10, {"FREQ": 40.0 * number, "UACC": 12.8, "JAIR": 12.0})
     assert engine.result is not None
     found = next(it for it in engine.result.numbers if it.name == "M")
     assert found.value == (None if expected is None else pytest.approx(expected))
@@ -231,7 +231,7 @@ def test_any_rows_end_in_no_wrong_state(voltages: list[float], step: float) -> N
     engine = TestEngine(made(), shipped())
     for number, voltage in enumerate(voltages):
         speed = 300 + 300 * sin(number)
-        engine.take(number * step, {"UACC": voltage, "FREQ": speed if number > 20 else 0.0})
+        engine.add_row(number * step, {"UACC": voltage, "FREQ": speed if number > 20 else 0.0})
         progress = engine.progress()
         assert 0 <= progress.held <= progress.hold
     if engine.result is not None:

@@ -246,7 +246,7 @@ def test_a_warm_up_that_takes_too_long_needs_attention() -> None:
     """In frost, with a thermostat that stays open; the drive is left out."""
     engine = TestEngine(TESTS["warmup"], shipped())
     for time, values in standing("ambient = -35\ncoolant = 61", "thermostat = 1", 1230):
-        engine.take(time, values)
+        engine.add_row(time, values)
     assert engine.progress().step == 1
     engine.skip()
     assert engine.result is not None

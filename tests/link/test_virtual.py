@@ -45,7 +45,7 @@ class PlainBus:
         with self._lock:
             return self._coming[0][0] if self._coming else inf
 
-    def take(self, now: float) -> tuple[bytes, float]:
+    def collect_received(self, now: float) -> tuple[bytes, float]:
         data, time = b"", now
         with self._lock:
             while self._coming and self._coming[0][0] <= now:

@@ -183,16 +183,16 @@ def test_an_aborted_answer_ends_while_it_waits(client, seen):
 def test_a_request_is_aborted_before_its_answer(server, end, seen):
     number, answers = end.begin()
     request = {"kind": "request", "method": "GET", "path": "/held", "headers": [], "body": None}
-    server.take({**request, "id": number})
+    server.receive_message({**request, "id": number})
     assert seen.get(timeout=LONG) == "asked"
-    server.take({"kind": "abort", "id": number})
+    server.receive_message({"kind": "abort", "id": number})
     assert seen.get(timeout=LONG) == "gone"
     assert answers.get(timeout=LONG)[0] in ("head", "failed")  # which nobody wants any more
 
 
 def test_what_comes_for_something_that_is_over_is_ignored(server, client):
     for kind in ("abort", "send", "close"):
-        server.take({"kind": kind, "id": 10_000, "data": "x", "code": 1000})
+        server.receive_message({"kind": kind, "id": 10_000, "data": "x", "code": 1000})
     assert client.get("/empty").status_code == 204
 
 

@@ -38,7 +38,7 @@ def drive(count, begin, step):
 def accepted(*times):
     clock, found = RecordingClock(), []
     for time in times:
-        clock, is_possible = clock.take(time)
+        clock, is_possible = clock.after_packet(time)
         found += [time] * is_possible
     return found
 

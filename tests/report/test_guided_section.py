@@ -22,7 +22,7 @@ def result(coolant: float) -> TestResult:
     engine = TestEngine(load(shipped()).tests["sensors"], shipped())
     for number in range(60):
         values = {"FREQ": 0.0, "TWAT": coolant + number % 2, "TAIR": 15.0, "THR": 0.0, "JAIR": 0.0}
-        engine.take(number / 5, values)
+        engine.add_row(number / 5, values)
     assert engine.result is not None
     return engine.result
 

@@ -263,5 +263,5 @@ def test_raise_errors_raises_for_each_response_left_out():
     assert [type(error) for error in reported] == [DamagedResponse, WrongLength]
     assert all(error.request == encode(stream.command.body()) for error in reported)
     assert began < reported[0].time < reported[1].time < unit.link.now()
-    assert list(tester.statistics.failures) == [Failure.of(error) for error in reported]
+    assert list(tester.statistics.failures) == [Failure.from_error(error) for error in reported]
     assert tester.statistics.failed == 2

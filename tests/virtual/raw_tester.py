@@ -47,7 +47,7 @@ class RawTester:
         return bytes(value for _, value in self.heard[start:])
 
     def _take(self, now: float) -> None:
-        data, time = self.bus.take(now)
+        data, time = self.bus.collect_received(now)
         self.heard += [(time, value) for value in data]
 
     @property

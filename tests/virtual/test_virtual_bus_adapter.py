@@ -69,9 +69,9 @@ def test_a_full_packet_does_not_wait():
     adapter = Adapter(AdapterKind(latency=1.0))
     for count in range(1, 2 * PACKET):
         adapter.receive(count, 0.001 * count)
-    assert adapter.take(0.5) == (bytes(range(1, PACKET + 1)), 0.001 * PACKET)
-    assert adapter.take(0.999) == (b"", 0.999)
-    assert adapter.take(1.0) == (bytes(range(PACKET + 1, 2 * PACKET)), 1.0)
+    assert adapter.collect_received(0.5) == (bytes(range(1, PACKET + 1)), 0.001 * PACKET)
+    assert adapter.collect_received(0.999) == (b"", 0.999)
+    assert adapter.collect_received(1.0) == (bytes(range(PACKET + 1, 2 * PACKET)), 1.0)
 
 
 @given(
@@ -87,11 +87,11 @@ def test_no_byte_is_lost_reordered_early_or_much_too_late(gaps, latency, looks):
     for number, gap in enumerate(gaps):
         time += gap
         if (look := looked + next(looks, 1.0)) < time:
-            pieces.append((look, *adapter.take(look)))
+            pieces.append((look, *adapter.collect_received(look)))
             looked = look
         adapter.receive(number & 0xFF, time)
         heard.append(time)
-    pieces.append((time + 1, *adapter.take(time + 1)))
+    pieces.append((time + 1, *adapter.collect_received(time + 1)))
     assert b"".join(data for _, data, _ in pieces) == bytes(n & 0xFF for n in range(len(gaps)))
     assert adapter.next_event() > time + 1
     position, before = 0, 0.0
@@ -109,7 +109,7 @@ def test_a_tick_is_not_before_its_byte(latency, time):
     adapter = Adapter(AdapterKind(latency=latency))
     adapter.receive(1, time)
     assert time <= adapter.next_event() <= (ceil(time / latency) + 1) * latency
-    assert adapter.take(adapter.next_event())[0] == b"\x01"
+    assert adapter.collect_received(adapter.next_event())[0] == b"\x01"
 
 
 def test_a_break_is_a_byte_of_zeros_at_its_end():

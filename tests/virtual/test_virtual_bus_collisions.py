@@ -196,6 +196,6 @@ def test_bytes_of_a_response_that_come_together_are_those_one_by_one(talk, laten
         now += pause
         for bus in (together, singly):
             bus.send(data, now) if data is not None else bus.send_break(0.004, now)
-        assert together.take(now) == singly.take(now)
+        assert together.collect_received(now) == singly.collect_received(now)
         assert together.next_event() == singly.next_event()
         assert together.bytes_carried == singly.bytes_carried

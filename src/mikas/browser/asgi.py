@@ -49,7 +49,7 @@ class PageServer:
         self._inboxes: dict[int, asyncio.Queue[dict[str, Any]]] = {}
         self._tasks: set[asyncio.Task[None]] = set()
 
-    def take(self, message: Mapping[str, Any]) -> None:
+    def receive_message(self, message: Mapping[str, Any]) -> None:
         """Take a message of the page; called from JavaScript, which takes it back afterwards."""
         own = dict(message)
         if own.get("body") is not None:

@@ -88,7 +88,9 @@ async def _run(
     app = create_app(dashboard, Access(PORT))
     async with app.router.lifespan_context(app):
         server = PageServer(app, page)
-        result.append(server.take if role == "line" else _Reader(dashboard, server).take)
+        result.append(
+            server.receive_message if role == "line" else _Reader(dashboard, server).receive_message
+        )
         started.set()
         await _collect()
 
@@ -125,10 +127,10 @@ class _Reader:
         self._recording: str | None = None
         dashboard.library.in_progress = lambda: self._recording
 
-    def take(self, message: Mapping[str, Any]) -> None:
+    def receive_message(self, message: Mapping[str, Any]) -> None:
         """Take a message of the page."""
         if message["kind"] != "situation":
-            return self._server.take(message)
+            return self._server.receive_message(message)
         self._recording = message["recording"]
         catalogs = self._dashboard.catalogs
         if message["catalog"] not in (None, catalogs.catalog.version):

@@ -232,7 +232,7 @@ def _with_run(function: Callable[..., Any]) -> Callable[..., Any]:
     def call(ctx: click.Context, *args: Any, **kwargs: Any) -> Any:  # noqa: ANN401  (the command's)
         from mikas.cli.context import CommandContext
 
-        context = CommandContext.of(ctx.find_root().ensure_object(dict))
+        context = CommandContext.from_options(ctx.find_root().ensure_object(dict))
         if not context.logs:
             return function(context, *args, **kwargs)
         from mikas.cli.render.output import log_to_stderr

@@ -73,7 +73,7 @@ class CommandContext:
     logs: bool = False
 
     @classmethod
-    def of(cls, given: Mapping[str, Any]) -> CommandContext:
+    def from_options(cls, given: Mapping[str, Any]) -> CommandContext:
         """Combine the common options, the environment and the config file."""
         stored = config.load()
         settings = {**stored, **given}

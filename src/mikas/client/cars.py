@@ -87,7 +87,7 @@ class CarBook:
         """Return whether the details of this unit can be kept."""
         return self._key(version_code, passports) is not None
 
-    def of(self, version_code: int | None, passports: tuple[str, ...]) -> CarDetails | None:
+    def details_of(self, version_code: int | None, passports: tuple[str, ...]) -> CarDetails | None:
         """Return the details of a unit; `mileage` is the last one given. None: never asked."""
         stored = self._load()
         cars, workshop = stored["cars"], _line(stored.get("workshop"))

@@ -35,7 +35,7 @@ class Ending:
         self._end = end
         self._used = self._dashboard.clock()
 
-    def end(self) -> None:
+    def end_program(self) -> None:
         """End the program in good order: the recording and the port are closed. Raises `Busy`."""
         if not self._dashboard.settings.desktop or self._end is None:
             raise Busy(problem=_TERMINAL)
@@ -49,7 +49,7 @@ class Ending:
         if self._is_used():
             self._used = now
         elif now - self._used >= AWAY:
-            self.end()
+            self.end_program()
 
     def _is_used(self) -> bool:
         dashboard = self._dashboard

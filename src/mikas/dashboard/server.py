@@ -137,7 +137,7 @@ class Server(uvicorn.Server):
         """Cancel reports and exports at once, then shut down."""
         for entrance in self._entrances:
             await entrance.close()
-        await self._app.state.sharing.end()
+        await self._app.state.sharing.close_for_good()
         await self._app.state.dashboard.library.close()
         await super().shutdown(sockets)
 

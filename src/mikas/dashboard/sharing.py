@@ -103,7 +103,7 @@ class Sharing:
             self._access.share(certificate.hosts(here), certificate.fingerprint, control=control)
             self._dashboard.lan = True
 
-    async def end(self) -> None:
+    async def close_for_good(self) -> None:
         """Close everything at the end of the program."""
         async with self._lock:
             await self._shut()

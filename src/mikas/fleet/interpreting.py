@@ -122,7 +122,7 @@ def interpret(path: Path, name: str, key: str, settings: Settings, folder: Path)
 def _write_finished(reader: _Reader, small: _SmallRows, writer: TableWriter) -> None:
     """Write the small rows of the drives that have ended, and drop what was collected for them."""
     while reader.finished:
-        for table, time, row in small.of(reader.finished.pop(0)):
+        for table, time, row in small.rows_of_drive(reader.finished.pop(0)):
             writer.add(table, time, row)
 
 
@@ -200,7 +200,7 @@ class _Reader:
     def add_without_rows(self) -> None:
         """Add a drive for each session with readings of the faults and no rows."""
         for source in sorted(self.readings.ports, key=lambda each: (each.recording, each.url)):
-            if source not in self._seen and self.readings.of(source):
+            if source not in self._seen and self.readings.readings_of_port(source):
                 self._drive(source)
         self._finish()
 
@@ -248,14 +248,14 @@ class _SmallRows:
         self._settings = settings
         self.seconds, self.rows = 0.0, 0
 
-    def of(self, drive: _Drive) -> Iterator[_Row]:
+    def rows_of_drive(self, drive: _Drive) -> Iterator[_Row]:
         """Yield (table, time, row) for a drive."""
         identity = _id(self._key, drive.number)
         self.rows += drive.rows
         if drive.began is not None and drive.ended is not None:
             self.seconds += drive.ended - drive.began
         measured = drive.measuring.measured
-        heard = self._reader.readings.of(drive.source)
+        heard = self._reader.readings.readings_of_port(drive.source)
         began = drive.began if drive.began is not None else heard[-1].time if heard else None
         mine = self._reader.notes[drive.source.recording]
         unit = unit_of(mine, self._settings.catalog)

@@ -74,14 +74,14 @@ class TestEngine:
         self._start = Calculation(test.start) if test.start else None
         self._step: _StepRun | None = None
 
-    def take(self, time: float, values: Mapping[str, float]) -> None:
+    def add_row(self, time: float, values: Mapping[str, float]) -> None:
         """Take a row: the values that were read at `time`, by the parameter's name."""
         if self.result is not None:
             return
         if self._time is not None and time < self._time - _BACK:
             self._restart_clock(time)
         self._time = time if self._time is None else max(self._time, time)
-        self._values.take(time, values)
+        self._values.add_row(time, values)
         if self._step is None:
             if not self._ready(time):
                 return
@@ -89,7 +89,7 @@ class TestEngine:
             self._enter(time)
         self._draw(time, values)
         assert self._step is not None
-        if self._step.take(time, values):
+        if self._step.add_row(time, values):
             self._leave(time, skipped=False)
 
     def skip(self) -> None:
@@ -218,7 +218,7 @@ class _StepRun:
     def _ready_at(self) -> float:
         return self.began + self.step.prepare
 
-    def take(self, time: float, fresh: Mapping[str, float]) -> bool:
+    def add_row(self, time: float, fresh: Mapping[str, float]) -> bool:
         """Take a row; return whether the step is done."""
         if time < self._ready_at:
             return False

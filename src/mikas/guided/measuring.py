@@ -54,7 +54,7 @@ class Values:
         self._calculations: dict[str, Calculation] = {}
         self._needed: dict[tuple[str, ...], tuple[tuple[str, ...], tuple[Derived, ...]]] = {}
 
-    def take(self, time: float, values: Mapping[str, float]) -> None:
+    def add_row(self, time: float, values: Mapping[str, float]) -> None:
         """Take the fresh values of a row."""
         for name, value in values.items():
             if isfinite(value):

@@ -78,7 +78,7 @@ def run_over(
             values = {name: column[number] for name, column in columns}
             fresh = {name: value for name, value in values.items() if isfinite(value)}
             seen |= fresh.keys()
-            engine.take(time, fresh)
+            engine.add_row(time, fresh)
             engine.skip_all(skip)
             if engine.result is None:
                 continue

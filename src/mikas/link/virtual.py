@@ -79,7 +79,7 @@ class VirtualLink(_BusLink):
                     self._now = max(self._now, deadline)
                     return Chunk(b"", self._now)
                 self._now = following
-            data, time = self.bus.take(self._now)
+            data, time = self.bus.collect_received(self._now)
             if data:
                 return Chunk(data, time)
 
@@ -114,7 +114,7 @@ class RealTimeVirtualLink(_BusLink):
             self._check()
             with self._follower.lock:
                 now = self.now()
-                data, time = self.bus.take(now)
+                data, time = self.bus.collect_received(now)
                 following = self.bus.next_event()
             if data:
                 return Chunk(data, time)

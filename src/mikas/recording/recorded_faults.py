@@ -74,7 +74,7 @@ class FaultReadings:
                     self._heard[item.source].append(reading)
                     erased.discard(item.source)
 
-    def of(self, source: Source) -> tuple[FaultReading, ...]:
+    def readings_of_port(self, source: Source) -> tuple[FaultReading, ...]:
         """Return the readings of a port, after those from before its recording began."""
         before = recorded_faults(self._before.get(source.recording, ()))
         return *before, *self._heard.get(source, ())
@@ -176,7 +176,7 @@ def faults_in(recording: Recording) -> RecordedFaults:
     """
     readings = FaultReadings(recording.path, recording.notes)
     if len(readings.ports) == 1:
-        heard = readings.of(*readings.ports)
+        heard = readings.readings_of_port(*readings.ports)
         if FrameCollector(heard).is_empty:
             return RecordedFaults(heard, ())
     collectors: dict[Source, FrameCollector] = {}
@@ -186,13 +186,13 @@ def faults_in(recording: Recording) -> RecordedFaults:
             collectors.clear()
         if source not in collectors:
             events = _of(recording.events, source)
-            collectors[source] = FrameCollector(readings.of(source), events)
+            collectors[source] = FrameCollector(readings.readings_of_port(source), events)
         collectors[source].add(rows)
         counts[source] += len(rows.times)
     if not collectors:
-        return RecordedFaults(readings.of(readings.port_without_rows()), ())
+        return RecordedFaults(readings.readings_of_port(readings.port_without_rows()), ())
     fullest = max(collectors, key=lambda source: counts[source])
-    return RecordedFaults(readings.of(fullest), collectors[fullest].appeared)
+    return RecordedFaults(readings.readings_of_port(fullest), collectors[fullest].appeared)
 
 
 def _of(events: Iterable[Event], source: Source) -> Iterator[Event]:

@@ -56,7 +56,7 @@ def build(
         if isinstance(item, Problem):
             builder.data.problems += 1
         else:
-            _Stretch(builder, builder.enter(item), item).take()
+            _Stretch(builder, builder.enter(item), item).add_exchanges()
     return builder.finish()
 
 
@@ -74,7 +74,7 @@ class _Stretch:
         if port.request and port.request.serial in self._damaged:
             port.request.responded = True
 
-    def take(self) -> None:
+    def add_exchanges(self) -> None:
         """Take all requests and responses in order."""
         requests, responses = self._exchanges.requests, self._exchanges.responses
         routine: Routine | None = None
@@ -85,7 +85,7 @@ class _Stretch:
         row = first = 0
         rows: list[_Row] = []
         while row < len(responses.times):
-            if routine is not None and (taken := routine.take(row)):
+            if routine is not None and (taken := routine.add_routine(row)):
                 row += taken
                 self._next_serial = max(self._next_serial, int(responses.requests[row]))
             if row >= first + len(rows):

@@ -77,7 +77,7 @@ class ReplayBuilder:
         """Take a response."""
         request.responded = True
         self.data.frames += 1
-        answered = self.contents.take(request, port, body, began)
+        answered = self.contents.add_response(request, port, body, began)
         if answered is None:
             if body == ERROR:  # a datum or a refusal: the ECU is there
                 self.outages.supplied(request.time)

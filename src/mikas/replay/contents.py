@@ -109,7 +109,9 @@ class Contents:
             self._data.version.add(began, version)
         self._versions.clear()
 
-    def take(self, request: Request, port: RecordedPort, body: bytes, began: float) -> bool | None:
+    def add_response(
+        self, request: Request, port: RecordedPort, body: bytes, began: float
+    ) -> bool | None:
         """Keep the content of `body` and return whether it is a valid response.
 
         False: a refusal, or too short. None: doubtful, or no response to this request.
@@ -138,7 +140,9 @@ class Contents:
         streamed = c.COMMANDS_BY_CODE[request.body[0]].STREAM
         time = began - ROUNDING if streamed else request.time
         doubtful = Doubtful(series, time, began, request)
-        if port.resolver.take(doubtful, request.body, request.serial, series.layout, body):
+        if port.resolver.is_certain_value(
+            doubtful, request.body, request.serial, series.layout, body
+        ):
             self._accept(doubtful, body)
             return True
         if len(body) == series.size:
@@ -199,7 +203,7 @@ class Contents:
         return self._catalog.size_of(code) or self._sizes.get(code)
 
     def _data_of(self, request: bytes) -> Series | None:
-        layout = self._layouts.of(request)
+        layout = self._layouts.layout_of(request)
         return None if layout is None else self._series.setdefault(layout.places, Series(layout))
 
     def _take_unknown(self, request: Request, body: bytes) -> bool | None:

@@ -40,7 +40,7 @@ class Routine:
         self._next_attempt = 0
         self._looked_at = _LOOKED_AT
 
-    def take(self, row: int) -> int:
+    def add_routine(self, row: int) -> int:
         """Keep the routine exchanges from `row` on, but for the last one; return how many."""
         request = self._port.request
         steady = request and request.answered and self._builder.outages.failing_since is None

@@ -62,7 +62,7 @@ def find_in_recording(
     no_rows = readings.port_without_rows()
     source = max(by_port, key=lambda port: by_port[port].rows, default=no_rows)
     measured = by_port.get(source) or MeasurementCollector(catalog, ()).measured
-    last, heard = source.recording, readings.of(source)
+    last, heard = source.recording, readings.readings_of_port(source)
     frames = sessions[source].frames if source in sessions else FrameCollector(heard)
     mine = [note for note in notes if note.recording == last]
     recorded, events = unit_of(mine, catalog), events_of(mine, catalog)
@@ -125,7 +125,7 @@ def _sessions(
         if source not in sessions:
             mine = by_recording[source.recording]
             measuring = MeasurementCollector(catalog, [*recorded, *derived], mine)
-            frames = FrameCollector(readings.of(source), mine)
+            frames = FrameCollector(readings.readings_of_port(source), mine)
             sessions[source] = _Session(measuring, Deriver(catalog, derived), frames)
         session = sessions[source]
         made = session.deriver.columns(rows) if derived else {}

@@ -57,7 +57,7 @@ class RequestAhead:
         self._sent = _Sent(body, self._line.interject(body))
         self._sync.keep()
 
-    def take(self, body: bytes) -> bytes | None:
+    def claim(self, body: bytes) -> bytes | None:
         """Return the wire form of `body` if it is under way, for whoever awaits the response.
 
         None: it is not, or so long ago that nothing says when the response began. The line then

@@ -57,7 +57,7 @@ class Failure:
     time: float | None
 
     @classmethod
-    def of(cls, error: LineError) -> Failure:
+    def from_error(cls, error: LineError) -> Failure:
         """Copy `error`; `code` is its class name."""
         return cls(type(error).__name__, error.reason, error.request, error.received, error.time)
 
@@ -75,7 +75,7 @@ class Statistics:
     def fail(self, error: LineError) -> None:
         """Count `error`."""
         self.failed += 1
-        self.failures.append(Failure.of(error))
+        self.failures.append(Failure.from_error(error))
 
 
 class TimedDecoder:

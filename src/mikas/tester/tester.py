@@ -230,7 +230,7 @@ class Tester:
         if command.code not in self._known:
             attempts = min(attempts, _ATTEMPTS_AT_UNKNOWN)
         while True:
-            wire = self._ahead.take(command.body())
+            wire = self._ahead.claim(command.body())
             if wire is None:
                 self._ensure_in_sync()
             attempts -= 1

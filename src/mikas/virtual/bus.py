@@ -104,7 +104,7 @@ class Adapter:
         """Return when the tester gets the next bytes."""
         return self._ready[0][0] if self._ready else self._tick_at
 
-    def take(self, now: float) -> tuple[bytes, float]:
+    def collect_received(self, now: float) -> tuple[bytes, float]:
         """Return the bytes that the tester got by `now`, and the time of the last."""
         self.tick(now)
         data, time = bytearray(), now
@@ -169,7 +169,7 @@ class Transmitter:
 
 
 class Bus:
-    """The wire. `send`, `send_break` and `take` are the tester's side."""
+    """The wire. `send`, `send_break` and `collect_received` are the tester's side."""
 
     def __init__(
         self,
@@ -242,10 +242,10 @@ class Bus:
             self._next = self._next_on_wire()
         self.adapter.tick(now)
 
-    def take(self, now: float) -> tuple[bytes, float]:
+    def collect_received(self, now: float) -> tuple[bytes, float]:
         """Return the bytes that the tester got by `now`, and the time of the last."""
         self.advance(now)
-        return self.adapter.take(now)
+        return self.adapter.collect_received(now)
 
     def next_event(self) -> float:
         """Return the time of the next event on the wire or in the adapter."""
@@ -337,7 +337,7 @@ class Elm327(Bus):
     def advance(self, now: float) -> None:
         """Do nothing: the wire is not driven."""
 
-    def take(self, now: float) -> tuple[bytes, float]:
+    def collect_received(self, now: float) -> tuple[bytes, float]:
         data, time = bytearray(), now
         while self._out and self._out[0][0] <= now:
             time, value = self._out.popleft()

@@ -96,7 +96,7 @@ class ServedBus:
         bus = self._bus
         limit = max(self._latest, bus.next_event()) + _MOST_OVERDUE * bus.byte_time
         now = min(self._clock(), limit)
-        data, _ = bus.take(now)
+        data, _ = bus.collect_received(now)
         self._latest = now
         if data:
             self._write(data)

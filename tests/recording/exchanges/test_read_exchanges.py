@@ -79,7 +79,7 @@ def refused_by_columns(path):
     classifier, refusals, times = ResponseClassifier(LAYOUTS), None, []
     for item in column_exchanges(path):
         refusals = refusals or RefusalColumns(item.bodies)
-        refusals.take(list(classifier.groups(item)), item.responses)
+        refusals.add_responses(list(classifier.groups(item)), item.responses)
         times += item.responses.times.tolist()
     return set() if refusals is None else {times[number] for number in refusals.conclude()[0]}
 
@@ -101,10 +101,10 @@ def refused_in_order(path):
             start = responses.starts[row]
             body = responses.bodies[start : start + responses.lengths[row]]
             if request == setting and body == b"\x00":
-                listed = LAYOUTS.of(request)
-            layout = listed if request == READ_LIST else LAYOUTS.of(request)
+                listed = LAYOUTS.layout_of(request)
+            layout = listed if request == READ_LIST else LAYOUTS.layout_of(request)
             if layout is not None and request[:1] != b"\x64":
-                resolver.take(responses.times[row], request, serial, layout, body)
+                resolver.is_certain_value(responses.times[row], request, serial, layout, body)
         for number in item.requests.numbers[sent - item.requests.first :]:
             resolver.sent(item.bodies[number])
     resolver.conclude()

@@ -158,7 +158,7 @@ def _guide(
         for event in stack.enter_context(closing(notices.watch())):
             if not isinstance(event, Sampled):
                 continue
-            engine.take(event.time, {n: number_of(it) for n, it in event.fresh.items()})
+            engine.add_row(event.time, {n: number_of(it) for n, it in event.fresh.items()})
             engine.skip_all(skip)
             guide.show(engine.progress())
             if engine.result is not None:

@@ -51,7 +51,7 @@ class CarOptions:
 
         def note(unit: UnitFound) -> Note | None:
             passports = unit.passport.pieces if unit.passport else ()
-            kept = book.of(unit.version_code, passports)
+            kept = book.details_of(unit.version_code, passports)
             known = replace(kept, mileage=None) if kept else replace(NO_CAR, workshop=book.workshop)
             details = known if unit.another else given.over(known)
             if given and not unit.another:

@@ -78,7 +78,7 @@ class DataReader:
             return None
         limits = self._cache.limits()
         part = self._not_refused(wanted, limits, again=False)
-        return self._requests.of(part) if 0 < len(part) <= limits.max_list else None
+        return self._requests.request_for(part) if 0 < len(part) <= limits.max_list else None
 
     def at_once(self, wanted: Sequence[Datum]) -> dict[int, RawDatum]:
         """Read `wanted` by one request that is not repeated; its failure teaches nothing.
@@ -213,7 +213,7 @@ class _Requests:
                     self._record([datum], data, reply)
         return bool(self._answered)
 
-    def of(self, part: Sequence[Datum]) -> ReadParameters:
+    def request_for(self, part: Sequence[Datum]) -> ReadParameters:
         """Return the request that `send` would send."""
         return ReadParameters((part[0], part[0]) if self._is_sent_twice(part) else tuple(part))
 

@@ -73,7 +73,7 @@ def client_of(request: HTTPConnection, identity: str | None, name: str | None) -
         raise BadRequest(problem=NO_CLIENT_ID)
     may_control, local = state["rights"] == "control", state["local"]
     words = clean_line(unquote(name or ""), _MAX_NAME)
-    return Client.of(identity, words, may_control=may_control, local=local)
+    return Client.with_secret(identity, words, may_control=may_control, local=local)
 
 
 def address_of(request: HTTPConnection) -> str | None:

@@ -44,5 +44,5 @@ async def end(request: Request, dashboard: TheDashboard, client: LocalClient) ->
     For clients on this computer only. 409: the program was started in a terminal.
     """
     ending: Ending = request.app.state.ending
-    ending.end()
+    ending.end_program()
     return about(request, dashboard, client)

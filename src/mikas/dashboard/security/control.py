@@ -51,7 +51,7 @@ class Client:
     """On this computer."""
 
     @classmethod
-    def of(cls, secret: str, name: str, *, may_control: bool, local: bool) -> Self:
+    def with_secret(cls, secret: str, name: str, *, may_control: bool, local: bool) -> Self:
         """Return the client with that secret; one in the network never is one on this computer."""
         return cls(_digest(f"{'here' if local else 'network'} {secret}"), name, may_control, local)
 

@@ -147,7 +147,7 @@ class GuidedTests:
         with self._lock:
             run = self._run
             if run is not None and run.engine.result is None:
-                run.engine.take(event.time, values)
+                run.engine.add_row(event.time, values)
                 self._check(run)
 
     @property

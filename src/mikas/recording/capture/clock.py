@@ -31,7 +31,7 @@ class RecordingClock(NamedTuple):
     earliest: float = -LONGEST
     latest: float = LATEST
 
-    def take(self, time: float) -> tuple[RecordingClock, bool]:
+    def after_packet(self, time: float) -> tuple[RecordingClock, bool]:
         """Return the clock after a packet of `time`, and whether that time is possible.
 
         If the first packet's time was the wrong one, the second is refused and decides with the

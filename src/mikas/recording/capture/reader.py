@@ -212,7 +212,7 @@ class Blocks:
 
     def _is_possible(self, number: int, time: float) -> bool:
         before = self.clocks[number]
-        clock, is_possible = before.take(time)
+        clock, is_possible = before.after_packet(time)
         if clock is not before:
             self.clocks = (*self.clocks[:number], clock, *self.clocks[number + 1 :])
         return is_possible

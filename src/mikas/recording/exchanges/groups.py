@@ -85,7 +85,7 @@ class ResponseClassifier:
                     listed = rows[slice(*rows.searchsorted([start, stop]))]
                     if layout and listed.size:
                         yield _group(number, layout, listed, responses)
-            elif layout := self._layouts.of(request):
+            elif layout := self._layouts.layout_of(request):
                 yield _group(number, layout, rows, responses)
 
     def _lists(self, exchanges: ExchangeColumns) -> list[tuple[int, Layout | None]]:
@@ -110,7 +110,7 @@ class ResponseClassifier:
             done = (responses.numbers[start:stop] == number) & (responses.lengths[start:stop] == 1)
             done[done] = responses.bodies[responses.starts[start:stop][done]] == LIST_IS_SET
             lists += [
-                (start + row, self._layouts.of(bodies[number]))
+                (start + row, self._layouts.layout_of(bodies[number]))
                 for row in done.nonzero()[0].tolist()
             ]
         self._settings = settings[-1:]
@@ -133,7 +133,7 @@ class RefusalColumns:
         self._codes: dict[int, tuple[LoneResponses, list[Index]]] = {}  # numbers of the doubtful
         self._latest: dict[Layout, tuple[int, bytes]] = {}
 
-    def take(self, groups: list[ResponseGroup], responses: ResponseColumns) -> set[int]:
+    def add_responses(self, groups: list[ResponseGroup], responses: ResponseColumns) -> set[int]:
         """Take the next responses; return the codes that have a certain value in them."""
         certain: list[ResponseGroup] = []
         lone: dict[int, ResponseGroup] = {}

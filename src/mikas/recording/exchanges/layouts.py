@@ -48,7 +48,7 @@ class Layouts:
         self._size_of = size_of
         self._known: dict[bytes, Layout | None] = {}
 
-    def of(self, request: bytes) -> Layout | None:
+    def layout_of(self, request: bytes) -> Layout | None:
         """Return the layout of the responses to `request`; of a 64, that of the list it sets.
 
         None: no data, or a code whose size is not known.

@@ -110,7 +110,9 @@ class RefusalResolver(Generic[T]):
         lone = [self._codes[code][0] for code, _, _ in self._followed(layout)]
         return not any(it.is_sure or it.waiting < it.count for it in lone)
 
-    def take(self, item: T, request: bytes, serial: int, layout: Layout, body: bytes) -> bool:
+    def is_certain_value(
+        self, item: T, request: bytes, serial: int, layout: Layout, body: bytes
+    ) -> bool:
         """Return whether `body` is certainly data; otherwise it is doubtful, or has no data."""
         if is_lone(request, layout) and request[0] in STREAMS:
             known, first = self._streams.get(request, (None, []))

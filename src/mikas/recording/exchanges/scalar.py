@@ -237,7 +237,7 @@ class FoundExchanges:
         self._damaged = array("q")
         self._raw_checksum = False
 
-    def take(self, item: DecodedFrame | DecodedDamage) -> None:
+    def add_item(self, item: DecodedFrame | DecodedDamage) -> None:
         """Take the next part of the line."""
         is_sent, number = item.direction is Direction.SENT, self._matching.number
         match item:
@@ -290,7 +290,7 @@ class ScalarMatcher:
         found = FoundExchanges(self.matching)
         for packet in packets:
             for item in self._port.feed(packet):
-                found.take(item)
+                found.add_item(item)
         times = [packet.time for packet in packets]
         exchanges = found.exchanges(self._source, times, self._last)
         self._last = times[-1]

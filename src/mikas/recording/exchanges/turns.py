@@ -104,7 +104,7 @@ class TurnMatcher:
             way = Direction.SENT if run.sent[at] else Direction.RECEIVED
             packet = Packet(way, run.data[at], run.times[at], 0, source=self._source)
             for item in self._port.feed(packet):
-                found.take(item)
+                found.add_item(item)
 
     def _regular(self, run: PacketRun, sent: bytes, start: int, found: FoundExchanges) -> int:
         """Take the regular turns from the packet `start` on; return the packet after them."""

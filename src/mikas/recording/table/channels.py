@@ -132,7 +132,7 @@ def with_gaps(rows: Iterable[Rows], events: Iterable[Event]) -> Iterator[Rows]:
         begin, end = float(stretch.times[0]), float(stretch.times[-1])
         if last is not None and last.times[-1] <= begin:  # the same session: times rise
             begin = float(last.times[-1])
-        inside = left.take(begin, end)
+        inside = left.pop_between(begin, end)
         last = stretch
         if not inside:
             yield stretch
@@ -146,7 +146,7 @@ def with_gaps(rows: Iterable[Rows], events: Iterable[Event]) -> Iterator[Rows]:
     if last is None:
         return
     ended = float(last.times[-1])
-    if later := left.take(ended, ended + LONGEST):
+    if later := left.pop_between(ended, ended + LONGEST):
         times = _middles(later, np.full(len(later), np.inf))
         yield Rows(times, {name: np.full(len(times), np.nan) for name in last.values})
 
@@ -159,7 +159,7 @@ class _Spans:
         self._begins = [begin for begin, _ in self._spans]
         self._left = list(range(len(self._spans) + 1))  # on the way to the next one that is left
 
-    def take(self, begin: float, end: float) -> list[tuple[float, float]]:
+    def pop_between(self, begin: float, end: float) -> list[tuple[float, float]]:
         """Take the spans that begin from `begin` to before `end`, in their order."""
         taken = []
         at, stop = self._next(bisect_left(self._begins, begin)), bisect_left(self._begins, end)

@@ -105,7 +105,7 @@ class TableReader:
         ports: dict[Source, RefusalColumns] = {}
         for source, exchanges, groups in self._groups(self._note):
             refusals = ports.setdefault(source, RefusalColumns(exchanges.bodies))
-            found |= refusals.take(groups, exchanges.responses)
+            found |= refusals.add_responses(groups, exchanges.responses)
         for source, refusals in ports.items():
             self._refused[source], believed = refusals.conclude()
             found |= believed

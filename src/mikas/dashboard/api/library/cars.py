@@ -58,10 +58,10 @@ class CarResponse(CarInfo):
     asked: bool = Field(description="the details were given, or put off, once")
 
     @classmethod
-    def of(cls, dashboard: Dashboard) -> Self:
+    def of_connected_unit(cls, dashboard: Dashboard) -> Self:
         """Return the kept details of the connected unit's car."""
         version_code, pieces = _unit(dashboard)
-        kept = dashboard.cars.of(version_code, pieces)
+        kept = dashboard.cars.details_of(version_code, pieces)
         shown = kept or CarDetails(workshop=dashboard.cars.workshop)
         keeps = dashboard.cars.keeps(version_code, pieces)
         return cls(**asdict(shown), unit=keeps, asked=kept is not None)
@@ -70,7 +70,7 @@ class CarResponse(CarInfo):
 @router.get("/car", responses=errors())
 def car(dashboard: TheDashboard) -> CarResponse:
     """Return the details of the connected unit's car."""
-    return CarResponse.of(dashboard)
+    return CarResponse.of_connected_unit(dashboard)
 
 
 @router.put("/car", responses=errors(409, 503))
@@ -87,7 +87,7 @@ def write_car(dashboard: TheDashboard, _: KnownClient, body: CarRequest) -> CarR
     dashboard.car_now = unit.identity, details
     if details:
         dashboard.recorder.describe(details)
-    return CarResponse.of(dashboard)
+    return CarResponse.of_connected_unit(dashboard)
 
 
 @router.put("/recordings/{identity}/car", responses=errors(404, 409, 504))
@@ -123,7 +123,7 @@ def _keep_unknown(dashboard: Dashboard, recorded: RecordedUnit | None, details: 
     if recorded is None or unit is None or not recorded.identity.may_be(unit.identity):
         return
     version_code, pieces = _unit(dashboard)
-    kept = dashboard.cars.of(version_code, pieces)
+    kept = dashboard.cars.details_of(version_code, pieces)
     if details.name and not (kept and kept.name):
         workshop = CarDetails(workshop=dashboard.cars.workshop)
         dashboard.cars.keep(version_code, pieces, details.over(workshop))
@@ -144,4 +144,4 @@ def car_of_connection(dashboard: Dashboard) -> CarDetails:
     unit, now = dashboard.monitor.unit, dashboard.car_now
     if unit is not None and now is not None and now[0].may_be(unit.identity):
         return now[1]
-    return replace(dashboard.cars.of(*_unit(dashboard)) or CarDetails(), mileage=None)
+    return replace(dashboard.cars.details_of(*_unit(dashboard)) or CarDetails(), mileage=None)

@@ -182,7 +182,7 @@ class Decoder(srd.Decoder):
         else:
             self._show_frame(message)
         if self._wires is None:
-            for each, role in self._line.take(message):
+            for each, role in self._line.assign_role(message):
                 self._show_role(each, role)
             return
         sending = self._framers[TX].begin
@@ -196,7 +196,7 @@ class Decoder(srd.Decoder):
                 self._take_of_two(each, False)
 
     def _take_of_two(self, message, is_sent):
-        for each, role in self._wires.take(message, is_sent):
+        for each, role in self._wires.assign_role(message, is_sent):
             self._show_role(each, role)
 
     def _show_damage(self, damage):

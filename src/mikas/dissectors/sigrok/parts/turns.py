@@ -45,7 +45,7 @@ class OneWire(object):
         self.held = []
         self._courses = dict((course, ()) for course in unknown(None))
 
-    def take(self, message):
+    def assign_role(self, message):
         """Return the messages whose role is certain now, each with it."""
         if message.body is None:
             self._interrupt(message)
@@ -200,7 +200,7 @@ class TwoWires(object):
         self._request = None
         self._listed = None
 
-    def take(self, message, is_sent):
+    def assign_role(self, message, is_sent):
         """Return the message with its role."""
         if is_sent:
             self._sent = message
