@@ -32,7 +32,10 @@ def check(data: bytes) -> None:
         assert read_block(block_of(note)) == note
     unit_of(notes, shipped())
     comment_of(notes)
-    Outages(notes)
+    outages = Outages()
+    for note in notes:
+        outages.add_note(note)
+    outages.conclude(())
     events = events_of(notes, shipped())
     for reading in (*events, *recorded_faults(notes)):
         assert isfinite(reading.time)

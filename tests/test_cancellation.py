@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+import mikas
 from dashboard.recordings_rig import record
 from mikas.cancellation import Cancellation, Cancelled, check_cancelled
 from mikas.catalog import shipped
@@ -68,7 +69,7 @@ def test_every_reader_of_a_recording_can_be_cancelled(drive, tmp_path):
     readers = [
         lambda: summarise(drive, shipped()),
         lambda: Recording(drive, shipped()).window(0, 1e12),
-        lambda: find_in_recording(drive, shipped()),
+        lambda: find_in_recording(mikas.open(drive)),
         lambda: written(".csv"),
         lambda: written(".parquet"),  # it has a temporary folder
     ]

@@ -162,7 +162,7 @@ def _exported(suffix: str, dialect: str = "plain") -> Callable[[Path], None]:
 
 
 def _reported(path: Path) -> None:
-    found = find_in_recording(path, shipped())
+    found = find_in_recording(mikas.open(path))
     for page in (render(found, "en"), render(found, "ru")):
         page.encode()
 
@@ -213,7 +213,7 @@ _SEVERAL: Final = Allowance(calls=(400_000, 500), reads=(1 << 20, 400))
 def _searched(path: Path) -> None:
     for text in ("FREQ > 1000 and not RXX", "FUEL_FLOW < 3"):
         with suppress(UsageError):  # a channel that is not in the file
-            search(path, SearchCondition(shipped(), text))
+            search(mikas.open(path), SearchCondition(shipped(), text))
 
 
 READERS: Final = (

@@ -29,7 +29,7 @@ def city(mikas, tmp_path):
 
 def test_find_gives_all_moments_of_a_recording_and_their_peak(mikas, city):
     speed = np.concatenate([it.values["FREQ"] for it in library.open(city).rows()])
-    found = search(city, SearchCondition(shipped(), "FREQ > 2000"))
+    found = search(library.open(city), SearchCondition(shipped(), "FREQ > 2000"))
     assert found.hits
     assert max(hit.peak for hit in found.hits) == np.nanmax(speed)
     assert sum(hit.rows for hit in found.hits) == np.count_nonzero(speed > 2000)
@@ -41,7 +41,7 @@ def test_find_gives_all_moments_of_a_recording_and_their_peak(mikas, city):
     ran = mikas("find", "a.pcapng", "FREQ > 2000")
     assert len(ran.out.splitlines()) == 1 + len(found.hits)
     assert f"{len(found.hits)} moment" in ran.err
-    flow = search(city, SearchCondition(shipped(), "FUEL_FLOW > 3")).hits
+    flow = search(library.open(city), SearchCondition(shipped(), "FUEL_FLOW > 3")).hits
     assert flow
     assert all(hit.peak > 3 and hit.begin <= hit.peak_time <= hit.end for hit in flow)
 
@@ -51,7 +51,7 @@ def test_none_and_what_cannot_be_known_are_told_apart(mikas, city):
     assert (ran.status, ran.out) == (0, "")
     assert "ни в один момент" in ran.err
     with pytest.raises(UsageError, match="TAIR: not in this recording"):
-        search(city, SearchCondition(shipped(), "TAIR > 10 and FREQ > 2000"))
+        search(library.open(city), SearchCondition(shipped(), "TAIR > 10 and FREQ > 2000"))
     assert mikas("find", "a.pcapng", "FREQ >").status == 2
 
 

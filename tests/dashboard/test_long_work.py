@@ -24,9 +24,9 @@ class Crafted:
         self._read = read
         self.began, self.ended, self.count = Event(), Event(), 0
 
-    def __call__(self, path, *args):
-        if path.name != "bad.pcapng":
-            return self._read(path, *args)
+    def __call__(self, what, *args):
+        if getattr(what, "path", what).name != "bad.pcapng":  # of a recording, or a path
+            return self._read(what, *args)
         self.count += 1
         self.began.set()
         try:
@@ -86,6 +86,7 @@ def test_the_end_of_the_program_does_not_wait_for_a_report(tmp_path, report):
 
 
 def test_a_report_past_its_deadline_names_the_command_that_has_none(desk, report):
+    desk.get("/recordings/bad.pcapng")  # so that it is open
     lane = desk.dashboard.library.files
     lane.limits = replace(lane.limits, deadline=0)
     error = desk.get("/recordings/bad.pcapng/report", 504)

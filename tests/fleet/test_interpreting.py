@@ -9,6 +9,7 @@ from weakref import WeakSet
 
 import pytest
 
+import mikas
 from fleet_rig import BEGAN, DAY, SETTINGS, add_here, ask, make
 from mikas.catalog import load, shipped
 from mikas.client.cars import CarDetails
@@ -92,7 +93,7 @@ def test_statistics_and_alarms_are_those_of_the_report(tmp_path) -> None:
 
     file = make(tmp_path / "drive.pcapng", ambient=-10.0)
     add_here(file, to=tmp_path / "set")
-    found = find_in_recording(file, shipped())
+    found = find_in_recording(mikas.open(file))
     columns = "channel, count, mean, median, low, high, least, most"
     asked = f"SELECT {columns} FROM statistics WHERE state = 'all'"
     got = {row[0]: row[1:] for row in ask(tmp_path / "set", asked)}

@@ -3,10 +3,16 @@
 from __future__ import annotations
 
 import io
+import os
 import struct
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from itertools import count
+from pathlib import Path
+from typing import IO
+
+import pytest
 
 from mikas.framing import encode
 from mikas.recording.capture import blocks as pcapng
@@ -146,7 +152,7 @@ FILES = (
 )
 
 
-class CountingFile(io.BytesIO):
+class CountedFile(io.FileIO):
     """A file that counts the bytes that are read from it."""
 
     taken = 0
@@ -155,6 +161,23 @@ class CountingFile(io.BytesIO):
         data = super().read(size)
         self.taken += len(data)
         return data
+
+
+@contextmanager
+def counted(path: Path) -> Iterator[list[CountedFile]]:
+    """Give the files as which `path` is opened meanwhile."""
+    opened: list[CountedFile] = []
+
+    def fdopen(descriptor: int, mode: str, buffering: int = -1) -> IO[bytes]:
+        if not path.exists() or not os.path.samestat(os.fstat(descriptor), path.stat()):
+            return usual(descriptor, mode, buffering)
+        opened.append(CountedFile(descriptor, mode))
+        return opened[-1]
+
+    usual = os.fdopen
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(os, "fdopen", fdopen)
+        yield opened
 
 
 def calls(work: Callable[[], object]) -> int:

@@ -184,7 +184,7 @@ def test_a_hostile_recording_is_listed_and_opened_with_clean_texts(hostile):
 
 
 def test_a_hostile_recording_is_reported_with_clean_texts(hostile):
-    page = render(find_in_recording(hostile, shipped()), "ru")
+    page = render(find_in_recording(mikas.open(hostile)), "ru")
     assert clean_text(page) == page
 
 

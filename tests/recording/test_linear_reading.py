@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections import deque
 from contextlib import suppress
-from pathlib import Path
 
 import pytest
-from crafted_harness import EXCHANGES, FILES, CountingFile, calls
+from crafted_harness import EXCHANGES, FILES, calls, counted
 
 import mikas
 from mikas.catalog import shipped
@@ -34,52 +33,42 @@ READERS = {
     "summary": summarise,
     "table": lambda path: exhausted(mikas.open(path).rows()),
     "window": lambda path: mikas.open(path).span,
-    "report": lambda path: find_in_recording(path, shipped()),
+    "report": lambda path: find_in_recording(mikas.open(path)),
     "replay": load,
 }
 QUICK = [READERS[name] for name in ("scan", "notes", "packets")]
 
 
-def work_of(reader, data, path, monkeypatch):
+def work_of(reader, data, path):
     """Return the bytes that `reader` reads of a file with `data`, and the functions it calls."""
     path.write_bytes(data)
-    files = []
-    usual = Path.open
-
-    def opened(self, *args, **settings):
-        if self != path:
-            return usual(self, *args, **settings)
-        files.append(CountingFile(data))
-        return files[-1]
 
     def work():
         with suppress(CaptureError):  # no recording, or none with a response
             reader(path)
 
-    with monkeypatch.context() as patched:
-        patched.setattr(Path, "open", opened)
+    with counted(path) as files:
         called = calls(work)
+    assert files
     return sum(file.taken for file in files), called
 
 
 @pytest.mark.parametrize("reader", READERS.values(), ids=READERS)
-def test_each_byte_of_a_crafted_file_is_read_a_bounded_number_of_times(
-    reader, tmp_path, monkeypatch
-):
+def test_each_byte_of_a_crafted_file_is_read_a_bounded_number_of_times(reader, tmp_path):
     path = tmp_path / "a.pcapng"
     for crafted in FILES if reader in QUICK else FILES[:6]:
         (_, called), (taken, called_twice) = (
-            work_of(reader, crafted(count), path, monkeypatch) for count in (COUNT, 2 * COUNT)
+            work_of(reader, crafted(count), path) for count in (COUNT, 2 * COUNT)
         )
         assert taken <= 20 * path.stat().st_size, crafted.__name__
         assert called_twice <= 2.2 * called, crafted.__name__
 
 
 @pytest.mark.parametrize("reader", ["decode", "report", "replay"])
-def test_crafted_exchanges_cost_in_proportion_to_their_number(reader, tmp_path, monkeypatch):
+def test_crafted_exchanges_cost_in_proportion_to_their_number(reader, tmp_path):
     for crafted in EXCHANGES:
         files = [crafted(count) for count in (10, 20)]
         (_, once), (_, twice) = (
-            work_of(READERS[reader], data, tmp_path / "a.pcapng", monkeypatch) for data in files
+            work_of(READERS[reader], data, tmp_path / "a.pcapng") for data in files
         )
         assert twice <= 2.2 * once, crafted.__name__

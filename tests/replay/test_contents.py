@@ -21,7 +21,7 @@ from mikas.recording import CaptureWriter
 from mikas.recording.annotations.events import note_of
 from mikas.recording.capture.notes import Kind, Note
 from mikas.recording.exchanges.columnar import column_exchanges
-from mikas.recording.table.reader import TableReader
+from mikas.recording.recording import Recording
 from mikas.replay import behaviour as replay_habits
 from mikas.replay import load, playing
 from mikas.replay.build import build
@@ -145,7 +145,7 @@ def test_what_is_played_is_what_a_table_shows(tmp_path_factory, exchanges):
     write(path, exchanges)
     shown = [
         f"{int(value):02x}"
-        for rows in TableReader(path, shipped()).rows()
+        for rows in Recording(path, shipped()).rows()
         for value in rows.values.get("THR", np.empty(0)).tolist()
         if not isnan(value)
     ]

@@ -100,7 +100,7 @@ def erased(tmp_path: Path) -> Path:
 
 
 def test_a_report_of_a_recording_has_the_cleared_faults(erased) -> None:
-    it = find_in_recording(erased, shipped())
+    it = find_in_recording(mikas.open(erased))
     assert it.faults == ()
     (gone_,) = it.cleared
     assert (gone_.erased, {fault.code for fault in gone_.faults}) == (True, {13, 53})
@@ -118,7 +118,7 @@ def test_faults_read_before_the_recording_began_count(tmp_path) -> None:
         sink.note(faults_note(ecu.tester.link.now(), readings))
         for _ in ecu.watch(method="batch", count=20):
             pass
-    it = find_in_recording(path, shipped())
+    it = find_in_recording(mikas.open(path))
     assert [each.code for each in it.subject.faults or ()] == [53]
     assert it.subject.faults_read == 3.0
     assert [fault.code for each in it.cleared for fault in each.faults] == [13]
@@ -133,4 +133,4 @@ def test_a_damaged_note_of_readings_is_passed_over(reported, tmp_path) -> None:
     path = tmp_path / "a.pcapng"
     with CaptureWriter(path, url=IDLE) as sink:
         sink.note(Note(Kind.FAULTS, 1.0, {"readings": reported}))
-    assert find_in_recording(path, shipped()).subject.faults is None
+    assert find_in_recording(mikas.open(path)).subject.faults is None

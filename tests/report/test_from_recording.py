@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import mikas
-from mikas.catalog import load, shipped
+from mikas.catalog import shipped
 from mikas.errors import CaptureError
 from mikas.i18n import Text
 from mikas.recording import CaptureWriter
@@ -56,7 +56,7 @@ def drive(tmp_path: Path) -> Path:
 
 
 def test_a_report_has_unit_values_and_faults_of_the_recording(drive: Path) -> None:
-    found = find_in_recording(drive, shipped())
+    found = find_in_recording(mikas.open(drive))
     subject, measured = found.subject, found.measured
     assert subject.unit is not None
     assert subject.unit.model.text.en == "Mikas 7.1"
@@ -81,7 +81,7 @@ def test_a_report_has_unit_values_and_faults_of_the_recording(drive: Path) -> No
 
 
 def test_the_values_are_those_of_the_recording(drive: Path) -> None:
-    found = find_in_recording(drive, shipped())
+    found = find_in_recording(mikas.open(drive))
     frame = mikas.open(drive).to_pandas()
     for name in ("UACC", "TWAT", "JAIR", "DUTY", "FUEL_FLOW"):
         values = frame[name].dropna()
@@ -93,7 +93,7 @@ def test_the_values_are_those_of_the_recording(drive: Path) -> None:
 
 
 def test_faults_that_were_never_read_are_not_known(tmp_path: Path) -> None:
-    found = find_in_recording(record(tmp_path / "a.pcapng", count=50, faults=False), shipped())
+    found = find_in_recording(mikas.open(record(tmp_path / "a.pcapng", count=50, faults=False)))
     assert found.faults is None
 
 
@@ -105,11 +105,11 @@ def test_the_last_answer_about_faults_counts(tmp_path: Path) -> None:
         ecu.erase_faults()
         for _ in ecu.watch(count=5):
             pass
-    assert find_in_recording(path, shipped()).faults == ()
+    assert find_in_recording(mikas.open(path)).faults == ()
 
 
 def test_without_a_session_header_the_unit_is_unknown(tmp_path: Path) -> None:
-    found = find_in_recording(record(tmp_path / "bare.pcapng", count=5, head=False), shipped())
+    found = find_in_recording(mikas.open(record(tmp_path / "bare.pcapng", count=5, head=False)))
     assert found.subject.unit is None
     render(found, "ru")
 
@@ -118,14 +118,14 @@ def test_values_read_one_at_a_time_are_judged_at_warm_idle(tmp_path: Path) -> No
     path = record(
         tmp_path / "one.pcapng", IDLE, "TWAT", "FREQ", "THR", "UACC", method="single", count=600
     )
-    found = find_in_recording(path, shipped())
+    found = find_in_recording(mikas.open(path))
     assert found.at_idle
     assert {value.channel.name for value in found.rated} == {"TWAT", "FREQ", "THR", "UACC"}
 
 
 def test_a_cold_engine_is_not_judged(tmp_path: Path) -> None:
     url = "sim:?clock=simulated&scenario=cold-start"
-    found = find_in_recording(record(tmp_path / "cold.pcapng", url), shipped())
+    found = find_in_recording(mikas.open(record(tmp_path / "cold.pcapng", url)))
     assert found.rated == ()
     assert found.measured.idle.stretches == ()
 
@@ -135,10 +135,10 @@ def test_of_several_sessions_the_last_is_reported(tmp_path: Path) -> None:
     second = record(tmp_path / "b.pcapng", f"{IDLE}&faults=17", count=100)
     both = tmp_path / "both.pcapng"
     both.write_bytes(first.read_bytes() + second.read_bytes())
-    found = find_in_recording(both, shipped())
+    found = find_in_recording(mikas.open(both))
     assert [fault.code for fault in found.subject.faults or ()] == [17]
     assert found.subject.conditions.sessions == 2
-    assert found.measured.rows == find_in_recording(second, shipped()).measured.rows
+    assert found.measured.rows == find_in_recording(mikas.open(second)).measured.rows
 
 
 def test_notes_of_the_recording_are_in_the_report(tmp_path: Path) -> None:
@@ -150,7 +150,7 @@ def test_notes_of_the_recording_are_in_the_report(tmp_path: Path) -> None:
         sink.note(note_of(Marker(2.0, "here")))
         sink.note(note_of(Gap(3.0, 3.0, 5.0, Text("no echo", "нет эха"))))
         sink.note(note_of(Gap(6.0, 6.0, None, Text("no echo", "нет эха"))))
-    found = find_in_recording(path, shipped())
+    found = find_in_recording(mikas.open(path))
     assert found.subject.notes == ("after the new plugs",)
     pauses = found.subject.conditions.interruptions
     assert [(pause.began, pause.ended) for pause in pauses] == [(3.0, 5.0), (6.0, None)]
@@ -160,7 +160,7 @@ def test_notes_of_the_recording_are_in_the_report(tmp_path: Path) -> None:
 
 def test_a_cut_recording_is_reported_as_far_as_it_goes(drive: Path) -> None:
     drive.write_bytes(drive.read_bytes()[:-3001])
-    found = find_in_recording(drive, shipped())
+    found = find_in_recording(mikas.open(drive))
     assert found.subject.conditions.damaged == 1
     assert found.measured.rows > 100
 
@@ -169,11 +169,11 @@ def test_an_empty_recording_has_an_open_outcome(tmp_path: Path) -> None:
     empty = tmp_path / "empty.pcapng"
     with CaptureWriter(empty, url=IDLE):
         pass
-    found = find_in_recording(empty, shipped())
+    found = find_in_recording(mikas.open(empty))
     assert (found.outcome, found.rated, found.faults) == (Outcome.OPEN, (), None)
     assert render(found, "en")
     with pytest.raises(CaptureError, match="nowhere"):
-        find_in_recording(tmp_path / "nowhere.pcapng", shipped())
+        find_in_recording(mikas.open(tmp_path / "nowhere.pcapng"))
 
 
 def test_the_catalog_of_today_judges(drive: Path, tmp_path: Path) -> None:
@@ -183,7 +183,7 @@ def test_the_catalog_of_today_judges(drive: Path, tmp_path: Path) -> None:
         'text = "mine"\n',
         "utf-8",
     )
-    found = find_in_recording(drive, load(own))
+    found = find_in_recording(mikas.open(drive, catalogs=[own]))
     (value,) = found.abnormal
     assert (value.channel.name, value.mark, value.meaning.en) == (
         "UACC",

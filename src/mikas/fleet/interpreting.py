@@ -150,11 +150,11 @@ class _Reader:
         self._open: dict[Source, _Drive] = {}
         self._seen: set[Source] = set()
         self.zero: float | None = None
-        self.readings = FaultReadings(recording.path, recording.notes)
+        self.readings = FaultReadings(recording)
         self._catalog = settings.catalog
         self._corrected = recording
         if settings.interpretation != "corrected":
-            self._corrected = Recording(recording.path, settings.catalog)
+            self._corrected = recording.interpreted("corrected")
         self.details = car_of(recording.notes)
         self.car: CarKey = car_key(settings.car, self.details, recording.unit)
         self.notes = _by_recording(recording.notes)
@@ -199,7 +199,7 @@ class _Reader:
 
     def add_without_rows(self) -> None:
         """Add a drive for each session with readings of the faults and no rows."""
-        for source in sorted(self.readings.ports, key=lambda each: (each.recording, each.url)):
+        for source in sorted(self.recording.raw.ports, key=lambda each: (each.recording, each.url)):
             if source not in self._seen and self.readings.readings_of_port(source):
                 self._drive(source)
         self._finish()

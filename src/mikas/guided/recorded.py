@@ -8,7 +8,6 @@ from math import isfinite
 from typing import TYPE_CHECKING, Final
 
 from mikas.cancellation import check_cancelled
-from mikas.catalog import Catalog
 from mikas.guided.definition import GuidedStep, GuidedTest, VerdictKind
 from mikas.guided.engine import TestEngine
 from mikas.guided.result import TestResult, read
@@ -16,7 +15,7 @@ from mikas.i18n import Text
 from mikas.recording.capture.notes import Kind, Note
 
 if TYPE_CHECKING:
-    from mikas.recording.table.channels import Rows
+    from mikas.recording.recording import Recording
 
 _MOST: Final = 50  # results of a recording
 _CHECKED: Final = 1000  # rows between two checks for a cancellation
@@ -54,9 +53,9 @@ class NotJudged:
 
 
 def run_over(
-    test: GuidedTest, catalog: Catalog, stretches: Iterable[Rows], skip: Collection[str] = ()
+    test: GuidedTest, recording: Recording, skip: Collection[str] = ()
 ) -> TestResult | NotJudged:
-    """Return the first decided result of `test` over recorded rows, or else the first result.
+    """Return the first decided result of `test` over a recording, or else the first result.
 
     Why there is none, if its steps do not occur.
 
@@ -66,12 +65,11 @@ def run_over(
     by_hand = tuple(step for step in test.steps if step.by_hand and step.name not in skip)
     if by_hand:
         return NotJudged(test, by_hand, (), None)
+    catalog = recording.catalog
     engine, seen = TestEngine(test, catalog), set[str]()
     undecided: TestResult | None = None
-    for rows in stretches:
-        columns = [
-            (name, rows.values[name].tolist()) for name in test.channels if name in rows.values
-        ]
+    for rows in recording.interpreted("corrected", test.channels).rows():
+        columns = [(name, column.tolist()) for name, column in rows.values.items()]
         for number, time in enumerate(rows.times.tolist()):
             if number % _CHECKED == 0:
                 check_cancelled()

@@ -11,21 +11,16 @@ which its notes have. They are of the port with most rows in the last session, a
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Sequence
-from contextlib import suppress
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from math import inf
-from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from mikas.commands import ERASE_FAULTS, ReadFaults
-from mikas.errors import MikasError
 from mikas.recording.annotations.events import recorded_faults
 from mikas.recording.capture.notes import Note
-from mikas.recording.capture.reader import Problem, Source
-from mikas.recording.exchanges import read_exchanges
+from mikas.recording.capture.reader import Source
 from mikas.recording.freeze_frames import AROUND, LONGEST, AppearedFault, frame_of, new_faults
 from mikas.recording.table.channels import Rows, joined_rows
 from mikas.sampling.events import Event, FaultReading, UnitFound
@@ -46,33 +41,13 @@ class RecordedFaults:
 
 
 class FaultReadings:
-    """The readings of the faults in a file, by session and port.
+    """The readings of the faults in a recording, by session and port."""
 
-    `notes`: of the file. `ports`: those with responses. Raises `CaptureError`.
-    """
-
-    def __init__(self, path: Path, notes: Iterable[Note]) -> None:
-        self.ports: set[Source] = set()
+    def __init__(self, recording: Recording) -> None:
         self._before: dict[int, list[Note]] = defaultdict(list)
-        for note in notes:
+        for note in recording.notes:
             self._before[note.recording].append(note)
-        self._heard: dict[Source, list[FaultReading]] = defaultdict(list)
-        erased: set[Source] = set()  # since the last reading
-        command, erasing = ReadFaults(), ERASE_FAULTS[-1].body()
-        wanted = frozenset((command.body(), erasing))
-        for item in read_exchanges(path):
-            if isinstance(item, Problem):
-                continue
-            if len(item.responses.times):
-                self.ports.add(item.source)
-            for time, request, body in item.answers(wanted):
-                if request == erasing:
-                    erased.add(item.source)
-                    continue
-                with suppress(MikasError):
-                    reading = FaultReading(time, command.read(body), item.source in erased)
-                    self._heard[item.source].append(reading)
-                    erased.discard(item.source)
+        self._heard = recording.raw.fault_readings
 
     def readings_of_port(self, source: Source) -> tuple[FaultReading, ...]:
         """Return the readings of a port, after those from before its recording began."""
@@ -169,31 +144,15 @@ class _Window:
 
 
 def faults_in(recording: Recording) -> RecordedFaults:
-    """Return the faults of a recording's last session, in the recording's interpretation.
-
-    Its rows are read again only if a fault appeared or there are several ports. Raises
-    `CaptureError`.
-    """
-    readings = FaultReadings(recording.path, recording.notes)
-    if len(readings.ports) == 1:
-        heard = readings.readings_of_port(*readings.ports)
-        if FrameCollector(heard).is_empty:
-            return RecordedFaults(heard, ())
-    collectors: dict[Source, FrameCollector] = {}
-    counts: dict[Source, int] = defaultdict(int)
-    for source, rows in recording.stretches():
-        if any(other.recording != source.recording for other in collectors):
-            collectors.clear()
-        if source not in collectors:
-            events = _of(recording.events, source)
-            collectors[source] = FrameCollector(readings.readings_of_port(source), events)
-        collectors[source].add(rows)
-        counts[source] += len(rows.times)
-    if not collectors:
-        return RecordedFaults(readings.readings_of_port(readings.port_without_rows()), ())
-    fullest = max(collectors, key=lambda source: counts[source])
-    return RecordedFaults(readings.readings_of_port(fullest), collectors[fullest].appeared)
-
-
-def _of(events: Iterable[Event], source: Source) -> Iterator[Event]:
-    return (event for event in events if event.recording == source.recording)
+    """Return the faults of a recording's last session, in the recording's interpretation."""
+    readings, raw = FaultReadings(recording), recording.raw
+    ports = [port for port in raw.row_counts if port.recording == raw.last_session]
+    port = max(ports, key=lambda each: raw.row_counts[each], default=readings.port_without_rows())
+    heard = readings.readings_of_port(port)
+    events = (event for event in recording.events if event.recording == port.recording)
+    frames = FrameCollector(heard, events)
+    if not frames.is_empty:
+        for source, rows in recording.last_session():
+            if source == port:
+                frames.add(rows)
+    return RecordedFaults(heard, frames.appeared)

@@ -11,7 +11,6 @@ second, or for a cycle if that is longer, so no condition holds by values from b
 from __future__ import annotations
 
 import ast
-import os
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -103,21 +102,15 @@ class SearchCondition:
         return SearchResult(hits, *columns.span)
 
 
-def search(
-    path: str | os.PathLike[str], condition: SearchCondition, interpretation: str = "corrected"
-) -> SearchResult:
+def search(recording: Recording, condition: SearchCondition) -> SearchResult:
     """Return the hits in a recording, in the order of the file.
 
-    Raises `CaptureError`; `UsageError` if a channel of the condition is not recorded.
+    Raises `UsageError` if a channel of the condition is not recorded.
     """
-    recording = Recording(path, condition.catalog, interpretation, condition.names)
+    catalog = condition.catalog
+    recording = recording.interpreted("corrected", condition.names, catalog=catalog)
     if _CONDITION in recording.absent:
-        absent = [
-            name
-            for name in condition.inputs
-            if name in Recording(path, condition.catalog, interpretation, [name]).absent
-        ]
-        names = ", ".join(absent)
+        names = ", ".join(recording.interpreted("corrected", condition.inputs).absent)
         raise usage_error(
             f"{names}: not in this recording, so the condition has no value anywhere",
             f"{names}: в этой записи нет, поэтому у условия нигде нет значения",

@@ -214,10 +214,10 @@ def _samples(path: Path, sections: _Sections, catalog: Catalog) -> tuple[int | N
     """Return the number of responses with data, and whether it was counted."""
     if sections.index.size > _COUNTED or len(sections.index.sections) > _MOST_SECTIONS:
         return _estimated(sections), False
-    from mikas.recording.table.reader import TableReader
+    from mikas.recording.recording import Recording
 
     with suppress(MikasError):
-        return sum(len(rows.times) for rows in TableReader(path, catalog).rows()), True
+        return Recording(path, catalog).row_count, True
     return None, True
 
 

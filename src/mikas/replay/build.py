@@ -18,7 +18,7 @@ from mikas.errors import CaptureError
 from mikas.i18n import Text
 from mikas.recording.annotations.fields import passport_of
 from mikas.recording.capture.notes import Kind, Note
-from mikas.recording.capture.reader import CaptureReader, Problem
+from mikas.recording.capture.reader import Problem
 from mikas.recording.exchanges import read_exchanges
 from mikas.recording.exchanges.result import Column, Exchanges
 from mikas.replay.builder import ReplayBuilder
@@ -38,26 +38,26 @@ def load(path: str | os.PathLike[str], catalog: Catalog | None = None) -> Replay
 
     Damaged parts are skipped; `problems` counts them.
     """
-    reader = CaptureReader(path)
-    notes = list(reader.notes())
-    data = build(read_exchanges(path), catalog or shipped(), notes)
+    data = build(read_exchanges(path), catalog or shipped())
     if not data.frames:
         raise CaptureError(str(Path(path)), _NOTHING)
-    _add_noted_identity(data, notes)
     return data
 
 
-def build(
-    items: Iterable[Exchanges | Problem], catalog: Catalog, notes: Iterable[Note] = ()
-) -> ReplayData:
-    """Return the content of `items`. `notes`: of the same file. Never raise for any content."""
-    builder = ReplayBuilder(catalog, notes)
+def build(items: Iterable[Exchanges | Problem | Note], catalog: Catalog) -> ReplayData:
+    """Return the content of `items`. Never raise for any content."""
+    builder, notes = ReplayBuilder(catalog), []
     for item in items:
         if isinstance(item, Problem):
             builder.data.problems += 1
+        elif isinstance(item, Note):
+            builder.outages.add_note(item)
+            notes.append(item)
         else:
             _Stretch(builder, builder.enter(item), item).add_exchanges()
-    return builder.finish()
+    data = builder.finish()
+    _add_noted_identity(data, notes)
+    return data
 
 
 class _Stretch:

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import Final
 
 from mikas import commands as c
 from mikas.catalog import Catalog
 from mikas.commands.base import ERROR
-from mikas.recording.capture.notes import Note
 from mikas.recording.capture.reader import Source
 from mikas.recording.exchanges.result import Exchanges
 from mikas.replay.behaviour import EcuBehaviour
@@ -25,9 +23,9 @@ _REFUSED_BY_01: Final = frozenset(
 class ReplayBuilder:
     """Follows one capture, stretch by stretch."""
 
-    def __init__(self, catalog: Catalog, notes: Iterable[Note] = ()) -> None:
+    def __init__(self, catalog: Catalog) -> None:
         self.data = ReplayData()
-        self.outages = Outages(notes)
+        self.outages = Outages()
         self.timeline = Timeline(self.data, self.outages)
         self.behaviour = EcuBehaviour()
         self.contents = Contents(self.data, catalog, self.behaviour)

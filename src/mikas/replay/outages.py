@@ -38,15 +38,16 @@ _MOST_STEPS: Final = 1000
 class Outages:
     """Collects outages. `failing_since`: time of the first request that is unanswered so far."""
 
-    def __init__(self, notes: Iterable[Note] = ()) -> None:
+    def __init__(self) -> None:
         self.failing_since: float | None = None
         self._off: list[Stretch] = []
-        self._quiet: list[tuple[float, float, bool]] = []  # without a packet; whether noted
+        self._quiet: list[tuple[int, float, float, float]] = []  # without a packet
         self._noted: dict[int, list[Stretch]] = {}
-        for note in notes:
-            if (noted := _hole_of(note)) is not None:
-                self._noted.setdefault(note.recording, []).append(noted)
-        self._noted = {number: _merged(holes) for number, holes in self._noted.items()}
+
+    def add_note(self, note: Note) -> None:
+        """Take a note of the recording."""
+        if (noted := _hole_of(note)) is not None:
+            self._noted.setdefault(note.recording, []).append(noted)
 
     def failed(self, time: float) -> None:
         """Note that a request of `time` got no response."""
@@ -66,20 +67,20 @@ class Outages:
     def add_pause(self, recording: int, begin: float, end: float, shift: float) -> None:
         """Note a stretch without a packet. `shift`: from the recording's own times to these."""
         if end - begin > GAP:
-            noted = self._noted.get(recording, [])
-            before = bisect_left(noted, (end - shift,))
-            is_noted = before > 0 and begin - shift < noted[before - 1][1]
-            self._quiet.append((begin, end, is_noted))
+            self._quiet.append((recording, begin, end, shift))
 
     def conclude(self, series: Iterable[Series]) -> tuple[list[Stretch], list[Stretch]]:
         """Return the losses of supply, and the holes."""
         cycle = _usual_cycle(series)
-        least = max(SILENT_FOR, _CYCLES * cycle) if cycle else 0.0
-        holes = [
-            (begin + (cycle or 0.0), end - _EARLY)
-            for begin, end, noted in self._quiet
-            if noted or (cycle is not None and end - begin > least)
-        ]
+        least = inf if cycle is None else max(SILENT_FOR, _CYCLES * cycle)
+        all_noted = {recording: _merged(noted) for recording, noted in self._noted.items()}
+        holes = []
+        for recording, begin, end, shift in self._quiet:
+            noted = all_noted.get(recording, [])
+            before = bisect_left(noted, (end - shift,))
+            is_noted = before > 0 and begin - shift < noted[before - 1][1]
+            if is_noted or end - begin > least:
+                holes.append((begin + (cycle or 0.0), end - _EARLY))
         return _merged(self._off), _merged([it for it in holes if it[0] < it[1]])
 
 

@@ -5,11 +5,7 @@ Always in the corrected interpretation, which the references belong to.
 
 from __future__ import annotations
 
-import os
-from collections import defaultdict
-from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import Final
 
 from mikas.catalog import Catalog
 from mikas.cleaning import clean_line
@@ -22,12 +18,10 @@ from mikas.recording.annotations.events import (
     events_of,
     unit_of,
 )
-from mikas.recording.capture.reader import CaptureReader, Source
+from mikas.recording.capture.reader import Source
 from mikas.recording.formatting import date_of
 from mikas.recording.recorded_faults import FaultReadings, FrameCollector
-from mikas.recording.table.channels import Rows, is_recorded, joined_rows
-from mikas.recording.table.derived import Deriver
-from mikas.recording.table.reader import TableReader
+from mikas.recording.recording import Recording
 from mikas.report.findings import Findings, find
 from mikas.report.measurements.measurements import MeasurementCollector
 from mikas.report.subject import (
@@ -36,12 +30,11 @@ from mikas.report.subject import (
     UnitIdentity,
     cleared_faults,
 )
-from mikas.sampling.events import Event, Gap, MethodChosen, TextNote
+from mikas.sampling.events import Gap, MethodChosen, TextNote
 
 
 def find_in_recording(
-    path: str | os.PathLike[str],
-    catalog: Catalog,
+    recording: Recording,
     *,
     name: str | None = None,
     errors: int | None = None,
@@ -50,21 +43,18 @@ def find_in_recording(
     """Return the findings of a recording.
 
     `name`: another name than its file's; empty for a temporary file. `errors`: the number of line
-    errors, if they were counted. `car`: details that replace those in the file. Raises
-    `CaptureError` for a file that is no capture.
+    errors, if they were counted. `car`: details that replace those in the file.
     """
-    capture = CaptureReader(path)
-    table = TableReader(path, catalog)
-    notes = list(capture.notes())
-    readings = FaultReadings(capture.path, notes)
-    sessions = _sessions(table, catalog, events_of(notes, catalog), readings)
-    by_port = {source: session.measuring.measured for source, session in sessions.items()}
+    catalog, recording = recording.catalog, recording.interpreted("corrected")
+    readings = FaultReadings(recording)
+    ports = _ports(recording, readings)
+    by_port = {source: port.measuring.measured for source, port in ports.items()}
     no_rows = readings.port_without_rows()
     source = max(by_port, key=lambda port: by_port[port].rows, default=no_rows)
     measured = by_port.get(source) or MeasurementCollector(catalog, ()).measured
     last, heard = source.recording, readings.readings_of_port(source)
-    frames = sessions[source].frames if source in sessions else FrameCollector(heard)
-    mine = [note for note in notes if note.recording == last]
+    frames = ports[source].frames if source in ports else FrameCollector(heard)
+    mine = [note for note in recording.notes if note.recording == last]
     recorded, events = unit_of(mine, catalog), events_of(mine, catalog)
     methods = [event.method for event in events if isinstance(event, MethodChosen)]
     gaps = tuple(event for event in events if isinstance(event, Gap))
@@ -77,7 +67,7 @@ def find_in_recording(
         cleared=cleared_faults(heard, catalog),
         appeared=frames.appeared,
         conditions=Conditions(
-            file=clean_line(capture.path.name if name is None else name),
+            file=clean_line(recording.path.name if name is None else name),
             date=date_of(measured.began),
             port=source.url,
             adapter=recorded.adapter if recorded else source.description,
@@ -87,8 +77,8 @@ def find_in_recording(
             interruptions=gaps if gaps or recorded else None,
             errors=errors,
             sessions=1 + last,
-            ports=max(1, sum(each.recording == last for each in sessions)),
-            damaged=table.problem_count,
+            ports=max(1, sum(each.recording == last for each in ports)),
+            damaged=recording.problem_count,
         ),
         notes=tuple(filter(None, (comment_of(mine), *words))),
         tests=results_of(mine),
@@ -97,60 +87,26 @@ def find_in_recording(
     return find(subject, measured)
 
 
-_PIECES: Final = 4096
-
-
 @dataclass(slots=True)
-class _Session:
-    """One port in one session of the file."""
+class _Port:
+    """One port of the last session."""
 
     measuring: MeasurementCollector
-    deriver: Deriver
     frames: FrameCollector
 
 
-def _sessions(
-    table: TableReader, catalog: Catalog, events: Iterable[Event], readings: FaultReadings
-) -> dict[Source, _Session]:
-    """Return the ports of the last recording that has rows."""
-    by_recording: dict[int, list[Event]] = defaultdict(list)
-    for event in events:
-        by_recording[event.recording].append(event)
-    recorded = [channel.name for channel in table.channels]
-    derived = [name for name in catalog.derived if is_recorded(name, catalog, recorded)]
-    sessions: dict[Source, _Session] = {}
-    for source, rows in _last_recording(table):
-        if any(other.recording != source.recording for other in sessions):
-            sessions.clear()
-        if source not in sessions:
-            mine = by_recording[source.recording]
-            measuring = MeasurementCollector(catalog, [*recorded, *derived], mine)
-            frames = FrameCollector(readings.readings_of_port(source), mine)
-            sessions[source] = _Session(measuring, Deriver(catalog, derived), frames)
-        session = sessions[source]
-        made = session.deriver.columns(rows) if derived else {}
-        full = Rows(rows.times, {**rows.values, **made})
-        session.measuring.add(full)
-        session.frames.add(full)
-    return sessions
-
-
-def _last_recording(table: TableReader) -> Iterator[tuple[Source, Rows]]:
-    """Yield the rows of the last recording, at best many at a time.
-
-    Where a clock runs to and fro a stretch may be a single row. Rows of an earlier recording are
-    yielded only if it has very many; a file can hold thousands of short ones.
-    """
-    held: dict[Source, list[Rows]] = {}
-    for source, rows in table.stretches():
-        if any(other.recording != source.recording for other in held):
-            held.clear()
-        pieces = held.setdefault(source, [])
-        pieces.append(rows)
-        if len(pieces) >= _PIECES or len(rows.times) >= _PIECES:
-            yield source, joined_rows(held.pop(source))
-    for source, pieces in held.items():
-        yield source, joined_rows(pieces)
+def _ports(recording: Recording, readings: FaultReadings) -> dict[Source, _Port]:
+    """Return the ports of the last session that has rows."""
+    names = [channel.name for channel in recording.channels]
+    ports: dict[Source, _Port] = {}
+    for source, rows in recording.last_session():
+        if source not in ports:
+            events = [it for it in recording.events if it.recording == source.recording]
+            frames = FrameCollector(readings.readings_of_port(source), events)
+            ports[source] = _Port(MeasurementCollector(recording.catalog, names, events), frames)
+        ports[source].measuring.add(rows)
+        ports[source].frames.add(rows)
+    return ports
 
 
 def _unit(recorded: RecordedUnit | None, catalog: Catalog) -> UnitIdentity | None:

@@ -9,6 +9,7 @@ import pytest
 from exchanges_reference import rows as reference_rows
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from table_harness import ParameterTable
 
 from mikas.catalog import shipped
 from mikas.framing import encode
@@ -16,8 +17,7 @@ from mikas.link.base import Direction
 from mikas.recording.capture.reader import CaptureReader
 from mikas.recording.capture.writer import CaptureWriter
 from mikas.recording.exchanges import columnar as capture
-from mikas.recording.table import reader as table
-from mikas.recording.table.reader import TableReader
+from mikas.recording.table import raw_recording
 
 CATALOG = shipped()
 
@@ -38,8 +38,8 @@ def write(path, exchanges, *, apart=0.1, echo=True):
 
 
 def table_in(path):
-    """The values of each row by `TableReader`, and its channels."""
-    table = TableReader(path, CATALOG)
+    """The values of each row by `ParameterTable`, and its channels."""
+    table = ParameterTable(path, CATALOG)
     flat = []
     for stretch in table.rows():
         for row in range(len(stretch.times)):
@@ -152,5 +152,7 @@ def test_any_session_however_it_is_cut(tmp_path_factory, exchanges, echo, window
     path = tmp_path_factory.mktemp("session") / "a.pcapng"
     write(path, exchanges, echo=echo)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(table, "read_columns", partial(capture.column_exchanges, window=window))
+        patch.setattr(
+            raw_recording, "read_columns", partial(capture.column_exchanges, window=window)
+        )
         assert table_in(path) == expected(path)

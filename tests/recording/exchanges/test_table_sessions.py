@@ -12,6 +12,7 @@ import numpy as np
 from exchanges_reference import rows as reference_rows
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from table_harness import ParameterTable
 
 from capture_writing_harness import appending
 from mikas import tester as testers
@@ -24,7 +25,6 @@ from mikas.link.base import CaptureTee, Direction
 from mikas.link.virtual import VirtualLink
 from mikas.recording.capture.reader import CaptureReader, Problem
 from mikas.recording.capture.writer import CaptureWriter
-from mikas.recording.table.reader import TableReader
 from mikas.tester.exchange import TimedDecoder
 from mikas.virtual.bus import AdapterKind, Bus
 from mikas.virtual.ecu import VirtualEcu
@@ -74,7 +74,7 @@ def record(path, steps, *, adapter=None, fault_injector=None, reading="corrected
 
 def table_of(path, catalog=CATALOG, reading="corrected", size=65536):
     """(time, values by name that are no NaN) of each row; the names of the channels."""
-    table = TableReader(path, catalog, reading)
+    table = ParameterTable(path, catalog, reading)
     flat = []
     for stretch in table.rows(size):
         assert 0 < len(stretch.times) <= size
@@ -185,14 +185,14 @@ def test_the_table_of_a_damaged_file_has_the_values_and_problems_of_the_referenc
     assert channels == decoded
     assert [values for _, values in shown] == [values for _, values in wanted]
     problems = [item for item in CaptureReader(path) if isinstance(item, Problem)]
-    assert TableReader(path, CATALOG).problems == problems
+    assert ParameterTable(path, CATALOG).raw.problems == problems
 
 
 def test_two_recordings_in_a_file_do_not_mix(tmp_path):
     path = tmp_path / "line.pcapng"
     record(path, [("batch", ["TWAT", "FREQ"], 3)])
     record(path, [("list", ["UACC"], 3)])  # time starts again
-    table = TableReader(path, CATALOG)
+    table = ParameterTable(path, CATALOG)
     (first, _), (second, rows) = table.stretches()
     assert (first.recording, second.recording) == (0, 1)
     assert np.isnan(rows.values["TWAT"]).all()
@@ -231,8 +231,8 @@ def own_catalog(folder: Path):
 def test_channels_say_what_they_are(tmp_path):
     path = tmp_path / "line.pcapng"
     record(path, [("batch", ["RXX", "FREQ"], 2)])
-    table = TableReader(path, CATALOG, "literal")
-    channels, rows, problems = table.channels, table.rows(), table.problems
+    table = ParameterTable(path, CATALOG, "literal")
+    channels, rows, problems = table.channels, table.rows(), table.raw.problems
     parameters = {p.name: p for p in CATALOG.parameters}
     assert [c.name for c in channels] == [n for n in NAMES if parameters[n].code in (0x07, 0x29)]
     speed = next(c for c in channels if c.name == "FREQ")

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mikas.catalog import Conversion, shipped
-from mikas.recording.table.reader import values
+from mikas.recording.table.conversion import values
 
 ALL_OF = {
     size: [number.to_bytes(size, "little") for number in range(1 << (8 * size))] for size in (1, 2)

@@ -84,10 +84,9 @@ def test(
     chosen = _chosen(loaded, name, skip)
     if recording is not None:
         from mikas.guided.recorded import NotJudged, run_over
-        from mikas.recording.table.reader import TableReader
+        from mikas.recording.recording import Recording
 
-        catalog = context.options.catalog
-        found = run_over(chosen, catalog, TableReader(recording, catalog).rows(), skip)
+        found = run_over(chosen, Recording(recording, context.options.catalog), skip)
         if isinstance(found, NotJudged):
             _show(context, chosen, None, found.text)
         else:

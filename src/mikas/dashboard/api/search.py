@@ -94,7 +94,7 @@ async def find_recorded(
     condition = SearchCondition(library.catalog, expression)
 
     def look(file: RecordingFile) -> FoundResponse:
-        return _found(condition, search(file.path, condition, library.interpretation))
+        return _found(condition, search(library.opened(file), condition))
 
     return await requester.awaits(library.view(identity, look, requester.address))
 

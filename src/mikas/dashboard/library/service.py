@@ -154,11 +154,14 @@ class RecordingService:
             self._summaries[file.id] = _Kept(file.stamp, kept)
         return kept
 
-    def opened(self, file: RecordingFile) -> Recording:
-        """Return the recording, opened now or before; in a thread that views this file."""
+    def opened(self, file: RecordingFile, *, latest: bool = False) -> Recording:
+        """Return the recording, opened now or before; in a thread that views this file.
+
+        `latest`: one in progress is read to its present end.
+        """
         with self._changing:
             kept = self._open.pop(file.id, None)
-        if kept is None or not self._is_current(kept, file):
+        if kept is None or not self._is_current(kept, file, latest=latest):
             recording = Recording(file.path, self.catalog, self.interpretation)
             kept = _Open(file.stamp, self._clock(), recording)
         with self._changing:
@@ -191,10 +194,10 @@ class RecordingService:
         self._summaries[file.id] = _Kept(file.stamp, slow, self._clock() + _TRY_AGAIN)
         return slow
 
-    def _is_current(self, kept: _Open, file: RecordingFile) -> bool:
+    def _is_current(self, kept: _Open, file: RecordingFile, *, latest: bool) -> bool:
         if kept.recording.catalog is not self.catalog:
             return False
-        if kept.stamp == file.stamp:
-            return True
+        if kept.stamp == file.stamp or latest:
+            return kept.stamp == file.stamp
         same_file = kept.stamp[2] == file.stamp[2]
         return self.is_growing(file) and same_file and self._clock() - kept.at < _GROWING

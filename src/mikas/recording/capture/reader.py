@@ -9,7 +9,7 @@ from __future__ import annotations
 import errno
 import os
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, Final
 
@@ -21,7 +21,7 @@ from mikas.i18n import Text
 from mikas.link.base import BITS_PER_BYTE, Direction
 from mikas.recording.capture import blocks as pcapng
 from mikas.recording.capture.clock import RecordingClock
-from mikas.recording.capture.notes import Note, index
+from mikas.recording.capture.notes import Note, index, read_block
 from mikas.recording.capture.scan import (
     RawBlock,
     Unreadable,
@@ -95,31 +95,43 @@ class CaptureReader:
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self.path = Path(path)
-        with self._opened() as file:
-            if problem := _problem(file):
-                raise CaptureError(str(self.path), problem, 0)
+        with opened_capture(path):
+            pass
 
     def __iter__(self) -> Iterator[Packet | Problem]:
-        with self._opened() as file:
+        with _opened(self.path) as file:
             blocks = Blocks()
             for item in scan(file):
-                yield from blocks.read(item)
+                for each in blocks.read(item):
+                    if not isinstance(each, Note):
+                        yield each
 
     def notes(self) -> Iterator[Note]:
         """Yield the notes of the file, in its order; damaged and foreign ones are left out.
 
         They are found without reading the packets, in a fraction of the time.
         """
-        with self._opened() as file:
+        with _opened(self.path) as file:
             yield from index(file).notes
 
-    @contextmanager
-    def _opened(self) -> Iterator[BinaryIO]:
-        try:
-            with open_regular(self.path, follow=True, buffering=0) as file:
-                yield file
-        except OSError as error:
-            raise capture_error(self.path, error) from error
+
+@contextmanager
+def opened_capture(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
+    """Open a capture at its begin. Raises `CaptureError` as `CaptureReader` does."""
+    with _opened(path) as file:
+        if problem := _problem(file):
+            raise CaptureError(str(Path(path)), problem, 0)
+        file.seek(0)
+        yield file
+
+
+@contextmanager
+def _opened(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
+    try:
+        with open_regular(Path(path), follow=True, buffering=0) as file:
+            yield file
+    except OSError as error:
+        raise capture_error(path, error) from error
 
 
 class Blocks:
@@ -146,8 +158,8 @@ class Blocks:
         """Whether the clock of a port is settled: its next packets change nothing here."""
         return any(clock.is_settled for clock in self.clocks)
 
-    def read(self, item: RawBlock | Unreadable) -> Iterator[Packet | Problem]:
-        """Yield the block's packet or problems."""
+    def read(self, item: RawBlock | Unreadable) -> Iterator[Packet | Problem | Note]:
+        """Yield the block's packet, note or problems."""
         if isinstance(item, Unreadable):
             text = _CUT if item.cut else _DAMAGED
             yield Problem(item.offset, text.filled(count=item.end - item.offset))
@@ -164,18 +176,26 @@ class Blocks:
             if item.kind == pcapng.INTERFACE:  # later interfaces keep their numbers
                 yield from self._add(pcapng.Interface(link_type=-1), item.offset)
             return
+        yield from self._content(block, item.offset)
+
+    def _content(
+        self, block: pcapng.Block | None, offset: int
+    ) -> Iterator[Packet | Problem | Note]:
         match block:
             case pcapng.Section():
-                yield from self._begin(block, item.offset)
+                yield from self._begin(block, offset)
             case pcapng.Interface():
-                yield from self._add(block, item.offset)
+                yield from self._add(block, offset)
                 if block.link_type != pcapng.LINKTYPE_USER0:
-                    yield Problem(item.offset, _OTHER_INTERFACE.filled(type=block.link_type))
+                    yield Problem(offset, _OTHER_INTERFACE.filled(type=block.link_type))
             case pcapng.EnhancedPacket():
-                yield from self._packet(block, item.offset)
+                yield from self._packet(block, offset)
+            case pcapng.Custom():
+                if note := read_block(block):
+                    yield replace(note, recording=self._recording, offset=offset)
             case pcapng.SimplePacket():  # always of the first interface
                 if not self._interfaces or self._is_ours(0):
-                    yield Problem(item.offset, _NO_DIRECTION)
+                    yield Problem(offset, _NO_DIRECTION)
 
     def _begin(self, section: pcapng.Section, offset: int) -> Iterator[Problem]:
         self._recording += 1

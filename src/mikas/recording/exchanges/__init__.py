@@ -12,6 +12,7 @@ from functools import cache
 from typing import TYPE_CHECKING, BinaryIO
 
 from mikas.recording.capture.blocks import Order
+from mikas.recording.capture.notes import Note
 from mikas.recording.capture.reader import Blocks, Problem
 from mikas.recording.exchanges.result import Exchanges
 
@@ -21,8 +22,8 @@ if TYPE_CHECKING:
 _NUMPY = ("numpy", "numpy.lib")
 
 
-def read_exchanges(path: str | os.PathLike[str]) -> Iterator[Exchanges | Problem]:
-    """Yield the exchanges of a capture, a stretch of a port at a time, and problems in between.
+def read_exchanges(path: str | os.PathLike[str]) -> Iterator[Exchanges | Problem | Note]:
+    """Yield the exchanges of a capture, a stretch of a port at a time, with problems and notes.
 
     They come as arrays, or without numpy. Raise as `CaptureReader` does.
     """
@@ -35,12 +36,12 @@ def read_exchanges(path: str | os.PathLike[str]) -> Iterator[Exchanges | Problem
     return quick_exchanges(path)
 
 
-def read_columns(path: str | os.PathLike[str]) -> Iterator[ExchangeColumns | Problem]:
+def read_columns(path: str | os.PathLike[str]) -> Iterator[ExchangeColumns | Problem | Note]:
     """Yield the same, always as arrays."""
     from mikas.recording.exchanges.arrays import as_columns
 
     for item in read_exchanges(path):
-        yield item if isinstance(item, Problem) else as_columns(item)
+        yield item if isinstance(item, Problem | Note) else as_columns(item)
 
 
 def count_responses(file: BinaryIO, piece: range, order: Order, blocks: Blocks) -> tuple[int, int]:

@@ -17,6 +17,7 @@ from typing import BinaryIO, Final
 import numpy as np
 
 from mikas.recording.capture.blocks import Order
+from mikas.recording.capture.notes import Note
 from mikas.recording.capture.reader import Blocks, Problem, Source
 from mikas.recording.exchanges.arrays import (
     ExchangeColumns,
@@ -46,7 +47,7 @@ _NEVER: Final = np.iinfo(np.int64).max
 
 def column_exchanges(
     path: str | os.PathLike[str], window: int = WINDOW
-) -> Iterator[ExchangeColumns | Problem]:
+) -> Iterator[ExchangeColumns | Problem | Note]:
     """Yield the exchanges of a capture as arrays. Raise as `CaptureReader` does."""
     return matched(read(path, window), lambda packets: packets.source, ColumnarMatcher)
 

@@ -17,6 +17,7 @@ from collections.abc import Callable, Iterable, Iterator
 from typing import Final, NamedTuple, Protocol, TypeVar
 
 from mikas.commands import COMMANDS_BY_CODE, Availability
+from mikas.recording.capture.notes import Note
 from mikas.recording.capture.reader import Problem, Source
 
 P_contra = TypeVar("P_contra", contravariant=True)
@@ -142,13 +143,16 @@ class Matcher(Protocol[P_contra, E_co]):
 
 
 def matched(
-    items: Iterable[P | Problem],
+    items: Iterable[P | Problem | Note],
     source_of: Callable[[P], Source],
     matcher: Callable[[Source], Matcher[P, E]],
-) -> Iterator[E | Problem]:
+) -> Iterator[E | Problem | Note]:
     """Yield the exchanges of stretches of packets; each port of a recording has a matcher."""
     ports: dict[Source, Matcher[P, E]] = {}
     for item in items:
+        if isinstance(item, Note):
+            yield item
+            continue
         if isinstance(item, Problem):
             for port in ports.values():
                 port.matching.interrupt()

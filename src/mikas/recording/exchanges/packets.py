@@ -17,17 +17,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mikas.cancellation import check_cancelled
-from mikas.files import open_regular
 from mikas.link.base import Direction
 from mikas.recording.capture import blocks as pcapng
+from mikas.recording.capture.notes import Note
 from mikas.recording.capture.reader import (
     FLAGS,
     Blocks,
-    CaptureReader,
     Packet,
     Problem,
     Source,
-    capture_error,
+    opened_capture,
 )
 from mikas.recording.capture.scan import LARGEST, RawBlock, Scanner, read_whole
 from mikas.recording.exchanges.arrays import Bytes, Floats, Index, Mask
@@ -205,18 +204,14 @@ def seconds(
     return np.array([interface.time(upper << 32 | lower) for upper, lower in both])
 
 
-def read(path: str | os.PathLike[str], window: int = WINDOW) -> Iterator[Packets | Problem]:
-    """Yield packets and problems in the order of the file. Raise as `CaptureReader` does."""
-    checked = CaptureReader(path)
-    try:
-        with open_regular(checked.path, follow=True, buffering=0) as file:
-            yield from walk(file, window)
-    except OSError as error:
-        raise capture_error(path, error) from error
+def read(path: str | os.PathLike[str], window: int = WINDOW) -> Iterator[Packets | Problem | Note]:
+    """Yield packets, problems and notes in the file's order. Raise as `CaptureReader` does."""
+    with opened_capture(path) as file:
+        yield from walk(file, window)
 
 
-def walk(file: BinaryIO, window: int = WINDOW) -> Iterator[Packets | Problem]:
-    """Yield packets and problems of an open file, in its order, up to its present end."""
+def walk(file: BinaryIO, window: int = WINDOW) -> Iterator[Packets | Problem | Note]:
+    """Yield the same of an open file, up to its present end."""
     return _Walk(file, window).items()
 
 
@@ -230,7 +225,7 @@ class _Walk:
         self._blocks = Blocks()
         self._window: Window | None = None
 
-    def items(self) -> Iterator[Packets | Problem]:
+    def items(self) -> Iterator[Packets | Problem | Note]:
         offset = 0
         order: pcapng.Order | None = None
         while offset < self._scanner.size:
@@ -286,7 +281,7 @@ class _Walk:
             for item in self._blocks.read(columns.block(index)):
                 if isinstance(item, Packet):
                     columns.put(index, item)
-                else:
+                elif isinstance(item, Problem):
                     problems.append((index, item))
         start = 0
         for index, problem in problems:
@@ -296,8 +291,8 @@ class _Walk:
         yield from columns.packets(start, found.size)
 
 
-def _alone(item: Packet | Problem) -> Packets | Problem:
-    if isinstance(item, Problem):
+def _alone(item: Packet | Problem | Note) -> Packets | Problem | Note:
+    if not isinstance(item, Packet):
         return item
     return Packets(
         source=item.source,

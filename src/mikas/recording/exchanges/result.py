@@ -109,9 +109,11 @@ class ExchangesOf(Generic[B_co, F_co, I_co]):
 
     def answers(self, requests: Collection[bytes]) -> Iterator[tuple[float, bytes, bytes]]:
         """Yield (time, request, response) of the responses to these requests, as bodies."""
-        for row, number in enumerate(self.responses.numbers.tolist()):
-            if number >= 0 and (request := self.bodies[number]) in requests:
-                yield self.responses.times[row], request, self.responses.body(row)
+        numbers = self.responses.numbers.tolist()
+        wanted = {it for it in set(numbers) if it >= 0 and self.bodies[it] in requests}
+        for row, number in enumerate(numbers) if wanted else ():
+            if number in wanted:
+                yield self.responses.times[row], self.bodies[number], self.responses.body(row)
 
 
 Exchanges = ExchangesOf["bytes | NDArray[np.uint8]", Column[float], Column[int]]

@@ -14,17 +14,16 @@ from itertools import pairwise
 from typing import BinaryIO, Final
 
 from mikas.cancellation import check_cancelled
-from mikas.files import open_regular
 from mikas.link.base import Direction
 from mikas.recording.capture import blocks as pcapng
+from mikas.recording.capture.notes import Note
 from mikas.recording.capture.reader import (
     FLAGS,
     Blocks,
-    CaptureReader,
     Packet,
     Problem,
     Source,
-    capture_error,
+    opened_capture,
 )
 from mikas.recording.capture.scan import RawBlock, Scanner, read_whole
 from mikas.recording.exchanges.result import JUMP, LONGEST_PAUSE
@@ -53,14 +52,10 @@ class PacketRun:
     sent: bytearray = field(default_factory=bytearray)
 
 
-def read(path: str | os.PathLike[str]) -> Iterator[PacketRun | Problem]:
-    """Yield packets and problems in the order of the file. Raise as `CaptureReader` does."""
-    checked = CaptureReader(path)
-    try:
-        with open_regular(checked.path, follow=True, buffering=0) as file:
-            yield from stretches(walk(file))
-    except OSError as error:
-        raise capture_error(path, error) from error
+def read(path: str | os.PathLike[str]) -> Iterator[PacketRun | Problem | Note]:
+    """Yield packets, problems and notes in the file's order. Raise as `CaptureReader` does."""
+    with opened_capture(path) as file:
+        yield from stretches(walk(file))
 
 
 def walk(
@@ -69,8 +64,8 @@ def walk(
     order: pcapng.Order | None = None,
     stop: int | None = None,
     blocks: Blocks | None = None,
-) -> Iterator[PacketRun | Problem]:
-    """Yield runs, each one packet or more, and problems, of a part of an open file."""
+) -> Iterator[PacketRun | Problem | Note]:
+    """Yield runs, each one packet or more, problems and notes, of a part of an open file."""
     scanner, blocks = Scanner(file, stop), blocks or Blocks()
     window, begin = b"", 0
     while offset < scanner.size:
@@ -88,7 +83,7 @@ def walk(
         if item is None:
             return
         for each in blocks.read(item):
-            yield each if isinstance(each, Problem) else _alone(each)
+            yield _alone(each) if isinstance(each, Packet) else each
         offset = item.end
         if isinstance(item, RawBlock):
             order = item.order
@@ -136,12 +131,17 @@ def _alone(packet: Packet) -> PacketRun:
     return PacketRun(packet.source, [packet.time], [packet.data], bytearray([is_sent]))
 
 
-def stretches(runs: Iterator[PacketRun | Problem]) -> Iterator[PacketRun | Problem]:
+def stretches(
+    runs: Iterator[PacketRun | Problem | Note],
+) -> Iterator[PacketRun | Problem | Note]:
     """Yield longer runs: they end before a problem, another port, a clock that was set back, and a
     long pause.
     """
     held: PacketRun | None = None
     for run in runs:
+        if isinstance(run, Note):
+            yield run
+            continue
         if held is not None and (isinstance(run, Problem) or not _continues(held, run)):
             yield held
             held = None

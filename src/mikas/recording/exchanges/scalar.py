@@ -16,6 +16,7 @@ from mikas.commands import COMMANDS_BY_CODE
 from mikas.framing import DamageReason, Decoder, Event, Frame
 from mikas.i18n import Text
 from mikas.link.base import Direction
+from mikas.recording.capture.notes import Note
 from mikas.recording.capture.reader import CaptureReader, Packet, Problem, Source
 from mikas.recording.exchanges.matching import (
     NO_REQUEST,
@@ -302,8 +303,8 @@ def _append(columns: Iterable[array[Any]], *row: float) -> None:
         column.append(value)
 
 
-def scalar_exchanges(path: str | os.PathLike[str]) -> Iterator[Exchanges | Problem]:
-    """Yield the exchanges without numpy."""
+def scalar_exchanges(path: str | os.PathLike[str]) -> Iterator[Exchanges | Problem | Note]:
+    """Yield the exchanges without numpy, and without notes."""
     return matched(_stretches(CaptureReader(path)), lambda it: it[0].source, ScalarMatcher)
 
 

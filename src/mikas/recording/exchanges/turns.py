@@ -12,55 +12,25 @@ import os
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterator, Sequence
 from itertools import accumulate
-from pathlib import Path
 from typing import BinaryIO, Final
 
 from mikas.framing import ESCAPE, TERMINATOR, Decoder, Frame, unstuff
 from mikas.link.base import Direction
 from mikas.recording.capture.blocks import Order
+from mikas.recording.capture.notes import Note
 from mikas.recording.capture.reader import Blocks, Packet, Problem, Source
 from mikas.recording.exchanges.matching import AVAILABILITY, SILENCE, matched
-from mikas.recording.exchanges.result import Exchanges
+from mikas.recording.exchanges.result import Exchanges, ExchangesOf
 from mikas.recording.exchanges.runs import PacketRun, read, stretches, walk
 from mikas.recording.exchanges.scalar import FoundExchanges, PortDecoder
 
 _LONGEST: Final = 4096  # bytes of a frame: the decoder's limit
 _MOST_REQUESTS: Final = 4096  # that are remembered
-_LARGEST: Final = 1 << 26  # bytes of a file whose exchanges are kept, which are as many
 _Frames = list[tuple[float, bytes, int]]
-_Items = list["Exchanges | Problem"]
 
 
-def quick_exchanges(path: str | os.PathLike[str]) -> Iterator[Exchanges | Problem]:
-    """Yield the exchanges of a capture. Raise as `CaptureReader` does.
-
-    Those of the latest file are kept: to open a recording, they are asked for some times.
-    """
-    try:
-        about = Path(path).stat()
-    except OSError:
-        return _read(path)
-    state = os.fspath(path), about.st_size, about.st_mtime_ns
-    if about.st_size > _LARGEST:
-        return _read(path)
-    return iter(_LATEST[state]) if state in _LATEST else _kept(path, state)
-
-
-_LATEST: Final[dict[tuple[str, int, int], _Items]] = {}
-
-
-def _kept(
-    path: str | os.PathLike[str], state: tuple[str, int, int]
-) -> Iterator[Exchanges | Problem]:
-    items: _Items = []
-    for item in _read(path):
-        items.append(item)
-        yield item
-    _LATEST.clear()
-    _LATEST[state] = items
-
-
-def _read(path: str | os.PathLike[str]) -> Iterator[Exchanges | Problem]:
+def quick_exchanges(path: str | os.PathLike[str]) -> Iterator[Exchanges | Problem | Note]:
+    """Yield the exchanges of a capture. Raise as `CaptureReader` does."""
     return matched(read(path), lambda run: run.source, TurnMatcher)
 
 
@@ -68,7 +38,7 @@ def responses_in(file: BinaryIO, piece: range, order: Order, blocks: Blocks) -> 
     """Return what `columnar.responses_in` does; here the run is the piece."""
     runs = stretches(walk(file, piece.start, order, piece.stop, blocks))
     found = matched(runs, lambda run: run.source, TurnMatcher)
-    count = sum(len(each.responses.times) for each in found if not isinstance(each, Problem))
+    count = sum(len(each.responses.times) for each in found if isinstance(each, ExchangesOf))
     return count, len(piece)
 
 

@@ -35,11 +35,12 @@ if TYPE_CHECKING:
 @click.argument("file", metavar="FILE", type=existing_file)
 @click.argument("expression", metavar="EXPRESSION")
 def find(context: CommandContext, file: Path, expression: str) -> None:
+    from mikas.recording.recording import Recording
     from mikas.recording.search import SearchCondition, search
 
     options = context.options
     condition = SearchCondition(options.catalog, expression)
-    found = search(file, condition, options.interpretation)
+    found = search(Recording(file, options.catalog), condition)
     if found.damaged:
         context.say(
             f"{file}: {found.damaged} damaged place(s); the readable rest is searched.",

@@ -75,13 +75,14 @@ def report(
             "--duration, --capture и --relearn действуют при измерении; с FILE ничего не "
             "измеряется",
         )
+    from mikas.recording.recording import Recording
     from mikas.report.from_recording import find_in_recording
     from mikas.report.page import check_output, render, write_page
 
     check_output(out, overwrite=overwrite)
 
     if file is not None:
-        found = find_in_recording(file, context.options.catalog, car=car.details)
+        found = find_in_recording(Recording(file, context.options.catalog), car=car.details)
     else:
         found = _measured_now(context, duration or _SECONDS, car)
     write_page(out, render(found, current_language()), overwrite=overwrite)
@@ -90,6 +91,7 @@ def report(
 
 def _measured_now(context: CommandContext, seconds: float, car: CarOptions) -> Findings:
     """Record for `seconds` and evaluate that; the file is kept only if `--capture` names it."""
+    from mikas.recording.recording import Recording
     from mikas.report.from_recording import find_in_recording
 
     with TemporaryDirectory(prefix="mikas-") as folder, context.open_ahead() as ahead:
@@ -109,7 +111,8 @@ def _measured_now(context: CommandContext, seconds: float, car: CarOptions) -> F
         if failure is not None:
             raise failure
         name = path.name if context.capture else ""
-        return find_in_recording(path, context.options.catalog, name=name, errors=current.errors)
+        recording = Recording(path, context.options.catalog)
+        return find_in_recording(recording, name=name, errors=current.errors)
 
 
 def _sample(context: CommandContext, current: SamplingRun) -> None:

@@ -81,9 +81,9 @@ async def export(
     def write(out: Path) -> None:
         from mikas.recording.export import DIALECTS
         from mikas.recording.export import export as write_table
-        from mikas.recording.recording import Recording
 
-        recording = Recording(source.path, library.catalog, library.interpretation, wanted)
+        opened = library.opened(source, latest=True)
+        recording = opened.interpreted(library.interpretation, wanted)
         write_table(
             out,
             recording.channels,

@@ -43,19 +43,17 @@ async def recorded_test(
     name: Annotated[str, Path(max_length=80)],
 ) -> RecordedTest:
     """Return the verdict of a test over a recording, or why the recording gives none."""
-    catalog = library.catalog
 
     def work() -> RecordedTest:
         from mikas.guided.recorded import run_over
-        from mikas.recording.table.reader import TableReader
 
         test = dashboard.guided.available().tests.get(name)
         if test is None:
             raise NotFound(name=name)
         file = library.references.virtual(identity) or library.folder.one(identity)
         by_hand = [step for step in test.steps if step.by_hand]
-        rows = TableReader(file.path, catalog).rows()
-        found = run_over(test, catalog, rows, [step.name for step in by_hand])
+        recording = library.opened(file, latest=True)
+        found = run_over(test, recording, [step.name for step in by_hand])
         return _answer(found, [two(step.text) for step in by_hand])
 
     async def in_lane() -> RecordedTest:

@@ -74,7 +74,7 @@ async def recording_report(
     def findings() -> Findings:
         from mikas.report.from_recording import find_in_recording
 
-        return find_in_recording(file.path, library.catalog)
+        return find_in_recording(library.opened(file, latest=True))
 
     page = await requester.awaits(_made(library, requester, file.id, findings, lang))
     return _response(page, f"{file.path.stem}.html", inline=inline)

@@ -1,0 +1,221 @@
+"""All of a recording by one pass over its file: notes, damage, readings of the faults, raw rows.
+
+Nothing is converted here. Which `01`s are refusals (D10) later responses decide, and which columns
+there are is known at the end, so the bytes of the data are held, a third of the file's: a table in
+any interpretation is made of them. A file that holds too many is read again for each table.
+"""
+
+from __future__ import annotations
+
+import os
+from collections import Counter, defaultdict
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mikas.cancellation import check_cancelled
+from mikas.commands import ERASE_FAULTS, ReadFaults
+from mikas.errors import MikasError
+from mikas.recording.capture.notes import Note
+from mikas.recording.capture.reader import Problem, Source
+from mikas.recording.exchanges import read_columns
+from mikas.recording.exchanges.arrays import Bytes, ExchangeColumns, Floats, Index, Mask
+from mikas.recording.exchanges.groups import RefusalColumns, ResponseClassifier, ResponseGroup
+from mikas.recording.exchanges.layouts import Layout, Layouts
+from mikas.sampling.events import FaultReading
+
+_MOST_PROBLEMS: Final = 1000
+_MOST_HELD: Final = 1 << 28  # bytes; about seventy hours
+_EACH: Final = 300  # bytes that a stretch or a group takes besides its rows
+_ERASE: Final = ERASE_FAULTS[-1].body()
+_READ_FAULTS: Final = ReadFaults().body()
+
+
+@dataclass(frozen=True, slots=True)
+class RawGroup:
+    """Rows of a stretch that have data of one `layout`. `at`: which rows; None: all of them.
+
+    `data`: the first byte of every such row, the second of every one …
+    """
+
+    layout: Layout
+    at: NDArray[np.int32] | None
+    data: Bytes
+
+    def column(self, place: int) -> Bytes:
+        """Return the byte at this place of the layout, of every row."""
+        count = len(self.data) // self.layout.length
+        return self.data[place * count : (place + 1) * count]
+
+    def only(self, counts: Mask) -> RawGroup:
+        """Return the same without the rows of the stretch that do not count."""
+        rows = np.arange(counts.size) if self.at is None else self.at
+        kept = counts[rows]
+        columns = [self.column(place)[kept] for place in range(self.layout.length)]
+        return replace(self, at=rows[kept].astype(np.int32), data=np.concatenate(columns))
+
+
+@dataclass(frozen=True, slots=True)
+class RawRows:
+    """Consecutive rows of one port: responses with data, or such as should have had them.
+
+    `numbers`: those of the responses among all of the port; None: they follow each other from
+    `first`; `stop`: the number after the stretch.
+    """
+
+    source: Source
+    times: Floats
+    groups: tuple[RawGroup, ...]
+    first: int
+    stop: int
+    numbers: Index | None
+
+    @property
+    def held(self) -> int:
+        """About as many bytes of memory as it takes."""
+        found = _EACH + 8 * len(self.times)
+        found += 0 if self.numbers is None else 8 * len(self.numbers)
+        for each in self.groups:
+            found += _EACH + len(each.data) + (0 if each.at is None else 4 * len(each.at))
+        return found
+
+    def without(self, refused: Index) -> RawRows:
+        """Return the rows, without the values of these responses."""
+        here = refused[slice(*refused.searchsorted([self.first, self.stop]))]
+        if not len(here):
+            return self
+        rows = np.arange(self.first, self.stop) if self.numbers is None else self.numbers
+        counts = ~np.isin(rows, here)
+        return replace(self, groups=tuple(each.only(counts) for each in self.groups))
+
+
+class RawRecording:
+    """One recording as it is in the file. `size_of`: bytes of a code's datum; None: not known.
+
+    `problems`: the unreadable places, up to a thousand; `problem_count` counts all. `ports`: those
+    with responses; `row_counts`: those with rows, in the order of the file. `fault_readings`: those
+    on the wire. `source`: of the first packet. `codes`: those with a value.
+
+    Raises `CaptureError` for a file that is no capture.
+    """
+
+    def __init__(self, path: str | os.PathLike[str], size_of: Callable[[int], int | None]) -> None:
+        self.path = Path(path)
+        self.notes: list[Note] = []
+        self.problems: list[Problem] = []
+        self.problem_count = 0
+        self.source: Source | None = None
+        self.ports: set[Source] = set()
+        self.row_counts: Counter[Source] = Counter()
+        self.fault_readings: defaultdict[Source, list[FaultReading]] = defaultdict(list)
+        self.codes: set[int] = set()
+        self._layouts = Layouts(size_of)
+        self._refused: dict[Source, Index] = {}
+        self._held: list[RawRows] | None = []
+        self._read()
+
+    @property
+    def last_session(self) -> int | None:
+        """The number of the last session with rows; None without rows."""
+        return max((source.recording for source in self.row_counts), default=None)
+
+    def stretches(self, session: int | None = None) -> Iterator[RawRows]:
+        """Yield the rows in the order of the file, of one session or of all."""
+        known = self._held
+        found: Iterable[RawRows] = known if known is not None else self._again()
+        for rows in found:
+            check_cancelled()
+            if session in (None, rows.source.recording):
+                yield rows.without(self._refused[rows.source])
+
+    def _read(self) -> None:
+        refusals: dict[Source, RefusalColumns] = {}
+        erased: set[Source] = set()  # since the last reading
+        held = 0
+        for exchanges, groups, rows in self._walk(self._note):
+            source = exchanges.source
+            self.source = self.source or source
+            if len(exchanges.responses.times):
+                self.ports.add(source)
+            port = refusals.setdefault(source, RefusalColumns(exchanges.bodies))
+            self.codes |= port.add_responses(groups, exchanges.responses)
+            self._take_faults(exchanges, erased)
+            if not len(rows.times):
+                continue
+            self.row_counts[source] += len(rows.times)
+            held += rows.held
+            if held > _MOST_HELD:
+                self._held = None
+            elif self._held is not None:
+                self._held.append(rows)
+        for source, port in refusals.items():
+            self._refused[source], believed = port.conclude()
+            self.codes |= believed
+
+    def _again(self) -> Iterator[RawRows]:
+        return (rows for _, _, rows in self._walk(lambda _: None) if len(rows.times))
+
+    def _walk(
+        self, note: Callable[[Problem | Note], None]
+    ) -> Iterator[tuple[ExchangeColumns, list[ResponseGroup], RawRows]]:
+        """Yield the exchanges, with their responses with data and these as rows."""
+        ports: dict[Source, ResponseClassifier] = {}
+        taken: Counter[Source] = Counter()
+        for item in read_columns(self.path):
+            check_cancelled()
+            if isinstance(item, Problem | Note):
+                note(item)
+                continue
+            source = item.source
+            if source not in ports:
+                ports[source] = ResponseClassifier(self._layouts)
+            groups = list(ports[source].groups(item))
+            yield item, groups, _rows(item, groups, taken[source])
+            taken[source] += len(item.responses.times)
+
+    def _note(self, item: Problem | Note) -> None:
+        if isinstance(item, Note):
+            self.notes.append(item)
+            return
+        self.problem_count += 1
+        if len(self.problems) < _MOST_PROBLEMS:
+            self.problems.append(item)
+
+    def _take_faults(self, exchanges: ExchangeColumns, erased: set[Source]) -> None:
+        source = exchanges.source
+        for time, request, body in exchanges.answers((_READ_FAULTS, _ERASE)):
+            if request == _ERASE:
+                erased.add(source)
+                continue
+            with suppress(MikasError):
+                reading = FaultReading(time, ReadFaults().read(body), source in erased)
+                self.fault_readings[source].append(reading)
+                erased.discard(source)
+
+
+def _rows(exchanges: ExchangeColumns, groups: list[ResponseGroup], first: int) -> RawRows:
+    responses = exchanges.responses
+    count = len(responses.times)
+    row_of = np.full(count, -1)
+    for group in groups:
+        row_of[group.rows] = 0
+    rows = (row_of == 0).nonzero()[0]
+    row_of[rows] = np.arange(rows.size)
+    raw = []
+    for group in groups:
+        if not group.fitting.size or not group.layout.length:
+            continue
+        starts = responses.starts[group.fitting]
+        data = [responses.bodies[starts + place] for place in range(group.layout.length)]
+        at = None
+        if group.fitting.size < rows.size:
+            at = row_of[group.fitting].astype(np.int32)
+        raw.append(RawGroup(group.layout, at, np.concatenate(data)))
+    numbers = None if rows.size == count else rows + first
+    times = responses.times if rows.size == count else responses.times[rows]
+    return RawRows(exchanges.source, times, tuple(raw), first, first + count, numbers)
