@@ -8,6 +8,7 @@ value within one step of its channel from a limit lowers the confidence of what 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from math import nan
 from typing import Final, NamedTuple
 
@@ -96,15 +97,7 @@ def _doubted(finding: Finding, near: Mapping[Text, None]) -> Finding:
     if not more:
         return finding
     doubt = joined(" ", [text for text in (finding.doubt, *more) if text.en])
-    return Finding(
-        finding.rule,
-        finding.formula,
-        finding.outcome,
-        finding.text,
-        finding.check,
-        doubt,
-        finding.confidence.less,
-    )
+    return replace(finding, doubt=doubt, confidence=finding.confidence.less)
 
 
 def _near(

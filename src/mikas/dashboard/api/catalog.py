@@ -20,7 +20,7 @@ from mikas.catalog import Confidence
 from mikas.catalog.own.file import left_out
 from mikas.dashboard.api.channels.definitions import ChannelInfo, channel_info
 from mikas.dashboard.api.dependencies import KnownClient, Names, TheDashboard, Viewer, split_names
-from mikas.dashboard.api.errors import TwoTexts, content, errors, two, two_or_none
+from mikas.dashboard.api.errors import TwoTexts, content, errors, made_of, two, two_or_none
 from mikas.dashboard.api.messages import LiveEvent, LiveRows
 from mikas.dashboard.api.search import search_file
 from mikas.dashboard.dashboard import Dashboard
@@ -126,19 +126,16 @@ def about(request: Request, dashboard: TheDashboard, client: Viewer) -> AboutRes
     access: Access = request.app.state.access
     own = dashboard.catalogs.problem
     unusable = [*([left_out(own)] if own else []), *problems(dashboard)]
-    return AboutResponse(
+    return made_of(
+        AboutResponse,
+        access,
         version=version("mikas"),
         rights="control" if client.may_control else "view",
         demo=dashboard.connection.is_demo,
-        lan=access.lan,
-        lan_control=access.lan_control,
         local=bool(request.scope["state"]["local"]),
-        url=access.url,
         lan_url=access.lan_url if client.may_control else None,
-        fingerprint=access.fingerprint,
         recordings_folder=str(dashboard.settings.recordings),
         desktop=dashboard.settings.desktop,
-        instance=access.instance,
         problems=[two(each) for each in unusable] if client.may_control else [],
     )
 
@@ -172,13 +169,7 @@ def catalog_of(dashboard: Dashboard) -> CatalogResponse:
         derived=[channel_info(known, derived, own) for derived in known.derived.values()],
         units={key: two(text) for key, text in known.units.items()},
         faults=[
-            KnownFault(
-                code=fault.code,
-                text=two(fault.text),
-                check=two_or_none(fault.check),
-                confidence=fault.confidence,
-                related=list(fault.parameters),
-            )
+            made_of(KnownFault, fault, check=two_or_none(fault.check), related=fault.parameters)
             for fault in known.faults.values()
             if fault.parameters
         ],

@@ -25,10 +25,15 @@ M = TypeVar("M", bound=BaseModel)
 _log = logging.getLogger("mikas.dashboard")
 
 
-class TwoTexts(BaseModel):
-    """The same sentence in both languages."""
+class Described(BaseModel):
+    """A model that may be given an object with its fields as attributes."""
 
     model_config = ConfigDict(from_attributes=True)
+
+
+class TwoTexts(Described):
+    """The same sentence in both languages."""
+
     en: str
     ru: str
 

@@ -7,7 +7,7 @@ from pydantic import BaseModel, Field
 
 from mikas.catalog import Catalog
 from mikas.dashboard.api.dependencies import Controller, TheDashboard, Viewer
-from mikas.dashboard.api.errors import errors
+from mikas.dashboard.api.errors import errors, made_of
 from mikas.dashboard.api.messages import LiveRows
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.errors import NotFound
@@ -83,15 +83,6 @@ def _response(dashboard: Dashboard) -> FreezeFramesResponse:
 
 def frame_info(frame: FreezeFrame, catalog: Catalog) -> FreezeFrameInfo:
     """Return the frame without its rows."""
-    values = [
-        FrameValue(name=name, value=it.value, low=it.low, high=it.high)
-        for name, it in frame.then.items()
-    ]
-    return FreezeFrameInfo(
-        id=frame.id,
-        code=frame.code,
-        without=frame.without,
-        seen=frame.seen,
-        values=values,
-        shown=shown_first(catalog.fault(frame.code), frame.then),
-    )
+    values = [made_of(FrameValue, it, name=name) for name, it in frame.then.items()]
+    shown = shown_first(catalog.fault(frame.code), frame.then)
+    return made_of(FreezeFrameInfo, frame, values=values, shown=shown)

@@ -8,10 +8,10 @@ from __future__ import annotations
 from typing import Annotated
 
 from fastapi import APIRouter, Path
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, Field
 
 from mikas.dashboard.api.dependencies import Controller, KnownClient, TheDashboard
-from mikas.dashboard.api.errors import TwoTexts, errors, made_of, two, two_or_none
+from mikas.dashboard.api.errors import Described, TwoTexts, errors, made_of, two_or_none
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.session.guided_tests import KeptResult
 from mikas.guided.definition import Certainty, VerdictKind
@@ -22,12 +22,12 @@ router = APIRouter(prefix="/tests", tags=["tests"])
 Name = Annotated[str, Path(max_length=80)]
 
 
-class TestStep(BaseModel):
+class _Model(Described):
+    __test__ = False  # for pytest
+
+
+class TestStep(_Model):
     """A step. `targets`: by channel, where its value belongs."""
-
-    __test__ = False
-
-    model_config = ConfigDict(from_attributes=True)
 
     name: str
     text: TwoTexts
@@ -44,10 +44,8 @@ class LastOutcome(BaseModel):
     ended: float
 
 
-class TestInfo(BaseModel):
+class TestInfo(_Model):
     """A test. `own`: from the user's folder; `needs`: what must be so before its first step."""
-
-    __test__ = False
 
     name: str
     title: TwoTexts
@@ -59,20 +57,16 @@ class TestInfo(BaseModel):
     last: LastOutcome | None
 
 
-class TestFileError(BaseModel):
+class TestFileError(_Model):
     """A file of the user's folder that is no test. `line` 0: the file as a whole."""
-
-    __test__ = False
 
     file: str
     line: int
     text: TwoTexts
 
 
-class TestList(BaseModel):
+class TestList(_Model):
     """All tests. `running`: the name of the one that runs; `folder`: of the user's tests."""
-
-    __test__ = False
 
     tests: list[TestInfo]
     errors: list[TestFileError]
@@ -80,11 +74,8 @@ class TestList(BaseModel):
     folder: str | None
 
 
-class TestNumber(BaseModel):
+class TestNumber(_Model):
     """A measure. `value` null: not measured, for the reason `why`. `rate`: readings a second."""
-
-    __test__ = False
-    model_config = ConfigDict(from_attributes=True)
 
     name: str
     text: TwoTexts
@@ -95,11 +86,8 @@ class TestNumber(BaseModel):
     why: TwoTexts
 
 
-class TestFinding(BaseModel):
+class TestFinding(_Model):
     """A rule that holds."""
-
-    __test__ = False
-    model_config = ConfigDict(from_attributes=True)
 
     rule: str
     formula: str
@@ -110,11 +98,8 @@ class TestFinding(BaseModel):
     confidence: Certainty
 
 
-class TestCurve(BaseModel):
+class TestCurve(_Model):
     """A channel over the test: lowest and highest from each time to the next."""
-
-    __test__ = False
-    model_config = ConfigDict(from_attributes=True)
 
     name: str
     text: TwoTexts
@@ -124,11 +109,8 @@ class TestCurve(BaseModel):
     highs: list[float]
 
 
-class TestStepDone(BaseModel):
+class TestStepDone(_Model):
     """A step and its time."""
-
-    __test__ = False
-    model_config = ConfigDict(from_attributes=True)
 
     name: str
     text: TwoTexts
@@ -137,10 +119,8 @@ class TestStepDone(BaseModel):
     skipped: bool
 
 
-class TestVerdict(BaseModel):
+class TestVerdict(_Model):
     """A result. `missing`: why rules could not be decided; `as_text`: all of it as lines."""
-
-    __test__ = False
 
     id: str
     test: str
@@ -158,14 +138,12 @@ class TestVerdict(BaseModel):
     in_report: bool
 
 
-class TestRun(BaseModel):
+class TestRun(_Model):
     """The test that runs, or has finished with `result`.
 
     `phase`: what it waits for; `step`: from 0, null before the first. `held` of `hold` seconds the
     step's condition has held; `late`: show the `advice`. `lacking`: parameters without values now.
     """
-
-    __test__ = False
 
     name: str
     title: TwoTexts
@@ -184,18 +162,14 @@ class TestRun(BaseModel):
     result: TestVerdict | None
 
 
-class TestRunState(BaseModel):
+class TestRunState(_Model):
     """The run; null: no test runs."""
-
-    __test__ = False
 
     run: TestRun | None
 
 
-class TestResults(BaseModel):
+class TestResults(_Model):
     """The kept results of this unit, the latest first."""
-
-    __test__ = False
 
     results: list[TestVerdict]
 
@@ -222,9 +196,7 @@ def tests(dashboard: TheDashboard) -> TestList:
             made_of(TestInfo, test, needs=two_or_none(test.needs), last=last.get(test.name))
             for test in found.tests.values()
         ],
-        errors=[
-            TestFileError(file=it.file, line=it.line, text=two(it.problem)) for it in found.errors
-        ],
+        errors=[made_of(TestFileError, it, text=it.problem) for it in found.errors],
         running=state[0].test.name if state and running else None,
         folder=None if folder is None else str(folder),
     )

@@ -8,10 +8,10 @@ from __future__ import annotations
 from typing import Annotated, Final
 
 from fastapi import APIRouter, Query
-from pydantic import BaseModel, Field
+from pydantic import AfterValidator, BaseModel, Field
 
-from mikas.catalog import Parameter
 from mikas.catalog.formula_syntax import LONGEST
+from mikas.catalog.model import is_corrected
 from mikas.dashboard.api.dependencies import (
     KnownClient,
     Line,
@@ -19,12 +19,12 @@ from mikas.dashboard.api.dependencies import (
     TheLibrary,
     TheRequester,
 )
-from mikas.dashboard.api.errors import errors
+from mikas.dashboard.api.errors import Described, errors, made_of
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.library.folder import RecordingFile
 from mikas.dashboard.session.history import row_time
 from mikas.errors import usage_error
-from mikas.recording.search import Hit, SearchCondition, SearchResult, search, search_rows
+from mikas.recording.search import SearchCondition, SearchResult, search, search_rows
 from mikas.saving import KeptFile
 
 router = APIRouter(tags=["search"])
@@ -36,14 +36,18 @@ _MOST_BYTES: Final = 1 << 20
 Expression = Annotated[str, Query(max_length=LONGEST, description="FREQ > 3000 and DET")]
 
 
-class HitInfo(BaseModel):
+Time = Annotated[float, AfterValidator(row_time)]
+"""The time that a row has in the API."""
+
+
+class HitInfo(Described):
     """A moment: the times of its first and last row; `peak` null: nothing is compared."""
 
-    begin: float
-    end: float
+    begin: Time
+    end: Time
     rows: int
     peak: float | None
-    peak_time: float | None
+    peak_time: Time | None
 
 
 class FoundResponse(BaseModel):
@@ -56,8 +60,8 @@ class FoundResponse(BaseModel):
     count: int
     peak_of: str | None
     lowest: bool
-    begin: float | None
-    end: float | None
+    begin: Time | None
+    end: Time | None
 
 
 class KeptSearch(BaseModel):
@@ -122,24 +126,13 @@ def search_file(dashboard: Dashboard) -> KeptFile[SearchList]:
 
 
 def _found(condition: SearchCondition, found: SearchResult) -> FoundResponse:
-    return FoundResponse(
-        hits=[_hit(hit) for hit in found.hits[:_MOST_HITS]],
+    return made_of(
+        FoundResponse,
+        found,
+        hits=found.hits[:_MOST_HITS],
         count=len(found.hits),
         peak_of=condition.peak_of or None,
         lowest=condition.is_lowest,
-        begin=None if found.begin is None else row_time(found.begin),
-        end=None if found.end is None else row_time(found.end),
-    )
-
-
-def _hit(hit: Hit) -> HitInfo:
-    """Return a hit with the times that its rows have in the API."""
-    return HitInfo(
-        begin=row_time(hit.begin),
-        end=row_time(hit.end),
-        rows=hit.rows,
-        peak=hit.peak,
-        peak_time=None if hit.peak_time is None else row_time(hit.peak_time),
     )
 
 
@@ -147,11 +140,7 @@ def _check_interpretation(dashboard: Dashboard, condition: SearchCondition) -> N
     """Raise `UsageError` for a parameter whose live values are not those that formulas use."""
     chosen = dashboard.library.interpretation
     for name in condition.requires:
-        parameter = dashboard.catalog.channel(name)
-        is_other = isinstance(parameter, Parameter) and (
-            parameter.interpretation(chosen) != parameter.conversion
-        )
-        if is_other:
+        if not is_corrected(dashboard.catalog.channel(name), chosen):
             raise usage_error(
                 f"{name} is sampled in the interpretation {chosen}; formulas need corrected. "
                 "Search in a recording, or start the program without --interpretation",

@@ -9,13 +9,13 @@ from collections.abc import Callable
 from typing import TypeVar
 
 from fastapi import APIRouter
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, Field
 
 from mikas.catalog import Confidence, Fault
 from mikas.client import Ecu, Info, Support
 from mikas.commands.unit import version_text
 from mikas.dashboard.api.dependencies import NO_CLIENT_ID, Controller, TheDashboard, Viewer
-from mikas.dashboard.api.errors import TwoTexts, errors, made_of, two, two_or_none
+from mikas.dashboard.api.errors import Described, TwoTexts, errors, made_of, two, two_or_none
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.errors import BadRequest, NotAllowed, NotController
 from mikas.dashboard.security.control import Client
@@ -55,10 +55,9 @@ class FaultsResponse(BaseModel):
     count: int
 
 
-class UnitLimits(BaseModel):
+class UnitLimits(Described):
     """The measured limits of this unit, and the codes it refuses."""
 
-    model_config = ConfigDict(from_attributes=True)
     max_list: int
     max_block: dict[str, int]
     refused: list[int]

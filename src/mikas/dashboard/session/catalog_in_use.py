@@ -14,7 +14,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from mikas.catalog import Catalog, Derived, Parameter
+from mikas.catalog import Catalog
+from mikas.catalog.model import is_corrected
 from mikas.catalog.own.file import OwnCatalog
 from mikas.dashboard.errors import CatalogOutdated
 from mikas.errors import CatalogError
@@ -109,10 +110,3 @@ def computing(catalog: Catalog, names: Sequence[str], interpretation: str) -> Co
         return made
 
     return compute
-
-
-def is_corrected(channel: Parameter | Derived, interpretation: str) -> bool:
-    """Return whether `interpretation` gives the same values as the corrected one, of formulas."""
-    if isinstance(channel, Derived):
-        return True  # always computed from corrected values
-    return channel.interpretation(interpretation) == channel.conversion

@@ -5,16 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, Field
 
 from mikas.catalog import Catalog, Confidence, Derived, Level, Parameter, shipped
-from mikas.dashboard.api.errors import TwoTexts, made_of, two, two_or_none
+from mikas.dashboard.api.errors import Described, TwoTexts, made_of, two, two_or_none
 
 
-class ChannelLimits(BaseModel):
+class ChannelLimits(Described):
     """The limits of a channel; a value beyond one is an alarm."""
-
-    model_config = ConfigDict(from_attributes=True)
 
     danger_low: float | None
     warning_low: float | None
@@ -23,10 +21,9 @@ class ChannelLimits(BaseModel):
     hysteresis: Annotated[float, Field(description="how far inside a limit its alarm ends")] = 0
 
 
-class LampTexts(BaseModel):
+class LampTexts(Described):
     """The texts of a flag's lamp."""
 
-    model_config = ConfigDict(from_attributes=True)
     on: TwoTexts
     off: TwoTexts
     trouble: Level = Field(description="its colour while on; that is no alarm")

@@ -18,7 +18,7 @@ from mikas.catalog import Catalog, Derived, Parameter
 from mikas.catalog.formula_syntax import Parsed, parse
 from mikas.catalog.formulas import Calculation
 from mikas.catalog.loading.build import does_not_exist
-from mikas.catalog.model import in_order
+from mikas.catalog.model import in_order, is_corrected
 from mikas.dashboard.api.channels.editing import Finite, FormulaRequest
 from mikas.dashboard.api.dependencies import (
     KnownClient,
@@ -26,10 +26,10 @@ from mikas.dashboard.api.dependencies import (
     TheDashboard,
     TheRequester,
 )
-from mikas.dashboard.api.errors import TwoTexts, errors, two
+from mikas.dashboard.api.errors import TwoTexts, errors, made_of, two
 from mikas.dashboard.dashboard import Dashboard
+from mikas.dashboard.errors import api_hex
 from mikas.dashboard.library.folder import RecordingFile
-from mikas.dashboard.session.catalog_in_use import is_corrected
 from mikas.errors import FormulaError, UnknownParameter, ValueDoesNotFit
 from mikas.i18n import Text
 from mikas.recording.table.channels import Rows
@@ -168,13 +168,8 @@ def _now(dashboard: Dashboard, channel: Parameter | Derived) -> ChannelValue:
         return ChannelValue(name=channel.name, time=time, value=number)
     if reading is None or dashboard.connection.now() - reading.time > _REACH:
         return ChannelValue(name=channel.name)
-    return ChannelValue(
-        name=channel.name,
-        value=float(reading.value),
-        time=reading.time,
-        raw=reading.raw.hex().upper(),
-        interpretation=reading.interpretation,
-    )
+    value, raw = float(reading.value), api_hex(reading.raw)
+    return made_of(ChannelValue, reading, name=channel.name, value=value, raw=raw)
 
 
 async def _moments(

@@ -6,7 +6,7 @@ from dataclasses import asdict, replace
 from typing import Self
 
 from fastapi import APIRouter
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, Field
 
 from mikas.client.cars import LONGEST, MOST_MILEAGE, CarDetails, car_details
 from mikas.dashboard.api.dependencies import (
@@ -16,7 +16,7 @@ from mikas.dashboard.api.dependencies import (
     TheLibrary,
     TheRequester,
 )
-from mikas.dashboard.api.errors import errors
+from mikas.dashboard.api.errors import Described, errors
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.errors import NotConnected
 from mikas.dashboard.library.folder import RecordingFile
@@ -27,10 +27,8 @@ from mikas.recording.capture.writer import append_note
 router = APIRouter(tags=["recordings"])
 
 
-class CarInfo(BaseModel):
+class CarInfo(Described):
     """A car as its owner or a workshop names it; empty or null: not given."""
-
-    model_config = ConfigDict(from_attributes=True)
 
     car: str
     plate: str

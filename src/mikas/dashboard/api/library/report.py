@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Final
 from fastapi import APIRouter
 from fastapi.responses import Response
 
+from mikas.catalog.model import is_corrected
 from mikas.dashboard.api.dependencies import Requester, TheDashboard, TheLibrary, TheRequester
 from mikas.dashboard.api.errors import content, errors
 from mikas.dashboard.api.library.cars import car_of_connection
@@ -182,11 +183,7 @@ def _judged(rows: Rows, catalog: Catalog, interpretation: str) -> Rows:
 
 def _otherwise_read(catalog: Catalog, interpretation: str) -> set[str]:
     """Return the parameters whose interpretation differs from their reference's."""
-    return {
-        each.name
-        for each in catalog.parameters
-        if each.interpretation(interpretation) != each.conversion
-    }
+    return {each.name for each in catalog.parameters if not is_corrected(each, interpretation)}
 
 
 def _unit(found: UnitFound | None, catalog: Catalog) -> UnitIdentity | None:
