@@ -94,8 +94,8 @@ def everything() -> list[PlannedParameter]:
 
 
 @dataclass(frozen=True, slots=True)
-class Stretch:
-    """A stretch of work: what was done, how long it took, and the wire's time for it (§5)."""
+class Lap:
+    """A lap of work: what was done, how long it took, and the wire's time for it (§5)."""
 
     count: int
     seconds: float
@@ -111,7 +111,7 @@ class Stretch:
 
 
 class Watch:
-    """Times stretches on one ECU's line.
+    """Times laps on one ECU's line.
 
     The limit is computed from what was really carried, stuffing included: bytes · 10 / 9600 and
     2 ms for each request.
@@ -126,25 +126,25 @@ class Watch:
     def _look(self) -> tuple[float, int, int]:
         return self._meter.now(), self._meter.received, self._ecu.tester.statistics.requests
 
-    def lap(self, count: int) -> Stretch:
+    def lap(self, count: int) -> Lap:
         """What passed since the last lap, or since the watch was made."""
         before, self._mark = self._mark, self._look()
         seconds, carried, requests = (
             now - then for now, then in zip(self._mark, before, strict=True)
         )
         limit = carried * self._meter.byte_time + requests * TURN_ROUND
-        return Stretch(count, seconds, limit)
+        return Lap(count, seconds, limit)
 
 
 @dataclass(slots=True)
 class Session:
-    """What sampling brought: the method that was used, stretches of it, and what was lost.
+    """What sampling brought: the method that was used, laps of it, and what was lost.
 
     `gaps`: cycles; `errors`: exchanges that failed; `hole`: the longest time in seconds between two
-    samples of the stretches.
+    samples of the laps.
     """
 
-    stretches: list[Stretch]
+    laps: list[Lap]
     method: str = ""
     gaps: int = 0
     errors: int = 0
@@ -160,9 +160,9 @@ def sample(
     runs: int,
     began: Callable[[], object] = lambda: None,
 ) -> Session:
-    """Runs the sampler for `runs` stretches of `sets` cycles. `method` None: the fastest.
+    """Runs the sampler for `runs` laps of `sets` cycles. `method` None: the fastest.
 
-    `began` is called at the beginning of the first stretch.
+    `began` is called at the beginning of the first lap.
     """
     ecus: list[Ecu] = []
 
@@ -192,8 +192,8 @@ def sample(
                 began()
             elif seen > 0 and seen % sets == 0:
                 assert watch is not None
-                session.stretches.append(watch.lap(sets))
-                if len(session.stretches) == runs:
+                session.laps.append(watch.lap(sets))
+                if len(session.laps) == runs:
                     session.errors = ecus[-1].tester.statistics.failed
                     break
     return session

@@ -16,7 +16,7 @@ AGE: Final = 0.5  # s from the answer in the unit to its first byte here, stalls
 
 @dataclass
 class Outages:
-    """Random stretches without a thing, after `start`, `count` so far. Times must not run back."""
+    """Random spans without a thing, after `start`, `count` so far. Times must not run back."""
 
     every: tuple[float, float]
     length: tuple[float, float]
@@ -44,7 +44,7 @@ class Outages:
         return self.begin if after < self.begin else self.end
 
     def seconds_in(self, begin: float, end: float) -> float:
-        """Return how much of a stretch was lost; nothing before it is asked for again."""
+        """Return how much of a span was lost; nothing before it is asked for again."""
         self._past = [it for it in self._past if it[1] > begin]
         known = (*self._past, (self.begin, self.end))
         return sum(max(0.0, min(end, last) - max(begin, first)) for first, last in known)

@@ -57,11 +57,11 @@ def _stalled(scope: Scope, line: StallingLine, seconds: int) -> Iterator[Row]:
     for method, rate in _RATES.items():
         with line(0.0) as (plug, _):
             sets = rate * scope.of(seconds // 2, 3)
-            (calm,) = sample(plug, everything(), method, sets=sets, runs=1).stretches
+            (calm,) = sample(plug, everything(), method, sets=sets, runs=1).laps
         session, stalled = _beside_stalls(line, method, rate * scope.of(seconds, 5))
-        (stretch,) = session.stretches
-        percent = 100 * stretch.rate / (calm.rate * (1 - stalled / stretch.seconds))
-        aside = f"{stalled:.1f} s of {stretch.seconds:.0f} s stalled; {_faults(session)}"
+        (lap,) = session.laps
+        percent = 100 * lap.rate / (calm.rate * (1 - stalled / lap.seconds))
+        aside = f"{stalled:.1f} s of {lap.seconds:.0f} s stalled; {_faults(session)}"
         yield Row(f"`{method}`", [percent], "%", 1, at_least=95, aside=aside)
         yield Row(f"`{method}`, longest hole", [session.hole], "s", 2, at_most=_HOLE)
 
@@ -142,8 +142,8 @@ def _busy(scope: Scope) -> Iterator[Row]:
         idle = _on_pty(method, sets)
         with _busy_cores():
             busy = _on_pty(method, sets)
-        percent = 100 * busy.stretches[0].rate / idle.stretches[0].rate
-        aside = f"{busy.stretches[0].rate:.1f} of {idle.stretches[0].rate:.1f} sets/s"
+        percent = 100 * busy.laps[0].rate / idle.laps[0].rate
+        aside = f"{busy.laps[0].rate:.1f} of {idle.laps[0].rate:.1f} sets/s"
         aside += f"; longest hole {busy.hole:.2f} s; {_faults(busy)}"
         yield Row(f"`{method}`", [percent], "% of the idle rate", 1, at_least=90, aside=aside)
 

@@ -61,18 +61,18 @@ def theme(scope: Scope, title: str, port: Port, method: str, runs: int) -> Theme
 def _percent(what: str, session: Session, target: float | None, aside: str) -> Row:
     if session.gaps:
         aside += f"; {session.gaps} cycles LOST"
-    return Row(what, [s.percent for s in session.stretches], "%", 1, at_least=target, aside=aside)
+    return Row(what, [s.percent for s in session.laps], "%", 1, at_least=target, aside=aside)
 
 
 def _rate(session: Session) -> float:
-    rates = sorted(stretch.rate for stretch in session.stretches)
+    rates = sorted(lap.rate for lap in session.laps)
     return rates[len(rates) // 2]
 
 
 def _auto(scope: Scope, port: Port, runs: int) -> Iterator[Row]:
     with port() as plug:
         session = sample(plug, everything(), None, sets=scope.of(100, 30), runs=runs)
-    rates = [stretch.rate for stretch in session.stretches]
+    rates = [lap.rate for lap in session.laps]
     how = "the sampler tries each method for a second and takes the fastest; that second is not in."
     aside = f"chose `{session.method}`"
     yield Row("`auto`", rates, "sets/s", 2, at_least=33, aside=aside, how=how)
@@ -114,18 +114,18 @@ def _usual(scope: Scope, port: Port) -> Row:
         codes = {parameter.code: parameter.name for parameter in ecu.catalog.parameters}
         ecu.read()  # what is asked only once in a session is over
         watch = Watch(ecu)
-        stretches = []
+        laps = []
         for _ in range(sets):
             for name in codes.values():
                 ecu.read(name)
                 ecu.tester.wait(ecu.tester.link.now() + _PAUSE)
-            stretches.append(watch.lap(1))
+            laps.append(watch.lap(1))
     return Row(
         "the usual way",
-        [stretch.rate for stretch in stretches],
+        [lap.rate for lap in laps],
         "sets/s",
         2,
-        aside=f"{stretches[0].percent:.0f} % of the wire",
+        aside=f"{laps[0].percent:.0f} % of the wire",
         how="for comparison: one request a parameter (61), 55 ms of pause behind each answer.",
     )
 
@@ -136,8 +136,8 @@ def dump(scope: Scope) -> Theme:
         target = Path(folder) / "code.bin"
         watch = Watch(ecu)
         target.write_bytes(ecu.memory.code.read_block(0, size))
-        stretch = watch.lap(1)
-    aside = f"{stretch.seconds:.1f} s"
-    row = Row(f"CODE, {size // 1024} KiB", [stretch.percent], "%", 1, aside=aside)
+        lap = watch.lap(1)
+    aside = f"{lap.seconds:.1f} s"
+    row = Row(f"CODE, {size // 1024} KiB", [lap.percent], "%", 1, aside=aside)
     method = "One read of the program memory over the pty, in blocks of 255 bytes (25); once."
     return Theme("A dump over a pty", method, [row])

@@ -20,7 +20,7 @@ from mikas.errors import CaptureError
 from mikas.fleet.tables import SMALL
 from mikas.i18n import Text
 from mikas.recording.export.parquet import connect, quoted, system_error
-from mikas.recording.export.sheet import STRETCH
+from mikas.recording.export.sheet import BATCH
 from mikas.recording.table.channels import PLAINLY_UNIX, Channel, Rows, calendar
 
 if TYPE_CHECKING:
@@ -56,15 +56,15 @@ class TableWriter:
             name: {} for name in SMALL
         }
         names = ["drive", "time", "clock", *(f"c{n}" for n in range(len(channels)))]
-        self._stretch = {name: np.empty(STRETCH) for name in names}
+        self._batch = {name: np.empty(BATCH) for name in names}
         self._database.execute("SET enable_progress_bar = false")
-        self._database.register("stretch", self._stretch)
+        self._database.register("batch", self._batch)
         self._database.execute("BEGIN")
         self._database.execute(
             f"CREATE TABLE collected ({', '.join(f'{name} DOUBLE' for name in names)})"
         )
         present = ", ".join(f"nullif({name}, 'nan'::DOUBLE)" for name in names)
-        self._insert = f"INSERT INTO collected SELECT {present} FROM stretch LIMIT "
+        self._insert = f"INSERT INTO collected SELECT {present} FROM batch LIMIT "
 
     def __enter__(self) -> TableWriter:
         return self
@@ -81,9 +81,9 @@ class TableWriter:
 
     def add_samples(self, drive: int, rows: Rows, zero: float) -> None:
         """Add rows of a drive; `zero`: the time that counts as 0."""
-        for begin in range(0, len(rows.times), STRETCH):
+        for begin in range(0, len(rows.times), BATCH):
             check_cancelled()
-            times = rows.times[begin : begin + STRETCH]
+            times = rows.times[begin : begin + BATCH]
             count = len(times)
             dated = np.array([calendar(float(times.min())), calendar(float(times.max()))])
             at = np.where(times >= PLAINLY_UNIX, times, np.nan) if all(dated) else _dated(times)
@@ -91,12 +91,12 @@ class TableWriter:
                 None if np.isnan(day) else int(day) for day in np.unique(np.floor(at / DAY))
             }
             self._check(len(self._days))
-            self._stretch["drive"][:count] = drive
-            self._stretch["time"][:count] = times - zero
-            self._stretch["clock"][:count] = at
+            self._batch["drive"][:count] = drive
+            self._batch["time"][:count] = times - zero
+            self._batch["clock"][:count] = at
             for number, channel in enumerate(self._channels):
-                column = rows.values[channel.name][begin : begin + STRETCH]
-                self._stretch[f"c{number}"][:count] = column
+                column = rows.values[channel.name][begin : begin + BATCH]
+                self._batch[f"c{number}"][:count] = column
             self._database.execute(f"{self._insert}{count}")
 
     def add(self, table: str, time: float | None, row: Mapping[str, object]) -> None:

@@ -4,10 +4,10 @@ Times of a replay count from the first packet. Recordings in one file (it was ap
 each other with a short silence between, however long it really was, and so do the parts of one
 recording with more than a day between; where times run back, they continue from the latest.
 
-An ECU that left all requests of two seconds unanswered had no supply. During a stretch without any
+An ECU that left all requests of two seconds unanswered had no supply. During a span without any
 packet the ECU may have worked, but the line was not recorded (the adapter was unplugged, or the
 computer asleep), and an old value is not played as a new one. The recorder leaves a note on such a
-hole; without a note, only a stretch of several usual cycles is a hole, for a person pauses too.
+hole; without a note, only a span of several usual cycles is a hole, for a person pauses too.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from mikas.replay.model import ReplayData, Series
 
 PAUSE: Final = 3.0  # s between two recordings in a file
 AFTER: Final = 0.5  # s from the last packet of a recording to its end
-Stretch = tuple[float, float]
+Span = tuple[float, float]
 
 SILENT_FOR: Final = 2.0  # s of unanswered requests are a loss of supply
 _JUST_BEFORE: Final = 0.001  # s; the supply is there when a request comes
@@ -40,9 +40,9 @@ class Outages:
 
     def __init__(self) -> None:
         self.failing_since: float | None = None
-        self._off: list[Stretch] = []
+        self._off: list[Span] = []
         self._quiet: list[tuple[int, float, float, float]] = []  # without a packet
-        self._noted: dict[int, list[Stretch]] = {}
+        self._noted: dict[int, list[Span]] = {}
 
     def add_note(self, note: Note) -> None:
         """Take a note of the recording."""
@@ -65,11 +65,11 @@ class Outages:
         self._off.append((begin, end - _JUST_BEFORE))
 
     def add_pause(self, recording: int, begin: float, end: float, shift: float) -> None:
-        """Note a stretch without a packet. `shift`: from the recording's own times to these."""
+        """Note a span without a packet. `shift`: from the recording's own times to these."""
         if end - begin > GAP:
             self._quiet.append((recording, begin, end, shift))
 
-    def conclude(self, series: Iterable[Series]) -> tuple[list[Stretch], list[Stretch]]:
+    def conclude(self, series: Iterable[Series]) -> tuple[list[Span], list[Span]]:
         """Return the losses of supply, and the holes."""
         cycle = _usual_cycle(series)
         least = inf if cycle is None else max(SILENT_FOR, _CYCLES * cycle)
@@ -117,8 +117,8 @@ class Timeline:
         self.latest = max(self.latest, stretch.end + self.shift)
 
 
-def _hole_of(note: Note) -> Stretch | None:
-    """Return the stretch of a noted hole, by the recording's own times."""
+def _hole_of(note: Note) -> Span | None:
+    """Return the span of a noted hole, by the recording's own times."""
     if note.kind == Kind.STATE and note.data.get("state") == "no-port":
         return note.time, note.time
     if note.kind != Kind.GAP:
@@ -135,10 +135,10 @@ def _usual_cycle(series: Iterable[Series]) -> float | None:
     return median(longest[at] - longest[at - 1] for at in range(1, len(longest), apart))
 
 
-def _merged(stretches: list[Stretch]) -> list[Stretch]:
-    """Return the stretches in order, overlapping ones as one."""
-    merged: list[Stretch] = []
-    for begin, end in sorted(stretches):
+def _merged(spans: list[Span]) -> list[Span]:
+    """Return the spans in order, overlapping ones as one."""
+    merged: list[Span] = []
+    for begin, end in sorted(spans):
         if merged and begin <= merged[-1][1]:
             merged[-1] = merged[-1][0], max(end, merged[-1][1])
         else:

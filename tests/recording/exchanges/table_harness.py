@@ -8,7 +8,7 @@ from pathlib import Path
 from mikas.catalog import Catalog
 from mikas.recording.capture.reader import Source
 from mikas.recording.table.channels import Rows
-from mikas.recording.table.conversion import STRETCH, Converter
+from mikas.recording.table.conversion import MOST_ROWS, Converter
 from mikas.recording.table.raw_recording import RawRecording
 
 
@@ -20,11 +20,11 @@ class ParameterTable:
         self._converter = Converter(catalog, interpretation, self.raw.codes)
         self.channels = self._converter.channels
 
-    def stretches(self, size: int = STRETCH) -> Iterator[tuple[Source, Rows]]:
+    def stretches(self, size: int = MOST_ROWS) -> Iterator[tuple[Source, Rows]]:
         """Yield the rows, each stretch with its port."""
         names = [channel.name for channel in self.channels]
         return self._converter.stretches(self.raw.stretches(), names, size=size)
 
-    def rows(self, size: int = STRETCH) -> Iterator[Rows]:
+    def rows(self, size: int = MOST_ROWS) -> Iterator[Rows]:
         """Yield the rows."""
         return (rows for _, rows in self.stretches(size))

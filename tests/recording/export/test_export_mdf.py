@@ -75,7 +75,7 @@ def test_what_was_exported_is_read_back(tmp_path_factory, drawn):
 
 
 def test_many_stretches_are_one_group(tmp_path, monkeypatch):
-    monkeypatch.setattr(sheets, "STRETCH", 100)
+    monkeypatch.setattr(sheets, "BATCH", 100)
     out = tmp_path / "log.mf4"
     export(out, [TWAT], (rows([n / 35], TWAT=[n]) for n in range(1234)))
     from asammdf import MDF  # here: its import takes 2 s

@@ -38,7 +38,7 @@ FEW[".mf4"], MANY[".mf4"] = 250_000, 1_000_000
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
 def test_peak_does_not_grow_with_the_rows(tmp_path, monkeypatch, suffix):
-    monkeypatch.setattr(sheets, "STRETCH", 4096)
+    monkeypatch.setattr(sheets, "BATCH", 4096)
     out = tmp_path / f"log{suffix}"
     export(out, CHANNELS, source(1000))  # imports
     short, long = peak_of(out, FEW[suffix]), peak_of(out, MANY[suffix])

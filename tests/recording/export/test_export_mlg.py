@@ -159,8 +159,8 @@ def test_what_was_exported_is_read_back(tmp_path_factory, drawn):
         np.testing.assert_array_equal([row[number] for row in log.values], expected)
 
 
-def test_counter_and_clock_roll_over_stretches(tmp_path, monkeypatch):
-    monkeypatch.setattr(sheets, "STRETCH", 100)
+def test_counter_and_clock_roll_over_from_batch_to_batch(tmp_path, monkeypatch):
+    monkeypatch.setattr(sheets, "BATCH", 100)
     out = tmp_path / "log.mlg"
     export(out, [TWAT], [rows([n / 8], TWAT=[n]) for n in range(700)])
     log = read(out.read_bytes())  # which checks the counter

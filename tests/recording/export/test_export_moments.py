@@ -165,7 +165,7 @@ def test_a_mark_stands_before_the_first_row_that_is_not_older(
     at = [sum(steps[: count + 1]) for count in range(len(steps))]
     pieces = [rows([START + time], TWAT=[time]) for time in at]
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(sheets, "STRETCH", stretch)
+        patch.setattr(sheets, "BATCH", stretch)
         events = [Marker(START + time, str(time)) for time in times]
         export(out, [TWAT], pieces, events=events, overwrite=True)
     lines = out.read_text("utf-8").splitlines()[4:]

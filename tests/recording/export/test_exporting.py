@@ -78,7 +78,7 @@ def test_a_file_created_during_the_export_stays(tmp_path, suffix):
 @every_format
 @pytest.mark.parametrize("interruption", [KeyboardInterrupt, CaptureError])
 def test_an_interrupted_export_leaves_nothing(tmp_path, suffix, monkeypatch, interruption):
-    monkeypatch.setattr(sheets, "STRETCH", 2)
+    monkeypatch.setattr(sheets, "BATCH", 2)
 
     def source():
         yield from FIXED
@@ -164,7 +164,7 @@ def test_values_that_do_not_match_their_times_are_a_mistake(tmp_path):
 @every_format
 @pytest.mark.parametrize("length", [1, 7, 64, 1000])
 def test_a_file_does_not_depend_on_how_its_rows_arrived(tmp_path, monkeypatch, suffix, length):
-    monkeypatch.setattr(sheets, "STRETCH", 64)
+    monkeypatch.setattr(sheets, "BATCH", 64)
     times = START + np.arange(300) / 35
     values = {"TWAT": np.arange(300.0) % 256 - 40, "UACC": np.where(times % 2 < 1, NAN, times % 20)}
     whole = tmp_path / f"whole{suffix}"

@@ -39,7 +39,7 @@ _TAILS: Final = {
     }
     for order in pcapng.ORDERS
 }
-_STRETCH: Final = 16384  # packets
+_MOST_PACKETS: Final = 16384  # packets
 
 
 @dataclass(slots=True)
@@ -167,4 +167,4 @@ def stretches(
 
 def _continues(held: PacketRun, run: PacketRun) -> bool:
     near = -JUMP <= run.times[0] - held.times[-1] <= LONGEST_PAUSE
-    return near and run.source == held.source and len(held.times) < _STRETCH
+    return near and run.source == held.source and len(held.times) < _MOST_PACKETS

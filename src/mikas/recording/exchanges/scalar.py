@@ -39,7 +39,7 @@ from mikas.recording.exchanges.result import (
 
 UNFINISHED: Final = "unfinished"
 """Why an abandoned frame is damage, beside the values of `DamageReason`."""
-_STRETCH = 1024  # packets
+_MOST_PACKETS = 1024  # packets
 
 
 @dataclass(frozen=True, slots=True)
@@ -311,7 +311,7 @@ def scalar_exchanges(path: str | os.PathLike[str]) -> Iterator[Exchanges | Probl
 def _stretches(items: Iterable[Packet | Problem]) -> Iterator[Sequence[Packet] | Problem]:
     waiting: list[Packet] = []
     for item in items:
-        if waiting and (len(waiting) == _STRETCH or not _continues(waiting[-1], item)):
+        if waiting and (len(waiting) == _MOST_PACKETS or not _continues(waiting[-1], item)):
             yield waiting
             waiting = []
         if isinstance(item, Problem):

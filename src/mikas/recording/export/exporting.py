@@ -1,7 +1,7 @@
 """Write a table to a file in the format of its suffix, or, in CSV, of a dialect.
 
 The file is written as `OUT.part` and renamed when it is complete and on the disk. After an error
-the part is removed; only a killed program leaves it. Rows are read and written in stretches, so ten
+the part is removed; only a killed program leaves it. Rows are read and written in batches, so ten
 hours need no more memory than one.
 """
 
@@ -107,7 +107,7 @@ def export(
     sheet = Sheet(channels, rows, events, about or {}, language=language, dialect=dialect)
     write = import_module(f"mikas.recording.export.{wanted.module}").write
     write_whole(out, lambda part: write(part, sheet), overwrite=overwrite)
-    return Result(sheet.stretches.rows, tuple(channel.name for channel in channels), out)
+    return Result(sheet.batches.rows, tuple(channel.name for channel in channels), out)
 
 
 def _check(out: Path, channels: Sequence[Channel], *, overwrite: bool) -> None:

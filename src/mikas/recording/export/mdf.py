@@ -51,11 +51,11 @@ def write(path: Path, sheet: Sheet) -> None:
         started = sheet.started or _UNKNOWN
         mdf.start_time = started if started < _BEYOND else _UNKNOWN
         mdf.header.comment = _comment(sheet)
-        stretches = iter(sheet.stretches)
+        batches = iter(sheet.batches)
         empty = np.empty(0)
-        times, columns = next(stretches, (empty, [empty] * len(sheet.channels)))
+        times, columns = next(batches, (empty, [empty] * len(sheet.channels)))
         mdf.append(_signals(sheet, times, columns), common_timebase=True)
-        for times, columns in stretches:
+        for times, columns in batches:
             mdf.extend(0, [(times, None), *((column, None) for column in columns)])
         _add_events(mdf, sheet)
         mdf.save(file, compression=_PACKED)

@@ -54,16 +54,16 @@ def _collect(database: duckdb.DuckDBPyConnection, sheet: Sheet) -> None:
     One array is registered and refilled: a transaction keeps every registered array alive.
     """
     names = ["time", *(f"c{number}" for number in range(len(sheet.channels)))]
-    stretch = {name: np.empty(sheet.stretches.longest) for name in names}
+    batch = {name: np.empty(sheet.batches.longest) for name in names}
     database.execute("SET enable_progress_bar = false")
-    database.register("stretch", stretch)
+    database.register("batch", batch)
     database.execute("BEGIN")
     database.execute(f"CREATE TABLE collected ({', '.join(f'{name} DOUBLE' for name in names)})")
     present = ", ".join(f"nullif({name}, 'nan'::DOUBLE)" for name in names)
-    for times, values in sheet.stretches:
-        for column, filled in zip(stretch.values(), (times, *values), strict=True):
+    for times, values in sheet.batches:
+        for column, filled in zip(batch.values(), (times, *values), strict=True):
             column[: len(times)] = filled
-        database.execute(f"INSERT INTO collected SELECT {present} FROM stretch LIMIT {len(times)}")
+        database.execute(f"INSERT INTO collected SELECT {present} FROM batch LIMIT {len(times)}")
 
 
 def _copy_statement(path: Path, sheet: Sheet) -> str:

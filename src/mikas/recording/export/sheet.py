@@ -1,8 +1,8 @@
-"""The writers' input: channels, their rows in stretches of one size with times from zero, moments.
+"""The writers' input: channels, their rows in batches of one size with times from zero, moments.
 
-A live log yields rows one by one, a recording yields ten thousands. Writers get `STRETCH` rows at a
+A live log yields rows one by one, a recording yields ten thousands. Writers get `BATCH` rows at a
 time (and the rest at the end), so a file does not depend on how its rows arrived, and memory is
-bounded by `STRETCH` and the longest piece of the source.
+bounded by `BATCH` and the longest piece of the source.
 """
 
 from __future__ import annotations
@@ -24,12 +24,12 @@ from mikas.sampling.events import AlarmChanged, Event, Gap, Marker, TextNote
 if TYPE_CHECKING:
     from mikas.recording.export.dialects import Dialect
 
-STRETCH = 32_768  # × 24 columns × 8 bytes: 6 MB
+BATCH = 32_768  # × 24 columns × 8 bytes: 6 MB
 
 Column = NDArray[np.float64]
 
 
-class Stretches:
+class Batches:
     """The rows, to be iterated once, at most `longest` at a time; times count from `zero`.
 
     `first`: the first row's time on the link's clock, None without rows. `rows`: how many were
@@ -37,7 +37,7 @@ class Stretches:
     """
 
     def __init__(self, channels: Sequence[Channel], source: Iterable[Rows]) -> None:
-        self.longest = STRETCH
+        self.longest = BATCH
         self.rows = 0
         self.zero = 0.0
         self._names = [channel.name for channel in channels]
@@ -106,13 +106,13 @@ class Sheet:
     ) -> None:
         events = list(events)
         self.channels = tuple(channels)
-        self.stretches = Stretches(channels, with_gaps(rows, events))
-        zero = self.stretches.first
+        self.batches = Batches(channels, with_gaps(rows, events))
+        zero = self.batches.first
         if zero is None:
             zero = min(map(_begin, events), default=None)
-        self.stretches.zero = zero or 0.0
+        self.batches.zero = zero or 0.0
         self.started = None if zero is None else calendar(zero)
-        moments = _moments(events, self.stretches.zero)
+        moments = _moments(events, self.batches.zero)
         self.moments = tuple(sorted(moments, key=attrgetter("time")))
         self.about = {without(title): without(text) for title, text in about.items()}
         self.language = language

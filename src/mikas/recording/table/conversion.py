@@ -22,7 +22,7 @@ from mikas.recording.exchanges.arrays import Bytes, Floats
 from mikas.recording.table.channels import Channel, Rows
 from mikas.recording.table.raw_recording import RawRows
 
-STRETCH: Final = 65536
+MOST_ROWS: Final = 65536
 _MANY: Final = 4096  # rows that are worth a stretch where a clock runs to and fro
 _JITTER: Final = 1.0  # s; two lumps of bytes can be taken for overlapping by so much at most
 
@@ -53,7 +53,7 @@ class Converter:
         raw: Iterable[RawRows],
         names: Iterable[str],
         *,
-        size: int = STRETCH,
+        size: int = MOST_ROWS,
         rising: bool = True,
     ) -> Iterator[tuple[Source, Rows]]:
         """Yield the columns `names` in stretches of at most `size` rows, each with its port.
