@@ -25,6 +25,7 @@ from mikas.link.reconnecting import ReconnectingPort
 from mikas.recording.recorder import Recorder
 from mikas.sampling.acquisition import Acquisition
 from mikas.sampling.events import CycleFailed, Sampled
+from mikas.sampling.session import SamplingSession
 from mikas.tester import Tester
 
 RATE = 6.0  # sets/s; at full rate the simulation itself would take five minutes
@@ -72,9 +73,10 @@ def drive(hours: int) -> Iterator[dict[str, float]]:
         )
         recorder.start(path, url=url)
         sets = gaps = done = 0
-        with closing(acquisition.run()) as events:
+        session = SamplingSession(recorder)
+        session.wants_faults = lambda: False
+        with closing(session.run(acquisition)) as events:
             for event in events:
-                recorder.take(event)
                 sets += isinstance(event, Sampled)
                 gaps += isinstance(event, CycleFailed)
                 if event.time >= (done + 1) * _HOUR:

@@ -19,6 +19,7 @@ from mikas.errors import (
 )
 from mikas.i18n import Text
 from mikas.sampling.events import AdapterMoved, CycleFailed, LineState, Sampled, StateChanged
+from mikas.sampling.session import SamplingSession
 
 CUT = DamagedResponse(damage=Text("cut", "обрыв"))
 SILENT = EchoOnly(seconds=1)
@@ -38,8 +39,10 @@ def lines_of(*events, **asked) -> list[str]:
     )
     sentences: list[str] = []
     notices = Notices(session, sentences.append)
+    followed = SamplingSession()
     for event in events:
-        notices.take(event)
+        for each in followed.take(event):
+            notices.take(each)
     return sentences
 
 

@@ -19,6 +19,7 @@ from mikas.dashboard.session.history import History
 from mikas.dashboard.session.monitor import _ROWS, ConnectionMonitor
 from mikas.dashboard.settings import Settings
 from mikas.sampling.events import Sampled
+from mikas.sampling.session import SamplingSession
 
 
 def test_the_first_message_has_the_state(shared_off):
@@ -183,7 +184,7 @@ def test_nothing_is_gathered_after_the_last_client_has_gone(tmp_path):
 
 
 def test_what_is_gathered_is_bounded():
-    monitor = ConnectionMonitor(History())
+    monitor = ConnectionMonitor(History(), SamplingSession())
     monitor.listened = True
     for number in range(_ROWS + 10):
         monitor.take(Sampled(float(number), {}, {}))

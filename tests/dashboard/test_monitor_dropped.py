@@ -5,10 +5,11 @@ from __future__ import annotations
 from mikas.dashboard.session.history import History
 from mikas.dashboard.session.monitor import ConnectionMonitor
 from mikas.sampling.events import LineState, ParameterDropped, ParameterReturned, StateChanged
+from mikas.sampling.session import SamplingSession
 
 
 def test_a_parameter_that_returns_is_no_longer_dropped():
-    monitor = ConnectionMonitor(History())
+    monitor = ConnectionMonitor(History(), SamplingSession())
     monitor.take(StateChanged(0.0, LineState.SAMPLING, None))
     for event in (
         ParameterDropped(1.0, "INJ"),

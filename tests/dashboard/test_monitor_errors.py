@@ -10,12 +10,19 @@ from mikas.dashboard.session.history import History
 from mikas.dashboard.session.monitor import ConnectionMonitor
 from mikas.errors import LinkLost, NoResponse, NotSupported, PortNotFound
 from mikas.sampling.events import CycleFailed, LineState, Marker, Sampled, StateChanged
+from mikas.sampling.session import SamplingSession
 from mikas.tester import Statistics
 
 
+def take(monitor, event):
+    """Let the monitor take `event`, and the gaps that its session finds."""
+    for each in monitor.session.take(event):
+        monitor.take(each)
+
+
 def connected():
-    monitor = ConnectionMonitor(History())
-    monitor.take(StateChanged(0.0, LineState.SAMPLING, None))
+    monitor = ConnectionMonitor(History(), SamplingSession())
+    take(monitor, StateChanged(0.0, LineState.SAMPLING, None))
     return monitor
 
 
@@ -45,7 +52,7 @@ def test_an_error_that_also_ended_a_cycle_is_reported_once():
     for error in (cured, last):
         statistics.fail(error)
     monitor.count_failures(tuple(statistics.failures), 5.6)
-    monitor.take(CycleFailed(5.6, last))
+    take(monitor, CycleFailed(5.6, last))
     monitor.count_failures(tuple(statistics.failures), 6.0)
     assert [error["time"] for error in errors(monitor)] == [5.0, 5.5]
     assert monitor.meters.errors == 2
@@ -57,7 +64,7 @@ def test_a_verdict_on_reported_exchanges_adds_no_errors():
     statistics.fail(last)
     verdict = NotSupported(command="x", request=b"\x01", received=b"", time=5.5)
     verdict.__cause__ = last
-    monitor.take(CycleFailed(5.6, verdict))
+    take(monitor, CycleFailed(5.6, verdict))
     monitor.count_failures(tuple(statistics.failures), 6.0)
     assert [error["code"] for error in errors(monitor)] == ["NotSupported"]
 
@@ -67,7 +74,7 @@ def test_an_unknown_command_is_reported_and_is_no_error_of_the_line(received):
     monitor = connected()
     verdict = NotSupported(command="x", request=b"\x71", received=received, time=5.5)
     verdict.__cause__ = None if received else spoilt(5.5)
-    monitor.take(CycleFailed(5.6, verdict))
+    take(monitor, CycleFailed(5.6, verdict))
     assert [error["code"] for error in errors(monitor)] == ["NotSupported"]
     assert monitor.meters.errors == 0
 
@@ -84,12 +91,12 @@ def test_another_look_finds_only_what_is_new_though_the_tester_forgets():
 def test_a_port_that_is_waited_for_is_one_error_and_a_gap():
     monitor = connected()
     for time in range(1, 50):
-        monitor.take(
-            CycleFailed(float(time), PortNotFound(url="x", found="none", time=float(time)))
+        take(
+            monitor, CycleFailed(float(time), PortNotFound(url="x", found="none", time=float(time)))
         )
     assert len(errors(monitor)) == 1
-    monitor.take(Sampled(50.0, {}, {}))
-    monitor.take(CycleFailed(51.0, PortNotFound(url="x", found="none", time=51.0)))
+    take(monitor, Sampled(50.0, {}, {}))
+    take(monitor, CycleFailed(51.0, PortNotFound(url="x", found="none", time=51.0)))
     assert len(errors(monitor)) == 2
 
 
@@ -119,9 +126,9 @@ def test_a_bad_line_shows_its_errors_with_bytes(tmp_path):
 
 def test_an_adapter_that_is_out_is_one_error_whatever_it_is_called_meanwhile():
     monitor = connected()
-    monitor.take(Sampled(0.5, {}, {}))
-    monitor.take(CycleFailed(1.0, LinkLost(url="x", problem="gone", time=1.0)))
+    take(monitor, Sampled(0.5, {}, {}))
+    take(monitor, CycleFailed(1.0, LinkLost(url="x", problem="gone", time=1.0)))
     for time in range(2, 12):
-        monitor.take(CycleFailed(float(time), PortNotFound(url="x", found="none")))
+        take(monitor, CycleFailed(float(time), PortNotFound(url="x", found="none")))
     assert [error["code"] for error in errors(monitor)] == ["LinkLost"]
     assert monitor.meters.errors == 1

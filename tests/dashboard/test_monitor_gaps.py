@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dashboard.rig import ADAPTER
 from mikas.dashboard.errors import ADVICE
+from mikas.dashboard.session.event_log import reason_of
 from mikas.dashboard.session.history import History
 from mikas.dashboard.session.monitor import (
     DISCONNECTED,
@@ -14,17 +15,24 @@ from mikas.dashboard.session.monitor import (
 )
 from mikas.errors import EchoOnly, NoResponse
 from mikas.sampling.events import CycleFailed, LineState, PlanChanged, Sampled, StateChanged
+from mikas.sampling.session import SamplingSession
+
+
+def take(monitor, event):
+    """Let the monitor take `event`, and the gaps that its session finds."""
+    for each in monitor.session.take(event):
+        monitor.take(each)
 
 
 def connected():
-    monitor = ConnectionMonitor(History())
-    monitor.take(StateChanged(0.0, LineState.SAMPLING, None))
+    monitor = ConnectionMonitor(History(), SamplingSession())
+    take(monitor, StateChanged(0.0, LineState.SAMPLING, None))
     return monitor
 
 
 def gaps(monitor):
     return [
-        (it.began, it.ended, it.reason.en)
+        (it.began, it.ended, reason_of(it).en)
         for it in monitor.events
         if it.kind == "gap" and it.ended is not None
     ]
@@ -32,7 +40,7 @@ def gaps(monitor):
 
 def sample(monitor, *times):
     for time in times:
-        monitor.take(Sampled(time, {}, {}))
+        take(monitor, Sampled(time, {}, {}))
 
 
 def test_two_sessions_have_a_gap_between_them_and_its_reason():
@@ -47,12 +55,12 @@ def test_two_sessions_have_a_gap_between_them_and_its_reason():
 def test_a_gap_that_is_open_when_the_session_ends_ends_with_it():
     monitor = connected()
     sample(monitor, 1.0)
-    monitor.take(CycleFailed(2.0, EchoOnly()))
+    take(monitor, CycleFailed(2.0, EchoOnly()))
     monitor.end(5.0, None, DISCONNECTED)
     assert gaps(monitor) == [(1.0, 5.0, ADVICE.text(EchoOnly()).en)]
     monitor.begin((), 6.0)
-    monitor.take(
-        CycleFailed(7.0, NoResponse(seconds=0.5))
+    take(
+        monitor, CycleFailed(7.0, NoResponse(seconds=0.5))
     )  # a cycle that failed before the first sample
     sample(monitor, 8.0)
     assert gaps(monitor)[1:] == [
@@ -74,10 +82,10 @@ def test_a_session_that_ended_by_itself_says_why():
 def test_a_long_pause_for_a_plan_is_reported_and_a_short_one_is_not():
     monitor = connected()
     sample(monitor, 1.0, 1.1)
-    monitor.take(PlanChanged(1.3, _Plan()))
+    take(monitor, PlanChanged(1.3, _Plan()))
     sample(monitor, 1.5)
     assert gaps(monitor) == []
-    monitor.take(PlanChanged(2.7, _Plan()))
+    take(monitor, PlanChanged(2.7, _Plan()))
     sample(monitor, 2.8)
     assert gaps(monitor) == [(1.5, 2.8, OTHER_PLAN.en)]
     sample(monitor, 9.0)  # seldom, and without a new plan
@@ -91,8 +99,8 @@ class _Plan:
 def test_a_gap_that_begins_vaguely_ends_with_what_it_was():
     monitor = connected()
     sample(monitor, 1.0)
-    monitor.take(CycleFailed(2.0, NoResponse(seconds=0.5)))
-    monitor.take(StateChanged(3.0, LineState.ECHO_ONLY, EchoOnly()))
+    take(monitor, CycleFailed(2.0, NoResponse(seconds=0.5)))
+    take(monitor, StateChanged(3.0, LineState.ECHO_ONLY, EchoOnly()))
     sample(monitor, 9.0)
     assert gaps(monitor) == [(1.0, 9.0, ADVICE.text(EchoOnly()).en)]
 
@@ -104,13 +112,13 @@ def test_silence_is_reported_before_its_reason_is_known():
     assert monitor.silent(3.7) == SILENT
     monitor.busy()
     assert monitor.silent(3.7) == OTHER_REQUEST
-    monitor.take(CycleFailed(4.0, NoResponse(seconds=0.5)))
+    take(monitor, CycleFailed(4.0, NoResponse(seconds=0.5)))
     assert monitor.silent(4.1) == ADVICE.text(NoResponse(seconds=0.5))
     sample(monitor, 4.2)
     assert monitor.silent(4.3) is None
     sample(monitor, 14.2)  # a slow plan
     assert monitor.silent(30.0) is None
-    monitor.take(StateChanged(50.0, LineState.ECHO_ONLY, EchoOnly()))
+    take(monitor, StateChanged(50.0, LineState.ECHO_ONLY, EchoOnly()))
     assert monitor.silent(99.0) is None  # the state itself says it
 
 

@@ -18,6 +18,7 @@ from mikas.dashboard.session.history import History
 from mikas.dashboard.session.monitor import ConnectionMonitor
 from mikas.dashboard.settings import PlanSettings, Settings
 from mikas.sampling.jobs import JobQueue
+from mikas.sampling.session import SamplingSession
 
 
 class Waiting:
@@ -101,7 +102,7 @@ def test_who_comes_second_is_refused_not_kept_waiting(tmp_path, second):
     async def tried():
         it = Connection(
             Settings(tmp_path, state=tmp_path),
-            ConnectionMonitor(History()),
+            ConnectionMonitor(History(), SamplingSession()),
             create=None,
             on_end=None,
         )

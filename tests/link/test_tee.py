@@ -7,6 +7,7 @@ import pytest
 from mikas.errors import LinkLost
 from mikas.i18n import Text
 from mikas.link import CaptureTee, Chunk, Direction, Link
+from mikas.link.base import WireCount
 
 
 class ScriptedLink(Link):
@@ -117,3 +118,13 @@ def test_everything_else_is_the_links():
         tee.gather(200.0)
         tee.send_break(0.3)
     assert link.done == [("gather", 200.0), 0.3, "closed"]
+
+
+@pytest.mark.parametrize(("echoes", "carried"), [(True, 6), (False, 9)])
+def test_an_echo_is_not_counted_twice(echoes, carried):
+    wire = WireCount()
+    wire.echoes = echoes
+    tee = CaptureTee(ScriptedLink(b"\x01\xff\x0d\x0a\xf6\x0d"), ListSink(), wire)
+    tee.write(b"\x01\xff\x0d")
+    tee.read(200.0)
+    assert wire.bytes == carried

@@ -15,7 +15,7 @@ from mikas.publish.publication import Publication, PublicationOptions
 from mikas.publish.topics import Topics
 from mikas.sampling.acquisition import Acquisition
 from mikas.sampling.events import Event
-from mikas.sampling.fault_watch import FaultWatch
+from mikas.sampling.session import SamplingSession
 
 CATALOG = shipped()
 TOPICS = Topics("garage/volga")
@@ -39,13 +39,8 @@ def drive(
         method=method,
         rate=rate,
     )
-    faults, read = FaultWatch(), []
-    with closing(acquisition.run()) as events:
+    with closing(SamplingSession().run(acquisition)) as events:
         for event in events:
-            if faults.is_due(event):
-                acquisition.call(lambda ecu: read.append(faults.read(ecu)))
-            yield from filter(None, read)
-            read.clear()
             yield event
             if event.time > seconds:
                 return

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import weakref
 from pathlib import Path
 
 from mikas.catalog import load
@@ -12,8 +13,10 @@ from mikas.link.base import Direction
 from mikas.recording import CaptureReader
 from mikas.recording.capture.notes import Note
 from mikas.recording.capture.reader import Packet, Problem
+from mikas.recording.recorder import Recorder
 from mikas.sampling.events import (
     CycleFailed,
+    Event,
     LineState,
     PlanChanged,
     Sampled,
@@ -21,6 +24,7 @@ from mikas.sampling.events import (
     UnitFound,
 )
 from mikas.sampling.plan import Plan, PlannedParameter
+from mikas.sampling.session import SamplingSession
 
 SENT, RECEIVED = Direction.SENT, Direction.RECEIVED
 CATALOG = load()
@@ -29,6 +33,7 @@ PLAN = Plan(
     "stream",
 )
 PASSPORT = Passport(("A", "B", None), ("C", "D", "E", "F", "G"))
+_SESSIONS: weakref.WeakKeyDictionary[Recorder, SamplingSession] = weakref.WeakKeyDictionary()
 OTHER = Passport(("Z", "B", None), ("C", "D", "E", "F", "G"))
 
 
@@ -65,7 +70,15 @@ def begin_session(recorder, time: float = 1.0) -> None:
         plan(time + 0.2),
         state(time + 0.3, LineState.SAMPLING),
     ):
-        recorder.take(event)
+        take(recorder, event)
+
+
+def take(recorder: Recorder, event: Event) -> None:
+    """Let the recorder's session take `event`: gaps follow from several of them."""
+    if recorder not in _SESSIONS:
+        _SESSIONS[recorder] = SamplingSession(weakref.proxy(recorder))
+    for _ in _SESSIONS[recorder].take(event):
+        pass
 
 
 def notes(path: Path) -> list[Note]:

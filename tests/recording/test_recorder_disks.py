@@ -11,6 +11,7 @@ from recorder_harness import (
     gap,
     kinds,
     sampled,
+    take,
     wire,
 )
 
@@ -24,9 +25,9 @@ def _session(recorder) -> None:
     recorder.record(RECEIVED, b"\x01\xff\x0d\x0a\xf6\x0d", 1.1)
     begin_session(recorder, 1.2)
     recorder.record(RECEIVED, b"\x0a", 2.0)
-    recorder.take(sampled(2.0))
-    recorder.take(gap(3.0))
-    recorder.take(sampled(4.0))
+    take(recorder, sampled(2.0))
+    take(recorder, gap(3.0))
+    take(recorder, sampled(4.0))
 
 
 def test_a_disk_that_is_full_at_any_byte_hurts_nothing_written(tmp_path, monkeypatch):
@@ -68,7 +69,7 @@ def test_samples_that_are_not_in_the_file_are_counted_apart(recorder, tmp_path, 
     def cycle(time: float) -> None:
         recorder.record(SENT, b"\x01\xff\x0d", time)
         recorder.record(RECEIVED, b"\x0a\xf6\x0d", time + 0.01)
-        recorder.take(sampled(time))
+        take(recorder, sampled(time))
 
     for turn in range(3):
         cycle(10.0 + turn)
@@ -109,14 +110,14 @@ def test_the_reason_of_the_break_off_is_kept_to_the_end(recorder, tmp_path, monk
     for at in range(40):
         recorder.record(SENT, b"\x01\xff\x0d", 2.0 + at)
         recorder.record(RECEIVED, b"\x01\xff", 2.1 + at)
-        recorder.take(sampled(2.2 + at))
-        recorder.take(gap(2.9 + at))
+        take(recorder, sampled(2.2 + at))
+        take(recorder, gap(2.9 + at))
         if recorder.failure is not None:
             why = recorder.failure
             disk.room = 1 << 20
             break
     for at in range(100, 110):
         recorder.record(RECEIVED, b"\x01\xff", at)
-        recorder.take(sampled(at + 5.0))
+        take(recorder, sampled(at + 5.0))
     assert recorder.failure is why
     assert recorder.stop().failure is why

@@ -11,6 +11,7 @@ from mikas.client import Confirm, Ecu
 from mikas.client.limits import LimitsStore
 from mikas.errors import PortNotFound
 from mikas.link import Chunk, Link
+from mikas.link.base import WireCount
 from mikas.link.virtual import VirtualLink
 from mikas.sampling.events import Event, MethodChosen, Sampled
 from mikas.sampling.plan import PlannedParameter
@@ -31,6 +32,7 @@ class SimulatedPlug:
         self.url = "sim:"
         self.plugged_in = True
         self.link: WatchedLink | None = None
+        self.wire = WireCount()
         self._now = 0.0
         self._at: list[tuple[float, Callable[[], object]]] = []
 

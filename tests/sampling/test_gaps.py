@@ -35,7 +35,7 @@ def test_a_broken_state_is_a_better_reason_than_a_failed_cycle():
     sample(tracker, 1.0)
     tracker.take(CycleFailed(1.5, LOST))
     tracker.take(StateChanged(2.0, LineState.ECHO_ONLY, EchoOnly(seconds=1)))
-    assert tracker.reason == EchoOnly(seconds=1).reason
+    assert tracker.open.reason == EchoOnly(seconds=1).reason
     tracker.take(StateChanged(2.5, LineState.NO_PORT))
     (gap,) = sample(tracker, 9.0)
     assert gap == Gap(9.0, 1.0, 9.0, LineState.NO_PORT.text)
@@ -72,16 +72,8 @@ def test_a_disconnection_ends_a_gap_and_is_one_itself():
     sample(tracker, 1.0)
     tracker.take(CycleFailed(2.0, LOST))
     assert tracker.disconnect(5.0, OTHER) == [Gap(5.0, 1.0, 5.0, LOST.reason)]
-    assert not tracker.silent(1e6)
+    assert tracker.silence(1e6) is None
     assert sample(tracker, 5.1) == [Gap(5.1, 5.0, 5.1, OTHER)]
-
-
-def test_a_new_recording_begins_within_the_gap():
-    tracker = sampling()
-    sample(tracker, 1.0)
-    tracker.take(CycleFailed(2.0, LOST))
-    tracker.restart(7.0)
-    assert sample(tracker, 8.0) == [Gap(8.0, 7.0, 8.0, LOST.reason)]
 
 
 def test_silence_begins_after_three_usual_steps_and_a_second_at_least():

@@ -9,7 +9,7 @@ from sampling_harness import SimulatedPlug, ecu_factory, take
 from mikas.catalog import shipped
 from mikas.sampling.acquisition import Acquisition
 from mikas.sampling.events import MethodChosen, ParameterDropped, Sampled
-from mikas.sampling.gaps import EventLogger
+from mikas.sampling.session import SamplingSession, log
 from virtual_harness import make_bus
 
 
@@ -19,7 +19,7 @@ def lines(caplog):
 
 def sample(bus, until):
     acquisition = Acquisition(SimulatedPlug(bus), ecu_factory(), shipped(), ["TWAT"])
-    return take(acquisition.run(), until)
+    return take(SamplingSession().run(acquisition), until)
 
 
 def count(kind, events):
@@ -54,7 +54,7 @@ def test_the_beginning_and_the_end_of_a_gap_are_logged(caplog):
 
 def test_a_refused_parameter_is_logged(caplog):
     with caplog.at_level(logging.INFO, logger="mikas.sampling"):
-        EventLogger().take(ParameterDropped(1.0, "TWAT"))
+        log(ParameterDropped(1.0, "TWAT"))
     assert lines(caplog) == ["no valid answer for TWAT: dropped"]
 
 

@@ -1,6 +1,6 @@
 """One session of `watch`, `log` or `publish`: the acquisition, the recorder and their end.
 
-    link ──► Acquisition.run ──► Recorder.take ──► events ──► display
+    link ──► Acquisition ──► SamplingSession, Recorder ──► SamplingRun.events ──► display
 
 If the unit does not answer the first connection, the command ends with advice. Later the run waits
 without limit for a lost link or unit.
@@ -8,10 +8,8 @@ without limit for a lost link or unit.
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import closing, contextmanager, suppress
-from functools import partial
 from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -26,12 +24,13 @@ from mikas.sampling.acquisition import Acquisition
 from mikas.sampling.events import (
     CycleFailed,
     FaultReading,
+    Gap,
     LineState,
     Sampled,
     StateChanged,
     UnitFound,
 )
-from mikas.sampling.fault_watch import FaultWatch
+from mikas.sampling.session import SamplingSession
 
 if TYPE_CHECKING:
     from concurrent.futures import Future
@@ -52,8 +51,13 @@ class SamplingRun:
     """The events of one run, to be iterated once, and its counters."""
 
     def __init__(
-        self, acquisition: Acquisition, recorder: Recorder, options: SamplingOptions
+        self,
+        session: SamplingSession,
+        acquisition: Acquisition,
+        recorder: Recorder,
+        options: SamplingOptions,
     ) -> None:
+        self.session = session
         self.acquisition = acquisition
         self.options = options
         self.recorder = recorder
@@ -62,17 +66,11 @@ class SamplingRun:
         self.answered = False  # a unit, at least once
         self.connected = False  # to a unit that has given values, or that is identified
         self.waiting: StateChanged | None = None  # the broken state of the line
-        self.wants_faults: Callable[[], bool] = lambda: False
-        """Whether the stored faults are to be read at the begin and the end, and when they change.
-        """
-        self.faults = FaultWatch(in_streams=None)
-        """Not from time to time under a stream, which each reading would interrupt."""
         self.samples = 0
         self.gap_cycles = 0
         self.seconds = 0.0
         self.recording_over: RecordingOver | None = None
         """The end of the played recording, which ended the events."""
-        self._readings: deque[FaultReading] = deque()  # made by jobs
         self._last_reading: Future[None] | None = None  # after Ctrl-C
         self._began: float | None = None
         self._ecu: Ecu | None = None
@@ -106,8 +104,9 @@ class SamplingRun:
         due = -inf
         with closing(self._acquire()) as events:
             for event in events:
-                self.recorder.take(event)
-                yield from self._faults_read(event)
+                if isinstance(event, FaultReading | Gap):
+                    yield event
+                    continue
                 if isinstance(event, CycleFailed) and self._is_searching(event):
                     continue
                 if isinstance(event, Sampled) and period:
@@ -122,19 +121,6 @@ class SamplingRun:
                     yield from self._end(events)
                     return
 
-    def _faults_read(self, event: Event) -> Iterator[Event]:
-        """Queue a reading of the faults where it is due; yield those that were made."""
-        if self.wants_faults() and self.faults.is_due(event):
-            self.acquisition.call(self.read_faults)
-        while self._readings:
-            yield self._readings.popleft()
-
-    def read_faults(self, ecu: Ecu, *, routine: bool = True) -> None:
-        """Read the stored faults into the recording; a job between two cycles."""
-        if not self.faults.refused and (reading := self.faults.read(ecu, routine=routine)):
-            self.recorder.take(reading)
-            self._readings.append(reading)
-
     def end_soon(self) -> bool:
         """End the run as Ctrl-C does, after a last reading of the faults; False: at once.
 
@@ -142,12 +128,12 @@ class SamplingRun:
         """
         if not self._can_read or self._last_reading is not None:
             return False
-        self._last_reading = self.acquisition.call(partial(self.read_faults, routine=False))
+        self._last_reading = self.session.read_faults(routine=False)
         return True
 
     @property
     def _can_read(self) -> bool:
-        if not self.wants_faults() or self.faults.refused:
+        if not self.session.wants_faults() or self.session.faults_refused:
             return False
         return self.samples > 0 and self.waiting is None
 
@@ -160,19 +146,20 @@ class SamplingRun:
         """Read the faults before the recording ends, for a second of events at most."""
         if not self._can_read:
             return
-        reading = self.acquisition.call(partial(self.read_faults, routine=False))
+        reading = self.session.read_faults(routine=False)
         until: float | None = None
         with suppress(MikasError):
             for event in events:
-                self.recorder.take(event)
+                if isinstance(event, FaultReading):
+                    yield event
+                    continue
                 until = event.time + _LAST if until is None else until
                 if reading.done() or event.time > until:
                     break
-        while self._readings:
-            yield self._readings.popleft()
+        yield from self.session.readings()
 
     def _acquire(self) -> Generator[Event, None, None]:
-        with closing(self.acquisition.run()) as events:
+        with closing(self.session.run(self.acquisition)) as events:
             try:
                 yield from events
             except RecordingOver as error:
@@ -223,12 +210,13 @@ def sampling_session(
     *,
     joined: bool = True,
     patient: bool = False,
+    in_streams: float | None = None,
     car: Callable[[UnitFound], Note | None] | None = None,
 ) -> Iterator[SamplingRun]:
     """Open a run on the port `ahead`; everything on the wire is recorded to `out`, if given.
 
-    `patient`: the first connection is waited for, too. `car`: gives the recording's note on a
-    unit's car.
+    `patient`: the first connection is waited for, too. `in_streams`: as of `FaultWatch`; each
+    reading interrupts a stream. `car`: gives the recording's note on a unit's car.
     """
     port = ahead.url
     recorder = Recorder(interpretation=context.options.interpretation, joined=joined, car=car)
@@ -246,7 +234,9 @@ def sampling_session(
     if out is not None:
         recorder.start(out, url=port)
     context.output.detail(tr("port", "порт"), port)
-    run = SamplingRun(acquisition, recorder, options)
+    session = SamplingSession(recorder, in_streams=in_streams)
+    session.wants_faults = lambda: False
+    run = SamplingRun(session, acquisition, recorder, options)
     try:
         yield run
     except MikasError as error:

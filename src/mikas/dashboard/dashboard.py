@@ -34,7 +34,6 @@ from mikas.dashboard.session.catalog_in_use import (
 from mikas.dashboard.session.changes import UnitChanges
 from mikas.dashboard.session.connection import Connection, SamplingPlanner
 from mikas.dashboard.session.dump_jobs import DumpJobs
-from mikas.dashboard.session.fault_reader import FaultReader
 from mikas.dashboard.session.freeze_frames import FreezeFrameStore
 from mikas.dashboard.session.guided_tests import GuidedTests
 from mikas.dashboard.session.history import FaultHistory, History
@@ -52,6 +51,7 @@ from mikas.sampling.events import (
     StateChanged,
     UnitFound,
 )
+from mikas.sampling.session import SamplingSession
 
 
 class Dashboard:
@@ -76,7 +76,8 @@ class Dashboard:
         self.control = ControlLease(clock, changed=self.write_lock.close)
         self.confirmations = ConfirmationStore(clock)
         self.history = History()
-        self.monitor = ConnectionMonitor(self.history)
+        self.session = SamplingSession(on_faults=self._add_faults)
+        self.monitor = ConnectionMonitor(self.history, self.session)
         self.fault_history = FaultHistory(self._on_faults)
         self.connection = Connection(
             settings,
@@ -96,17 +97,15 @@ class Dashboard:
             self.connection.now,
             virtual_units=settings.virtual_units,
         )
-        self._fault_reader = FaultReader(
-            self.connection, self.monitor, self.fault_history, lambda: self.catalog
-        )
         self.recorder = SessionRecorder(
             self.connection,
             self.monitor,
-            self._fault_reader,
+            self.fault_history,
             folder,
             options.interpretation,
             cars=self.cars,
         )
+        self.session.recorder = self.recorder
         self.guided = GuidedTests(
             settings,
             self.connection,
@@ -129,7 +128,6 @@ class Dashboard:
         """The diagnosis that has the port."""
         self.info: Info | None = None
         self.supported: list[Support] | None = None
-        self._unit: UnitIdentity | None = None  # the latest, on this connection or before
 
     @asynccontextmanager
     async def running(self) -> AsyncIterator[None]:
@@ -204,8 +202,9 @@ class Dashboard:
             confirm=self._approval.confirm,
             on_event=self._on_event,
             on_end=self._on_end,
-            before=self._unit,  # another unit may answer now
+            before=self.session.unit,  # another unit may answer now
         )
+        self.session.begin(thread.acquisition)
         self.monitor.begin(request.every, thread.now())
         return thread
 
@@ -219,27 +218,33 @@ class Dashboard:
         """Pass on an event; in the sampling thread."""
         if thread is not self.connection.thread:
             return
+        for it in self.session.take(event):
+            self._follow(it, thread)
+
+    def _follow(self, event: Event, thread: SamplingThread) -> None:
         if isinstance(event, AdapterMoved):
             self.connection.moved(event.port)
-        self.recorder.take(event, thread)
         self._measure(thread)
         self.monitor.take(event)
         if isinstance(event, Sampled | UnitFound):
             self.guided.take(event)
-        if isinstance(event, UnitFound) and event.another:
-            self._clear_unit()
-            self.fault_history.clear()
         if isinstance(event, UnitFound):
-            self._unit = event.identity
+            if event.another:
+                self._clear_unit()
+                self.fault_history.clear()
             self.freeze_frames.begin_unit(event)
         self.freeze_frames.follow(event.time)
-        self._fault_reader.follow(event, thread)
         if isinstance(event, StateChanged):
             self.connection.state_known()
 
+    def _add_faults(self, reading: FaultReading) -> None:
+        """Add a reading of the session's; in the sampling thread."""
+        faults = [self.catalog.fault(code) for code in reading.codes]
+        self.fault_history.add(faults, reading.time, routine=reading.routine)
+
     def _on_faults(self, reading: FaultReading, before: FaultReading | None) -> None:
         """Pass on a reading of the stored faults; in the sampling thread."""
-        self._fault_reader.know(reading)
+        self.session.know_faults(reading)
         self.recorder.recorder.take(reading)
         self.freeze_frames.take(reading, before)
         if before is not None and set(reading.codes) != set(before.codes):
@@ -263,6 +268,6 @@ class Dashboard:
     def _measure(self, thread: SamplingThread) -> None:
         now, ecu = thread.now(), thread.ecu
         with self.monitor.lock:
-            self.monitor.meters.wire(now, self.recorder.recorder.wire_bytes)
+            self.monitor.meters.wire(now, self.session.wire_bytes)
             if ecu is not None:
                 self.monitor.count_failures(tuple(ecu.tester.statistics.failures.copy()), now)

@@ -193,6 +193,15 @@ class Sink(Protocol):
         """Record `data`; `time` is the link's clock and never runs back."""
 
 
+class WireCount:
+    """The bytes on the wire of links that follow each other; an echo is not counted twice."""
+
+    def __init__(self) -> None:
+        self.bytes = 0
+        self.echoes = True
+        """Whether the line echoes what is sent; to be set once that is known."""
+
+
 class CaptureTee(LinkWrapper):
     """`link`, with every byte also recorded by `sink`, in the order of the tester's calls.
 
@@ -202,11 +211,13 @@ class CaptureTee(LinkWrapper):
     - A failing sink does not end the session: `failure` keeps the exception for the sink's owner,
       and recording stops.
     - Closing the tee closes the link, not the sink.
+    - `wire` counts the bytes, also after a failure of the sink.
     """
 
-    def __init__(self, link: Link, sink: Sink) -> None:
+    def __init__(self, link: Link, sink: Sink, wire: WireCount | None = None) -> None:
         super().__init__(link)
         self.failure: Exception | None = None
+        self._wire = wire or WireCount()
         self._sink = sink
 
     def write(self, data: bytes) -> None:
@@ -221,6 +232,9 @@ class CaptureTee(LinkWrapper):
         return chunk
 
     def _record(self, direction: Direction, data: bytes, time: float) -> None:
+        wire = self._wire
+        if direction is Direction.RECEIVED or not wire.echoes:
+            wire.bytes += len(data)
         if self.failure is not None:
             return
         try:

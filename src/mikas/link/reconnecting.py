@@ -15,7 +15,7 @@ from collections.abc import Callable
 
 from mikas.errors import AnotherAdapter, PortNotFound
 from mikas.i18n import Text
-from mikas.link.base import CaptureTee, Chunk, Link, LinkWrapper, Sink, WallClock
+from mikas.link.base import CaptureTee, Chunk, Link, LinkWrapper, Sink, WallClock, WireCount
 from mikas.link.identity import KnownAdapter, identity_of, is_same
 from mikas.link.ports import Port, find_ports, listed, named
 from mikas.link.urls import open_link, parse, with_name
@@ -42,6 +42,8 @@ class ReconnectingPort:
         self._sink = sink
         self._link: Link | None = None
         self._ahead = 0.0  # the latest link's clock minus `_clock`
+        self.wire = WireCount()
+        """The bytes on the line, where a sink records them."""
         self.adapter: KnownAdapter | None = None
         """The adapter that is opened; None: the first one at `url`, or known by its name only."""
 
@@ -55,7 +57,7 @@ class ReconnectingPort:
             link = _AheadLink(link, lag)
         self._link = link
         self._ahead = link.now() - self._clock()
-        return link if self._sink is None else CaptureTee(link, self._sink)
+        return link if self._sink is None else CaptureTee(link, self._sink, self.wire)
 
     def _open_url(self) -> Link:
         return self._open_port(self.url)

@@ -24,6 +24,7 @@ from mikas.sampling.events import (
     CycleFailed,
     Event,
     FaultReading,
+    Gap,
     MethodChosen,
     ParameterDropped,
     ParameterReturned,
@@ -31,7 +32,6 @@ from mikas.sampling.events import (
     StateChanged,
     UnitFound,
 )
-from mikas.sampling.gaps import GapTracker
 
 _NO_ALARM: Final = "none"
 _STARTING = Text("looking for the unit", "поиск блока")
@@ -72,7 +72,7 @@ class Publication:
         self._options = options
         self._latest = LatestValues(names)
         self._batch = SampleBatch(topics.samples, names, max(1, options.qos))
-        self._gaps = GapTracker()
+        self._gaps: list[Gap] = []  # those that the next event begins or ends
         self._due: float | None = None  # of the next values
         self._reason: Text | None = None  # of the latest failed cycle
         self._answers = False  # whether values come
@@ -96,7 +96,10 @@ class Publication:
         return [*self._batch.messages(), self._state_message(time, stopped)]
 
     def take(self, event: Event) -> list[Message]:
-        """Return the messages of `event`."""
+        """Return the messages of `event`; a gap's follow with those of the event after it."""
+        if isinstance(event, Gap):
+            self._gaps.append(event)
+            return []
         return [*self._of(event), *self._happened(event), *self._values(event)]
 
     # State, unit, faults, alarms
@@ -210,7 +213,8 @@ class Publication:
     # What happened
 
     def _happened(self, event: Event) -> Iterator[Message]:
-        happened: list[Event] = [*self._gaps.take(event)]
+        happened: list[Event] = [*self._gaps]
+        self._gaps.clear()
         match event:
             case FaultReading(codes=codes):
                 if codes != self._told:

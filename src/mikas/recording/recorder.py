@@ -82,8 +82,6 @@ class Recorder:
         on_file: Callable[[Path], None] | None = None,
         car: Callable[[UnitFound], Note | None] | None = None,
     ) -> None:
-        self.wire_bytes = 0
-        """Bytes on the wire since this recorder was made; an echo is not counted twice."""
         self.on_file = on_file
         self._joined = joined
         self._annotator = SessionAnnotator(interpretation, car)
@@ -157,7 +155,7 @@ class Recorder:
     def interrupt(self, time: float, reason: Text) -> None:
         """Begin a gap: the connection is left for a while, for `reason`."""
         with self._lock:
-            self._write(self._annotator.interrupt(time, reason))
+            self._annotator.interrupt(time, reason)
 
     @property
     def status(self) -> RecordingStatus | None:
@@ -184,8 +182,6 @@ class Recorder:
         """Take bytes that passed on the wire; of `mikas.link.base.Sink`."""
         with self._lock:
             self._advance(time)
-            if direction is Direction.RECEIVED or not self._annotator.echoes:
-                self.wire_bytes += len(data)
             if (running := self._running) is not None:
                 try:  # not `_failing`: this is called for each piece of bytes
                     running.sink.record(direction, data, time)
@@ -200,7 +196,7 @@ class Recorder:
             self._write([note])
 
     def take(self, event: Event) -> None:
-        """Take an event of the sampler."""
+        """Take an event of the session."""
         with self._lock:
             if self._time is None or event.time > self._time:  # a sample began before it was read
                 self._advance(event.time)

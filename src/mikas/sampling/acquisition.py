@@ -27,7 +27,6 @@ from mikas.sampling.events import (
     Sampled,
     UnitFound,
 )
-from mikas.sampling.gaps import EventLogger
 from mikas.sampling.sampler import Sampler
 
 
@@ -78,10 +77,8 @@ class Acquisition(Sampler):
     def run(self) -> Generator[Event, None, None]:
         """Yield events as `Sampler.run`, each sample with its derived channels and its alarms."""
         self._pending_alarms.clear()
-        log = EventLogger()
         with closing(super().run()) as events:  # Ctrl-C while it ends is not lost
             for event in events:
-                log.take(event)
                 if isinstance(event, Sampled):
                     yield from self._with_alarms(event)
                 else:

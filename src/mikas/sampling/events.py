@@ -1,7 +1,7 @@
 """Events: of sampling, of a recording's notes, of live data and exports.
 
-    sampling ──► events ──► SessionAnnotator ──► notes in the file ──► the same events
-                    └──► GapTracker, the dashboard's ConnectionMonitor, the lines of `watch`
+    SamplingSession ──► events ──► SessionAnnotator ──► notes in the file ──► the same events
+                           └──► the dashboard's ConnectionMonitor, MQTT, the lines of `watch`
 
 One JSON form (`Event.as_json`): `kind`, `time` and the class's fields by name; texts in both
 languages. A field that a file lacks is None.
@@ -113,12 +113,16 @@ class CycleFailed(Event):
 
 @dataclass(frozen=True, slots=True)
 class Gap(Event):
-    """No values from `began` to `ended`; None: the gap continues, or the recording ended in it."""
+    """No values from `began` to `ended`; None: the gap continues, or the recording ended in it.
+
+    `error`: the one that `reason` is of; a recording does not keep it.
+    """
 
     kind = "gap"
     began: float
     ended: float | None
     reason: Text | None = None
+    error: MikasError | None = field(default=None, compare=False, metadata=_NOT_IN_JSON)
 
 
 # The line and the unit

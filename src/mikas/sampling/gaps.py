@@ -1,4 +1,4 @@
-"""Gaps in the values, with length and reason: one rule for recordings, live data, commands, logs.
+"""Gaps in the values, with length and reason; `SamplingSession` follows them for all consumers.
 
 A gap begins with a failed cycle, or when the line of a running session breaks, and lasts from the
 last values before to the first after. Its reason is that of the latest broken state, as first
@@ -11,33 +11,20 @@ than the usual time without values.
 
 from __future__ import annotations
 
-import logging
 from collections import deque
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from operator import attrgetter
-from typing import Final
+from typing import Final, TypeAlias
 
 from mikas.errors import MikasError
 from mikas.i18n import Text
-from mikas.sampling.events import (
-    AdapterMoved,
-    CycleFailed,
-    Event,
-    Gap,
-    LineState,
-    MethodChosen,
-    ParameterDropped,
-    ParameterReturned,
-    Sampled,
-    StateChanged,
-    UnitFound,
-)
+from mikas.sampling.events import CycleFailed, Event, Gap, LineState, Sampled, StateChanged
 
 _SHORTEST: Final = 1.0  # s without values: never a silence, however fast they come
 _STEPS: Final = 3  # usual steps without values: no silence
 _TOO_OLD: Final = 2  # times the longest usual time without values: the values are invalid
 _USUAL: Final = 20  # latest steps; the longest of them is the usual one
+
+_Reason: TypeAlias = tuple[Text, MikasError | None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,21 +68,19 @@ class Arrivals:
 class GapTracker:
     """Follows the events of one session, or of several in a row.
 
-    Each method returns the gaps that begin (`ended` None) or end. `reason_of`: returns an error's
-    text for a gap's reason.
+    Each method returns the gaps that begin (`ended` None) or end.
     """
 
-    def __init__(self, reason_of: Callable[[MikasError], Text] = attrgetter("reason")) -> None:
+    def __init__(self) -> None:
         self.open: Gap | None = None
         """The present gap."""
-        self._reason_of = reason_of
         self._arrivals = Arrivals()
         self._sampling = False
         self._state: LineState | str | None = (
             None  # of the open gap's reason; None: a failed cycle's
         )
         self._last: float | None = None  # the latest values, or the end of a later gap
-        self._pause: Text | None = None  # reason of the requested pause
+        self._pause: _Reason | None = None  # of the requested pause
         self._disconnected = False
 
     def take(self, event: Event) -> list[Gap]:
@@ -103,21 +88,46 @@ class GapTracker:
         match event:
             case Sampled():
                 return self._sampled(event.time)
-            case CycleFailed():
-                return self.begin(event.time, self._reason_of(event.error))
+            case CycleFailed(error=error):
+                return self._begin(event.time, error.reason, error)
             case StateChanged(error=error):
                 was_sampling, self._sampling = self._sampling, event.state is LineState.SAMPLING
                 if event.is_broken and (was_sampling or self.open):
-                    reason = self._reason_of(error) if error else event.text
-                    began = self.begin(event.time, reason)
+                    reason = event.reason or event.text
+                    began = self._begin(event.time, reason, error)
                     assert self.open is not None
                     if event.state is not self._state:
-                        self.open = replace(self.open, reason=reason)
+                        self.open = replace(self.open, reason=reason, error=error)
                         self._state = event.state
                     return began
         return []
 
-    def begin(self, time: float, reason: Text) -> list[Gap]:
+    def pause(self, reason: Text, error: MikasError | None = None) -> None:
+        """Begin a requested pause; the first of several reasons counts."""
+        if self._pause is None:
+            self._pause = reason, error
+
+    def disconnect(self, time: float, reason: Text, error: MikasError | None = None) -> list[Gap]:
+        """End a connection and its gap; a pause lasts until the next connection's values."""
+        gaps = []
+        self._sampling = False
+        self._arrivals.interrupt()
+        if self.open is not None:
+            gaps = self._end(time)
+            self._last = time
+        if not self._disconnected:
+            self._pause, self._disconnected = (reason, error), True
+        return gaps
+
+    def silence(self, now: float) -> Gap | None:
+        """Return the present gap if the last values are too old at `now` while connected."""
+        if self._last is None or self._disconnected:
+            return None
+        if now - self._last < _TOO_OLD * self._arrivals.longest_usual:
+            return None
+        return self.open or Gap(now, self._last, None, *(self._pause or (None, None)))
+
+    def _begin(self, time: float, reason: Text, error: MikasError | None) -> list[Gap]:
         """Begin a gap by `reason`, unless one is open."""
         if self.open is not None:
             return []
@@ -127,42 +137,8 @@ class GapTracker:
         self._pause, self._disconnected = None, False
         self._arrivals.interrupt()
         began = time if self._last is None else min(time, self._last)
-        self.open, self._state = Gap(began, began, None, reason), None
+        self.open, self._state = Gap(began, began, None, reason, error), None
         return [*gaps, self.open]
-
-    def pause(self, reason: Text) -> None:
-        """Begin a requested pause; the first of several reasons counts."""
-        if self._pause is None:
-            self._pause = reason
-
-    def disconnect(self, time: float, reason: Text) -> list[Gap]:
-        """End a connection and its gap; a pause lasts until the next connection's values."""
-        gaps = []
-        self._sampling = False
-        self._arrivals.interrupt()
-        if self.open is not None:
-            gaps = self._end(time)
-            self._last = time
-        if not self._disconnected:
-            self._pause, self._disconnected = reason, True
-        return gaps
-
-    def restart(self, time: float) -> None:
-        """Begin a new recording at `time`; a gap continues, earlier values do not count."""
-        self._last = None
-        if self.open is not None:
-            self.open = replace(self.open, time=time, began=time)
-
-    def silent(self, now: float) -> bool:
-        """Return whether the last values are too old at `now` while connected."""
-        if self._last is None or self._disconnected:
-            return False
-        return now - self._last >= _TOO_OLD * self._arrivals.longest_usual
-
-    @property
-    def reason(self) -> Text | None:
-        """The reason of the present gap or pause, if known."""
-        return self.open.reason if self.open is not None else self._pause
 
     def _sampled(self, time: float) -> list[Gap]:
         gaps = self._end(time) if self.open is not None else self._paused(time)
@@ -179,58 +155,10 @@ class GapTracker:
         usual = 0.0 if self._disconnected else self._arrivals.longest_usual
         if time - self._last <= usual:
             return []
-        return [Gap(time, self._last, time, self._pause)]
+        return [Gap(time, self._last, time, *self._pause)]
 
     def _end(self, time: float) -> list[Gap]:
         assert self.open is not None
         ended = max(self.open.began, time)
         gap, self.open = replace(self.open, time=ended, ended=ended), None
         return [gap]
-
-
-_logger = logging.getLogger("mikas.sampling")
-_logger.addHandler(logging.NullHandler())
-
-
-class EventLogger:
-    """Logs one run of a sampler at INFO: states, units, methods, refused parameters, gaps.
-
-    Values and single failed cycles are not logged; `mikas.tester` logs the frames at DEBUG. With
-    the logger off, an event costs one comparison.
-    """
-
-    def __init__(self) -> None:
-        self._gaps = GapTracker()
-
-    def take(self, event: Event) -> None:
-        """Log `event`, and the gap that it begins or ends."""
-        if not _logger.isEnabledFor(logging.INFO):
-            return
-        for gap in self._gaps.take(event):
-            reason = gap.reason.en if gap.reason else "unknown"
-            if gap.ended is None:
-                _logger.info("gap began: %s", reason)
-            else:
-                _logger.info("gap ended after %.1f s: %s", gap.ended - gap.began, reason)
-        if not isinstance(event, Sampled):
-            self._log(event)
-
-    def _log(self, event: Event) -> None:
-        match event:
-            case StateChanged(text=text, reason=reason):
-                _logger.info("state: %s%s", text.en, f" ({reason.en})" if reason else "")
-            case AdapterMoved(text=text):
-                _logger.info("%s", text.en)
-            case UnitFound(version_code=code, passport=passport, another=another):
-                pieces = ", ".join(filter(None, passport.pieces)) if passport else ""
-                new = "another unit" if another else "unit"
-                _logger.info("%s: version %02X, passport: %s", new, code or 0, pieces or "none")
-            case MethodChosen(method=method, rates=rates):
-                measured = ", ".join(f"{name} {rate:.1f}/s" for name, rate in rates.items())
-                _logger.info("method: %s%s", method, f" (measured: {measured})" if measured else "")
-            case ParameterDropped(name=name):
-                _logger.info("no valid answer for %s: dropped", name)
-            case ParameterReturned(name=name):
-                _logger.info("%s is answered again", name)
-            case _:
-                pass

@@ -29,6 +29,7 @@ from mikas.errors import (
     UsageError,
 )
 from mikas.link import Link
+from mikas.link.base import WireCount
 from mikas.link.reconnecting import ReconnectingPort
 from mikas.sampling.events import Event, LineState, MethodChosen
 from mikas.sampling.jobs import JobQueue
@@ -78,6 +79,7 @@ class Sampler:
         request = self._request(names, method, rate)
         self._context = SamplingContext(request, self._jobs, strict=strict)
         self._make_ecu = make_ecu
+        self._port = port
         self._supervisor = ConnectionSupervisor(port, self._create_ecu, self._context, before)
         self._unsupported = UnsupportedParameters(self._context)
 
@@ -110,6 +112,11 @@ class Sampler:
     def plan(self) -> Plan | None:
         """The present plan, inputs of derived channels included; None before the first."""
         return self._context.plan
+
+    @property
+    def wire(self) -> WireCount:
+        """The bytes on the line so far."""
+        return self._port.wire
 
     @property
     def unended(self) -> LineNotQuiet | None:

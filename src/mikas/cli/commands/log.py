@@ -118,7 +118,7 @@ def _record(context: CommandContext, current: SamplingRun, rotate: Portion | Non
     output = context.output
     progress = StatusLine(output, lambda: _progress(current))
     rotation = _FileRotation(current, rotate)
-    current.wants_faults = current.is_recording
+    current.session.wants_faults = current.is_recording
     try:
         show = partial(_show_typed, progress) if progress.live else None
         notices = Notices(current, progress.note, verbose=output.verbose)
@@ -199,10 +199,10 @@ class _FileRotation:
     def _next_file(self, ecu: Ecu) -> None:
         from mikas.recording.recorder import ask_in_full
 
-        self._current.read_faults(ecu, routine=False)
+        self._current.session.read_between(ecu, routine=False)
         ask_in_full(ecu)
         self._current.recorder.next_file()
-        self._current.read_faults(ecu, routine=False)
+        self._current.session.read_between(ecu, routine=False)
 
 
 def _progress(current: SamplingRun) -> str:

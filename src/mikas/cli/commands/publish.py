@@ -165,12 +165,15 @@ def _publish(
     from mikas.cli.render.publishing import PublishingReport
     from mikas.cli.sampling_run import sampling_session
     from mikas.publish.session import Publisher
-    from mikas.sampling.fault_watch import FaultWatch
+    from mikas.sampling.fault_watch import IN_STREAMS
 
     with sampling_session(
-        context, sampling, ahead, context.capture, joined=False, patient=options.wait
+        *(context, sampling, ahead, context.capture),
+        joined=False,
+        patient=options.wait,
+        in_streams=IN_STREAMS,
     ) as run:
-        run.wants_faults, run.faults = lambda: True, FaultWatch()
+        run.session.wants_faults = lambda: True
         topics = destination.topics
         report = PublishingReport(context.output, run, destination.broker.url, topics.base)
         publisher = Publisher(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Iterable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from contextlib import closing
 from math import inf
 from pathlib import Path
@@ -35,7 +35,6 @@ from mikas.sampling.events import (
     StateChanged,
     UnitFound,
 )
-from mikas.sampling.gaps import GapTracker
 
 if TYPE_CHECKING:
     from mikas.cli.sampling_run import SamplingRun
@@ -54,7 +53,7 @@ class Notices:
         self._session = session
         self._show = show
         self._verbose = verbose
-        self._gaps = GapTracker()
+        self._gap_began = -inf  # of the present gap
         self._well_since = -inf  # when the line last worked
         self._shown_state: str | None = None  # the state last shown; SAMPLING: cycles fail
         self._plan: Plan | None = None
@@ -82,10 +81,9 @@ class Notices:
             self._show(f"{localized(self._session.recording_over.reason)}.")
 
     def _of(self, event: Event) -> Iterator[str]:
-        gaps = self._gaps.take(event)
         match event:
-            case Sampled():
-                yield from self._returned(gaps)
+            case Sampled() | Gap():
+                yield from self._values_or_gap(event)
             case CycleFailed():
                 yield from self._failed(event)
             case StateChanged():
@@ -132,12 +130,15 @@ class Notices:
                 now = numbers or tr("none", "нет")
                 yield tr(f"Stored faults now: {now}.", f"Ошибки в памяти теперь: {now}.")
 
-    def _returned(self, gaps: Iterable[Gap]) -> Iterator[str]:
-        for gap in gaps:
-            if gap.ended is not None and self._shown_state is not None:
-                seconds = f"{gap.ended - gap.began:.0f}"
-                yield tr(f"Back after {seconds} s.", f"Связь вернулась через {seconds} с.")
-        self._shown_state = None
+    def _values_or_gap(self, event: Sampled | Gap) -> Iterator[str]:
+        """Yield that values are back, if it was shown that they were away."""
+        if isinstance(event, Sampled):
+            self._shown_state = None
+        elif event.ended is None:
+            self._gap_began = event.began
+        elif self._shown_state is not None:
+            seconds = f"{event.ended - event.began:.0f}"
+            yield tr(f"Back after {seconds} s.", f"Связь вернулась через {seconds} с.")
 
     def _failed(self, event: CycleFailed) -> Iterator[str]:
         """Yield why cycles fail, once they have failed for `_LASTING`."""
@@ -146,8 +147,7 @@ class Notices:
             or self._shown_state is LineState.SAMPLING
         ):
             return  # the line's state says it, or it was said
-        assert self._gaps.open is not None
-        since = max(self._gaps.open.began, self._well_since)
+        since = max(self._gap_began, self._well_since)
         if isinstance(event.error, EngineStopped) or event.time - since >= _LASTING:
             self._shown_state = LineState.SAMPLING
             yield _with_advice(event.error)

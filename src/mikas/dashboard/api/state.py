@@ -180,7 +180,7 @@ def shared_state(dashboard: Dashboard) -> State:
             bus_load=round(monitor.meters.load(thread.baud if thread else 9600), 3),
             errors_minute=monitor.meters.errors_minute(now),
             errors=monitor.meters.errors,
-            samples=monitor.meters.samples,
+            samples=monitor.session.samples,
             plan=PlanInfo(
                 wanted=[
                     SampledChannel(name=name, every=every, cycles=cycles.get(name, every))

@@ -213,7 +213,7 @@ _USED_BY: dict[str, tuple[int, ...]] = {
 def _used(dashboard: Dashboard) -> frozenset[int]:
     """Return the first codes of the commands that values were read with."""
     methods = {name for name, rate in dashboard.monitor.rates.items() if rate > 0}
-    if dashboard.monitor.meters.samples and dashboard.monitor.method:
+    if dashboard.session.samples and dashboard.monitor.method:
         methods.add(dashboard.monitor.method)
     return frozenset(code for name in methods for code in _USED_BY.get(name, ()))
 

@@ -10,7 +10,7 @@ from typing import Any, Final, Self
 from mikas.dashboard.errors import ADVICE, api_hex
 from mikas.errors import MikasError
 from mikas.i18n import Text
-from mikas.sampling.events import Event, Marker, MethodChosen, StateChanged
+from mikas.sampling.events import Event, Gap, Marker, MethodChosen, StateChanged
 from mikas.tester import Failure
 
 _MAX_EVENTS: Final = 5000  # of errors, and of all others
@@ -73,13 +73,18 @@ class EventLog:
         return [event for _, event in merge(self._errors, self._others, key=lambda it: it[0])]
 
 
+def reason_of(event: StateChanged | Gap) -> Text | None:
+    """Return the reason with advice, if it is an error's."""
+    return ADVICE.text(event.error) if event.error else event.reason
+
+
 def page_json(event: Event) -> dict[str, Any]:
-    """Return `event` for the page: a state with its error's class and advice, rounded rates."""
+    """Return `event` for the page: with advice, a state's class of error, and rounded rates."""
     shown = event.as_json()
+    if isinstance(event, StateChanged | Gap) and (reason := reason_of(event)):
+        shown["reason"] = reason._asdict()
     if isinstance(event, StateChanged):
         shown["code"] = type(event.error).__name__ if event.error else None
-        if event.error:
-            shown["reason"] = ADVICE.text(event.error)._asdict()
     elif isinstance(event, MethodChosen):
         shown["rates"] = {name: round(rate, 2) for name, rate in event.rates.items()}
     elif isinstance(event, Marker) and event.removed:

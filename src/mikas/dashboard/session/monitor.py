@@ -16,7 +16,7 @@ from typing import Final
 from mikas.catalog import Level
 from mikas.client import Reading
 from mikas.dashboard.errors import ADVICE
-from mikas.dashboard.session.event_log import EventLog, ExchangeFailed
+from mikas.dashboard.session.event_log import EventLog, ExchangeFailed, reason_of
 from mikas.dashboard.session.history import History
 from mikas.errors import EcuRefused, LineError, MikasError, NoConnection
 from mikas.i18n import Text
@@ -25,6 +25,7 @@ from mikas.sampling.events import (
     AlarmChanged,
     CycleFailed,
     Event,
+    Gap,
     LineState,
     MethodChosen,
     ParameterDropped,
@@ -34,7 +35,7 @@ from mikas.sampling.events import (
     StateChanged,
     UnitFound,
 )
-from mikas.sampling.gaps import GapTracker
+from mikas.sampling.session import SamplingSession
 from mikas.tester import Failure
 
 DISCONNECTED: Final = Text(
@@ -77,15 +78,13 @@ class Meters:
     """Rates of the line by the link's clock; the caller holds the monitor's lock."""
 
     def __init__(self) -> None:
-        self.samples = 0
         self.errors = 0
         self._times: deque[float] = deque()
         self._wire: deque[tuple[float, int]] = deque()
         self._errors: deque[float] = deque(maxlen=10_000)
 
     def sample(self, time: float) -> None:
-        """Count one sample."""
-        self.samples += 1
+        """Take the time of one sample."""
         self._times.append(time)
         while self._times[0] < time - _RATE_SPAN:
             self._times.popleft()
@@ -131,15 +130,15 @@ class Meters:
 class ConnectionMonitor:
     """Follows one connection after the other. `lock` guards all of it, the meters too."""
 
-    def __init__(self, history: History) -> None:
+    def __init__(self, history: History, session: SamplingSession) -> None:
         self.lock = threading.RLock()
         self.history = history
+        self.session = session
         self.listened = False
         self._waiting: Callable[[], object] | None = None
         self._log = EventLog()
         self._batch = Batch()
         self._names: tuple[str, ...] = ()
-        self._gaps = GapTracker(ADVICE.text)
         self.begin((), 0.0)
 
     def begin(self, names: Iterable[str], time: float) -> None:
@@ -188,9 +187,9 @@ class ConnectionMonitor:
 
     def silent(self, now: float) -> Text | None:
         """Return why expected values are missing for some seconds; None: they are not."""
-        if self.line is not LineState.SAMPLING or not self._gaps.silent(now):
+        if self.line is not LineState.SAMPLING or (gap := self.session.silence(now)) is None:
             return None
-        return self._gaps.reason or SILENT
+        return reason_of(gap) or SILENT
 
     def wait(self, wake: Callable[[], object]) -> bool:
         """Return whether nothing is gathered; if so, `wake` is called once when that changes."""
@@ -228,10 +227,8 @@ class ConnectionMonitor:
                 self.wake()
 
     def take(self, event: Event) -> None:
-        """Take an event of the sampler."""
+        """Take an event of the session."""
         with self.lock:
-            for gap in self._gaps.take(event):
-                self.log(gap)
             match event:
                 case Sampled():
                     self._sampled(event)
@@ -247,7 +244,7 @@ class ConnectionMonitor:
                     self.method = event.method
                     self.rates = {name: round(rate, 2) for name, rate in event.rates.items()}
                     self.log(event)
-                case AdapterMoved():
+                case AdapterMoved() | Gap():
                     self.log(event)
                 case ParameterDropped() | ParameterReturned():
                     self._dropped(event)
@@ -257,20 +254,21 @@ class ConnectionMonitor:
                     if event.catalog == self._awaited[0]:
                         self._awaited = _NOTHING
                     self.method = event.plan.method
-                    self._gaps.pause(OTHER_PLAN)
+                    self.session.pause(OTHER_PLAN)
 
     def busy(self) -> None:
         """Note that another request has the line now."""
-        with self.lock:
-            self._gaps.pause(OTHER_REQUEST)
+        self.session.pause(OTHER_REQUEST)
 
     def end(self, time: float, error: MikasError | None, why: Text = DISCONNECTED) -> None:
         """End the connection: by itself, because of `error`, or for the reason `why`."""
+        # Not under the lock: the recorder gets these gaps, and logs its files here.
+        gaps = self.session.leave(time, error.reason if error else why, error)
         with self.lock:
             self.line, self.since = None, time
             self._set_reason(error)
             self.alarms.clear()
-            for gap in self._gaps.disconnect(time, ADVICE.text(error) if error else why):
+            for gap in gaps:
                 self.log(gap)
 
     def count_failures(self, failures: Sequence[Failure], now: float) -> None:

@@ -6,9 +6,11 @@ two cycles, where a running stream is requested again, so that the file alone ca
 
 from __future__ import annotations
 
+import asyncio
 from collections import OrderedDict
 from dataclasses import replace
 from pathlib import Path
+from typing import Final
 
 from mikas.client import Ecu
 from mikas.client.cars import CarBook, CarDetails
@@ -16,7 +18,7 @@ from mikas.dashboard.errors import ADVICE, Busy, NotConnected, NotFound
 from mikas.dashboard.library.folder import RecordingFolder
 from mikas.dashboard.session.connection import Connection
 from mikas.dashboard.session.event_log import RecordingChanged
-from mikas.dashboard.session.fault_reader import FaultReader
+from mikas.dashboard.session.history import FaultHistory
 from mikas.dashboard.session.monitor import ConnectionMonitor
 from mikas.dashboard.session.port_threads import SamplingThread
 from mikas.dashboard.settings import ensure_folder
@@ -27,9 +29,10 @@ from mikas.recording.annotations.events import faults_note, note_of
 from mikas.recording.capture.notes import Note
 from mikas.recording.capture.writer import append_note
 from mikas.recording.recorder import Recorder, RecordingStatus, ask_in_full
-from mikas.sampling.events import Event, Marker, UnitFound
+from mikas.sampling.events import Event, LineState, Marker, UnitFound
 
 _MOST_MARKED = 1000
+_LAST: Final = 1.0  # s that the end of a recording waits for its last reading of the faults
 _MARKER = Text("the marker", "отметка")
 _NONE = Text("nothing is being recorded", "запись не идёт")
 
@@ -41,14 +44,14 @@ class SessionRecorder:
         self,
         connection: Connection,
         monitor: ConnectionMonitor,
-        fault_reader: FaultReader,
+        faults: FaultHistory,
         folder: RecordingFolder,
         interpretation: str,
         *,
         cars: CarBook,
     ) -> None:
         self._connection, self._monitor = connection, monitor
-        self._fault_reader, self._folder = fault_reader, folder
+        self._faults, self._folder = faults, folder
         self._reported: MikasError | None = None
         self._name: str | None = None
         self.last: RecordingStatus | None = None
@@ -89,10 +92,11 @@ class SessionRecorder:
             self._start(path, thread)
         self._name, self._continues = name, False
 
-    def take(self, event: Event, thread: SamplingThread) -> None:
+    def take(self, event: Event) -> None:
         """Record an event; in the sampling thread."""
         self.recorder.take(event)
-        if isinstance(event, UnitFound) and self._continues:
+        thread = self._connection.thread
+        if isinstance(event, UnitFound) and self._continues and thread is not None:
             self._continues = False
             path = self._folder.new_path(self._name)
             try:
@@ -107,9 +111,19 @@ class SessionRecorder:
         self._continues = continues
 
     async def read_last(self) -> None:
-        """Read the stored faults into a recording that is about to end; a second at most."""
-        if self.file_name is not None:
-            await self._fault_reader.read_last()
+        """Read the stored faults into a recording that is about to end, or give up in a second.
+
+        Never raises.
+        """
+        session = self._monitor.session
+        if self.file_name is None or self._connection.thread is None or session.faults_refused:
+            return
+        if self._monitor.line is LineState.SAMPLING:
+            future = session.read_faults(routine=False)
+            waiting = asyncio.wrap_future(future)
+            waiting.add_done_callback(lambda it: it.cancelled() or it.exception())
+            await asyncio.wait({waiting}, timeout=_LAST)
+            future.cancel()
 
     def stop(self) -> RecordingStatus | None:
         """End the recording, if there is one; returns its final status."""
@@ -190,11 +204,11 @@ class SessionRecorder:
         unit = self._monitor.unit
         if unit is not None and (car := self._car_note(unit)) is not None:
             self.recorder.describe(replace(car, time=thread.now()))  # not the last file's mileage
-        readings = self._fault_reader.history.readings
-        if readings:  # from before this file
+        if readings := self._faults.readings:  # from before this file
             self.recorder.note(faults_note(thread.now(), readings))
         self._log_start(path)
-        self._fault_reader.read_first(thread)
+        if not self._monitor.session.faults_refused:
+            self._monitor.session.read_faults(routine=False)
 
     def _log_start(self, path: Path) -> None:
         self._monitor.log(RecordingChanged(self._connection.now(), path.name, on=True))

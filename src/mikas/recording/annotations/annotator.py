@@ -4,13 +4,15 @@
                    └── head()                      the first four repeated, for a new file
 
 A gap is one note, however many cycles failed in it (`sampling/gaps.py`), written when the gap ends.
-A recording that ends first gets the note with an open end.
+A recording that ends first gets the note with an open end; in one that begins in a gap, the gap
+begins with the recording.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from math import inf
 
 from mikas.i18n import Text
 from mikas.recording.annotations.events import catalog_note, note_of
@@ -25,7 +27,6 @@ from mikas.sampling.events import (
     StateChanged,
     UnitFound,
 )
-from mikas.sampling.gaps import GapTracker
 
 
 class SessionAnnotator:
@@ -45,16 +46,16 @@ class SessionAnnotator:
         self._plan: Note | None = None
         self._state: Note | None = None
         self._faults: tuple[int, ...] | None = None  # as noted last in this recording
-        self._gaps = GapTracker()
-        self.echoes = True
-        """Whether the unit's line echoes; assumed until a unit was found."""
+        self._began = -inf  # of this recording
+        self._values: float | None = None  # the latest in it
+        self._gap: Gap | None = None  # the present one
         self.samples = 0
         self.gaps = 0
 
     def head(self, time: float) -> Iterator[Note]:
         """Yield the first notes of a new recording, as of `time`; restart counting."""
-        self._gaps.restart(time)
-        self.samples, self.gaps = 0, int(self._gaps.open is not None)
+        self._began, self._values = time, None
+        self.samples, self.gaps = 0, int(self._gap is not None)
         self._faults = None
         for note in (*self._unit, self._car, self._plan, self._state):
             if note is not None:
@@ -67,17 +68,19 @@ class SessionAnnotator:
 
     def end(self, ended: float | None = None) -> Iterator[Note]:
         """Yield the note of the gap in which a recording ends."""
-        if (gap := self._gaps.open) is not None:
-            yield note_of(replace(gap, ended=ended))
+        if self._gap is not None:
+            yield self._noted(replace(self._gap, ended=ended))
 
     def take(self, event: Event) -> Iterator[Note]:
         """Yield the notes of `event`. Exhaust the iterator: it updates the annotator's state."""
-        yield from self._noted(self._gaps.take(event))
         match event:
             case Sampled():
                 self.samples += 1
+                self._values = event.time
             case CycleFailed():
                 pass
+            case Gap():
+                yield from self._gap_changed(event)
             case UnitFound():
                 yield from self._found(event)
             case PlanChanged():
@@ -95,16 +98,23 @@ class SessionAnnotator:
             case _:
                 yield note_of(event)
 
-    def interrupt(self, time: float, reason: Text) -> Iterator[Note]:
+    def interrupt(self, time: float, reason: Text) -> None:
         """Begin a gap: the connection is left for a while, for `reason`."""
-        yield from self._noted(self._gaps.begin(time, reason))
+        if self._gap is None:
+            began = time if self._values is None else self._values
+            self._gap = Gap(time, began, None, reason)
+            self.gaps += 1
 
-    def _noted(self, gaps: Sequence[Gap]) -> Iterator[Note]:
-        for gap in gaps:
-            if gap.ended is None:
-                self.gaps += 1
-            else:
-                yield note_of(gap)
+    def _gap_changed(self, gap: Gap) -> Iterator[Note]:
+        if self._gap is None and gap.began < self._began and gap.ended is not None:
+            return  # a pause from before this recording
+        self.gaps += self._gap is None
+        self._gap = gap if gap.ended is None else None
+        if gap.ended is not None:
+            yield self._noted(gap)
+
+    def _noted(self, gap: Gap) -> Note:
+        return note_of(replace(gap, began=max(gap.began, self._began)))
 
     def _decoded_by(self, event: PlanChanged) -> Iterator[Note]:
         """Yield the note of another catalog: the user changed it in mid-session."""
@@ -114,7 +124,6 @@ class SessionAnnotator:
             yield note
 
     def _found(self, event: UnitFound) -> Iterator[Note]:
-        self.echoes = event.echo is not False
         if event.another:
             self._plan = None
         catalog = catalog_note(event.time, event.catalog)

@@ -1,0 +1,221 @@
+"""One session: the sampler's events, and those that follow from several of them.
+
+    Acquisition ── events ──► SamplingSession ──► the recorder, then the consumer
+                ◄── jobs ───  gaps, stored faults, another unit, counts
+
+Commands, the dashboard and recordings only match the events: what is a gap, whether another unit
+answers and when the faults are read is decided here alone. A session has one connection after the
+other; a gap may last from one to the next.
+"""
+
+from __future__ import annotations
+
+import logging
+import threading
+from collections import deque
+from collections.abc import Callable, Generator, Iterator
+from concurrent.futures import Future
+from contextlib import closing
+from functools import partial
+from typing import Protocol
+
+from mikas.client import Ecu
+from mikas.client.identity import UnitIdentity
+from mikas.errors import MikasError
+from mikas.i18n import Text
+from mikas.sampling.acquisition import Acquisition
+from mikas.sampling.events import (
+    AdapterMoved,
+    Event,
+    FaultReading,
+    Gap,
+    MethodChosen,
+    ParameterDropped,
+    ParameterReturned,
+    Sampled,
+    StateChanged,
+    UnitFound,
+)
+from mikas.sampling.fault_watch import IN_STREAMS, FaultWatch
+from mikas.sampling.gaps import GapTracker
+
+_logger = logging.getLogger("mikas.sampling")
+_logger.addHandler(logging.NullHandler())
+
+
+class EventSink(Protocol):
+    """Takes each event before the consumer; a recorder."""
+
+    def take(self, event: Event) -> object:
+        """Take `event`. An open gap comes again when another reason is found."""
+
+
+class SamplingSession:
+    """`in_streams`: as of `FaultWatch`. `on_faults`: gets each reading at once, in its job; without
+    it a reading is recorded in its job, and yielded before the next event.
+
+    One thread takes the events; any thread may call `silence` and `read_faults`.
+    """
+
+    def __init__(
+        self,
+        recorder: EventSink | None = None,
+        *,
+        in_streams: float | None = IN_STREAMS,
+        on_faults: Callable[[FaultReading], None] | None = None,
+    ) -> None:
+        self.unit: UnitIdentity | None = None
+        """The unit found last, on any connection: `before` of the next acquisition."""
+        self.samples = 0
+        """Of the present connection, or the last one."""
+        self.wants_faults: Callable[[], bool] = lambda: True
+        """Whether the stored faults are read when they may have changed."""
+        self._acquisition: Acquisition | None = None
+        self.recorder = recorder
+        """To be set before the first event."""
+        self._on_faults = on_faults or self._keep
+        self._faults = FaultWatch(in_streams)
+        self._readings: deque[FaultReading] = deque()  # made by jobs, to be yielded
+        self._gaps = GapTracker()
+        self._open: Gap | None = None  # as the recorder has it
+        self._lock = threading.Lock()  # of the tracker
+
+    def run(self, acquisition: Acquisition) -> Generator[Event, None, None]:
+        """Yield the events of a connection, recorded before. Raises as `Sampler.run`."""
+        self.begin(acquisition)
+        with closing(acquisition.run()) as events:
+            for event in events:
+                yield from self.take(event)
+
+    def begin(self, acquisition: Acquisition) -> None:
+        """Begin a connection: `acquisition` gives the events for `take` from here on."""
+        self._acquisition, self.samples = acquisition, 0
+
+    def take(self, event: Event) -> Iterator[Event]:
+        """Yield the events before `event` that it completes, and `event`; to be exhausted.
+
+        All are recorded before the first is yielded. Afterwards the faults are read, if due.
+        """
+        if isinstance(event, Sampled):
+            self.samples += 1
+        elif isinstance(event, UnitFound):
+            self.unit = event.identity
+            if self._acquisition is not None:
+                self._acquisition.wire.echoes = event.echo is not False
+        with self._lock:
+            gaps = self._gaps.take(event)
+        if gaps or self._gaps.open is not self._open:
+            self._record(gaps)
+        log(event)
+        if self.recorder is not None:
+            self.recorder.take(event)
+        yield from self.readings()
+        yield from gaps
+        yield event
+        if self._acquisition is not None and self.wants_faults() and self._faults.is_due(event):
+            self.read_faults()
+
+    @property
+    def wire_bytes(self) -> int:
+        """The bytes on the wire of the present connection, or the last one."""
+        return 0 if self._acquisition is None else self._acquisition.wire.bytes
+
+    def leave(self, time: float, reason: Text, error: MikasError | None = None) -> list[Gap]:
+        """End a connection, by `error` or for `reason`; return the gap that ends with it.
+
+        The time until the values of the next connection is a gap for that reason.
+        """
+        with self._lock:
+            gaps = self._gaps.disconnect(time, reason, error)
+        self._record(gaps)
+        return gaps
+
+    def pause(self, reason: Text) -> None:
+        """Let the time until the next values be a gap for `reason`, if it gets long."""
+        with self._lock:
+            self._gaps.pause(reason)
+
+    def silence(self, now: float) -> Gap | None:
+        """Return the present gap if the last values are too old at `now` while connected.
+
+        Its reason is None if it is not known yet.
+        """
+        with self._lock:
+            return self._gaps.silence(now)
+
+    # The stored faults
+
+    @property
+    def faults_refused(self) -> bool:
+        """Whether the unit refuses to give its faults, or is silent each time."""
+        return self._faults.refused
+
+    def read_faults(self, *, routine: bool = True) -> Future[None]:
+        """Read the stored faults between two cycles; `routine`: as of `FaultReading`."""
+        assert self._acquisition is not None
+        return self._acquisition.call(partial(self.read_between, routine=routine))
+
+    def read_between(self, ecu: Ecu, *, routine: bool = True) -> None:
+        """Read the stored faults, in a job. Raises a `NoConnection`."""
+        if not self._faults.refused and (reading := self._faults.read(ecu, routine=routine)):
+            self._on_faults(reading)
+
+    def know_faults(self, reading: FaultReading) -> None:
+        """Take a reading that was made for another reason, by whatever; in the sampling thread."""
+        self._faults.know(reading)
+
+    def readings(self) -> Iterator[FaultReading]:
+        """Yield the readings that were made since the last event."""
+        while self._readings:
+            yield self._readings.popleft()
+
+    def _keep(self, reading: FaultReading) -> None:
+        if self.recorder is not None:
+            self.recorder.take(reading)
+        self._readings.append(reading)
+
+    def _record(self, gaps: list[Gap]) -> None:
+        """Record the gaps that are over, and the open one if it or its reason is new."""
+        for gap in gaps:
+            log(gap)
+        before, self._open = self._open, self._gaps.open
+        if self.recorder is None:
+            return
+        for gap in gaps:
+            if gap.ended is not None:
+                self.recorder.take(gap)
+        if self._open is not None and self._open is not before:
+            self.recorder.take(self._open)
+
+
+def log(event: Event) -> None:
+    """Log `event` at INFO: a state, a unit, a method, a refused parameter, a gap.
+
+    Values and single failed cycles are not logged; `mikas.tester` logs the frames at DEBUG. With
+    the logger off, an event costs one comparison.
+    """
+    if isinstance(event, Sampled) or not _logger.isEnabledFor(logging.INFO):
+        return
+    match event:
+        case Gap(ended=None, reason=reason):
+            _logger.info("gap began: %s", reason.en if reason else "unknown")
+        case Gap(began=began, ended=float() as ended, reason=reason):
+            why = reason.en if reason else "unknown"
+            _logger.info("gap ended after %.1f s: %s", ended - began, why)
+        case StateChanged(text=text, reason=reason):
+            _logger.info("state: %s%s", text.en, f" ({reason.en})" if reason else "")
+        case AdapterMoved(text=text):
+            _logger.info("%s", text.en)
+        case UnitFound(version_code=code, passport=passport, another=another):
+            pieces = ", ".join(filter(None, passport.pieces)) if passport else ""
+            new = "another unit" if another else "unit"
+            _logger.info("%s: version %02X, passport: %s", new, code or 0, pieces or "none")
+        case MethodChosen(method=method, rates=rates):
+            measured = ", ".join(f"{name} {rate:.1f}/s" for name, rate in rates.items())
+            _logger.info("method: %s%s", method, f" (measured: {measured})" if measured else "")
+        case ParameterDropped(name=name):
+            _logger.info("no valid answer for %s: dropped", name)
+        case ParameterReturned(name=name):
+            _logger.info("%s is answered again", name)
+        case _:
+            pass
