@@ -18,7 +18,7 @@ from itertools import count
 from pathlib import Path
 from typing import Any, BinaryIO, Generic, TypeVar
 
-from mikas.errors import UsageError, reason_at
+from mikas.errors import naming_file, reason_at
 from mikas.files import open_regular, read_json
 from mikas.i18n import Text
 
@@ -60,11 +60,9 @@ def save_json(path: Path, value: object) -> None:
     """
     import json
 
-    try:
+    with naming_file(path):
         path.parent.mkdir(parents=True, exist_ok=True)
         save(path, json.dumps(value, ensure_ascii=False, indent=1))
-    except OSError as error:
-        raise UsageError(problem=reason_at(path, error)) from error
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,10 +117,8 @@ class KeptFile(Generic[Content]):
         )
 
     def _set_aside(self) -> None:
-        try:
+        with naming_file(self.path):
             self.path.rename(self._aside)
-        except OSError as error:
-            raise UsageError(problem=reason_at(self.path, error)) from error
 
 
 _UNUSABLE = Text(

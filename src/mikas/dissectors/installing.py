@@ -10,7 +10,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from mikas.errors import UsageError, reason_at
+from mikas.errors import UsageError, naming_file
 from mikas.i18n import Text
 from mikas.saving import save
 
@@ -31,7 +31,7 @@ def install(file: Path, text: str, mark: str) -> bool:
 
     UsageError: another file of that name, which does not begin with `mark`; or the system's reason.
     """
-    try:
+    with naming_file(file):
         present = _text_in(file) if file.exists() else None
         if present == text:
             return False
@@ -39,8 +39,6 @@ def install(file: Path, text: str, mark: str) -> bool:
             raise UsageError(problem=_NOT_OURS.filled(file=file), advice=_MOVE_IT)
         file.parent.mkdir(parents=True, exist_ok=True)
         save(file, text)
-    except OSError as error:
-        raise UsageError(problem=reason_at(file, error)) from error
     return True
 
 

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
 
-from mikas.errors.base import MikasError
+from mikas.errors.base import MikasError, reason_at
 from mikas.i18n import Text
 
 
@@ -18,6 +20,17 @@ class UsageError(MikasError, ValueError):
 def usage_error(en: str, ru: str) -> UsageError:
     """Return the error of a wrong use, described in both languages."""
     return UsageError(problem=Text(en, ru))
+
+
+@contextmanager
+def naming_file(file: Path) -> Iterator[None]:
+    """Let an `OSError` of the system be a `UsageError` that names the file."""
+    try:
+        yield
+    except MikasError:  # some are OSErrors as well
+        raise
+    except OSError as error:
+        raise UsageError(problem=reason_at(file, error)) from error
 
 
 class UnknownParameter(UsageError):

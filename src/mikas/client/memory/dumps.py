@@ -21,7 +21,7 @@ from mikas.client.ecu import Ecu
 from mikas.client.memory import MemorySpace
 from mikas.commands.base import check_range
 from mikas.commands.unit import version_of, version_text
-from mikas.errors import UsageError, reason_at, usage_error
+from mikas.errors import UsageError, naming_file, reason_at, usage_error
 from mikas.files import open_regular, read_json, read_regular
 from mikas.saving import save
 
@@ -242,11 +242,8 @@ class Dump:
             self._write_manifest()
 
     def _size(self) -> int:
-        try:
-            with open_regular(self._file, "r+b") as file:
-                return file.seek(0, os.SEEK_END)
-        except OSError as error:
-            raise UsageError(problem=reason_at(self._file, error)) from error
+        with naming_file(self._file), open_regular(self._file, "r+b") as file:
+            return file.seek(0, os.SEEK_END)
 
     def _opened(self) -> BinaryIO:
         try:
@@ -263,12 +260,9 @@ class Dump:
     def check(self, most: int, *, block: int | None, progress: Progress) -> list[Difference]:
         """Check the next `most` bytes in the second pass; return the differences from the first."""
         manifest = self.manifest
-        try:
-            with open_regular(self._file) as file:
-                file.seek(manifest.checked)
-                data = file.read(most)
-        except OSError as error:
-            raise UsageError(problem=reason_at(self._file, error)) from error
+        with naming_file(self._file), open_regular(self._file) as file:
+            file.seek(manifest.checked)
+            data = file.read(most)
         first = manifest.first + manifest.checked
         found = list(compare(self._space, data, first, block, progress))
         manifest.verify = True
@@ -282,13 +276,11 @@ class Dump:
     def _write_manifest(self) -> None:
         manifest, path = self.manifest, manifest_path(self._file)
         manifest.time = round(self._ecu.tester.link.now(), 6)
-        try:
+        with naming_file(path):
             if manifest.complete:
                 manifest.sha256 = hashlib.sha256(read_dump(self._file)).hexdigest()
             text = json.dumps(manifest.as_json(), ensure_ascii=False, indent=1)
             save(path, text + "\n")
-        except OSError as error:
-            raise UsageError(problem=reason_at(path, error)) from error
 
 
 def compare(

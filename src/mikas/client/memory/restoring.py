@@ -31,7 +31,7 @@ from mikas.client.memory.dumps import (
 )
 from mikas.commands import LARGEST_BLOCK
 from mikas.commands.base import check_range
-from mikas.errors import ReadBackDiffers, UsageError, hex_dump, reason_at
+from mikas.errors import ReadBackDiffers, UsageError, hex_dump, naming_file
 from mikas.i18n import Text
 from mikas.saving import save
 
@@ -68,10 +68,8 @@ class DumpFile:
 
         `first`: the first address, for `ignore_manifest` only.
         """
-        try:
+        with naming_file(path):
             data = read_dump(path, follow=True)
-        except OSError as error:
-            raise UsageError(problem=reason_at(path, error)) from error
         if not data:
             raise file_error(path, "the file is empty", "файл пуст")
         if ignore_manifest:
@@ -251,10 +249,8 @@ class Restore:
             "time": round(self._ecu.tester.link.now(), 6),
             "schema": SCHEMA,
         }
-        try:
+        with naming_file(self._state):
             save(self._state, json.dumps(state, ensure_ascii=False, indent=1) + "\n")
-        except OSError as error:
-            raise UsageError(problem=reason_at(self._state, error)) from error
 
 
 def _runs(found: Sequence[Difference], longest: int) -> Iterator[Run]:

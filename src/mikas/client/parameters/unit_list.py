@@ -26,10 +26,9 @@ from mikas.errors import (
     NoList,
     NoResponse,
     NotSupported,
-    UsageError,
     WriteRefused,
     WrongLength,
-    reason_at,
+    naming_file,
 )
 from mikas.files import read_json
 from mikas.i18n import Text, counted
@@ -95,10 +94,8 @@ class KeptLists:
     def drop(self) -> None:
         """Drop the lists kept of all units. Raises `UsageError`: stale names would be worse."""
         for file in self._files():
-            try:
+            with naming_file(file):
                 file.unlink(missing_ok=True)
-            except OSError as error:
-                raise UsageError(problem=reason_at(file, error)) from error
 
     def _files(self) -> list[Path]:
         """Return what may be read as a list: a folder can't, and can't be deleted as a file."""

@@ -17,7 +17,7 @@ import mikas
 from mikas.cancellation import check_cancelled
 from mikas.dashboard.errors import NotFound
 from mikas.dashboard.library.folder import RecordingFile, RecordingFolder
-from mikas.errors import UsageError, reason_at
+from mikas.errors import naming_file
 from mikas.i18n import Text
 from mikas.recording import CaptureWriter
 from mikas.recording.annotations.annotator import SessionAnnotator
@@ -93,12 +93,10 @@ class References:
             raise NotFound(name=identity[:60])
         _, drive, model = identity.split(":")
         file = self._folder / f"{drive}-{model}-{version('mikas')}.pcapng"
-        try:
+        with naming_file(file):
             if not file.is_file():
                 self._folder.mkdir(parents=True, exist_ok=True)
                 _record(file, DRIVES[drive], model)
-        except OSError as error:
-            raise UsageError(problem=reason_at(file, error)) from error
         return RecordingFolder(self._folder).one(file.name)
 
 

@@ -28,7 +28,7 @@ from mikas.dashboard.library.folder import LeftOut, files_in
 from mikas.dashboard.security.confirmations import DumpShown, PendingChange
 from mikas.dashboard.session.connection import Connection
 from mikas.dashboard.settings import ensure_folder
-from mikas.errors import LineError, MikasError, NoConnection, UsageError, reason_at
+from mikas.errors import LineError, MikasError, NoConnection, UsageError, naming_file, reason_at
 from mikas.i18n import Text
 
 _log = logging.getLogger("mikas.dashboard")
@@ -186,11 +186,9 @@ class DumpJobs:
 
     def _delete(self, job: DumpJob) -> None:
         """Delete the manifest last: a dump whose file could not be removed is still known."""
-        try:
+        with naming_file(job.file):
             for path in (job.file, manifest_path(job.file)):
                 path.unlink(missing_ok=True)
-        except OSError as error:
-            raise UsageError(problem=reason_at(job.file, error)) from error
         del self.jobs[job.id]
 
     async def close(self) -> None:

@@ -24,7 +24,7 @@ from mikas.client.memory.dumps import (
     read_manifest,
 )
 from mikas.commands.base import Space, check_range
-from mikas.errors import UsageError, reason_at, usage_error
+from mikas.errors import naming_file, usage_error
 from mikas.i18n import byte_count
 
 BLOCK = option(
@@ -185,10 +185,8 @@ def diff(context: CommandContext, a: Path, b: Path) -> None:
 
 
 def _read(file: Path) -> bytes:
-    try:
+    with naming_file(file):
         return read_dump(file, follow=True)
-    except OSError as error:
-        raise UsageError(problem=reason_at(file, error)) from error
 
 
 def _report(context: CommandContext, found: Sequence[Difference], a: str, b: str) -> None:

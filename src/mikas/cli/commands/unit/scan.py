@@ -20,7 +20,7 @@ from mikas.client import Answer, Ecu, ScannedCode
 from mikas.client.identity import count_parameters
 from mikas.client.parameters.parameters import decode
 from mikas.commands import ReadUnknownSize
-from mikas.errors import NotSupported, UsageError, reason_at, usage_error
+from mikas.errors import NotSupported, naming_file, usage_error
 from mikas.i18n import plural
 from mikas.saving import save
 
@@ -211,10 +211,8 @@ def _write(
                 f"Неполно: не запрошено кодов {len(left)}.",
             ),
         ]
-    try:
+    with naming_file(out):
         save(out, starter_catalog(data, catalog, heading, current_language()), follow=True)
-    except OSError as error:
-        raise UsageError(problem=reason_at(out, error)) from error
     new = sum(catalog.size_of(code) is None for code in data)
     context.say(
         f"{out}: {plural(new, 'code', 'codes')} that the catalog does not know. "
