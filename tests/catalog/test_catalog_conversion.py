@@ -1,4 +1,4 @@
-"""Raw to value and back: exact for every raw number, in every reading."""
+"""Raw to value and back: exact for every raw number, in every interpretation."""
 
 from __future__ import annotations
 
@@ -25,20 +25,20 @@ READINGS_THAT_DIFFER = [
 FLAGS = [each for each in shipped().parameters if each.is_flag]
 
 
-@pytest.mark.parametrize(("parameter", "reading"), READINGS_THAT_DIFFER)
-def test_every_raw_value_comes_back(parameter: Parameter, reading: str) -> None:
-    conversion = parameter.interpretation(reading)
+@pytest.mark.parametrize(("parameter", "interpretation"), READINGS_THAT_DIFFER)
+def test_every_raw_value_comes_back(parameter: Parameter, interpretation: str) -> None:
+    conversion = parameter.interpretation(interpretation)
     for number in range(1 << (8 * parameter.size)):
         raw = number.to_bytes(parameter.size, "little")
         assert conversion.encode(conversion.decode(raw), parameter.name) == raw
-    assert parameter.encode(parameter.decode(raw, reading), reading) == raw
+    assert parameter.encode(parameter.decode(raw, interpretation), interpretation) == raw
 
 
-@pytest.mark.parametrize(("parameter", "reading"), READINGS_THAT_DIFFER)
+@pytest.mark.parametrize(("parameter", "interpretation"), READINGS_THAT_DIFFER)
 def test_every_value_is_the_float_nearest_to_the_exact_one(
-    parameter: Parameter, reading: str
+    parameter: Parameter, interpretation: str
 ) -> None:
-    conversion = parameter.interpretation(reading)
+    conversion = parameter.interpretation(interpretation)
     low, high = conversion.raw_limits
     assert high - low + 1 == 1 << (8 * parameter.size)
     # (number - bias) * scale + offset, in whole numbers: their quotient is rounded once

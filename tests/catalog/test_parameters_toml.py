@@ -91,7 +91,7 @@ def test_a_parameter_has_the_code_unit_and_formula_of_its_row(
 
 
 @pytest.mark.parametrize(
-    ("name", "reading", "formula", "values"),
+    ("name", "interpretation", "formula", "values"),
     [
         ("UACC", "literal", "s / 10", {"8E": -11.4, "7F": 12.7, "80": -12.8, "00": 0.0}),
         ("FREQ", "literal", "b · 40", {"FF": 10200}),
@@ -105,13 +105,13 @@ def test_a_parameter_has_the_code_unit_and_formula_of_its_row(
     ],
 )
 def test_each_interpretation_has_its_formula_and_values(
-    name: str, reading: str, formula: str, values: dict[str, float]
+    name: str, interpretation: str, formula: str, values: dict[str, float]
 ) -> None:
     parameter = shipped().parameter(name)
-    assert parameter.formula(reading) == formula
+    assert parameter.formula(interpretation) == formula
     for raw, value in values.items():
-        assert parameter.decode(bytes.fromhex(raw), reading) == value
-        assert parameter.encode(value, reading) == bytes.fromhex(raw)
+        assert parameter.decode(bytes.fromhex(raw), interpretation) == value
+        assert parameter.encode(value, interpretation) == bytes.fromhex(raw)
 
 
 @pytest.mark.parametrize("name", ["FREQ", "FREQX"])
@@ -136,11 +136,11 @@ def test_errata_concern_the_parameters_that_the_document_names() -> None:
 
 def test_only_errata_make_readings_differ() -> None:
     for parameter in shipped().parameters:
-        readings = parameter.interpretations
-        assert (readings["literal"] != readings["corrected"]) == bool(
+        interpretations = parameter.interpretations
+        assert (interpretations["literal"] != interpretations["corrected"]) == bool(
             {"E1", "E2"} & set(parameter.errata)
         )
-        assert ("alternative" in readings) == ("E3" in parameter.errata)
+        assert ("alternative" in interpretations) == ("E3" in parameter.errata)
 
 
 def test_warm_idle_is_referenced_as_unconfirmed() -> None:

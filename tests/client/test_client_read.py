@@ -84,15 +84,15 @@ def test_a_flag_is_shown_as_yes_or_no():
 
 
 @pytest.mark.parametrize(
-    ("reading", "uacc", "rcok", "taken"),
+    ("interpretation", "uacc", "rcok", "taken"),
     [
         ("corrected", 14.2, -0.5, ("corrected", "corrected")),
         ("literal", -11.4, -0.5, ("literal", "literal")),
         ("alternative", 14.2, 0.0, ("corrected", "alternative")),
     ],
 )
-def test_the_interpretation_decides_sense_and_unit(reading, uacc, rcok, taken):
-    ecu = ecu_on(bench({0x1E: b"\x8e", 0x42: b"\x80"}), interpretation=reading)
+def test_the_interpretation_decides_sense_and_unit(interpretation, uacc, rcok, taken):
+    ecu = ecu_on(bench({0x1E: b"\x8e", 0x42: b"\x80"}), interpretation=interpretation)
     readings = ecu.read("UACC", "RCOK")
     assert readings["UACC"].value == pytest.approx(uacc)
     assert readings["RCOK"].value == rcok

@@ -136,10 +136,10 @@ def test_a_list_and_a_stream_have_the_same_meaning(codes, data):
 def test_every_raw_number_has_the_catalogs_value(interpretation):
     for parameter, row in zip(CATALOG.parameters, TABLES.parameters, strict=True):
         assert (row.code, row.name, row.size) == (parameter.code, parameter.name, parameter.size)
-        reading = plain(row.readings[interpretation], "en")
+        conversion = plain(row.interpretations[interpretation], "en")
         for number in range(0, 256**row.size, 1 if row.size == 1 else 17):
             raw = number.to_bytes(row.size, "little")
-            assert Walker.value(reading, raw) == parameter.decode(raw, interpretation)
+            assert Walker.value(conversion, raw) == parameter.decode(raw, interpretation)
 
 
 def test_faults_models_and_errata_are_the_catalogs():
@@ -165,8 +165,11 @@ def test_the_users_own_catalog_is_in_them(tmp_path):
     )
     tables = tables_of(load(own))
     row = next(each for each in tables.parameters if each.name == "MAP")
-    assert (row.code, row.size, row.readings["corrected"].unit.en) == (0x30, 2, "kPa")
-    assert (row.readings["literal"].numerator, row.readings["literal"].denominator) == (1, 100)
+    assert (row.code, row.size, row.interpretations["corrected"].unit.en) == (0x30, 2, "kPa")
+    assert (
+        row.interpretations["literal"].numerator,
+        row.interpretations["literal"].denominator,
+    ) == (1, 100)
     assert tables.faults[250].text.ru == "Моя"
 
 

@@ -102,7 +102,7 @@ class Walker:
     def _value(self, code, raw):
         said = []
         for each in self.parameters[code]:
-            row = each["readings"][self.interpretation]
+            row = each["interpretations"][self.interpretation]
             value = self.value(row, raw)
             digits = f"{value:d}" if row["mask"] else f"{value:.{each['decimals']}f}{row['unit']}"
             said.append(f"{each['name']}={digits}")

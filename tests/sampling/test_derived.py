@@ -54,14 +54,14 @@ def catalog(tmp_path_factory: pytest.TempPathFactory) -> Catalog:
 
 
 def readings(
-    time: float, reading: str = "corrected", age: float = 0, **values: float
+    time: float, interpretation: str = "corrected", age: float = 0, **values: float
 ) -> dict[str, Reading]:
     made = {}
     for name, value in values.items():
         parameter = shipped().parameter(name)
         raw = b"\xff" if parameter.is_flag and value else b"\0"
         raw = raw if parameter.is_flag else parameter.encode(value)
-        made[name] = decode(parameter, raw, time - age, reading)
+        made[name] = decode(parameter, raw, time - age, interpretation)
     return made
 
 

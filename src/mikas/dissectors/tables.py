@@ -114,14 +114,14 @@ class ConversionRow:
 
 @dataclass(frozen=True, slots=True)
 class ParameterRow:
-    """One parameter of §4. `readings`: by the name of the interpretation, all of them."""
+    """One parameter of §4. `interpretations`: by the name of the interpretation, all of them."""
 
     code: int
     name: str
     text: Text
     size: int
     decimals: int
-    readings: dict[str, ConversionRow]
+    interpretations: dict[str, ConversionRow]
     errata: tuple[str, ...]
 
 
@@ -202,7 +202,9 @@ def _parameter(parameter: Parameter) -> ParameterRow:
         text=parameter.text,
         size=parameter.size,
         decimals=parameter.decimals,
-        readings={name: _conversion(parameter.interpretation(name)) for name in INTERPRETATIONS},
+        interpretations={
+            name: _conversion(parameter.interpretation(name)) for name in INTERPRETATIONS
+        },
         errata=parameter.errata,
     )
 

@@ -46,7 +46,7 @@ def answers(items):
         yield item.source, began, body, item.request, listed.get(item.source), times
 
 
-def rows(items, catalog, reading="corrected"):
+def rows(items, catalog, interpretation="corrected"):
     """(source, time, values by name); a parameter that could not be read is NaN.
 
     So is a 01 that may be a refusal (D10), see `_refused`.
@@ -65,7 +65,7 @@ def rows(items, catalog, reading="corrected"):
                 raise MikasError
             data = command.read(body)
             values = {
-                p.name: float(p.decode(raw, reading))
+                p.name: float(p.decode(raw, interpretation))
                 for named, raw in zip(parameters, data, strict=True)
                 for p in named
             }

@@ -52,14 +52,14 @@ class RestlessCar(TableCar):
         return b"\x02" if datum == b"\x01" else datum
 
 
-def record(path, steps, *, adapter=None, fault_injector=None, reading="corrected"):
+def record(path, steps, *, adapter=None, fault_injector=None, interpretation="corrected"):
     """Runs the steps (method, names, count) and returns every reading that the client gave."""
     unit = VirtualEcu(Responder(RestlessCar(), Identity(0x0A)))
     link = VirtualLink(Bus(unit, adapter=adapter, fault_injector=fault_injector), start=1000.0)
     readings = []
     with appending(path, url="sim:") as writer:
         tester = testers.Tester(CaptureTee(link, writer))
-        with Ecu(tester, CATALOG, interpretation=reading) as ecu:
+        with Ecu(tester, CATALOG, interpretation=interpretation) as ecu:
             try:
                 tester.connect()
                 for method, names, count in steps:
@@ -72,9 +72,9 @@ def record(path, steps, *, adapter=None, fault_injector=None, reading="corrected
     return readings
 
 
-def table_of(path, catalog=CATALOG, reading="corrected", size=65536):
+def table_of(path, catalog=CATALOG, interpretation="corrected", size=65536):
     """(time, values by name that are no NaN) of each row; the names of the channels."""
-    table = ParameterTable(path, catalog, reading)
+    table = ParameterTable(path, catalog, interpretation)
     flat = []
     for stretch in table.rows(size):
         assert 0 < len(stretch.times) <= size
@@ -86,9 +86,9 @@ def table_of(path, catalog=CATALOG, reading="corrected", size=65536):
     return flat, [channel.name for channel in table.channels]
 
 
-def wanted_of(path, catalog=CATALOG, reading="corrected"):
+def wanted_of(path, catalog=CATALOG, interpretation="corrected"):
     flat, decoded = [], set()
-    for _, time, values in reference_rows(CaptureReader(path), catalog, reading):
+    for _, time, values in reference_rows(CaptureReader(path), catalog, interpretation):
         there = {name: v for name, v in values.items() if not isnan(v)}
         flat.append((time, there))
         decoded.update(there)
@@ -124,12 +124,12 @@ adapters = st.builds(AdapterKind, echo=st.booleans(), latency=st.sampled_from([0
 @settings(max_examples=30)
 @given(steps, adapters, st.sampled_from(READINGS))
 def test_the_table_of_a_clean_session_has_the_values_read_live(
-    tmp_path_factory, plan, adapter, reading
+    tmp_path_factory, plan, adapter, interpretation
 ):
     path = tmp_path_factory.mktemp("session") / "line.pcapng"
-    readings = record(path, plan, adapter=adapter, reading=reading)
-    shown, channels = table_of(path, reading=reading)
-    wanted, decoded = wanted_of(path, reading=reading)
+    readings = record(path, plan, adapter=adapter, interpretation=interpretation)
+    shown, channels = table_of(path, interpretation=interpretation)
+    wanted, decoded = wanted_of(path, interpretation=interpretation)
     assert channels == decoded
     same_values(shown, wanted)
     all_found(readings, shown, 0.02 if adapter.latency else 2e-6)

@@ -22,11 +22,11 @@ def decoded(raw, conversion):
     return values([np.frombuffer(each, np.uint8) for each in columns], conversion).tolist()
 
 
-@pytest.mark.parametrize("reading", ["corrected", "literal", "alternative"])
+@pytest.mark.parametrize("interpretation", ["corrected", "literal", "alternative"])
 @pytest.mark.parametrize("parameter", shipped().parameters, ids=lambda p: p.name)
-def test_every_raw_number_of_the_catalog_is_decoded_alike(parameter, reading):
+def test_every_raw_number_of_the_catalog_is_decoded_alike(parameter, interpretation):
     raw = ALL_OF[parameter.size]
-    conversion = parameter.interpretation(reading)
+    conversion = parameter.interpretation(interpretation)
     assert decoded(raw, conversion) == [float(conversion.decode(row)) for row in raw]
 
 

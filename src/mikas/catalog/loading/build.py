@@ -232,8 +232,10 @@ def _parameter(
     values, size = entry.values, entry.values["size"]
     conversion = _conversion(entry, size, unit_texts, ())
     literal, alternative = (
-        _conversion(entry, size, unit_texts, (reading,)) if reading in values else None
-        for reading in ("literal", "alternative")
+        _conversion(entry, size, unit_texts, (interpretation,))
+        if interpretation in values
+        else None
+        for interpretation in ("literal", "alternative")
     )
     if conversion.is_flag:
         _refuse_for_flag(entry, (), (*_FOR_DISPLAY, "decimals"))
@@ -265,8 +267,8 @@ def _conversion(
 ) -> Conversion:
     """Build the corrected interpretation, or that of the table `inside`, which overrides it."""
     values = dict(entry.values)
-    for reading in inside:
-        values |= entry.values[reading]
+    for interpretation in inside:
+        values |= entry.values[interpretation]
     if mask := values.get("mask", 0):
         _refuse_for_flag(entry, inside, _NUMERIC)
         if mask >> (8 * size):

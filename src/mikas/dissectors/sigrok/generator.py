@@ -68,7 +68,7 @@ def _tables(catalog: Catalog, defaults: dict[str, str]) -> dict[str, str]:
     parameters: dict[int, list[dict[str, Any]]] = {}
     for row in tables["parameters"]:
         kept = {key: row[key] for key in ("name", "text", "size", "decimals")}
-        kept["readings"] = [row["readings"][name] for name in INTERPRETATIONS]
+        kept["interpretations"] = [row["interpretations"][name] for name in INTERPRETATIONS]
         parameters.setdefault(row["code"], []).append(kept)
     needed = ("title", "shown", "stream", "address_bytes", "request", "responses")
     values = {

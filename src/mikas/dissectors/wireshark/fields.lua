@@ -73,11 +73,11 @@ end
 -- Returns the field of a parameter. Its unit, and the errata in its description, are those of the
 -- interpretation with which this file was made: a preference can't rename a field.
 local function field_of(row)
-  local reading, is_flag = row.readings[INTERPRETATION], true
-  for _, each in pairs(row.readings) do
+  local conversion, is_flag = row.interpretations[INTERPRETATION], true
+  for _, each in pairs(row.interpretations) do
     is_flag = is_flag and each.mask ~= 0
   end
-  local name = row.text .. (reading.unit ~= "" and ", " .. reading.unit or "")
+  local name = row.text .. (conversion.unit ~= "" and ", " .. conversion.unit or "")
   local about = { name }
   for _, erratum in ipairs(row.errata) do
     about[#about + 1] = erratum .. ": " .. TABLES.errata[erratum][INTERPRETATION]

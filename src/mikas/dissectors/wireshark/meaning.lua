@@ -51,12 +51,12 @@ local function has_bit_of(number, mask)
 end
 
 -- Returns the value of a parameter: a number, exact as the catalog's, or a boolean.
-local function value_of(reading, bytes)
-  local number = number_of(bytes, reading.signed)
-  if reading.mask ~= 0 then
-    return has_bit_of(number, reading.mask)
+local function value_of(conversion, bytes)
+  local number = number_of(bytes, conversion.signed)
+  if conversion.mask ~= 0 then
+    return has_bit_of(number, conversion.mask)
   end
-  return (number * reading.numerator + reading.constant) / reading.denominator
+  return (number * conversion.numerator + conversion.constant) / conversion.denominator
 end
 
 local function sizes_of(codes)

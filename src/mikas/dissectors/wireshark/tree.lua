@@ -80,7 +80,7 @@ end
 
 -- Returns `Coolant temperature (TWAT): 85 °C`.
 local function label_of(each)
-  local unit = each.reading.mask == 0 and each.reading.unit or ""
+  local unit = each.conversion.mask == 0 and each.conversion.unit or ""
   local text = each.text:sub(1, -#unit - 1)
   return each.row.text .. " (" .. each.row.name .. "): " .. text .. (unit ~= "" and " " .. unit or "")
 end

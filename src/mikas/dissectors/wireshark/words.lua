@@ -12,21 +12,21 @@ local function passport_of(bytes)
   return table.concat(characters)
 end
 
--- Returns each value of a response: `row` of its parameter, `reading`, `value`, its `text` as `85°C`
+-- Returns each value of a response: `row` of its parameter, `conversion`, `value`, its `text` as `85°C`
 -- or `1` of a flag, and the bytes `from`, `to` of the body.
 local function values_of(asked, bytes, from)
-  local values, at, reading_name = {}, 1, interpretation()
+  local values, at, chosen = {}, 1, interpretation()
   for index = 1, #asked.codes do
     local rows = parameters_of[asked.codes:byte(index)]
     local size = rows[1].size
     local raw = bytes:sub(at, at + size - 1)
     for _, row in ipairs(rows) do
-      local reading = row.readings[reading_name]
-      local value = value_of(reading, raw)
+      local conversion = row.interpretations[chosen]
+      local value = value_of(conversion, raw)
       local text = value == true and "1" or value == false and "0"
-        or row.form:format(value) .. reading.unit
+        or row.form:format(value) .. conversion.unit
       values[#values + 1] = {
-        row = row, reading = reading, value = value, text = text,
+        row = row, conversion = conversion, value = value, text = text,
         from = from + at - 1, to = from + at + size - 2,
       }
     end

@@ -252,16 +252,16 @@ class Commands(object):
         return parts
 
     def _value(self, row, raw, place):
-        reading = row["readings"][self._interpretation]
-        number = int.from_bytes(raw, "little", signed=reading["signed"])
-        unit = self._to(reading["unit"])
-        if reading["mask"]:
-            kind, value = "flag", number & reading["mask"] != 0
+        conversion = row["interpretations"][self._interpretation]
+        number = int.from_bytes(raw, "little", signed=conversion["signed"])
+        unit = self._to(conversion["unit"])
+        if conversion["mask"]:
+            kind, value = "flag", number & conversion["mask"] != 0
             digits = "%d" % value
         else:
-            kind, value = "value", number * reading["numerator"] + reading["constant"]
-            if reading["denominator"] != 1:
-                value = value / reading["denominator"]
+            kind, value = "value", number * conversion["numerator"] + conversion["constant"]
+            if conversion["denominator"] != 1:
+                value = value / conversion["denominator"]
             digits = "%.*f%s" % (row["decimals"], value, unit)
         said = "%s=%s" % (row["name"], digits)
         return Part(kind, place, said, self._to(row["text"]), (row["name"], value, unit))
