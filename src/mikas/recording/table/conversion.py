@@ -117,23 +117,27 @@ class _PortRows:
                 self._waiting.append(Rows(rising, rows.values))
                 self._count += stop - start
             if self._count >= self._size:
-                yield from self._flush()
+                yield from self._flush(self._count // self._size * self._size)
 
     def rest(self) -> Iterator[tuple[Source, Rows]]:
         """Yield the waiting rows; the next times may be earlier."""
         yield from self._flush()
         self._last = -np.inf
 
-    def _flush(self) -> Iterator[tuple[Source, Rows]]:
-        if self._waiting:
+    def _flush(self, count: int | None = None) -> Iterator[tuple[Source, Rows]]:
+        """Yield the first `count` waiting rows, all by default."""
+        count = self._count if count is None else count
+        if count:
             times = np.concatenate([rows.times for rows in self._waiting])
             columns = {
                 name: np.concatenate([rows.values[name] for rows in self._waiting])
                 for name in self._names
             }
-            for at in range(0, times.size, self._size):
-                yield self._source, _part(times, columns, slice(at, at + self._size))
-        self._waiting, self._count = [], 0
+            for at in range(0, count, self._size):
+                part = slice(at, min(count, at + self._size))
+                yield self._source, _part(times, columns, part)
+            self._count -= count
+            self._waiting = [_part(times, columns, slice(count, None))] if self._count else []
 
 
 def _part(times: Floats, columns: Columns, part: slice) -> Rows:

@@ -124,8 +124,9 @@ class Envelope:
         while last >= COLUMNS * self.width:
             self._halve()
         place, values = times.columns(self.width)[valid], values[valid]
-        np.fmin.at(self.least, place, values)
-        np.fmax.at(self.most, place, values)
+        runs = np.flatnonzero(np.diff(place, prepend=-1))  # of one column; far fewer
+        np.fmin.at(self.least, place[runs], np.fmin.reduceat(values, runs))
+        np.fmax.at(self.most, place[runs], np.fmax.reduceat(values, runs))
 
     def _halve(self) -> None:
         self.width *= 2
