@@ -15,12 +15,12 @@ from mikas.catalog import shipped
 from mikas.fleet.adding import Added, add, plan
 from mikas.fleet.database import opened
 from mikas.fleet.executors import Runner, Work
-from mikas.fleet.interpreting import Settings
-from mikas.fleet.job import Outcome
+from mikas.fleet.interpreting import InterpretingSettings
+from mikas.fleet.job import FileOutcome
 from mikas.fleet.places import FoundFile
 
 MINUTE = Drive(BEGAN, seconds=60.0, rate=4.0, plate="а 101 мр 52", car="ГАЗ-3110")
-SETTINGS = Settings(shipped())
+SETTINGS = InterpretingSettings(shipped())
 
 
 class HereRunner(Runner):
@@ -28,14 +28,14 @@ class HereRunner(Runner):
 
     window = 1
 
-    def submit(self, work: Work, file: FoundFile) -> Future[Outcome]:
-        done: Future[Outcome] = Future()
+    def submit(self, work: Work, file: FoundFile) -> Future[FileOutcome]:
+        done: Future[FileOutcome] = Future()
         done.set_result(work(file))
         return done
 
     def close(self) -> None: ...
 
-    def failed(self, _: Work, __: list[FoundFile], error: BaseException) -> Iterator[Outcome]:
+    def failed(self, _: Work, __: list[FoundFile], error: BaseException) -> Iterator[FileOutcome]:
         raise error
 
 
@@ -55,7 +55,7 @@ def make(path: Path, **changed) -> Path:
     return path
 
 
-def add_here(*places: object, to: object, settings: Settings = SETTINGS) -> Added:
+def add_here(*places: object, to: object, settings: InterpretingSettings = SETTINGS) -> Added:
     """Add in this process."""
     planned = plan(map(str, places), str(to), settings)
     return add(planned, str(to), settings, HereRunner())

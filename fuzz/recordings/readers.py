@@ -26,7 +26,7 @@ from mikas.cleaning import terminal_text
 from mikas.cli.failures import BUG
 from mikas.cli.main import run
 from mikas.errors import MikasError, UsageError
-from mikas.fleet.interpreting import Settings, interpret
+from mikas.fleet.interpreting import InterpretingSettings, interpret
 from mikas.i18n import Language
 from mikas.notebook.panes import chosen_panes, coloured
 from mikas.notebook.picture import picture_of
@@ -77,7 +77,7 @@ def _decoded(path: Path) -> None:
 
 def _in_a_fleet(path: Path) -> None:
     with tempfile.TemporaryDirectory(prefix="mikas-fuzz-") as folder:
-        interpret(path, path.name, "0" * 32, Settings(shipped()), Path(folder))
+        interpret(path, path.name, "0" * 32, InterpretingSettings(shipped()), Path(folder))
 
 
 def _on_terminal(path: Path) -> None:

@@ -15,7 +15,7 @@ from mikas.catalog import load
 from mikas.client.cars import CarDetails
 from mikas.errors import FleetError, UsageError
 from mikas.fleet.adding import add, plan
-from mikas.fleet.interpreting import Settings
+from mikas.fleet.interpreting import InterpretingSettings
 from mikas.fleet.job import LARGEST
 from mikas.fleet.ledger import FOLDER, MARKER, open_ledger
 from mikas.fleet.stores import store
@@ -131,7 +131,7 @@ def test_another_catalog_interprets_again(tmp_path) -> None:
     own = tmp_path / "own.toml"
     own.write_text("[parameter.TWAT]\noffset = -39\n")
     ((before,),) = ask(tmp_path / "set", "SELECT avg(TWAT) FROM samples")
-    changed = Settings(load(own))
+    changed = InterpretingSettings(load(own))
     assert counts(add_here(file, to=tmp_path / "set", settings=changed)) == (1, 1, 0, 0)
     one_drive(tmp_path / "set")
     ((after,),) = ask(tmp_path / "set", "SELECT avg(TWAT) FROM samples")
@@ -144,7 +144,7 @@ def test_a_given_car_stays_until_another_is_given(tmp_path) -> None:
     given = replace(SETTINGS, car="Служебная")
     assert counts(add_here(file, to=tmp_path / "set", settings=given)) == (1, 0, 0, 0)
     assert counts(add_here(file, to=tmp_path / "set")) == (0, 0, 1, 0)
-    literal = Settings(SETTINGS.catalog, "literal")
+    literal = InterpretingSettings(SETTINGS.catalog, "literal")
     assert counts(add_here(file, to=tmp_path / "set", settings=literal)) == (1, 1, 0, 0)
     assert ask(tmp_path / "set", "SELECT car FROM drives") == [("СЛУЖЕБНАЯ",)]
 
@@ -259,7 +259,7 @@ def test_a_channel_may_not_be_called_as_a_column(tmp_path) -> None:
     own = tmp_path / "own.toml"
     own.write_text('[parameter.DAY]\ncode = 0x33\nsize = 1\ntext = { en = "Day", ru = "День" }\n')
     with pytest.raises(UsageError, match="DAY"):
-        add_here(tmp_path, to=tmp_path / "set", settings=Settings(load(own)))
+        add_here(tmp_path, to=tmp_path / "set", settings=InterpretingSettings(load(own)))
 
 
 def test_two_runs_at_once_add_each_recording_once(tmp_path) -> None:

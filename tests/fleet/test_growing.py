@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from fleet_rig import BEGAN, SETTINGS, HereRunner, add_here, ask, counts, files_of, make
-from mikas.fleet.adding import Plan, add, plan
+from mikas.fleet.adding import AddingPlan, add, plan
 from mikas.fleet.ledger import open_ledger
 from mikas.fleet.stores import DiskStore, store
 
@@ -22,11 +22,11 @@ def one_recording(dataset: Path, rows: int = ROWS) -> None:
     assert files_of(dataset) == set(entry.files)
 
 
-def planned(*places: Path, to: Path) -> Plan:
+def planned(*places: Path, to: Path) -> AddingPlan:
     return plan(map(str, places), str(to), SETTINGS)
 
 
-def run(made: Plan, to: Path) -> None:
+def run(made: AddingPlan, to: Path) -> None:
     add(made, str(to), SETTINGS, HereRunner())
 
 

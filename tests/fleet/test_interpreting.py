@@ -13,7 +13,7 @@ import mikas
 from fleet_rig import BEGAN, DAY, SETTINGS, add_here, ask, make
 from mikas.catalog import load, shipped
 from mikas.client.cars import CarDetails
-from mikas.fleet.interpreting import Settings, interpret
+from mikas.fleet.interpreting import InterpretingSettings, interpret
 from mikas.recording.annotations.car import car_note
 from mikas.recording.capture.writer import append_note
 from mikas.recording.export import export
@@ -27,7 +27,7 @@ def test_samples_are_those_of_an_export_bit_for_bit(tmp_path, interpretation) ->
     file = make(tmp_path / "a" / "drive.pcapng", gap=(20.0, 25.0))
     recording = Recording(file, shipped(), interpretation)
     export(tmp_path / "a.parquet", recording.channels, recording.rows(), events=recording.events)
-    settings = Settings(shipped(), interpretation)
+    settings = InterpretingSettings(shipped(), interpretation)
     add_here(tmp_path / "a", to=tmp_path / "set", settings=settings)
     wanted = duckdb.sql(f"SELECT * FROM '{tmp_path / 'a.parquet'}'")
     (parquet,) = (tmp_path / "set").glob("samples/*/*/*.parquet")
@@ -202,7 +202,7 @@ def test_a_catalog_with_another_channel_adds_a_column(tmp_path) -> None:
         '[derived.HALF]\nunit = "rpm"\nformula = "FREQ / 2"\n'
         'text = { en = "Half", ru = "Половина" }\n'
     )
-    settings = Settings(load(own))
+    settings = InterpretingSettings(load(own))
     later = make(tmp_path / "2" / "drive.pcapng", began=BEGAN + DAY)
     add_here(later, to=tmp_path / "set", settings=settings)
     asked = "SELECT day, count(HALF), count(FREQ) FROM samples GROUP BY day ORDER BY day"

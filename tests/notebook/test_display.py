@@ -22,7 +22,7 @@ from mikas.i18n import Text
 from mikas.notebook.html import html_of
 from mikas.notebook.overview import ChannelOverview
 from mikas.notebook.text import text_of
-from mikas.notebook.wording import List, Row, Wording, worded
+from mikas.notebook.wording import ChannelLine, List, Wording, worded
 from mikas.recording.annotations.events import comment_note
 from mikas.recording.capture.reader import Problem
 from mikas.recording.capture.writer import append_note
@@ -208,7 +208,7 @@ numbers = st.floats(allow_nan=True, allow_infinity=True)
 def test_hostile_texts_are_escaped(text, cells, curve):
     wording = Wording(
         "ru", text, [(text, text)], [List(text, [text, "<script>"], text)], (text,) * 6,
-        [Row(tuple(cells), tuple(sorted(curve)))],
+        [ChannelLine(tuple(cells), tuple(sorted(curve)))],
     )  # fmt: skip
     root = ET.fromstring(html_of(wording))
     assert {each.tag for each in root.iter()} <= {

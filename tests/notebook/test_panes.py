@@ -12,7 +12,7 @@ from mikas.catalog import shipped
 from mikas.i18n import Text
 from mikas.notebook.panes import DAY, FIRST, MOST, NIGHT, by_unit, coloured, first_panes
 from mikas.notebook.time_axis import elapsed, round_times, step_of, time_of_day
-from mikas.notebook.value_axes import Line, Scale, axes_of, scale_of, stacked_axes
+from mikas.notebook.value_axes import AxisLine, Scale, axes_of, scale_of, stacked_axes
 from mikas.recording.table.channels import Channel
 
 WEB = Path(__file__).parents[2] / "web" / "src"
@@ -78,7 +78,7 @@ def test_the_axes_are_those_of_the_page():
     assert len(cases) > 50
     for case in cases:
         lines = [
-            Line(
+            AxisLine(
                 Scale(
                     it["name"],
                     it["unit"] or f"own {it['name']}",
@@ -108,7 +108,7 @@ def test_a_scale_is_what_the_catalog_says():
 def test_stacked_lines_have_lanes_from_the_top():
     scales = [Scale("A", "x"), Scale("B", "x"), Scale("C", "own C", is_flag=True)]
     seen = [(0.0, 100.0), (5.0, 5.0), (0.0, 1.0)]
-    axes = stacked_axes([Line(*both) for both in zip(scales, seen, strict=True)])
+    axes = stacked_axes([AxisLine(*both) for both in zip(scales, seen, strict=True)])
     for lane, (axis, (low, high)) in enumerate(zip(axes, seen, strict=True)):
         for value in (low, high):
             height = (value - axis.low) / (axis.high - axis.low)

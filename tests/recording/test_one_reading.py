@@ -15,7 +15,7 @@ from mikas.client.connecting import ConnectionOptions
 from mikas.dashboard.library.folder import RecordingFolder
 from mikas.dashboard.library.references import References
 from mikas.dashboard.library.service import RecordingService
-from mikas.fleet.interpreting import Settings, interpret
+from mikas.fleet.interpreting import InterpretingSettings, interpret
 from mikas.guided.loading import load as load_tests
 from mikas.guided.recorded import run_over
 from mikas.recording.export import export
@@ -42,7 +42,7 @@ def exported(recording: Recording, out: Path) -> None:
 def compared(path: Path, folder: Path) -> None:
     for interpretation in ("corrected", "literal"):
         (made := folder / interpretation).mkdir()
-        interpret(path, path.name, "ab" * 16, Settings(shipped(), interpretation), made)
+        interpret(path, path.name, "ab" * 16, InterpretingSettings(shipped(), interpretation), made)
 
 
 CONSUMERS: dict[str, tuple[Callable[[Path, Path], object], int]] = {

@@ -20,7 +20,7 @@ from mikas.recording.exchanges.scalar import scalar_exchanges
 from mikas.replay import behaviour as replay_habits
 from mikas.replay.build import build
 from mikas.replay.builder import ReplayBuilder
-from mikas.replay.model import Latest, Series
+from mikas.replay.model import ChangingValue, Series
 
 FEW = 3  # delays that are enough, so that runs begin early
 
@@ -33,7 +33,7 @@ def plain(value):
             value.times.tolist(),
             [value.datum(index, 0, value.size) for index in range(len(value.times))],
         )
-    if isinstance(value, Latest):
+    if isinstance(value, ChangingValue):
         return value.times.tolist(), value.values
     if isinstance(value, dict):
         return {key: plain(each) for key, each in value.items()}

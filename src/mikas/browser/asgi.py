@@ -1,8 +1,8 @@
 """Requests and WebSockets of the page, answered by the application as it is: ASGI without a socket.
 
-The page sends messages (`web/src/site/program/messages.ts`); `take` is called for each, outside of
-every thread of Python. The answers go out through `Page`. The application sees a client on its own
-computer: the page of this very tab.
+The page sends messages (`web/src/site/program/messages.ts`); `receive_message` is called for each,
+outside of every thread of Python. The answers go out through `BrowserPage`. The application sees a
+client on its own computer: the page of this very tab.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ _BUG: Final = 1011
 _FORBIDDEN: Final = 1008
 
 
-class Page(Protocol):
+class BrowserPage(Protocol):
     """The page's end; each call is one message to it."""
 
     def head(self, id: int, status: int, headers: Sequence[tuple[str, str]], /) -> None: ...  # noqa: A002
@@ -43,7 +43,7 @@ class Page(Protocol):
 class PageServer:
     """Answers the page of this tab by `app`; made in the event loop's thread."""
 
-    def __init__(self, app: ASGIApp, page: Page) -> None:
+    def __init__(self, app: ASGIApp, page: BrowserPage) -> None:
         self._app, self._page = app, page
         self._loop = asyncio.get_running_loop()
         self._inboxes: dict[int, asyncio.Queue[dict[str, Any]]] = {}

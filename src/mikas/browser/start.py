@@ -23,7 +23,7 @@ from mikas.browser.event_loop import EventLoop
 from mikas.cancellation import at_each_check
 
 if TYPE_CHECKING:
-    from mikas.browser.asgi import Page, PageServer
+    from mikas.browser.asgi import BrowserPage, PageServer
     from mikas.dashboard.dashboard import Dashboard
 
 Role = Literal["line", "reader"]
@@ -39,7 +39,7 @@ _ALL: Final = 60  # such looks; then among all objects since the start
 class Host(green_threads.Stacks, Protocol):
     """The module `mikas_host`: what JavaScript hands in."""
 
-    page: Page
+    page: BrowserPage
 
 
 def prepare(host: Host, run_sync: Callable[..., Any]) -> None:
@@ -78,7 +78,7 @@ def begin(host: Host, role: Role) -> Take:
 
 
 async def _run(
-    page: Page, role: Role, result: list[Take | BaseException], started: threading.Event
+    page: BrowserPage, role: Role, result: list[Take | BaseException], started: threading.Event
 ) -> None:
     from mikas.browser.asgi import PORT, PageServer
     from mikas.dashboard.app import create_app

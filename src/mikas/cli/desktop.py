@@ -49,7 +49,7 @@ def show_failure(text: str, details: str = "") -> None:
     title = tr("mikas did not start", "mikas не запустился")
     page = _PAGE.format(title=title, text=escape(text), details=escape(details))
 
-    class Server(HTTPServer):
+    class DesktopServer(HTTPServer):
         """Waits until a browser has the page, or none comes."""
 
         timeout = _PATIENCE
@@ -74,7 +74,7 @@ def show_failure(text: str, details: str = "") -> None:
         def log_message(self, *_: object) -> None:
             """Say nothing."""
 
-    with Server(("127.0.0.1", 0), Page) as server:
+    with DesktopServer(("127.0.0.1", 0), Page) as server:
         if open_page(f"http://127.0.0.1:{server.server_port}/"):
             while server.waiting:
                 server.handle_request()

@@ -20,9 +20,9 @@ from mikas.errors import FleetError, usage_error
 from mikas.fleet.cars import plate_key
 from mikas.fleet.executors import Runner
 from mikas.fleet.growing import earlier, longer, settle
-from mikas.fleet.interpreting import Settings
-from mikas.fleet.job import Outcome, work
-from mikas.fleet.ledger import Entry, Ledger, begin
+from mikas.fleet.interpreting import InterpretingSettings
+from mikas.fleet.job import FileOutcome, work
+from mikas.fleet.ledger import Ledger, LedgerEntry, begin
 from mikas.fleet.places import FoundFile, as_path, is_url, recordings_in, shown
 from mikas.fleet.stores import store
 from mikas.fleet.tables import RESERVED
@@ -57,7 +57,7 @@ class Added:
 
 
 @dataclass(frozen=True, slots=True)
-class Plan:
+class AddingPlan:
     """The files to look at, the number of those that are as they were, and the entries that do not
     count any more, as their tables are gone.
     """
@@ -65,7 +65,7 @@ class Plan:
     files: tuple[FoundFile, ...]
     skipped: int
     ledger: Ledger
-    lost: tuple[Entry, ...] = ()
+    lost: tuple[LedgerEntry, ...] = ()
 
 
 def check_names(catalog: Catalog) -> None:
@@ -78,7 +78,7 @@ def check_names(catalog: Catalog) -> None:
             )
 
 
-def plan(places: Iterable[str], dataset: str, settings: Settings) -> Plan:
+def plan(places: Iterable[str], dataset: str, settings: InterpretingSettings) -> AddingPlan:
     """Return what there is to do. Raises `FleetError`, `MissingExtra`, `UsageError`."""
     check_names(settings.catalog)
     if settings.car and not plate_key(settings.car):
@@ -99,15 +99,15 @@ def plan(places: Iterable[str], dataset: str, settings: Settings) -> Plan:
         if entry is None or not entry.is_current(settings.version, settings.car):
             files.append(file)
     files.sort(key=lambda file: (file.bytes, file.url))  # an earlier state before the later one
-    return Plan(tuple(files), len(found) - len(files), ledger, tuple(lost))
+    return AddingPlan(tuple(files), len(found) - len(files), ledger, tuple(lost))
 
 
 def add(
-    planned: Plan,
+    planned: AddingPlan,
     dataset: str,
-    settings: Settings,
+    settings: InterpretingSettings,
     runner: Runner,
-    on_file: Callable[[Outcome], None] = lambda _: None,
+    on_file: Callable[[FileOutcome], None] = lambda _: None,
 ) -> Added:
     """Do it and close the runner; `on_file` is called after each file. Raises `FleetError`."""
     result = Added(skipped=planned.skipped)
@@ -138,7 +138,7 @@ def add(
     return result
 
 
-def _take(outcome: Outcome, ledger: Ledger, result: Added) -> str | None:
+def _take(outcome: FileOutcome, ledger: Ledger, result: Added) -> str | None:
     """Let a recording count. Return the car that was given for an earlier state of it, if its
     tables are to be made again for that car.
     """
@@ -184,12 +184,12 @@ def _take(outcome: Outcome, ledger: Ledger, result: Added) -> str | None:
     return None
 
 
-def _skip(file: FoundFile, entry: Entry, ledger: Ledger, result: Added) -> None:
+def _skip(file: FoundFile, entry: LedgerEntry, ledger: Ledger, result: Added) -> None:
     result.skipped += 1
     ledger.note_source(entry.key, file.url, file.stamp)
 
 
-def _remove_tables(entry: Entry, ledger: Ledger) -> None:
+def _remove_tables(entry: LedgerEntry, ledger: Ledger) -> None:
     """Remove the tables of an entry that does not come to count."""
     for name in entry.files:
         ledger.files.remove(name)

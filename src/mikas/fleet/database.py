@@ -81,7 +81,7 @@ class Database:
             self._registered = False
         self._connection.close()
 
-    def ask(self, sql: str) -> Answer:
+    def ask(self, sql: str) -> QueryRows:
         """Return the answer to one SELECT, DESCRIBE, SUMMARIZE or EXPLAIN. Raises `UsageError`;
         `FleetError` for a file of the dataset that can't be read.
         """
@@ -97,7 +97,7 @@ class Database:
         with self.errors_of(sql):
             self._run(lambda: self._connection.execute(sql))
             names = [column[0] for column in self._connection.description or ()]
-        return Answer(self, sql, names)
+        return QueryRows(self, sql, names)
 
     def rows(self, sql: str, *values: object) -> list[tuple[Any, ...]]:
         """Return all rows of a question of the program's own. Raises `FleetError`."""
@@ -191,7 +191,7 @@ class Database:
         run("SET lock_configuration = true")
 
 
-class Answer:
+class QueryRows:
     """The rows of an answer, read as they are needed."""
 
     def __init__(self, database: Database, sql: str, columns: list[str]) -> None:

@@ -18,14 +18,14 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 from mikas.errors import FleetError, MissingExtra, usage_error
-from mikas.fleet.job import Outcome
+from mikas.fleet.job import FileOutcome
 from mikas.fleet.places import FoundFile
 from mikas.i18n import Text
 
 if TYPE_CHECKING:
     from multiprocessing.connection import Connection
 
-Work: TypeAlias = Callable[[FoundFile], Outcome]
+Work: TypeAlias = Callable[[FoundFile], FileOutcome]
 _EACH: Final = 2  # jobs under way for each worker
 _PORT: Final = 8786  # of a Dask scheduler, if none is named
 _LOOK: Final = 0.5  # s; a wait without an end can't be interrupted everywhere
@@ -62,7 +62,7 @@ class Runner(ABC):
     window: int
 
     @abstractmethod
-    def submit(self, work: Work, file: FoundFile) -> Future[Outcome]:
+    def submit(self, work: Work, file: FoundFile) -> Future[FileOutcome]:
         """Begin a job."""
 
     @abstractmethod
@@ -70,12 +70,14 @@ class Runner(ABC):
         """End; a job under way is dropped."""
 
     @abstractmethod
-    def failed(self, work: Work, files: list[FoundFile], error: BaseException) -> Iterator[Outcome]:
+    def failed(
+        self, work: Work, files: list[FoundFile], error: BaseException
+    ) -> Iterator[FileOutcome]:
         """Yield the outcomes of jobs that failed by `error`; raise it if all would."""
 
-    def outcomes(self, work: Work, files: Iterable[FoundFile]) -> Iterator[Outcome]:
+    def outcomes(self, work: Work, files: Iterable[FoundFile]) -> Iterator[FileOutcome]:
         """Yield the outcomes as they come."""
-        waiting: dict[Future[Outcome], FoundFile] = {}
+        waiting: dict[Future[FileOutcome], FoundFile] = {}
         for file in files:
             waiting[self.submit(work, file)] = file
             while len(waiting) >= self.window:
@@ -83,7 +85,9 @@ class Runner(ABC):
         while waiting:
             yield from self._some(work, waiting)
 
-    def _some(self, work: Work, waiting: dict[Future[Outcome], FoundFile]) -> Iterator[Outcome]:
+    def _some(
+        self, work: Work, waiting: dict[Future[FileOutcome], FoundFile]
+    ) -> Iterator[FileOutcome]:
         done, _ = wait(waiting, timeout=_LOOK, return_when=FIRST_COMPLETED)
         for future in done:
             file = waiting.pop(future, None)
@@ -108,14 +112,16 @@ class ProcessRunner(Runner):
         self.window = workers * _EACH
         self._pool, self._lifeline = self._start(workers)
 
-    def submit(self, work: Work, file: FoundFile) -> Future[Outcome]:
+    def submit(self, work: Work, file: FoundFile) -> Future[FileOutcome]:
         return self._pool.submit(work, file)
 
     def close(self) -> None:
         self._lifeline.close()
         self._pool.shutdown(wait=True, cancel_futures=True)
 
-    def failed(self, work: Work, files: list[FoundFile], error: BaseException) -> Iterator[Outcome]:
+    def failed(
+        self, work: Work, files: list[FoundFile], error: BaseException
+    ) -> Iterator[FileOutcome]:
         """A worker has died, and which of the files was the cause is not known: each alone."""
         if not isinstance(error, BrokenProcessPool):
             raise error
@@ -126,11 +132,11 @@ class ProcessRunner(Runner):
             try:
                 yield self._result(future)
             except BrokenProcessPool:
-                yield Outcome(file, bad=_DIED)
+                yield FileOutcome(file, bad=_DIED)
         self.close()
         self._pool, self._lifeline = self._start(self._workers)
 
-    def _result(self, future: Future[Outcome]) -> Outcome:
+    def _result(self, future: Future[FileOutcome]) -> FileOutcome:
         while True:
             with suppress(TimeoutError):
                 return future.result(timeout=_LOOK)
@@ -186,18 +192,20 @@ class DaskRunner(Runner):
         self.window = threads * _EACH
         self._executor: Executor = self._client.get_executor(pure=False)
 
-    def submit(self, work: Work, file: FoundFile) -> Future[Outcome]:
+    def submit(self, work: Work, file: FoundFile) -> Future[FileOutcome]:
         return self._executor.submit(work, file)
 
     def close(self) -> None:
         with suppress(Exception):  # the scheduler may be gone
             self._client.close(timeout=2)
 
-    def failed(self, _: Work, files: list[FoundFile], error: BaseException) -> Iterator[Outcome]:
+    def failed(
+        self, _: Work, files: list[FoundFile], error: BaseException
+    ) -> Iterator[FileOutcome]:
         kind = type(error).__name__
         if kind == "KilledWorker":
             for file in files:
-                yield Outcome(file, bad=_DIED)
+                yield FileOutcome(file, bad=_DIED)
             return
         is_lost = isinstance(error, OSError | CancelledError) or "Cancelled" in kind
         raise FleetError(self._place, _LOST if is_lost else _UNFIT) from error

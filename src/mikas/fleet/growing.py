@@ -12,11 +12,13 @@ from dataclasses import replace
 
 from mikas.errors import MikasError
 from mikas.fleet.job import digest_of
-from mikas.fleet.ledger import Entry, Ledger
+from mikas.fleet.ledger import Ledger, LedgerEntry
 from mikas.fleet.places import FoundFile, as_local, shown
 
 
-def earlier(file: FoundFile, entry: Entry, ledger: Ledger) -> Iterator[tuple[Entry, bool]]:
+def earlier(
+    file: FoundFile, entry: LedgerEntry, ledger: Ledger
+) -> Iterator[tuple[LedgerEntry, bool]]:
     """Yield the entries that `entry`, of `file`, replaces, each with whether it begins with it."""
     for known in ledger.entries.values():
         if known.key != entry.key and _are_near(known, entry):
@@ -25,7 +27,7 @@ def earlier(file: FoundFile, entry: Entry, ledger: Ledger) -> Iterator[tuple[Ent
                 yield known, is_beginning
 
 
-def longer(file: FoundFile, entry: Entry, ledger: Ledger) -> Entry | None:
+def longer(file: FoundFile, entry: LedgerEntry, ledger: Ledger) -> LedgerEntry | None:
     """Return the recording in the dataset that begins with the content of `entry`, of `file`."""
     for known in ledger.entries.values():
         if entry.key in known.replaces:
@@ -36,7 +38,7 @@ def longer(file: FoundFile, entry: Entry, ledger: Ledger) -> Entry | None:
 
 def settle(ledger: Ledger) -> None:
     """Let no two states of a recording count that runs have added at the same time."""
-    by_first: dict[str, list[Entry]] = {}
+    by_first: dict[str, list[LedgerEntry]] = {}
     for entry in sorted(ledger.entries.values(), key=lambda each: each.bytes):
         by_first.setdefault(entry.heads[0] if entry.heads else "", []).append(entry)
     for alike in by_first.values():
@@ -50,21 +52,21 @@ def settle(ledger: Ledger) -> None:
                 ledger.commit(whole, [entry])
 
 
-def _is_longer(known: Entry, entry: Entry) -> bool:
+def _is_longer(known: LedgerEntry, entry: LedgerEntry) -> bool:
     """Return whether `known` begins with the content of `entry`, as far as it can be read."""
     if known.bytes <= entry.bytes or not _are_near(known, entry):
         return False
     return any(_begins(url, entry) for url in known.sources)
 
 
-def _are_near(one: Entry, other: Entry) -> bool:
+def _are_near(one: LedgerEntry, other: LedgerEntry) -> bool:
     """Return whether their first bytes are the same, as many as both have."""
     if one.heads[:1] != other.heads[:1] and one.heads and other.heads:
         return False  # most are: quickly
     return all(a == b for a, b in zip(one.heads, other.heads, strict=False))
 
 
-def _begins(url: str, entry: Entry) -> bool:
+def _begins(url: str, entry: LedgerEntry) -> bool:
     with suppress(OSError, MikasError), as_local(url) as path:
         return digest_of(path, entry.bytes)[0] == entry.sha256
     return False

@@ -19,7 +19,7 @@ from mikas.cleaning import clean_line
 from mikas.commands.unit import version_text
 from mikas.errors import CaptureError
 from mikas.fleet.cars import CarKey, car_key, partition
-from mikas.fleet.states import State, StateCollector
+from mikas.fleet.states import DriveState, StateCollector
 from mikas.fleet.writing import TableWriter, timestamp
 from mikas.i18n import Text
 from mikas.recording.annotations.car import car_of
@@ -42,7 +42,7 @@ NOTHING = Text(
 
 
 @dataclass(frozen=True, slots=True)
-class Settings:
+class InterpretingSettings:
     """What decides, besides the bytes, on the rows. `car`: given for all; empty: it is not."""
 
     catalog: Catalog
@@ -90,7 +90,9 @@ class _Drive:
             self.ended = last if self.ended is None else max(self.ended, last)
 
 
-def interpret(path: Path, name: str, key: str, settings: Settings, folder: Path) -> Interpreted:
+def interpret(
+    path: Path, name: str, key: str, settings: InterpretingSettings, folder: Path
+) -> Interpreted:
     """Write the tables of a recording into `folder`. `name`: of its file; `key`: of its content.
 
     Raises `CaptureError` for a file without a recording, `OSError` for a full disk.
@@ -143,7 +145,7 @@ class _Reader:
     read. Collected values are kept for the present session only.
     """
 
-    def __init__(self, recording: Recording, settings: Settings) -> None:
+    def __init__(self, recording: Recording, settings: InterpretingSettings) -> None:
         self.recording = recording
         self.count = 0
         self.finished: list[_Drive] = []
@@ -243,7 +245,9 @@ _Row: TypeAlias = tuple[str, float | None, dict[str, object]]
 class _SmallRows:
     """The rows of the small tables."""
 
-    def __init__(self, reader: _Reader, name: str, key: str, settings: Settings) -> None:
+    def __init__(
+        self, reader: _Reader, name: str, key: str, settings: InterpretingSettings
+    ) -> None:
         self._reader, self._name, self._key = reader, name, key
         self._settings = settings
         self.seconds, self.rows = 0.0, 0
@@ -260,9 +264,9 @@ class _SmallRows:
         mine = self._reader.notes[drive.source.recording]
         unit = unit_of(mine, self._settings.catalog)
         yield "drives", began, self._drive(drive, identity, began, unit, len(heard))
-        states: dict[tuple[str, State], ChannelStatistics] = {
-            **{(name, State.ALL): stats for name, stats in measured.whole.items()},
-            **{(name, State.WARM_IDLE): stats for name, stats in measured.at_idle.items()},
+        states: dict[tuple[str, DriveState], ChannelStatistics] = {
+            **{(name, DriveState.ALL): stats for name, stats in measured.whole.items()},
+            **{(name, DriveState.WARM_IDLE): stats for name, stats in measured.at_idle.items()},
             **drive.states.statistics(),
         }
         for (name, state), stats in states.items():

@@ -14,14 +14,14 @@ from typing import TYPE_CHECKING, Final
 
 from mikas.errors import CaptureError, FleetError, MikasError, UnfitFile, reason_of
 from mikas.files import open_regular
-from mikas.fleet.ledger import FOLDER, MARKER, Entry, read_entry
+from mikas.fleet.ledger import FOLDER, MARKER, LedgerEntry, read_entry
 from mikas.fleet.places import FoundFile, as_local, shown
 from mikas.fleet.stores import store
 from mikas.i18n import Text
 from mikas.recording.capture.reader import CaptureReader
 
 if TYPE_CHECKING:
-    from mikas.fleet.interpreting import Settings
+    from mikas.fleet.interpreting import InterpretingSettings
 
 _BLOCK: Final = 1 << 20
 STEP: Final = 512
@@ -49,43 +49,45 @@ _BUG: Final = Text(
 
 
 @dataclass(frozen=True, slots=True)
-class Outcome:
+class FileOutcome:
     """What became of a file. `entry`: of its recording; `is_new`: its tables were written now;
     without an entry: `bad`, why nothing was read; `ends`: it would be the same for every other
     file.
     """
 
     file: FoundFile
-    entry: Entry | None = None
+    entry: LedgerEntry | None = None
     is_new: bool = False
     bad: Text | None = None
     ends: bool = False
 
 
-def work(file: FoundFile, dataset: str, settings: Settings, run: str = "") -> Outcome:
+def work(
+    file: FoundFile, dataset: str, settings: InterpretingSettings, run: str = ""
+) -> FileOutcome:
     """Add the tables of one recording to the dataset, unless its entry says that they are there.
 
     `run`: the name of the run, by which its unfinished files are known.
     """
     if file.bad is not None:
-        return Outcome(file, bad=file.bad)
+        return FileOutcome(file, bad=file.bad)
     if file.bytes > LARGEST:
-        return Outcome(file, bad=_TOO_LARGE)
+        return FileOutcome(file, bad=_TOO_LARGE)
     try:
         return _work(file, dataset, settings, run)
     except CaptureError as error:
-        return Outcome(file, bad=error.problem)
+        return FileOutcome(file, bad=error.problem)
     except FleetError as error:
-        return Outcome(file, bad=error.problem, ends=error.place != shown(file.url))
+        return FileOutcome(file, bad=error.problem, ends=error.place != shown(file.url))
     except MikasError as error:
-        return Outcome(file, bad=error.reason)
+        return FileOutcome(file, bad=error.reason)
     except (UnfitFile, OSError) as error:
-        return Outcome(file, bad=reason_of(error), ends=error.errno in _NO_ROOM)
+        return FileOutcome(file, bad=reason_of(error), ends=error.errno in _NO_ROOM)
     except Exception as error:  # one file must not end the work on all others
-        return Outcome(file, bad=_BUG.filled(kind=f"{type(error).__name__}: {error}"[:300]))
+        return FileOutcome(file, bad=_BUG.filled(kind=f"{type(error).__name__}: {error}"[:300]))
 
 
-def _work(file: FoundFile, dataset: str, settings: Settings, run: str) -> Outcome:
+def _work(file: FoundFile, dataset: str, settings: InterpretingSettings, run: str) -> FileOutcome:
     from mikas.fleet.interpreting import interpret
 
     target = store(dataset)
@@ -97,7 +99,7 @@ def _work(file: FoundFile, dataset: str, settings: Settings, run: str) -> Outcom
         key = digest[:32]
         if (known := target.read(f"{FOLDER}/{key}.json")) and (entry := read_entry(known)):
             if entry.is_current(settings.version, settings.car):
-                return Outcome(file, entry)
+                return FileOutcome(file, entry)
             settings = replace(settings, car=settings.car or entry.given)
         name = PurePath(shown(file.url)).name
         with target.workshop(run) as folder:
@@ -105,11 +107,11 @@ def _work(file: FoundFile, dataset: str, settings: Settings, run: str) -> Outcom
             for each, part in made.files.items():
                 target.put(each, part)
     sources = {shown(file.url): file.stamp} if file.stamp else {}
-    entry = Entry(
+    entry = LedgerEntry(
         key, digest, size, _heads(opening), settings.version, settings.car, made.car, made.drives,
         made.rows, made.seconds, made.damaged, tuple(made.files), sources,
     )  # fmt: skip
-    return Outcome(file, entry, is_new=True)
+    return FileOutcome(file, entry, is_new=True)
 
 
 def _heads(opening: bytes) -> tuple[str, ...]:

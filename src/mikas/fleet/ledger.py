@@ -49,7 +49,7 @@ _LATER: Final = Text(
 
 
 @dataclass(frozen=True, slots=True)
-class Entry:
+class LedgerEntry:
     """One recording. `heads`: digests of its beginning; `version`: of what interpreted it; `given`:
     the car given for it; `sources`: where it was found, each with its stamp then; `replaces`: its
     beginnings, which count no more, whoever writes them.
@@ -81,20 +81,20 @@ class Entry:
         return self.version == version and given in ("", self.given)
 
 
-def read_entry(data: bytes) -> Entry | None:
+def read_entry(data: bytes) -> LedgerEntry | None:
     """Return an entry; None for a damaged one: its recording is added again."""
     try:
         value = clean_json(json.loads(data))
-        known = {name: value[name] for name in Entry.__dataclass_fields__ if name in value}
+        known = {name: value[name] for name in LedgerEntry.__dataclass_fields__ if name in value}
         for name in ("heads", "files", "replaces", "obsolete"):
             known[name] = tuple(map(str, known.get(name, ())))
-        entry = Entry(**known)
+        entry = LedgerEntry(**known)
     except (ValueError, TypeError, RecursionError):
         return None
     return entry if _is_sound(entry) else None
 
 
-def _is_sound(entry: Entry) -> bool:
+def _is_sound(entry: LedgerEntry) -> bool:
     """Return whether its names are those of a dataset: they are read and removed."""
     gone = (_DATA.fullmatch(name) or _ENTRY.fullmatch(name) for name in entry.obsolete)
     if not isinstance(entry.sources, dict):
@@ -115,7 +115,7 @@ class Ledger:
 
     def __init__(self, files: Store) -> None:
         self.files = files
-        self.entries: dict[str, Entry] = {}
+        self.entries: dict[str, LedgerEntry] = {}
         self.refresh()
 
     def refresh(self) -> None:
@@ -127,7 +127,7 @@ class Ledger:
         gone |= {f"{FOLDER}/{key}.json" for entry in found.values() for key in entry.replaces}
         self.entries = {key: entry for key, entry in found.items() if entry.name not in gone}
 
-    def commit(self, entry: Entry, older: Iterable[Entry] = ()) -> None:
+    def commit(self, entry: LedgerEntry, older: Iterable[LedgerEntry] = ()) -> None:
         """Let an entry count, and its former self and `older` ones no more."""
         gone: list[str] = []
         before = self.entries.get(entry.key)
@@ -141,14 +141,14 @@ class Ledger:
         self.entries[entry.key] = entry
         self.clear(entry)
 
-    def clear(self, entry: Entry) -> None:
+    def clear(self, entry: LedgerEntry) -> None:
         """Remove what an entry has made obsolete."""
         if entry.obsolete:
             for name in entry.obsolete:
                 self.files.remove(name)
             self._change(replace(entry, obsolete=()))
 
-    def drop_lost(self) -> list[Entry]:
+    def drop_lost(self) -> list[LedgerEntry]:
         """Let no entry count whose files are gone; return those entries."""
         lost = self._lost()
         if lost:  # or replaced by another run, while they were looked for
@@ -159,7 +159,7 @@ class Ledger:
             del self.entries[entry.key]
         return lost
 
-    def _lost(self) -> list[Entry]:
+    def _lost(self) -> list[LedgerEntry]:
         every = self.entries.values()
         gone = self.files.missing(name for entry in every for name in entry.files)
         return [entry for entry in every if not gone.isdisjoint(entry.files)]
@@ -171,7 +171,7 @@ class Ledger:
             sources = {**entry.sources, shown(url): stamp}
             self._change(replace(entry, sources=sources))
 
-    def _change(self, entry: Entry) -> None:
+    def _change(self, entry: LedgerEntry) -> None:
         """Write an entry that is there, unless another run has replaced it meanwhile."""
         if self.files.read(entry.name) is None:
             del self.entries[entry.key]
@@ -179,7 +179,7 @@ class Ledger:
             self.entries[entry.key] = entry
             self._write(entry)
 
-    def _write(self, entry: Entry) -> None:
+    def _write(self, entry: LedgerEntry) -> None:
         text = json.dumps(asdict(entry), ensure_ascii=False, indent=1)
         self.files.write(entry.name, text.encode())
 

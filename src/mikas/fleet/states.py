@@ -36,7 +36,7 @@ ABOVE_IDLE: Final = IdleRule(
 )
 
 
-class State(StrEnum):
+class DriveState(StrEnum):
     """A state of the engine in a drive."""
 
     ALL = "all"  # whatever it did
@@ -52,8 +52,8 @@ class StateCollector:
         self._running = ChannelWatch(RUNNING, SPEED)
         self._above = ChannelWatch(ABOVE_IDLE, SPEED)
         self._counts = {
-            (VOLTAGE, State.ABOVE_IDLE): ValueCounts(catalog.channel(VOLTAGE).decimals + 1),
-            (COOLANT, State.WARMED_UP): ValueCounts(catalog.channel(COOLANT).decimals + 1),
+            (VOLTAGE, DriveState.ABOVE_IDLE): ValueCounts(catalog.channel(VOLTAGE).decimals + 1),
+            (COOLANT, DriveState.WARMED_UP): ValueCounts(catalog.channel(COOLANT).decimals + 1),
         }
         self._last = -inf  # the last row's time
         self._run = 0.0  # s that the engine has run
@@ -73,13 +73,13 @@ class StateCollector:
         run = self._run + np.cumsum(np.where(counted, steps, 0.0))
         self._last, self._run = float(times[-1]), float(run[-1])
         if (voltage := rows.values.get(VOLTAGE)) is not None:
-            self._counts[VOLTAGE, State.ABOVE_IDLE].add(voltage[above])
+            self._counts[VOLTAGE, DriveState.ABOVE_IDLE].add(voltage[above])
         if (coolant := rows.values.get(COOLANT)) is not None:
             settled = runs & (run >= WARMED_UP)
-            self._counts[COOLANT, State.WARMED_UP].add(coolant[settled])
+            self._counts[COOLANT, DriveState.WARMED_UP].add(coolant[settled])
             self._time_warm_up(coolant, run)
 
-    def statistics(self) -> dict[tuple[str, State], ChannelStatistics]:
+    def statistics(self) -> dict[tuple[str, DriveState], ChannelStatistics]:
         """Return the statistics of the states that had values."""
         found = {key: counts.stats() for key, counts in self._counts.items()}
         return {key: stats for key, stats in found.items() if stats is not None}

@@ -10,15 +10,15 @@ from __future__ import annotations
 from typing import Final, NamedTuple
 
 
-class Column(NamedTuple):
+class TableColumn(NamedTuple):
     """A column: its name and its type in duckdb."""
 
     name: str
     type: str
 
 
-def _columns(text: str) -> tuple[Column, ...]:
-    return tuple(Column(*line.split()) for line in text.strip().splitlines())
+def _columns(text: str) -> tuple[TableColumn, ...]:
+    return tuple(TableColumn(*line.split()) for line in text.strip().splitlines())
 
 
 SAMPLES: Final = _columns(
@@ -127,6 +127,6 @@ SMALL: Final = {
 """The tables whose rows are few."""
 
 TABLES: Final = {"samples": SAMPLES, **SMALL}
-PARTITIONS: Final = (Column("car", "VARCHAR"), Column("day", "DATE"))
+PARTITIONS: Final = (TableColumn("car", "VARCHAR"), TableColumn("day", "DATE"))
 RESERVED: Final = frozenset(column.name for column in (*SAMPLES, *PARTITIONS))
 """No channel may have such a name, in capitals or not: the columns would be one."""

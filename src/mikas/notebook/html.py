@@ -16,7 +16,7 @@ from markupsafe import Markup, escape
 from mikas.cleaning import clean_line
 from mikas.i18n import Language
 from mikas.notebook.overview import Curve
-from mikas.notebook.wording import COURSE, List, Row, Wording
+from mikas.notebook.wording import COURSE, ChannelLine, List, Wording
 
 _NUMBERS: Final = 3  # the first column of numbers
 _WIDTH, _HEIGHT = 120, 18
@@ -92,7 +92,7 @@ def _channels(wording: Wording) -> Markup:
     return _table("channels", [Markup("<tr>{}</tr>").format(head), *rows])
 
 
-def _row(row: Row, span: tuple[float, float]) -> Markup:
+def _row(row: ChannelLine, span: tuple[float, float]) -> Markup:
     cells = Markup("").join(
         _element("td", text, "number" if at >= _NUMBERS else "")
         for at, text in enumerate(row.cells)

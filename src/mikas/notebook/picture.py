@@ -22,7 +22,7 @@ from mikas.errors import usage_error
 from mikas.i18n import Text
 from mikas.notebook.interruptions import Span, course, reasons_of_gaps, span_of
 from mikas.notebook.panes import Pane, Trace, axis_key
-from mikas.notebook.value_axes import Axis, Line, axes_of, scale_of, stacked_axes
+from mikas.notebook.value_axes import Axis, AxisLine, axes_of, scale_of, stacked_axes
 from mikas.recording.annotations.car import car_of
 from mikas.recording.formatting import date_of
 from mikas.sampling.events import AlarmChanged, Event, Marker, UnitFound
@@ -212,7 +212,7 @@ class _Window:
         keys = [axis_key(trace.channel) for trace in pane]
         catalog = self._recording.catalog
         lines = [
-            Line(
+            AxisLine(
                 scale_of(catalog.channel(trace.channel.name), key),
                 self._seen(*columns),
                 bands.get(trace.channel.name),

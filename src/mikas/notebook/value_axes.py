@@ -37,7 +37,7 @@ class Scale:
 
 
 @dataclass(frozen=True, slots=True)
-class Line:
+class AxisLine:
     """A line. `seen`: its extremes, None without a value. `band`: a range drawn behind it."""
 
     scale: Scale
@@ -61,7 +61,7 @@ def scale_of(channel: Parameter | Derived, key: str) -> Scale:
     return Scale(channel.name, key, channel.is_flag, least, extent is None or extent[0] >= 0)
 
 
-def axes_of(lines: Sequence[Line]) -> list[Axis]:
+def axes_of(lines: Sequence[AxisLine]) -> list[Axis]:
     """Return the axis of each line; lines of one key have the same."""
     flags = [line for line in lines if line.scale.is_flag]
     axes = {line.scale.key: _lane(at, len(flags)) for at, line in enumerate(flags)}
@@ -75,7 +75,7 @@ def axes_of(lines: Sequence[Line]) -> list[Axis]:
     return [axes[line.scale.key] for line in lines]
 
 
-def stacked_axes(lines: Sequence[Line]) -> list[Axis]:
+def stacked_axes(lines: Sequence[AxisLine]) -> list[Axis]:
     """Return an axis for each line that places it in a lane of its own, the first at the top."""
     axes = []
     for at, line in enumerate(lines):
@@ -86,13 +86,13 @@ def stacked_axes(lines: Sequence[Line]) -> list[Axis]:
     return axes
 
 
-def _wanted(lines: Sequence[Line]) -> tuple[float, float]:
+def _wanted(lines: Sequence[AxisLine]) -> tuple[float, float]:
     """Return the least and the greatest value that the axis of `lines` has to show."""
     seen = [span for line in lines for span in (line.seen, line.band) if span is not None]
     return (min(low for low, _ in seen), max(high for _, high in seen)) if seen else (0.0, 0.0)
 
 
-def _fitted(lines: Sequence[Line], rank: int, count: int) -> Axis:
+def _fitted(lines: Sequence[AxisLine], rank: int, count: int) -> Axis:
     """Return the axis number `rank` of `count`, a constant line's height on which is its own."""
     low, high = _wanted(lines)
     finest = 16 * float_info.epsilon * max(abs(low), abs(high))  # both edges differ in any case
@@ -123,14 +123,14 @@ def _moved(axis: Axis, share: float) -> Axis:
     return replace(axis, low=axis.low - by, high=axis.high - by)
 
 
-def _heights(lines: Sequence[Line], axis: Axis) -> list[float]:
+def _heights(lines: Sequence[AxisLine], axis: Axis) -> list[float]:
     """Return the heights of the constant lines."""
     still = _STILL * (axis.high - axis.low)
     seen = [line.seen for line in lines if line.seen is not None]
     return [_height(axis, (low + high) / 2) for low, high in seen if high - low <= still]
 
 
-def _apart(lines: Sequence[Line], axis: Axis, taken: Sequence[float], count: int) -> Axis:
+def _apart(lines: Sequence[AxisLine], axis: Axis, taken: Sequence[float], count: int) -> Axis:
     """Move the axis until no constant line is at a height that is taken.
 
     If there is no room to move, it becomes longer.

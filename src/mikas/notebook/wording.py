@@ -74,7 +74,7 @@ class List:
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
+class ChannelLine:
     """A line of the table of channels: its cells as in `HEADINGS`, and its course."""
 
     cells: tuple[str, ...]
@@ -90,7 +90,7 @@ class Wording:
     facts: Sequence[tuple[str, str]]
     lists: Sequence[List]
     headings: tuple[str, ...]
-    rows: Sequence[Row]
+    rows: Sequence[ChannelLine]
 
 
 def worded(recording: Recording, overview: Overview, language: Language) -> Wording:
@@ -215,7 +215,7 @@ class _Words:
         since = f"{number(time - self._overview.zero, 1, self._language)} {self._to(_SECONDS)}"
         return f"{since} ({date:%H:%M:%S})" if date else since
 
-    def row(self, each: ChannelOverview) -> Row:
+    def row(self, each: ChannelOverview) -> ChannelLine:
         channel, language = each.channel, self._language
         known = self._catalog.channel(channel.name)
         unit = known.unit_text.to(language) if known.unit == channel.unit else channel.unit
@@ -226,7 +226,7 @@ class _Words:
             least, most = self._to(_ON.filled(share=percent(each.share))), ""
         rate = "" if each.rate is None else number(each.rate, 1 if each.rate < 10 else 0, language)
         name = f"{channel.name} ƒ" if each.is_derived else channel.name
-        return Row((name, self._to(channel.text), unit, least, most, rate), each.curve)
+        return ChannelLine((name, self._to(channel.text), unit, least, most, rate), each.curve)
 
     def _value(self, each: ChannelOverview, value: float | None) -> str:
         return "" if value is None else number(value, each.channel.decimals, self._language)

@@ -19,7 +19,7 @@ from mikas.errors import MikasError, NotSupported, WriteRefused
 from mikas.recording.exchanges.layouts import DATA, READ_LIST, WRITE_LIST, Layouts
 from mikas.recording.exchanges.refusals import RefusalResolver
 from mikas.replay.behaviour import EcuBehaviour
-from mikas.replay.model import Cells, Latest, ReplayData, Series
+from mikas.replay.model import Cells, ChangingValue, ReplayData, Series
 
 ROUNDING: Final = (
     0.0005  # s; far above the rounding of times, far below the time between two responses
@@ -174,7 +174,7 @@ class Contents:
             self._data.strokes.setdefault(stroke, array("d")).append(began)
 
     def _refuse(self, code: int, time: float) -> None:
-        refused = self._data.refused.setdefault(code, Latest())
+        refused = self._data.refused.setdefault(code, ChangingValue())
         if not refused.values:
             refused.add(0.0, value=False)
         refused.add(time, value=True)
@@ -209,7 +209,7 @@ class Contents:
     def _take_unknown(self, request: Request, body: bytes) -> bool | None:
         if request.body[0] in c.COMMANDS_BY_CODE:
             return False if body == ERROR else None
-        self._data.others.setdefault(request.body, Latest()).add(request.time, body)
+        self._data.others.setdefault(request.body, ChangingValue()).add(request.time, body)
         return True
 
     def _keep(

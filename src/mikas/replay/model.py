@@ -20,7 +20,7 @@ from mikas.virtual.quirks import EcuQuirks
 T = TypeVar("T")
 
 
-class Latest(Generic[T]):
+class ChangingValue(Generic[T]):
     """A value that changes seldom, with the times of its changes."""
 
     def __init__(self) -> None:
@@ -100,19 +100,19 @@ class ReplayData:
     frames: int = 0
     problems: int = 0
     places: dict[int, list[tuple[Series, int, int]]] = field(default_factory=dict)
-    version: Latest[int] = field(default_factory=Latest)
-    passports: tuple[Latest[str], ...] = field(
-        default_factory=lambda: tuple(Latest() for _ in range(8))
+    version: ChangingValue[int] = field(default_factory=ChangingValue)
+    passports: tuple[ChangingValue[str], ...] = field(
+        default_factory=lambda: tuple(ChangingValue() for _ in range(8))
     )
-    count: Latest[int] = field(default_factory=Latest)
-    faults: Latest[tuple[int, ...]] = field(default_factory=Latest)
+    count: ChangingValue[int] = field(default_factory=ChangingValue)
+    faults: ChangingValue[tuple[int, ...]] = field(default_factory=ChangingValue)
     cells: list[Cells] = field(default_factory=list)
     strokes: dict[int, array[float]] = field(default_factory=dict)
-    others: dict[bytes, Latest[bytes]] = field(default_factory=dict)
+    others: dict[bytes, ChangingValue[bytes]] = field(default_factory=dict)
     writable: set[int] = field(default_factory=set)
     silences: list[tuple[float, float]] = field(default_factory=list)
     holes: list[tuple[float, float]] = field(default_factory=list)
-    refused: dict[int, Latest[bool]] = field(default_factory=dict)
+    refused: dict[int, ChangingValue[bool]] = field(default_factory=dict)
     quirks: EcuQuirks = field(default_factory=EcuQuirks)
     refusals: dict[int, bytes | None] = field(default_factory=dict)
     answered: frozenset[int] = frozenset()
@@ -152,7 +152,7 @@ class ReplayData:
                 yield from command.CODES
         yield from (code for code, passport in self._passports() if not passport.values)
 
-    def _passports(self) -> Iterator[tuple[int, Latest[str]]]:
+    def _passports(self) -> Iterator[tuple[int, ChangingValue[str]]]:
         codes = c.ReadProgramPassport.CODES + c.ReadDataPassport.CODES
         return zip(codes, self.passports, strict=True)
 

@@ -33,7 +33,7 @@ _FAULTS = "17"  # air temperature: a fault to find and to erase, with the engine
 
 
 @dataclass(frozen=True, slots=True)
-class Start:
+class DashStart:
     """How `dash` was started. `folder`: where it can be found; `starting`: held until it serves."""
 
     folder: Path
@@ -79,7 +79,7 @@ def dash(context: CommandContext, options: DashboardOptions, *, desktop: bool) -
                 context.output.result({"url": running.url}, running.url)
                 open_page(running.url)
                 return
-        show_dashboard(context, options, Start(folder, desktop, start))
+        show_dashboard(context, options, DashStart(folder, desktop, start))
 
 
 @command(
@@ -122,7 +122,7 @@ def demo(
 
 
 def show_dashboard(
-    context: CommandContext, options: DashboardOptions, start: Start | None = None
+    context: CommandContext, options: DashboardOptions, start: DashStart | None = None
 ) -> None:
     """Print the address, then serve until Ctrl-C. `start` None: not to be found by others."""
     if context.capture is not None:
@@ -141,7 +141,7 @@ def _serve(
     context: CommandContext,
     options: DashboardOptions,
     ahead: PortAhead | None,
-    start: Start | None,
+    start: DashStart | None,
 ) -> None:
     from mikas.cli.config import own_tests
     from mikas.dashboard.dashboard import Dashboard

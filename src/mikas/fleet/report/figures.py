@@ -11,7 +11,7 @@ from mikas.catalog import Catalog
 from mikas.fleet.cars import KnownBy
 from mikas.fleet.database import Database
 from mikas.fleet.report.measures import MEASURES
-from mikas.fleet.states import State
+from mikas.fleet.states import DriveState
 from mikas.report.findings import FEWEST
 from mikas.report.measurements.warm_idle import ENOUGH
 
@@ -135,7 +135,11 @@ def _add_series(
     measures = {(each.name, each.state.value): each.key for each in MEASURES}
     for drive, channel, state, value in database.rows(_STATISTICS, FEWEST):
         key = measures.get((channel, state))
-        if key is None or drive not in dated or (state == State.WARM_IDLE and drive not in idle):
+        if (
+            key is None
+            or drive not in dated
+            or (state == DriveState.WARM_IDLE and drive not in idle)
+        ):
             continue
         if not any(channel in catalog.fault(code).sensor for code in stored.get(drive, ())):
             car, began = dated[drive]

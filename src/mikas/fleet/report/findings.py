@@ -18,7 +18,7 @@ from mikas.fleet.report.comparing import (
     value_of,
 )
 from mikas.fleet.report.figures import CarFigures, FleetFigures
-from mikas.fleet.report.measures import MEASURES, Measure
+from mikas.fleet.report.measures import MEASURES, CarMeasure
 from mikas.report.findings import Outcome
 from mikas.report.measurements.statistics import is_inside
 
@@ -27,7 +27,7 @@ from mikas.report.measurements.statistics import is_inside
 class StandsOut:
     """A measure in which the car differs from the others."""
 
-    measure: Measure
+    measure: CarMeasure
     outlier: Outlier
 
 
@@ -35,7 +35,7 @@ class StandsOut:
 class Changes:
     """A measure that changes over the drives."""
 
-    measure: Measure
+    measure: CarMeasure
     trend: Trend
 
 
@@ -43,7 +43,7 @@ class Changes:
 class OutOfRange:
     """A measure outside its normal range."""
 
-    measure: Measure
+    measure: CarMeasure
     value: float
     reference: tuple[float, float]
 
@@ -79,7 +79,7 @@ class CarFindings:
         return stored or bool(self.stands_out or self.changes or self.out_of_range)
 
     @property
-    def measures(self) -> tuple[Measure, ...]:
+    def measures(self) -> tuple[CarMeasure, ...]:
         """The measures of its findings."""
         every: tuple[OutOfRange | StandsOut | Changes, ...]
         every = (*self.out_of_range, *self.stands_out, *self.changes)
@@ -90,7 +90,7 @@ class CarFindings:
 class FleetValue:
     """A measure over the cars that have a value."""
 
-    measure: Measure
+    measure: CarMeasure
     cars: int
     median: float
     low: float
@@ -107,8 +107,8 @@ class FleetFindings:
     figures: FleetFigures
     cars: tuple[CarFindings, ...]
     values: tuple[FleetValue, ...]
-    compared: tuple[Measure, ...]
-    not_compared: tuple[Measure, ...]
+    compared: tuple[CarMeasure, ...]
+    not_compared: tuple[CarMeasure, ...]
     followed: int
 
     @property
@@ -145,7 +145,7 @@ def find(figures: FleetFigures, catalog: Catalog) -> FleetFindings:
     )
 
 
-def _fleet_value(measure: Measure, values: dict[str, float]) -> FleetValue:
+def _fleet_value(measure: CarMeasure, values: dict[str, float]) -> FleetValue:
     every = values.values()
     return FleetValue(measure, len(every), median(every), min(every), max(every))
 

@@ -14,7 +14,7 @@ from markupsafe import Markup
 
 from mikas.cancellation import check_cancelled
 from mikas.fleet.report.findings import CarFault, CarFindings, FleetFindings, FleetValue
-from mikas.fleet.report.measures import MEASURES, Measure
+from mikas.fleet.report.measures import MEASURES, CarMeasure
 from mikas.fleet.report.sentences import (
     CARS,
     DRIVES,
@@ -177,7 +177,7 @@ def _charts(
     last = max(each.figures.last for each in found.cars if each.figures.last)
     seconds = _ROOM * (last - began).total_seconds()
     for key in keys[:CHARTS]:
-        measure: Measure = measures[key]
+        measure: CarMeasure = measures[key]
         channel = measure.channel(found.catalog)
         title = f"{measure.title.to(language)}, {channel.unit_text.to(language)}"
         times = [(time - began).total_seconds() for time, _ in car.figures.series[key]]

@@ -17,7 +17,7 @@ from mikas.fleet.report.findings import (
     OutOfRange,
     StandsOut,
 )
-from mikas.fleet.report.measures import Measure
+from mikas.fleet.report.measures import CarMeasure
 from mikas.i18n import Language, Text, counted
 from mikas.recording.formatting import band, number, with_unit
 from mikas.report.findings import Outcome
@@ -195,15 +195,15 @@ def _changes(changing: Changes, found: FleetFindings) -> Text:
     )
 
 
-def _value(measure: Measure, value: float, found: FleetFindings, language: Language) -> str:
+def _value(measure: CarMeasure, value: float, found: FleetFindings, language: Language) -> str:
     return with_unit(value, measure.channel(found.catalog), language)
 
 
-def _digits(measure: Measure, value: float, found: FleetFindings, language: Language) -> str:
+def _digits(measure: CarMeasure, value: float, found: FleetFindings, language: Language) -> str:
     return number(value, measure.channel(found.catalog).decimals, language)
 
 
-def _listed(measures: tuple[Measure, ...]) -> Text:
+def _listed(measures: tuple[CarMeasure, ...]) -> Text:
     return Text(
         ", ".join(each.text.en for each in measures), ", ".join(each.text.ru for each in measures)
     )

@@ -23,7 +23,7 @@ from typing import Any
 from mikas.virtual.model import physics as ph
 from mikas.virtual.model.physics import STEP
 from mikas.virtual.model.plant import Plant, plant_at_start
-from mikas.virtual.model.sensors import Lost
+from mikas.virtual.model.sensors import LostSignals
 from mikas.virtual.scenarios.scenario import DEFAULT, SCENARIOS, Scenario
 
 NEUTRAL = -0.5  # E3: byte 128, no correction, by the letter of the formula
@@ -131,7 +131,7 @@ class Engine:
         self.faults: Collection[int] = set(faults)
         self.time = 0.0
         self._applied = frozenset(self.faults)
-        lost = Lost.by(self._applied)
+        lost = LostSignals.by(self._applied)
         self._plant = plant_at_start(scenario, seed, lost)
         self._state: EngineState | None = None  # at `time`, once computed
         self._future: Plant | None = None  # a copy of the plant, advanced further
@@ -205,5 +205,5 @@ class Engine:
     def _apply_faults(self) -> None:
         if self._applied != (faults := frozenset(self.faults)):
             self._applied = faults
-            self._plant.program.sensors.lost = Lost.by(self._applied)
+            self._plant.program.sensors.lost = LostSignals.by(self._applied)
             self._ahead.clear()

@@ -13,7 +13,7 @@ from functools import lru_cache
 from mikas.virtual.model import physics as ph
 from mikas.virtual.model.physics import STEP, TO_RADIANS
 from mikas.virtual.model.program import Program
-from mikas.virtual.model.sensors import NOTHING, Lost, Signals
+from mikas.virtual.model.sensors import NOTHING, LostSignals, Signals
 from mikas.virtual.model.vehicle import Board, Heat, Vehicle
 from mikas.virtual.scenarios.scenario import Condition, Scenario, Start
 from mikas.virtual.scenarios.timeline import Inputs, ScenarioTimeline
@@ -32,7 +32,7 @@ def noise_table(seed: int) -> tuple[float, ...]:
     return tuple(max(-3.0, min(3.0, source.gauss(0.0, 1.0))) for _ in range(NOISE))
 
 
-def plant_at_start(scenario: Scenario, seed: int, lost: Lost) -> Plant:
+def plant_at_start(scenario: Scenario, seed: int, lost: LostSignals) -> Plant:
     """Return a new plant at second 0: a copy, since a running engine takes 0.1 s to settle."""
     car = scenario.start, scenario.condition, scenario.timeline
     return _settled_plant(*car, seed, lost).fork()
@@ -40,7 +40,7 @@ def plant_at_start(scenario: Scenario, seed: int, lost: Lost) -> Plant:
 
 @lru_cache(maxsize=32)
 def _settled_plant(
-    start: Start, condition: Condition, timeline: ScenarioTimeline, seed: int, lost: Lost
+    start: Start, condition: Condition, timeline: ScenarioTimeline, seed: int, lost: LostSignals
 ) -> Plant:
     plant = _warm_plant(start, condition, timeline, seed).fork()
     plant.begin(lost)
@@ -113,7 +113,7 @@ class Plant:
         self.step_number += 1
         self._move(self.step_number)
 
-    def begin(self, lost: Lost) -> None:
+    def begin(self, lost: LostSignals) -> None:
         """Advance to second 0, with the sensors failed by `lost`: only in a car that is warm."""
         start, program = self._start, self.program
         program.sensors.lost = lost

@@ -12,7 +12,7 @@ from copy import copy
 
 from mikas.virtual.model import physics as ph
 from mikas.virtual.model.physics import STEP, LookupTable
-from mikas.virtual.model.sensors import SAFE_RETARD, Lost, Sensors, Signals
+from mikas.virtual.model.sensors import SAFE_RETARD, LostSignals, Sensors, Signals
 from mikas.virtual.scenarios.scenario import Condition
 
 # Over coolant °C. The speeds are those of the facts about the car: 850 warm, 1100 to 1500 cold.
@@ -285,11 +285,13 @@ class Program:
 
     __slots__ = ("_condition", "fan", "idle", "mixture", "phase", "sensors", "spark")
 
-    def __init__(self, lost: Lost, coolant: float, intake_air: float, condition: Condition) -> None:
+    def __init__(
+        self, lost: LostSignals, coolant: float, intake_air: float, condition: Condition
+    ) -> None:
         self._condition = condition
         self._begin(lost, coolant, intake_air, PARKED)
 
-    def _begin(self, lost: Lost, coolant: float, intake_air: float, valve: float) -> None:
+    def _begin(self, lost: LostSignals, coolant: float, intake_air: float, valve: float) -> None:
         self.fan = False
         self.sensors = Sensors(lost, coolant, intake_air)
         self.phase = Phase(coolant, intake_air)

@@ -40,7 +40,7 @@ TABLE = (
 
 
 @dataclass(frozen=True, slots=True)
-class Lost:
+class LostSignals:
     """The signals that the present faults take away, in the order of `TABLE`."""
 
     air_meter: bool = False
@@ -55,14 +55,14 @@ class Lost:
     anything: bool = False
 
     @classmethod
-    def by(cls, faults: Collection[int]) -> Lost:
+    def by(cls, faults: Collection[int]) -> LostSignals:
         """Return the signals lost by `faults`: any fault of a row loses the row's signal."""
         present = [any(fault in faults for fault in row.faults) for row in TABLE]
         names = (field.name for field in fields(cls))
         return cls(**dict(zip(names, (*present, any(present)), strict=True)))
 
 
-NOTHING = Lost()
+NOTHING = LostSignals()
 
 
 class Signals:
@@ -87,7 +87,7 @@ class Sensors:
         "air", "coolant", "idle_co", "intake_air", "lost", "rpm", "throttle", "voltage",
     )  # fmt: skip
 
-    def __init__(self, lost: Lost, coolant: float, intake_air: float) -> None:
+    def __init__(self, lost: LostSignals, coolant: float, intake_air: float) -> None:
         self.lost = lost
         self.rpm = self.throttle = self.air = 0.0
         self.coolant = coolant

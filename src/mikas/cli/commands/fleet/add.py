@@ -84,10 +84,12 @@ def add(
     from mikas.fleet.adding import add as run
     from mikas.fleet.adding import plan
     from mikas.fleet.executors import runner_of
-    from mikas.fleet.interpreting import Settings
+    from mikas.fleet.interpreting import InterpretingSettings
 
     options = context.options
-    settings = Settings(options.catalog, options.interpretation, clean_line(car, 100).strip())
+    settings = InterpretingSettings(
+        options.catalog, options.interpretation, clean_line(car, 100).strip()
+    )
     runner = runner_of(executor, workers or min(os.cpu_count() or 1, MOST_WORKERS))
     try:
         planned = plan(folders, dataset, settings)

@@ -20,7 +20,7 @@ from mikas.cli.context import CommandContext
 from mikas.cli.language import decimal
 
 if TYPE_CHECKING:
-    from mikas.fleet.database import Answer
+    from mikas.fleet.database import QueryRows
 
 MOST = 1000
 """Rows of a table on a terminal."""
@@ -67,7 +67,7 @@ def sql(context: CommandContext, dataset: str, sql: str, *, as_csv: bool) -> Non
             _print_table(context, answer)
 
 
-def _print_table(context: CommandContext, answer: Answer) -> None:
+def _print_table(context: CommandContext, answer: QueryRows) -> None:
     rows = answer.rows()
     if sys.stdout.isatty():
         shown = list(islice(rows, MOST))
@@ -106,7 +106,7 @@ def _cell(value: object) -> str:
     return _text(value)
 
 
-def _csv(answer: Answer) -> Iterator[str]:
+def _csv(answer: QueryRows) -> Iterator[str]:
     yield _line(answer.columns)
     for values in answer.rows():
         yield _line(["" if value is None else _plain(value) for value in values])

@@ -19,7 +19,7 @@ Bodies are without stuffing and checksum.
 import sigrokdecode as srd
 
 from .commands import READ_LIST, Commands
-from .framing import Byte, Framer, Message
+from .framing import Byte, Framer, WireMessage
 from .tables import DEFAULTS, INTERPRETATIONS, LANGUAGES
 from .turns import OneWire, TwoWires, is_noise
 
@@ -170,7 +170,7 @@ class Decoder(srd.Decoder):
         framer = self._framers[channel]
         framer.drop(ss)
         self._ends[channel] = es
-        for message in framer.abandon() + [Message([Byte(0, ss, es, False)], "break")]:
+        for message in framer.abandon() + [WireMessage([Byte(0, ss, es, False)], "break")]:
             self._found(channel, message)
 
     def _found(self, channel, message):

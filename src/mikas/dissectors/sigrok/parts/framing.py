@@ -25,7 +25,7 @@ class Byte(object):
         self.pause = pause
 
 
-class Message(object):
+class WireMessage(object):
     """A frame, or damage, which has a `reason` and no body.
 
     `wire`: its bytes, a frame's with the terminator. `places`: of each byte of the body, its first
@@ -94,7 +94,7 @@ class Framer(object):
                 plain, irregular = unstuffed(wire[:-1])
                 # The body ends before the first 0D, which is the checksum itself.
                 plain.append((TERMINATOR, wire[-1].ss, wire[-1].es))
-                return messages + [Message(wire + [byte], None, plain, True, irregular)]
+                return messages + [WireMessage(wire + [byte], None, plain, True, irregular)]
             messages += damaged(wire[:-1], wire[-1])
         self._wire.append(byte)
         if is_end:
@@ -103,7 +103,7 @@ class Framer(object):
             self._wire = []
         elif len(self._wire) > LONGEST:
             wire = self._wire[:LONGEST]
-            messages.append(Message(wire, reason_of(wire, "too long")))
+            messages.append(WireMessage(wire, reason_of(wire, "too long")))
             self._wire = []
             self._overflowed = True
         return messages
@@ -111,7 +111,7 @@ class Framer(object):
     def left(self):
         """Return the unfinished message as damage; None: there is none."""
         wire = self._wire
-        return Message(wire, reason_of(wire, "unfinished")) if wire else None
+        return WireMessage(wire, reason_of(wire, "unfinished")) if wire else None
 
     def abandon(self):
         """Return the unfinished message as damage, if there is one, and forget it."""
@@ -160,7 +160,7 @@ def frame(wire, end):
     raw = wire[-1].value == ESCAPE and plain[-1][0] == ESCAPE
     if raw:
         irregular = unstuffed(wire[:-1])[1]
-    return Message(wire + [end], None, plain, raw, irregular)
+    return WireMessage(wire + [end], None, plain, raw, irregular)
 
 
 def silence(wire, position):
@@ -184,7 +184,7 @@ def parted(wire, end):
         position = longest[-1]
         alone = len(longest) == 1 or silence(wire, position) > 2 * silence(wire, longest[0])
         if alone and is_whole(wire[:position]) and is_whole(wire[position:]):
-            return [Message(wire[:position], "unfinished"), frame(wire[position:], end)]
+            return [WireMessage(wire[:position], "unfinished"), frame(wire[position:], end)]
     return [frame(wire, end)]
 
 
@@ -192,8 +192,8 @@ def damaged(wire, end):
     """Return the damage, and the whole frame at its end if it stands behind a pause."""
     for position in range(1, len(wire)):
         if is_pause(wire, position) and is_whole(wire[position:]):
-            return [Message(wire[:position], "unfinished"), frame(wire[position:], end)]
-    return [Message(wire, reason_of(wire, "checksum"))]
+            return [WireMessage(wire[:position], "unfinished"), frame(wire[position:], end)]
+    return [WireMessage(wire, reason_of(wire, "checksum"))]
 
 
 def reason_of(wire, otherwise):
