@@ -39,6 +39,20 @@ def test_a_changed_plan_is_another_set_of_columns():
     assert history.rows(0.5).times.tolist() == [2.0]
 
 
+def test_the_rows_added_since_a_count_are_of_all_plans(monkeypatch):
+    monkeypatch.setattr("mikas.dashboard.session.history._ROWS", 3)
+    history = History()
+    for number in range(10):
+        names, row = (("A", "B"), [number, 0]) if number < 5 else (("B",), [0])
+        history.add(float(number), names, row)
+    for first in range(11):
+        for last in range(first, 11):
+            times, (a, x) = history.added(first, last, ["A", "X"])
+            assert times.tolist() == list(range(first, last))
+            assert plain(a) == [n if n < 5 else None for n in range(first, last)]
+            assert plain(x) == [None] * (last - first)
+
+
 def test_rows_that_are_too_old_are_dropped():
     history = History(seconds=1000)
     for number in range(20_000):

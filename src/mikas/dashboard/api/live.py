@@ -15,7 +15,6 @@ import secrets
 from collections import deque
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from math import nan
 from typing import Annotated, Any, Final
 
 from fastapi import APIRouter, Query, WebSocket, WebSocketDisconnect
@@ -31,7 +30,7 @@ from mikas.dashboard.errors import ApiRefusal
 from mikas.dashboard.security.control import Client
 from mikas.dashboard.session.event_log import page_json
 from mikas.dashboard.session.history import plain, row_time
-from mikas.dashboard.session.monitor import ConnectionMonitor, Row
+from mikas.dashboard.session.monitor import Batch, ConnectionMonitor
 
 _log = logging.getLogger("mikas.dashboard")
 
@@ -201,7 +200,7 @@ class Broadcaster:
         for listener in self.listeners:
             tail = tails.get(listener.fields)
             if tail is None:
-                tail = _tail(batch.names, batch.rows, events, listener.fields)
+                tail = _tail(batch, events, listener.fields)
                 tails[listener.fields] = tail
             if tail or stated or listener.pong is not None:
                 listener.offer(tail)
@@ -213,16 +212,15 @@ class Broadcaster:
         return True
 
 
-def _tail(
-    names: Sequence[str], rows: Sequence[Row], events: Sequence[Mapping[str, Any]], fields: Fields
-) -> str:
+def _tail(batch: Batch, events: Sequence[Mapping[str, Any]], fields: Fields) -> str:
     text = ""
-    if rows:
-        shown = [name for name in names if fields is None or name in fields]
+    if batch.times:
+        columns = zip(batch.names, batch.columns, strict=True)
+        shown = {name: each for name, each in columns if fields is None or name in fields}
         data = {
-            "names": shown,
-            "times": [row_time(time) for time, _ in rows],
-            "values": [plain([values.get(name, nan) for _, values in rows]) for name in shown],
+            "names": list(shown),
+            "times": list(map(row_time, batch.times)),
+            "values": list(map(plain, shown.values())),
         }
         text += f',"data":{dumps(data)}'
     if events:

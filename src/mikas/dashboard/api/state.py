@@ -212,5 +212,6 @@ def _recording(dashboard: Dashboard) -> RunningRecording | None:
 
 
 def _alarm(dashboard: Dashboard, event: AlarmChanged) -> ActiveAlarm:
-    value = dashboard.monitor.latest.get(event.name, event.value)
+    latest = dashboard.monitor.latest.get(event.name)
+    value = event.value if latest is None else float(latest.value)
     return made_of(ActiveAlarm, event, value=value, since=event.time)

@@ -12,10 +12,10 @@ import threading
 from array import array
 from bisect import bisect_left
 from collections import deque
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import repeat
-from math import inf, isnan, nan
+from math import inf, nan
 from typing import Any, Final, TypeAlias, cast
 
 from mikas.catalog import Fault
@@ -55,6 +55,9 @@ class _Block:
         return block
 
 
+_Part: TypeAlias = tuple[_Block, slice]
+
+
 class History:
     """Rows of the last `seconds`. Any thread may add or read."""
 
@@ -62,6 +65,8 @@ class History:
         self._seconds = seconds
         self._lock = threading.Lock()
         self._blocks: deque[_Block] = deque()
+        self.count = 0
+        """The rows that were ever added."""
         self._held = 0  # values in the blocks before the last one
 
     def add(self, time: float, names: tuple[str, ...], row: Sequence[float]) -> None:
@@ -77,32 +82,38 @@ class History:
             block.times.append(time)
             for column, value in zip(block.columns, row, strict=True):
                 column.append(value)
+            self.count += 1
+
+    def added(
+        self, first: int, last: int, names: Sequence[str]
+    ) -> tuple[array[float], list[array[float]]]:
+        """Return times and columns `names` of the rows from number `first` to before `last`."""
+        parts: list[_Part] = []
+        with self._lock:
+            end = self.count
+            for block in reversed(self._blocks):
+                if end <= first:
+                    break
+                begin = end - len(block.times)
+                parts.insert(0, (block, slice(max(first - begin, 0), max(last - begin, 0))))
+                end = begin
+            times, columns = _joined(parts, names)
+        return times, list(columns.values())
 
     def rows(self, seconds: float, names: Sequence[str] | None = None) -> Rows:
         """Return the rows of the last `seconds`, of `names` or of every channel that they have."""
         with self._lock:
             blocks = [(block, len(block.times)) for block in self._blocks]
-        times, columns = array("d"), {name: array("d") for name in names or ()}
         if not blocks:
-            return _rows(times, columns)
+            return _rows(*_joined((), names or ()))
         since = blocks[-1][0].times[blocks[-1][1] - 1] - seconds
         parts = [
             (block, slice(at, count))
             for block, count in blocks
             if (at := bisect_left(block.times, since, 0, count)) < count
         ]
-        if names is None:
-            channels = (name for block, _ in reversed(parts) for name in block.names)
-            columns = {name: array("d") for name in channels}
-        for block, part in parts:
-            times += block.times[part]
-            own = dict(zip(block.names, block.columns, strict=True))
-            for name, column in columns.items():
-                if name in own:
-                    column.extend(own[name][part])
-                else:
-                    column.extend(repeat(nan, part.stop - part.start))
-        return _rows(times, columns)
+        channels = (name for block, _ in reversed(parts) for name in block.names)
+        return _rows(*_joined(parts, channels if names is None else names))
 
     def recompute(self, names: Sequence[str], compute: Compute | None = None) -> None:
         """Replace the columns `names`, which mean something else now, block after block in time.
@@ -121,6 +132,20 @@ class History:
             or self._held + _ROWS * len(blocks[-1].names) > _MAX_VALUES
         ):
             self._held -= blocks.popleft().size
+
+
+def _joined(
+    parts: Sequence[_Part], names: Iterable[str]
+) -> tuple[array[float], dict[str, array[float]]]:
+    """Return times and columns `names` of the rows in `parts`; NaN where a block lacks a column."""
+    times, columns = array("d"), {name: array("d") for name in names}
+    for block, part in parts:
+        some = block.times[part]
+        times += some
+        own = dict(zip(block.names, block.columns, strict=True))
+        for name, column in columns.items():
+            column.extend(own[name][part] if name in own else repeat(nan, len(some)))
+    return times, columns
 
 
 def _rows(times: array[float], columns: Mapping[str, array[float]]) -> Rows:
@@ -148,7 +173,8 @@ def row_time(time: float) -> float:
 def plain(values: Sequence[float]) -> list[float | int | None]:
     """Return values for JSON: whole numbers as such, null for a missing one."""
     return [
-        None if isnan(value) else int(value) if value.is_integer() else value for value in values
+        None if value != value else int(value) if value.is_integer() else value  # noqa: PLR0124  (NaN)
+        for value in values
     ]
 
 

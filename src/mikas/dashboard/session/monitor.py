@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import threading
 from collections import deque
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
-from math import isfinite, nan
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from math import nan
 from typing import Final
 
 from mikas.catalog import Level
@@ -20,6 +20,7 @@ from mikas.dashboard.session.event_log import EventLog, ExchangeFailed, reason_o
 from mikas.dashboard.session.history import History
 from mikas.errors import EcuRefused, LineError, MikasError, NoConnection
 from mikas.i18n import Text
+from mikas.sampling.derived import DerivedValue
 from mikas.sampling.events import (
     AdapterMoved,
     AlarmChanged,
@@ -62,16 +63,16 @@ _ERRORS: Final = 1000  # remembered, so that each is logged once; more than a te
 _ROWS: Final = 20_000  # gathered at most; more come only from a simulated clock
 
 _NOTHING: Final[tuple[str, frozenset[str]]] = ("", frozenset())
-Row = tuple[float, Mapping[str, float]]
 
 
 @dataclass(slots=True)
 class Batch:
-    """What was gathered since the last one. `names`: the columns of `rows`, in the plan's order."""
+    """What came since the last one. `names`: of the `columns` over `times`, in the plan's order."""
 
-    names: tuple[str, ...] = ()
-    rows: list[Row] = field(default_factory=list)
-    events: list[Event] = field(default_factory=list)
+    names: tuple[str, ...]
+    times: Sequence[float]
+    columns: Sequence[Sequence[float]]
+    events: Sequence[Event]
 
 
 class Meters:
@@ -137,7 +138,8 @@ class ConnectionMonitor:
         self.listened = False
         self._waiting: Callable[[], object] | None = None
         self._log = EventLog()
-        self._batch = Batch()
+        self._events: list[Event] = []
+        self._drained = history.count  # rows
         self._names: tuple[str, ...] = ()
         self.begin((), 0.0)
 
@@ -154,8 +156,7 @@ class ConnectionMonitor:
             self.dropped: list[str] = []
             self.alarms: dict[str, AlarmChanged] = {}
             self.alarm_count = 0
-            self.latest: dict[str, float] = {}
-            self.readings: dict[str, Reading] = {}
+            self.latest: dict[str, Reading | DerivedValue] = {}
             self.meters = Meters()
             self._awaited = _NOTHING
             self._searched = False  # for a port or a unit, since the last values
@@ -174,7 +175,6 @@ class ConnectionMonitor:
             self._awaited = version, frozenset(changed)
             for name in self._awaited[1]:
                 self.latest.pop(name, None)
-                self.readings.pop(name, None)
 
     @property
     def shown_alarms(self) -> list[AlarmChanged]:
@@ -194,7 +194,7 @@ class ConnectionMonitor:
     def wait(self, wake: Callable[[], object]) -> bool:
         """Return whether nothing is gathered; if so, `wake` is called once when that changes."""
         with self.lock:
-            nothing = not (self._batch.rows or self._batch.events)
+            nothing = not self._events and self._drained == self.history.count
             self._waiting = wake if nothing else None
             return nothing
 
@@ -208,9 +208,11 @@ class ConnectionMonitor:
     def drain(self) -> Batch:
         """Return what was gathered since the last call."""
         with self.lock:
-            batch, self._batch = self._batch, Batch()
-            batch.names = self._names
-            return batch
+            events, self._events = self._events, []
+            first, self._drained = self._drained, self.history.count
+            last = min(self._drained, first + _ROWS)
+            times, columns = self.history.added(first, last, self._names)
+            return Batch(self._names, times, columns, events)
 
     @property
     def events(self) -> list[Event]:
@@ -223,7 +225,7 @@ class ConnectionMonitor:
         with self.lock:
             self._log.add(event)
             if self.listened:
-                self._batch.events.append(event)
+                self._events.append(event)
                 self.wake()
 
     def take(self, event: Event) -> None:
@@ -282,23 +284,18 @@ class ConnectionMonitor:
                         self._log_error(ExchangeFailed.of(time, failure))
 
     def _sampled(self, event: Sampled) -> None:
-        values = {name: float(reading.value) for name, reading in event.fresh.items()}
-        for name, derived in event.derived.items():
-            if isfinite(derived.value):
-                values[name] = derived.value
-        _, outdated = self._awaited
-        values = {name: value for name, value in values.items() if name not in outdated}
+        values: dict[str, Reading | DerivedValue] = {**event.fresh, **event.derived}
+        for outdated in self._awaited[1]:
+            values.pop(outdated, None)
         self.meters.sample(event.time)
         self.latest.update(values)
-        self.readings.update(
-            (name, reading) for name, reading in event.fresh.items() if name not in outdated
-        )
-        row = [values.get(name, nan) for name in self._names]
+        row = [values[name].value if name in values else nan for name in self._names]
         self.history.add(event.time, self._names, row)
         self._searched = False
-        if self.listened and len(self._batch.rows) < _ROWS:
-            self._batch.rows.append((event.time, values))
+        if self.listened:
             self.wake()
+        else:
+            self._drained = self.history.count
 
     def _failed(self, event: CycleFailed) -> None:
         # Each attempt to find a port or unit again fails alike: that is the gap, not more errors.

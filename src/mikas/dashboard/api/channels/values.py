@@ -19,6 +19,7 @@ from mikas.catalog.formula_syntax import Parsed, parse
 from mikas.catalog.formulas import Calculation
 from mikas.catalog.loading.build import does_not_exist
 from mikas.catalog.model import in_order, is_corrected
+from mikas.client import Reading
 from mikas.dashboard.api.channels.editing import Finite, FormulaRequest
 from mikas.dashboard.api.dependencies import (
     KnownClient,
@@ -162,11 +163,11 @@ def _now(dashboard: Dashboard, channel: Parameter | Derived) -> ChannelValue:
     with monitor.lock:
         if monitor.line is not LineState.SAMPLING:
             return ChannelValue(name=channel.name)
-        reading = monitor.readings.get(channel.name)
+        reading = monitor.latest.get(channel.name)
     if isinstance(channel, Derived):
         time, number = _live(dashboard, [channel.name], None).get(channel.name, (None, None))
         return ChannelValue(name=channel.name, time=time, value=number)
-    if reading is None or dashboard.connection.now() - reading.time > _REACH:
+    if not isinstance(reading, Reading) or dashboard.connection.now() - reading.time > _REACH:
         return ChannelValue(name=channel.name)
     value, raw = float(reading.value), api_hex(reading.raw)
     return made_of(ChannelValue, reading, name=channel.name, value=value, raw=raw)
