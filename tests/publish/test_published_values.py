@@ -4,13 +4,9 @@ from __future__ import annotations
 
 from hypothesis import given
 from hypothesis import strategies as st
-from publication_harness import CATALOG
 
-from mikas.client import Reading
 from mikas.publish.values import LatestValues
-from mikas.sampling.events import Sampled
 
-PARAMETER = CATALOG.parameter("TWAT")
 STEPS = st.lists(st.tuples(st.floats(0.01, 30), st.booleans()), max_size=40)
 
 
@@ -23,8 +19,7 @@ def test_a_value_holds_for_a_second_or_three_usual_intervals(steps, later):
             latest.clear()
             read = []
             continue
-        reading = Reading(PARAMETER, value, "°C", b"\0", now, "corrected")
-        latest.take(Sampled(now, {"TWAT": reading}, {}))
+        latest.take(now, {"TWAT": value})
         read.append((now, value))
     got = latest.at(now + later)
     if not read:
@@ -43,5 +38,5 @@ def test_a_value_holds_for_a_second_or_three_usual_intervals(steps, later):
 
 def test_a_clock_that_was_set_back_makes_no_negative_age():
     latest = LatestValues(["TWAT"])
-    latest.take(Sampled(5.0, {"TWAT": Reading(PARAMETER, 80, "°C", b"\0", 5.0, "corrected")}, {}))
+    latest.take(5.0, {"TWAT": 80})
     assert latest.at(4.0).values == {"TWAT": 80}

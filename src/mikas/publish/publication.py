@@ -17,7 +17,7 @@ from mikas.i18n import Text
 from mikas.publish.message import Kind, Message, compact, json_payload, rounded
 from mikas.publish.samples import SampleBatch
 from mikas.publish.topics import Topics
-from mikas.publish.values import LatestValues, unit_of
+from mikas.publish.values import LatestValues, plain_values, unit_of
 from mikas.sampling.events import (
     AdapterMoved,
     AlarmChanged,
@@ -107,9 +107,10 @@ class Publication:
     def _of(self, event: Event) -> Iterator[Message]:
         match event:
             case Sampled():
-                self._latest.take(event)
+                values = plain_values(event)
+                self._latest.take(event.time, values)
                 if self._options.samples:
-                    self._batch.take(event)
+                    self._batch.take(event.time, values)
                 if not self._answers:
                     self._answers, self._due = True, None
                     yield self._alarm_message(event.time)

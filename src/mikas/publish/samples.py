@@ -6,12 +6,11 @@ Rows are counted from 0: a reader sees by `first` what it has not got.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Final
 
 from mikas.publish.message import Kind, Message, json_payload, rounded
-from mikas.publish.values import Plain, plain_values
-from mikas.sampling.events import Sampled
+from mikas.publish.values import Plain
 
 _MOST_ROWS: Final = 1000  # in one message, however long the interval
 
@@ -28,15 +27,14 @@ class SampleBatch:
         self._since = self._time = 0.0  # of the first row and of the last one
         self._session: float | None = None
 
-    def take(self, sample: Sampled) -> None:
-        """Add the row of `sample`."""
-        values = plain_values(sample)
+    def take(self, time: float, values: Mapping[str, Plain]) -> None:
+        """Add the row of the cycle of `time`, with its `plain_values`."""
         if self._session is None:
-            self._session = rounded(sample.time)
+            self._session = rounded(time)
         if not self._rows:
-            self._since = sample.time
-        self._rows.append([rounded(sample.time), *map(values.get, self._names)])
-        self._time = sample.time
+            self._since = time
+        self._rows.append([rounded(time), *map(values.get, self._names)])
+        self._time = time
 
     @property
     def is_full(self) -> bool:

@@ -7,7 +7,7 @@ breaks, the channel has no value: None, never the last number.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from math import isfinite
 from typing import Final, NamedTuple, TypeAlias
 
@@ -51,12 +51,12 @@ class LatestValues:
         self._read: dict[str, tuple[float, Plain]] = {}
         self._arrivals = {name: Arrivals() for name in self._names}
 
-    def take(self, sample: Sampled) -> None:
-        """Take the values that were read in this cycle."""
-        for name, value in plain_values(sample).items():
-            if name in self._arrivals:
-                self._read[name] = sample.time, value
-                self._arrivals[name].add(sample.time)
+    def take(self, time: float, values: Mapping[str, Plain]) -> None:
+        """Take the `plain_values` that were read in the cycle of `time`."""
+        for name, value in values.items():
+            if (arrivals := self._arrivals.get(name)) is not None:
+                self._read[name] = time, value
+                arrivals.add(time)
 
     def clear(self) -> None:
         """Forget all values: no unit answers, or another one does."""
@@ -80,8 +80,4 @@ class LatestValues:
 def plain_values(sample: Sampled) -> dict[str, Plain]:
     """Return the values read in this cycle as JSON has them; a number that is none is None."""
     fresh: dict[str, Reading | DerivedValue] = {**sample.fresh, **sample.derived}
-    return {name: _plain(each.value) for name, each in fresh.items()}
-
-
-def _plain(value: float | int | bool) -> Plain:
-    return value if isinstance(value, bool) or isfinite(value) else None
+    return {name: each.value if isfinite(each.value) else None for name, each in fresh.items()}
