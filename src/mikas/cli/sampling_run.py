@@ -126,16 +126,10 @@ class SamplingRun:
 
         Called by a signal's handler.
         """
-        if not self._can_read or self._last_reading is not None:
+        if self._last_reading is not None or not self.samples:
             return False
-        self._last_reading = self.session.read_faults(routine=False)
-        return True
-
-    @property
-    def _can_read(self) -> bool:
-        if not self.session.wants_faults() or self.session.faults_refused:
-            return False
-        return self.samples > 0 and self.waiting is None
+        self._last_reading = self.session.read_now()
+        return self._last_reading is not None
 
     def is_recording(self) -> bool:
         """Return whether the run writes to a file."""
@@ -144,9 +138,8 @@ class SamplingRun:
 
     def _end(self, events: Iterator[Event]) -> Iterator[Event]:
         """Read the faults before the recording ends, for a second of events at most."""
-        if not self._can_read:
+        if not self.samples or (reading := self.session.read_now()) is None:
             return
-        reading = self.session.read_faults(routine=False)
         until: float | None = None
         with suppress(MikasError):
             for event in events:

@@ -54,7 +54,7 @@ class SamplingSession:
     """`in_streams`: as of `FaultWatch`. `on_faults`: gets each reading at once, in its job; without
     it a reading is recorded in its job, and yielded before the next event.
 
-    One thread takes the events; any thread may call `silence` and `read_faults`.
+    One thread takes the events; any thread may call `silence` and `read_now`.
     """
 
     def __init__(
@@ -70,9 +70,10 @@ class SamplingSession:
         """Of the present connection, or the last one."""
         self.wants_faults: Callable[[], bool] = lambda: True
         """Whether the stored faults are read when they may have changed."""
-        self._acquisition: Acquisition | None = None
         self.recorder = recorder
         """To be set before the first event."""
+        self._acquisition: Acquisition | None = None
+        self._answers = False  # a unit, on the present connection
         self._on_faults = on_faults or self._keep
         self._faults = FaultWatch(in_streams)
         self._readings: deque[FaultReading] = deque()  # made by jobs, to be yielded
@@ -89,7 +90,7 @@ class SamplingSession:
 
     def begin(self, acquisition: Acquisition) -> None:
         """Begin a connection: `acquisition` gives the events for `take` from here on."""
-        self._acquisition, self.samples = acquisition, 0
+        self._acquisition, self.samples, self._answers = acquisition, 0, False
 
     def take(self, event: Event) -> Iterator[Event]:
         """Yield the events before `event` that it completes, and `event`; to be exhausted.
@@ -98,6 +99,10 @@ class SamplingSession:
         """
         if isinstance(event, Sampled):
             self.samples += 1
+        else:
+            log(event)
+        if isinstance(event, StateChanged):
+            self._answers = not event.is_broken
         elif isinstance(event, UnitFound):
             self.unit = event.identity
             if self._acquisition is not None:
@@ -106,14 +111,14 @@ class SamplingSession:
             gaps = self._gaps.take(event)
         if gaps or self._gaps.open is not self._open:
             self._record(gaps)
-        log(event)
         if self.recorder is not None:
             self.recorder.take(event)
-        yield from self.readings()
+        if self._readings:
+            yield from self.readings()
         yield from gaps
         yield event
         if self._acquisition is not None and self.wants_faults() and self._faults.is_due(event):
-            self.read_faults()
+            self._read(routine=True)
 
     @property
     def wire_bytes(self) -> int:
@@ -125,6 +130,7 @@ class SamplingSession:
 
         The time until the values of the next connection is a gap for that reason.
         """
+        self._answers = False
         with self._lock:
             gaps = self._gaps.disconnect(time, reason, error)
         self._record(gaps)
@@ -145,18 +151,24 @@ class SamplingSession:
 
     # The stored faults
 
-    @property
-    def faults_refused(self) -> bool:
-        """Whether the unit refuses to give its faults, or is silent each time."""
-        return self._faults.refused
+    def read_now(self) -> Future[None] | None:
+        """Read the stored faults for the begin or the end of a recording, between two cycles.
 
-    def read_faults(self, *, routine: bool = True) -> Future[None]:
-        """Read the stored faults between two cycles; `routine`: as of `FaultReading`."""
+        None: they are not wanted, the unit refuses to give them, or none answers.
+        """
+        if not (self._answers and self.wants_faults()) or self._faults.refused:
+            return None
+        return self._read(routine=False)
+
+    def _read(self, *, routine: bool) -> Future[None]:
         assert self._acquisition is not None
         return self._acquisition.call(partial(self.read_between, routine=routine))
 
     def read_between(self, ecu: Ecu, *, routine: bool = True) -> None:
-        """Read the stored faults, in a job. Raises a `NoConnection`."""
+        """Read the stored faults, in a job; `routine`: as of `FaultReading`.
+
+        Raises a `NoConnection`.
+        """
         if not self._faults.refused and (reading := self._faults.read(ecu, routine=routine)):
             self._on_faults(reading)
 
@@ -194,7 +206,7 @@ def log(event: Event) -> None:
     Values and single failed cycles are not logged; `mikas.tester` logs the frames at DEBUG. With
     the logger off, an event costs one comparison.
     """
-    if isinstance(event, Sampled) or not _logger.isEnabledFor(logging.INFO):
+    if not _logger.isEnabledFor(logging.INFO):
         return
     match event:
         case Gap(ended=None, reason=reason):

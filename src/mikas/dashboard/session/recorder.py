@@ -29,7 +29,7 @@ from mikas.recording.annotations.events import faults_note, note_of
 from mikas.recording.capture.notes import Note
 from mikas.recording.capture.writer import append_note
 from mikas.recording.recorder import Recorder, RecordingStatus, ask_in_full
-from mikas.sampling.events import Event, LineState, Marker, UnitFound
+from mikas.sampling.events import Event, Marker, UnitFound
 
 _MOST_MARKED = 1000
 _LAST: Final = 1.0  # s that the end of a recording waits for its last reading of the faults
@@ -115,15 +115,12 @@ class SessionRecorder:
 
         Never raises.
         """
-        session = self._monitor.session
-        if self.file_name is None or self._connection.thread is None or session.faults_refused:
+        if self.file_name is None or (future := self._monitor.session.read_now()) is None:
             return
-        if self._monitor.line is LineState.SAMPLING:
-            future = session.read_faults(routine=False)
-            waiting = asyncio.wrap_future(future)
-            waiting.add_done_callback(lambda it: it.cancelled() or it.exception())
-            await asyncio.wait({waiting}, timeout=_LAST)
-            future.cancel()
+        waiting = asyncio.wrap_future(future)
+        waiting.add_done_callback(lambda it: it.cancelled() or it.exception())
+        await asyncio.wait({waiting}, timeout=_LAST)
+        future.cancel()
 
     def stop(self) -> RecordingStatus | None:
         """End the recording, if there is one; returns its final status."""
@@ -207,8 +204,7 @@ class SessionRecorder:
         if readings := self._faults.readings:  # from before this file
             self.recorder.note(faults_note(thread.now(), readings))
         self._log_start(path)
-        if not self._monitor.session.faults_refused:
-            self._monitor.session.read_faults(routine=False)
+        self._monitor.session.read_now()
 
     def _log_start(self, path: Path) -> None:
         self._monitor.log(RecordingChanged(self._connection.now(), path.name, on=True))
