@@ -113,3 +113,10 @@ def test_the_notes_are_those_of_the_version(monkeypatch):
     monkeypatch.setattr("tools.package.notes.version", lambda: "9.9.9")
     with pytest.raises(Failed, match=r"towncrier build --version 9\.9\.9"):
         notes()
+
+
+def test_the_citation_is_of_this_version_on_its_day():
+    cited = yaml.safe_load((ROOT / "CITATION.cff").read_text("utf-8"))
+    assert cited["version"] == version()
+    released = f"## [{version()}] – {cited['date-released']}"
+    assert released in (ROOT / "CHANGELOG.md").read_text("utf-8")
