@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import threading
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
@@ -96,6 +97,21 @@ def test_sampling_goes_on_while_a_frame_is_written(store, tmp_path, monkeypatch)
     (frame,) = store.frames
     assert store.delete(frame.id)
     assert list(tmp_path.rglob("*.json")) == []
+
+
+def test_frames_stay_when_more_of_the_units_passport_is_known(store, tmp_path):
+    lost = Passport(("A", None), ("C", "D"))
+    store.begin_unit(replace(UNIT, passport=lost))
+    seen(store, 13, 8.0)
+    store.finish()  # writes it
+    (frame,) = store.frames
+    store.begin_unit(UNIT)
+    assert store.frames == [frame]
+    again = FreezeFrameStore(tmp_path, History(), lambda: 19.0)
+    again.begin_unit(UNIT)
+    assert [each.id for each in again.frames] == [frame.id]
+    store.begin_unit(replace(UNIT, passport=Passport(("A", "X"), ("C", "D")), another=True))
+    assert store.frames == []
 
 
 def test_of_many_frames_the_latest_thirty_are_read(store, tmp_path):

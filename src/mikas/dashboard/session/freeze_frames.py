@@ -60,7 +60,7 @@ class FreezeFrameStore:
         self._pending: list[tuple[str, int, float, float]] = []
 
     def begin_unit(self, unit: UnitFound) -> None:
-        """Show the frames of `unit` from here on."""
+        """Show the frames of `unit` from here on; also those so far, if it is the same one."""
         if unit.version_code is None or unit.passport is None:
             return
         pieces = tuple(piece or "" for piece in unit.passport.pieces)
@@ -68,10 +68,15 @@ class FreezeFrameStore:
         with self._lock:
             if own == self._own:
                 return
-            self._own, self._pending = own, []
+            if unit.another:
+                self._frames, self._pending = {}, []
+            elif self._own is not None:  # more of its passport is known now
+                with suppress(OSError):  # it has frames under the whole passport, too
+                    self._own.rename(own)
+            self._own = own
             self._kept = self._virtual_units or VIRTUAL_PASSPORT not in pieces
             files = _files(own)[:_MOST]
-            self._frames = {frame.id: frame for frame in map(_load, files) if frame}
+            self._frames |= {frame.id: frame for frame in map(_load, files) if frame}
 
     @property
     def frames(self) -> list[FreezeFrame]:

@@ -1,7 +1,7 @@
 """The state of the running connection: set by the sampling thread, read by the event loop.
 
-Each event updates the state (unit, method, alarms, counts) and is gathered, with the rows of
-values, for the clients' messages (`drain`).
+Each event updates the state (unit, method, alarms, counts) and is gathered for the clients'
+messages (`drain`), with the rows that the history has got since the message before.
 """
 
 from __future__ import annotations
