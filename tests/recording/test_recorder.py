@@ -27,9 +27,11 @@ from recorder_harness import (
 from mikas.catalog import AlarmLimits
 from mikas.client import Limits
 from mikas.errors import CaptureError
+from mikas.i18n import Text
 from mikas.recording.recorder import Recorder
 from mikas.sampling.alarms import Alarms
 from mikas.sampling.events import LineState, MethodChosen, ParameterDropped
+from mikas.sampling.session import SamplingSession
 
 
 def test_it_writes_between_start_and_stop(recorder, tmp_path):
@@ -173,6 +175,57 @@ def test_waiting_for_the_first_answer_is_no_gap(recorder, tmp_path):
     take(recorder, sampled(9.0))
     recorder.stop()
     assert "gap" not in kinds(file)
+
+
+def gaps_of(file):
+    return [(n.data["began"], n.data["ended"]) for n in notes(file) if n.kind == "gap"]
+
+
+def test_a_recording_that_begins_in_a_gap_has_it_from_its_own_begin(recorder, tmp_path):
+    begin_session(recorder)
+    take(recorder, sampled(5.0))
+    take(recorder, gap(6.0))
+    recorder.record(SENT, b"\x01\xff\x0d", 7.0)
+    recorder.start(tmp_path / "a.pcapng", url="sim:")
+    assert recorder.status.gaps == 1
+    take(recorder, sampled(8.0))
+    recorder.stop()
+    assert gaps_of(tmp_path / "a.pcapng") == [(7.0, 8.0)]
+
+
+def test_a_recording_that_ends_in_a_gap_has_its_latest_reason(recorder, tmp_path):
+    file = tmp_path / "a.pcapng"
+    recorder.start(file, url="sim:")
+    begin_session(recorder)
+    for event in (sampled(5.0), gap(6.0), state(7.0, LineState.NO_PORT)):
+        take(recorder, event)
+    recorder.stop()
+    (note,) = (note for note in notes(file) if note.kind == "gap")
+    assert note.data["reason"]["en"] == "no adapter"
+
+
+def test_a_connection_that_is_left_is_one_gap_that_is_open_until_values_come(recorder, tmp_path):
+    session, left = SamplingSession(recorder), Text("left", "закрыто")
+    recorder.start(tmp_path / "a.pcapng", url="sim:")
+    for event in (state(1.0, LineState.SAMPLING), sampled(5.0)):
+        list(session.take(event))
+    session.leave(6.0, left)
+    recorder.interrupt(6.0, left)
+    assert recorder.status.gaps == 1
+    list(session.take(sampled(9.0)))
+    assert recorder.stop().gaps == 1
+    assert gaps_of(tmp_path / "a.pcapng") == [(5.0, 9.0)]
+
+
+def test_a_connection_that_was_left_before_a_recording_is_no_gap_in_it(recorder, tmp_path):
+    session = SamplingSession(recorder)
+    list(session.take(sampled(5.0)))
+    session.leave(6.0, Text("left", "закрыто"))
+    list(session.take(unit(9.0)))
+    recorder.start(tmp_path / "a.pcapng", url="sim:")
+    list(session.take(sampled(9.5)))
+    assert recorder.stop().gaps == 0
+    assert gaps_of(tmp_path / "a.pcapng") == []
 
 
 def test_alarms_what_was_learnt_markers_and_words(recorder, tmp_path):
