@@ -26,5 +26,5 @@ def write_session_header(
     )
     annotator = SessionAnnotator()
     for event in [unit, PlanChanged(time, plan)] if plan else [unit]:
-        for note in annotator.take(event):
+        for note in annotator.notes_of(event):
             sink.note(note)

@@ -38,7 +38,7 @@ def draw(out: Path) -> None:
     with run.open_ahead() as ahead, sampling_session(run, asked, ahead) as made:
         table = LiveTable(made, Output(), console)
         for event in made.events():
-            table.take(event)
+            table.add_event(event)
         console.print(table.drawing(table_layout.UNLIMITED))
     picture = console.export_svg(title="mikas watch")
     # The picture must not fetch a font: any monospaced one of the system will do.

@@ -205,7 +205,7 @@ def test_the_sampling_of_the_dashboard_goes_on_until_it_is_stopped(tmp_path):
                 recorder, events, ends = Recorder(), [], []
 
                 def take(_, event, recorder=recorder, events=events):
-                    recorder.take(event)
+                    recorder.record_event(event)
                     events.append(event)
 
                 recorder.start(path, url=URL)

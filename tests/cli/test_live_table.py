@@ -44,9 +44,9 @@ def console(width: int, height: int, **settings):
 def drawn(width: int, height: int, *events, channels=CHANNELS, notice="", **settings) -> list[str]:
     table = LiveTable(session(channels), Output(), console(width, height))
     for event in events:
-        table.take(event)
+        table.add_event(event)
     if notice:
-        table.note(notice)
+        table.show_notice(notice)
     plain = console(width, height, **settings)
     plain.print(table.drawing())
     return plain.file.getvalue().splitlines()
@@ -184,8 +184,8 @@ def test_the_last_state_is_left_on_the_screen(capsys):
     screen = console(80, 24)
     table = LiveTable(session(), Output(), screen)
     with table:
-        table.take(sample_of())
-        table.note("Back after 3 s.")
+        table.add_event(sample_of())
+        table.show_notice("Back after 3 s.")
     written = screen.file.getvalue()
     before, _, after = written.rpartition("\x1b[?1049l")  # back from the other screen
     assert "\x1b[?1049h" in before

@@ -48,7 +48,7 @@ class Drawn:
         fresh = {
             name: decode(CATALOG.parameter(name), b"\x7d", self.now, "corrected") for name in names
         }
-        self.table.take(Sampled(self.now, fresh, {}))
+        self.table.add_event(Sampled(self.now, fresh, {}))
 
     def run(self, count: int, *names: str) -> None:
         for _ in range(count):
@@ -109,7 +109,7 @@ def test_a_silence_adds_to_the_age_of_a_slow_name():
 def test_how_long_a_gap_lasted_is_no_pace():
     it = Drawn(0.1, "TWAT")
     it.run(5, "TWAT")
-    it.table.take(CycleFailed(it.now, NoResponse(seconds=0.5)))
+    it.table.add_event(CycleFailed(it.now, NoResponse(seconds=0.5)))
     assert "The ECU did not answer" in it.after(60)[0]
     it.sample("TWAT")
     assert "○ no data for 1 s" in it.after(1.2)[0]

@@ -41,8 +41,8 @@ def lines_of(*events, **asked) -> list[str]:
     notices = Notices(session, sentences.append)
     followed = SamplingSession()
     for event in events:
-        for each in followed.take(event):
-            notices.take(each)
+        for each in followed.events_of(event):
+            notices.show_event(each)
     return sentences
 
 

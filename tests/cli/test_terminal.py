@@ -94,12 +94,12 @@ def test_all_ways_to_a_terminal_are_escaped(monkeypatch):
     with terminal.escaping():
         shown = Output()
         shown.line(EVIL)
-        shown.note(EVIL)
+        shown.print_note(EVIL)
         shown.data({EVIL: EVIL})
         shown.table([EVIL], [[f"{EVIL}\n\tx"]])
         status = StatusLine(shown, lambda: EVIL)
         status.draw(1.0)
-        status.note(EVIL)
+        status.print_notice(EVIL)
         with output.log_to_stderr():
             logging.getLogger("mikas.tester").debug("%s", EVIL)
 

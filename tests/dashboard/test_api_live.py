@@ -165,7 +165,7 @@ def test_nothing_is_gathered_after_the_last_client_has_gone(tmp_path):
     dashboard = Dashboard(Settings(tmp_path, state=tmp_path))
 
     def gathered():
-        dashboard.monitor.take(Sampled(1.0, {}, {}))
+        dashboard.monitor.add_event(Sampled(1.0, {}, {}))
         return len(dashboard.monitor.drain().times)
 
     async def come_and_go():
@@ -174,7 +174,7 @@ def test_nothing_is_gathered_after_the_last_client_has_gone(tmp_path):
         broadcaster.join(another)
         broadcaster.leave(one)
         assert gathered() == 1
-        dashboard.monitor.take(Sampled(2.0, {}, {}))
+        dashboard.monitor.add_event(Sampled(2.0, {}, {}))
         broadcaster.leave(another)
 
     assert gathered() == 0
@@ -187,7 +187,7 @@ def test_what_is_gathered_is_bounded():
     monitor = ConnectionMonitor(History(), SamplingSession())
     monitor.listened = True
     for number in range(_ROWS + 10):
-        monitor.take(Sampled(number / 10, {}, {}))  # within what the history keeps
+        monitor.add_event(Sampled(number / 10, {}, {}))  # within what the history keeps
     assert len(monitor.drain().times) == _ROWS
 
 

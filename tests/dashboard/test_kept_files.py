@@ -71,7 +71,7 @@ def store(tmp_path):
 
 
 def seen(store, code, time):
-    store.take(FaultReading(time, (code,)), FaultReading(time - 1, ()))
+    store.keep_frames_of(FaultReading(time, (code,)), FaultReading(time - 1, ()))
 
 
 def test_sampling_goes_on_while_a_frame_is_written(store, tmp_path, monkeypatch):

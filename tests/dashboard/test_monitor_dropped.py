@@ -10,7 +10,7 @@ from mikas.sampling.session import SamplingSession
 
 def test_a_parameter_that_returns_is_no_longer_dropped():
     monitor = ConnectionMonitor(History(), SamplingSession())
-    monitor.take(StateChanged(0.0, LineState.SAMPLING, None))
+    monitor.add_event(StateChanged(0.0, LineState.SAMPLING, None))
     for event in (
         ParameterDropped(1.0, "INJ"),
         ParameterDropped(1.0, "TAIR"),
@@ -18,7 +18,7 @@ def test_a_parameter_that_returns_is_no_longer_dropped():
         ParameterReturned(3.0, "INJ"),
         ParameterReturned(4.0, "INJ"),
     ):
-        monitor.take(event)
+        monitor.add_event(event)
     assert monitor.dropped == ["TAIR"]
     logged = [(it.kind, it.time) for it in monitor.events if it.kind in ("dropped", "returned")]
     assert logged == [("dropped", 1.0), ("dropped", 1.0), ("returned", 3.0)]

@@ -16,8 +16,8 @@ from mikas.tester import Statistics
 
 def take(monitor, event):
     """Let the monitor take `event`, and the gaps that its session finds."""
-    for each in monitor.session.take(event):
-        monitor.take(each)
+    for each in monitor.session.events_of(event):
+        monitor.add_event(each)
 
 
 def connected():

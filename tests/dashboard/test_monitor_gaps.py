@@ -20,8 +20,8 @@ from mikas.sampling.session import SamplingSession
 
 def take(monitor, event):
     """Let the monitor take `event`, and the gaps that its session finds."""
-    for each in monitor.session.take(event):
-        monitor.take(each)
+    for each in monitor.session.events_of(event):
+        monitor.add_event(each)
 
 
 def connected():
@@ -46,7 +46,7 @@ def sample(monitor, *times):
 def test_two_sessions_have_a_gap_between_them_and_its_reason():
     monitor = connected()
     sample(monitor, 1.0, 1.1)
-    monitor.end(1.5, None, DISCONNECTED)
+    monitor.end_connection(1.5, None, DISCONNECTED)
     monitor.begin((), 60.0)
     sample(monitor, 61.0, 61.1)
     assert gaps(monitor) == [(1.1, 61.0, DISCONNECTED.en)]
@@ -56,7 +56,7 @@ def test_a_gap_that_is_open_when_the_session_ends_ends_with_it():
     monitor = connected()
     sample(monitor, 1.0)
     take(monitor, CycleFailed(2.0, EchoOnly()))
-    monitor.end(5.0, None, DISCONNECTED)
+    monitor.end_connection(5.0, None, DISCONNECTED)
     assert gaps(monitor) == [(1.0, 5.0, ADVICE.text(EchoOnly()).en)]
     monitor.begin((), 6.0)
     take(
@@ -72,8 +72,8 @@ def test_a_gap_that_is_open_when_the_session_ends_ends_with_it():
 def test_a_session_that_ended_by_itself_says_why():
     monitor = connected()
     sample(monitor, 1.0)
-    monitor.end(2.0, EchoOnly())
-    monitor.end(9.0, None, DISCONNECTED)
+    monitor.end_connection(2.0, EchoOnly())
+    monitor.end_connection(9.0, None, DISCONNECTED)
     monitor.begin((), 10.0)
     sample(monitor, 11.0)
     assert gaps(monitor) == [(1.0, 11.0, ADVICE.text(EchoOnly()).en)]

@@ -77,13 +77,13 @@ class Consumers:
         with closing(self.session.run(acquisition)) as events, redirect_stdout(printed):
             for event in events:
                 self.events.append(event)
-                self.monitor.take(event)
-                messages += publication.take(event)
-                notices.take(event)
+                self.monitor.add_event(event)
+                messages += publication.messages_of(event)
+                notices.show_event(event)
                 json_line(shown, Output(json=True), event)
                 if event.time > drive.seconds + 8:
                     break
-        messages += publication.end()
+        messages += publication.last_messages()
         self.status = self.recorder.stop()
         self.lines = [json.loads(line) for line in printed.getvalue().splitlines()]
         self.published = [(it.topic.rpartition("/")[2], json.loads(it.payload)) for it in messages]

@@ -55,7 +55,7 @@ class Published:
     @classmethod
     def of(cls, events: Iterator[Event], made: Publication) -> Published:
         """Return what `made` publishes of the events."""
-        return cls([(event, made.take(event)) for event in events])
+        return cls([(event, made.messages_of(event)) for event in events])
 
     @property
     def messages(self) -> list[Message]:

@@ -134,9 +134,9 @@ def test_channels_have_the_unit_in_which_their_values_are():
 
 def test_after_the_end_the_state_is_stopped_and_no_sample_is_forgotten():
     made = publication("FREQ", samples=True)
-    made.take(sample(5.0, FREQ=800))
-    made.take(sample(5.5, FREQ=840))
-    samples, state = made.end(5.5)
+    made.messages_of(sample(5.0, FREQ=800))
+    made.messages_of(sample(5.5, FREQ=840))
+    samples, state = made.last_messages(5.5)
     assert content(samples)["samples"] == [[5.5, 840]]
     assert (content(state)["state"], content(state)["time"]) == ("stopped", 5.5)
 
@@ -182,7 +182,9 @@ def test_every_sample_is_in_one_row_in_order():
 
 def test_a_batch_is_sent_before_it_grows_without_bounds():
     made = publication("FREQ", samples=True, every=1e6)
-    rows = [it.rows for n in range(2500) for it in made.take(sample(n / 10, FREQ=800)) if it.rows]
+    rows = [
+        it.rows for n in range(2500) for it in made.messages_of(sample(n / 10, FREQ=800)) if it.rows
+    ]
     assert rows == [1, 1000, 1000]
 
 
@@ -198,7 +200,9 @@ def test_a_slow_channel_keeps_its_value_until_it_is_due_and_shows_its_age():
 
 def test_each_value_has_a_topic_of_its_own_if_wanted():
     made = publication("FREQ", "RXX", "0x3F:2", each=True, qos=2)
-    got = {it.topic: (it.payload, it.qos, it.kind) for it in made.take(sample(1.0, FREQ=800))}
+    got = {
+        it.topic: (it.payload, it.qos, it.kind) for it in made.messages_of(sample(1.0, FREQ=800))
+    }
     assert got[f"{TOPICS.base}/value/FREQ"] == (b"800", 2, Kind.LIVE)
     assert got[f"{TOPICS.base}/value/RXX"] == (b"null", 2, Kind.LIVE)
     assert got[f"{TOPICS.base}/value/0x3F:2"] == (b"null", 2, Kind.LIVE)
@@ -210,7 +214,10 @@ def alarm(time: float, level: str, *, name: str = "TWAT") -> AlarmChanged:
 
 def test_alarms_are_the_present_ones_and_current_only_with_values():
     made = publication("TWAT")
-    alarms = lambda event: [content(it) for it in made.take(event) if it.topic == TOPICS.alarms]  # noqa: E731
+
+    def alarms(event):
+        return [content(it) for it in made.messages_of(event) if it.topic == TOPICS.alarms]
+
     (first,) = alarms(sample(1.0, TWAT=105))
     assert (first["current"], first["alarms"]) == (True, [])
     (hot,) = alarms(alarm(1.0, "warning"))
@@ -230,20 +237,27 @@ def test_alarms_are_the_present_ones_and_current_only_with_values():
 def test_another_unit_has_nothing_of_the_one_before():
     made = publication("TWAT")
     for event in (sample(1.0, TWAT=90), FaultReading(1.1, (13,)), alarm(1.2, "warning")):
-        made.take(event)
-    got = {it.topic: content(it) for it in made.take(UnitFound(2.0, 0x0A, None, another=True))}
+        made.messages_of(event)
+    got = {
+        it.topic: content(it) for it in made.messages_of(UnitFound(2.0, 0x0A, None, another=True))
+    }
     assert (got[TOPICS.faults]["faults"], got[TOPICS.faults]["current"]) == (None, False)
     assert got[TOPICS.alarms]["alarms"] == []
     assert got[TOPICS.unit]["version_code"] == "0A"
     values = [
-        content(it) for it in made.take(CycleFailed(3.0, EchoOnly())) if it.topic == TOPICS.values
+        content(it)
+        for it in made.messages_of(CycleFailed(3.0, EchoOnly()))
+        if it.topic == TOPICS.values
     ]
     assert [each["values"] for each in values] == [{"TWAT": None}]
 
 
 def test_a_new_fault_is_news_with_its_number():
     made = publication("FREQ")
-    news = lambda event: [content(it) for it in made.take(event) if it.topic == TOPICS.event]  # noqa: E731
+
+    def news(event):
+        return [content(it) for it in made.messages_of(event) if it.topic == TOPICS.event]
+
     assert [each["added"] for each in news(FaultReading(1.0, (13,)))] == [None]
     assert news(FaultReading(2.0, (13,))) == []
     assert [each["added"] for each in news(FaultReading(3.0, (13, 53)))] == [[53]]
@@ -251,7 +265,7 @@ def test_a_new_fault_is_news_with_its_number():
 
 def test_a_number_that_json_lacks_is_null():
     made = publication("FREQ")
-    (values,) = [it for it in made.take(sample(1.0, FREQ=inf)) if it.topic == TOPICS.values]
+    (values,) = [it for it in made.messages_of(sample(1.0, FREQ=inf)) if it.topic == TOPICS.values]
     assert content(values)["values"] == {"FREQ": None}
 
 
@@ -259,6 +273,6 @@ def test_a_hostile_passport_steers_no_terminal():
     """A message may end on one: `mosquitto_sub` prints it as it is."""
     made, evil = publication("FREQ"), "\x1b]52;c;QQ==\x07\x9b2J\u202e\ud800"
     passport = Passport((evil, None, None), (None,) * 5)
-    for message in made.take(UnitFound(1.0, 0x0A, passport)):
+    for message in made.messages_of(UnitFound(1.0, 0x0A, passport)):
         assert message.payload.decode().isprintable()
         assert content(message)["passport"][0] == evil

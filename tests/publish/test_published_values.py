@@ -19,7 +19,7 @@ def test_a_value_holds_for_a_second_or_three_usual_intervals(steps, later):
             latest.clear()
             read = []
             continue
-        latest.take(now, {"TWAT": value})
+        latest.add_sample(now, {"TWAT": value})
         read.append((now, value))
     got = latest.at(now + later)
     if not read:
@@ -38,5 +38,5 @@ def test_a_value_holds_for_a_second_or_three_usual_intervals(steps, later):
 
 def test_a_clock_that_was_set_back_makes_no_negative_age():
     latest = LatestValues(["TWAT"])
-    latest.take(5.0, {"TWAT": 80})
+    latest.add_sample(5.0, {"TWAT": 80})
     assert latest.at(4.0).values == {"TWAT": 80}

@@ -77,7 +77,7 @@ def take(recorder: Recorder, event: Event) -> None:
     """Let the recorder's session take `event`: gaps follow from several of them."""
     if recorder not in _SESSIONS:
         _SESSIONS[recorder] = SamplingSession(weakref.proxy(recorder))
-    for _ in _SESSIONS[recorder].take(event):
+    for _ in _SESSIONS[recorder].events_of(event):
         pass
 
 

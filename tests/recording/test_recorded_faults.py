@@ -57,12 +57,12 @@ def drive(path: Path, method: str, seconds: float, changes) -> list[FreezeFrame 
 
     def read(ecu):
         reading = watch.read(ecu)
-        recorder.take(reading)
+        recorder.record_event(reading)
         readings.append(reading)
 
     with closing(made.run()) as events:
         for event in events:
-            recorder.take(event)
+            recorder.record_event(event)
             if isinstance(event, Sampled):
                 row = [event.fresh[n].value if n in event.fresh else nan for n in NAMES]
                 history.add(event.time, NAMES, list(map(float, row)))

@@ -43,7 +43,7 @@ def test_a_folder_that_is_gone_ends_the_recording_with_its_reason(tmp_path):
     shutil.rmtree(folder)
     for turn in range(5):
         recorder.record(SENT, b"\x01\xff\x0d", 3.0 + turn)
-        recorder.take(sampled(3.0 + turn))
+        recorder.record_event(sampled(3.0 + turn))
     assert "deleted" in recorder.failure.reason.en
     assert (recorder.status.samples, recorder.status.lost) == (0, 5)  # those in it are gone too
     assert recorder.status.bytes == 0

@@ -35,7 +35,7 @@ def watched(method, *, seconds, changes=(), in_streams=15.0, **settings):
 
     with closing(made.run()) as events:
         for event in events:
-            gaps += tracker.take(event)
+            gaps += tracker.gaps_of(event)
             if isinstance(event, Sampled) and "MINERR" in event.fresh:
                 seen.setdefault(float(event.fresh["MINERR"].value), event.time)
             if watch.is_due(event):
@@ -75,7 +75,7 @@ def test_a_unit_that_is_silent_to_02_is_asked_twice_and_makes_no_gap():
     made = Acquisition(plug, OPTIONS.create_ecu, OPTIONS.catalog, ["FREQ"], method="batch", rate=5)
     with closing(made.run()) as events:
         for event in events:
-            gaps += tracker.take(event)
+            gaps += tracker.gaps_of(event)
             if watch.is_due(event):
                 made.call(lambda ecu: asked.append(watch.read(ecu)))
             if event.time > 20.0:

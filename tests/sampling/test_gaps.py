@@ -13,19 +13,19 @@ PAUSE, OTHER = Text("a plan", "план"), Text("a port", "порт")
 
 def sampling():
     tracker = GapTracker()
-    assert tracker.take(StateChanged(0.0, LineState.SAMPLING)) == []
+    assert tracker.gaps_of(StateChanged(0.0, LineState.SAMPLING)) == []
     return tracker
 
 
 def sample(tracker, *times):
-    return [gap for time in times for gap in tracker.take(Sampled(time, {}, {}))]
+    return [gap for time in times for gap in tracker.gaps_of(Sampled(time, {}, {}))]
 
 
 def test_a_gap_reaches_from_the_last_values_to_the_next():
     tracker = sampling()
     assert sample(tracker, 1.0, 1.1) == []
-    assert tracker.take(CycleFailed(1.5, LOST)) == [Gap(1.1, 1.1, None, LOST.reason)]
-    assert tracker.take(CycleFailed(2.0, LOST)) == []
+    assert tracker.gaps_of(CycleFailed(1.5, LOST)) == [Gap(1.1, 1.1, None, LOST.reason)]
+    assert tracker.gaps_of(CycleFailed(2.0, LOST)) == []
     assert sample(tracker, 3.0) == [Gap(3.0, 1.1, 3.0, LOST.reason)]
     assert tracker.open is None
 
@@ -33,26 +33,26 @@ def test_a_gap_reaches_from_the_last_values_to_the_next():
 def test_a_broken_state_is_a_better_reason_than_a_failed_cycle():
     tracker = sampling()
     sample(tracker, 1.0)
-    tracker.take(CycleFailed(1.5, LOST))
-    tracker.take(StateChanged(2.0, LineState.ECHO_ONLY, EchoOnly(seconds=1)))
+    tracker.gaps_of(CycleFailed(1.5, LOST))
+    tracker.gaps_of(StateChanged(2.0, LineState.ECHO_ONLY, EchoOnly(seconds=1)))
     assert tracker.open.reason == EchoOnly(seconds=1).reason
-    tracker.take(StateChanged(2.5, LineState.NO_PORT))
+    tracker.gaps_of(StateChanged(2.5, LineState.NO_PORT))
     (gap,) = sample(tracker, 9.0)
     assert gap == Gap(9.0, 1.0, 9.0, LineState.NO_PORT.text)
 
 
 def test_a_broken_line_begins_a_gap_only_after_values():
     tracker = GapTracker()
-    assert tracker.take(StateChanged(1.0, LineState.NO_PORT)) == []
-    tracker.take(StateChanged(2.0, LineState.SAMPLING))
-    (gap,) = tracker.take(StateChanged(3.0, LineState.NO_PORT))
+    assert tracker.gaps_of(StateChanged(1.0, LineState.NO_PORT)) == []
+    tracker.gaps_of(StateChanged(2.0, LineState.SAMPLING))
+    (gap,) = tracker.gaps_of(StateChanged(3.0, LineState.NO_PORT))
     assert (gap.began, gap.ended) == (3.0, None)
 
 
 def test_a_clock_that_runs_back_makes_no_gap_of_less_than_nothing():
     tracker = sampling()
     sample(tracker, 100.0)
-    tracker.take(CycleFailed(50.0, LOST))
+    tracker.gaps_of(CycleFailed(50.0, LOST))
     (gap,) = sample(tracker, 20.0)
     assert (gap.began, gap.ended) == (50.0, 50.0)
 
@@ -70,7 +70,7 @@ def test_a_pause_is_a_gap_if_it_is_longer_than_usual_and_its_first_reason_counts
 def test_a_disconnection_ends_a_gap_and_is_one_itself():
     tracker = sampling()
     sample(tracker, 1.0)
-    tracker.take(CycleFailed(2.0, LOST))
+    tracker.gaps_of(CycleFailed(2.0, LOST))
     assert tracker.disconnect(5.0, OTHER) == [Gap(5.0, 1.0, 5.0, LOST.reason)]
     assert tracker.silence(1e6) is None
     assert sample(tracker, 5.1) == [Gap(5.1, 5.0, 5.1, OTHER)]

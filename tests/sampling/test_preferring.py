@@ -43,7 +43,7 @@ def sampled_with_other_presets(method, rate=None):
 def test_another_choice_is_no_gap_and_loses_no_row(method):
     reported = sampled_with_other_presets(method)
     tracker = GapTracker()
-    assert not [gap for event in reported for gap in tracker.take(event)]
+    assert not [gap for event in reported for gap in tracker.gaps_of(event)]
     assert not of(CycleFailed, reported)
     whole = Plan(select(SECTION_4, ()).parameters, method)
     longest = whole.price().seconds * 1.25 + 0.01  # of a cycle with everything

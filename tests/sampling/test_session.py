@@ -37,12 +37,12 @@ class Sink:
     def __init__(self) -> None:
         self.got: list[Event] = []
 
-    def take(self, event: Event) -> None:
+    def record_event(self, event: Event) -> None:
         self.got.append(event)
 
 
 def follow(session: SamplingSession, *events: Event) -> list[Event]:
-    return [each for event in events for each in session.take(event)]
+    return [each for event in events for each in session.events_of(event)]
 
 
 def run(session: SamplingSession, recorder: Recorder, *, seconds: float, settings: str = ""):

@@ -109,7 +109,7 @@ class CommandContext:
 
     def say(self, en: str, ru: str) -> None:
         """Print a sentence on stderr, in the current language."""
-        self.output.note(cell_text(tr(en, ru)))
+        self.output.print_note(cell_text(tr(en, ru)))
 
     def say_sent(self) -> None:
         """Print that a request without an expected response was sent."""
@@ -183,7 +183,7 @@ class CommandContext:
         """
 
         def ask(change: Change) -> bool:
-            self.output.note(_described(change, meaning))
+            self.output.print_note(_described(change, meaning))
             require_consent(change.what, yes=yes)
             return True
 

@@ -243,4 +243,4 @@ def sampling_session(
     finally:
         recorder.stop()
         if acquisition.unended is not None:
-            context.output.note(localized(ADVICE.text(acquisition.unended)))
+            context.output.print_note(localized(ADVICE.text(acquisition.unended)))

@@ -140,7 +140,7 @@ class Dashboard:
             await self.library.close()
             await self.dump_jobs.close()
             if self.diagnosis is not None:
-                await self.diagnosis.end()
+                await self.diagnosis.stop_and_wait()
             await self.recorder.read_last()
             await self.connection.close()
             self.recorder.close()
@@ -211,23 +211,23 @@ class Dashboard:
     def _on_request_end(self, thread: SamplingThread, why: Text) -> None:
         if why in (RECONNECTED, DIAGNOSIS):
             self.recorder.recorder.interrupt(thread.now(), why)
-        self.monitor.end(thread.now(), None, why)
+        self.monitor.end_connection(thread.now(), None, why)
         self._clear_unit()
 
     def _on_event(self, thread: SamplingThread, event: Event) -> None:
         """Pass on an event; in the sampling thread."""
         if thread is not self.connection.thread:
             return
-        for it in self.session.take(event):
+        for it in self.session.events_of(event):
             self._follow(it, thread)
 
     def _follow(self, event: Event, thread: SamplingThread) -> None:
         if isinstance(event, AdapterMoved):
             self.connection.moved(event.port)
         self._measure(thread)
-        self.monitor.take(event)
+        self.monitor.add_event(event)
         if isinstance(event, Sampled | UnitFound):
-            self.guided.take(event)
+            self.guided.add_event(event)
         if isinstance(event, UnitFound):
             if event.another:
                 self._clear_unit()
@@ -245,8 +245,8 @@ class Dashboard:
     def _on_faults(self, reading: FaultReading, before: FaultReading | None) -> None:
         """Pass on a reading of the stored faults; in the sampling thread."""
         self.session.know_faults(reading)
-        self.recorder.recorder.take(reading)
-        self.freeze_frames.take(reading, before)
+        self.recorder.recorder.record_event(reading)
+        self.freeze_frames.keep_frames_of(reading, before)
         if before is not None and set(reading.codes) != set(before.codes):
             added = tuple(code for code in reading.codes if code not in before.codes)
             self.monitor.log(replace(reading, added=added))
@@ -254,7 +254,7 @@ class Dashboard:
     def _on_end(self, thread: SamplingThread, error: MikasError | None) -> None:
         """Note that sampling ended by itself; in the sampling thread."""
         if thread is self.connection.thread:
-            self.monitor.end(thread.now(), error)
+            self.monitor.end_connection(thread.now(), error)
             self.connection.state_known()
 
     def _clear_unit(self) -> None:

@@ -90,12 +90,12 @@ class Publication:
             self._state_message(None, {"state": "starting", "text": _STARTING._asdict()}),
         ]
 
-    def end(self, time: float | None = None) -> list[Message]:
+    def last_messages(self, time: float | None = None) -> list[Message]:
         """Return the messages after the last event."""
         stopped = {"state": "stopped", "text": _STOPPED._asdict()}
         return [*self._batch.messages(), self._state_message(time, stopped)]
 
-    def take(self, event: Event) -> list[Message]:
+    def messages_of(self, event: Event) -> list[Message]:
         """Return the messages of `event`; a gap's follow with those of the event after it."""
         if isinstance(event, Gap):
             self._gaps.append(event)
@@ -108,9 +108,9 @@ class Publication:
         match event:
             case Sampled():
                 values = plain_values(event)
-                self._latest.take(event.time, values)
+                self._latest.add_sample(event.time, values)
                 if self._options.samples:
-                    self._batch.take(event.time, values)
+                    self._batch.add_row(event.time, values)
                 if not self._answers:
                     self._answers, self._due = True, None
                     yield self._alarm_message(event.time)

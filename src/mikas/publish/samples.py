@@ -27,7 +27,7 @@ class SampleBatch:
         self._since = self._time = 0.0  # of the first row and of the last one
         self._session: float | None = None
 
-    def take(self, time: float, values: Mapping[str, Plain]) -> None:
+    def add_row(self, time: float, values: Mapping[str, Plain]) -> None:
         """Add the row of the cycle of `time`, with its `plain_values`."""
         if self._session is None:
             self._session = rounded(time)

@@ -2,7 +2,7 @@
 
 with Publisher(…) as publisher:      the broker is reached, or its error is raised
     for event in events:
-        publisher.take(event)        never waits for the broker
+        publisher.publish(event)     never waits for the broker
                                      at the end: the state is “stopped”, then “offline”
 """
 
@@ -87,13 +87,13 @@ class Publisher:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._outbox.put(self._publication.end(self._time))
+        self._outbox.put(self._publication.last_messages(self._time))
         self.connection.close()
 
-    def take(self, event: Event) -> None:
+    def publish(self, event: Event) -> None:
         """Publish `event`."""
         self._time = event.time
-        self.connection.send(self._publication.take(event))
+        self.connection.send(self._publication.messages_of(event))
         if isinstance(event, UnitFound):
             self._unit = event
             self._discover()

@@ -51,7 +51,7 @@ class LatestValues:
         self._read: dict[str, tuple[float, Plain]] = {}
         self._arrivals = {name: Arrivals() for name in self._names}
 
-    def take(self, time: float, values: Mapping[str, Plain]) -> None:
+    def add_sample(self, time: float, values: Mapping[str, Plain]) -> None:
         """Take the `plain_values` that were read in the cycle of `time`."""
         for name, value in values.items():
             if (arrivals := self._arrivals.get(name)) is not None:

@@ -117,7 +117,7 @@ class Recorder:
     def stop(self) -> RecordingStatus | None:
         """End the recording; return its progress, None if there was none."""
         with self._lock:
-            self._write(self._annotator.end())
+            self._write(self._annotator.last_notes())
             self._close()
             status = self.status
             self._open = None
@@ -195,7 +195,7 @@ class Recorder:
                 self._advance(note.time)
             self._write([note])
 
-    def take(self, event: Event) -> None:
+    def record_event(self, event: Event) -> None:
         """Take an event of the session."""
         with self._lock:
             if self._time is None or event.time > self._time:  # a sample began before it was read
@@ -203,7 +203,7 @@ class Recorder:
             if isinstance(event, UnitFound) and event.another and self._running is not None:
                 self._continue_in_next_file(self._running, event)
                 return
-            self._write(self._annotator.take(event))
+            self._write(self._annotator.notes_of(event))
             running = self._running
             if running is not None and isinstance(running.sink, Coalescer):
                 with self._failing(running):
@@ -235,10 +235,10 @@ class Recorder:
 
     def _continue_in_next_file(self, before: _Open, another: UnitFound | None = None) -> None:
         """Close the file and begin the next one. `another`: the unit that is the reason."""
-        self._write(self._annotator.end(another.time if another else None))
+        self._write(self._annotator.last_notes(another.time if another else None))
         self._close()
         if another is not None:
-            list(self._annotator.take(another))  # its notes are the new file's head
+            list(self._annotator.notes_of(another))  # its notes are the new file's head
         try:
             path = _next(before.named)
             opened = self._create(path, before.named, before.url, before.baud)

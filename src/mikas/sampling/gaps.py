@@ -83,7 +83,7 @@ class GapTracker:
         self._pause: _Reason | None = None  # of the requested pause
         self._disconnected = False
 
-    def take(self, event: Event) -> list[Gap]:
+    def gaps_of(self, event: Event) -> list[Gap]:
         """Follow `event`."""
         match event:
             case Sampled():

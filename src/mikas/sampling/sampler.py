@@ -210,7 +210,7 @@ class Sampler:
             failure = error
             raise
         finally:
-            self._supervisor.end()
+            self._supervisor.end_run()
             self._jobs.close(failure)
 
     def _use_link(self, link: Link) -> Iterator[Event]:

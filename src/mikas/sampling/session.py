@@ -46,7 +46,7 @@ _logger.addHandler(logging.NullHandler())
 class EventSink(Protocol):
     """Takes each event before the consumer; a recorder."""
 
-    def take(self, event: Event) -> object:
+    def record_event(self, event: Event) -> object:
         """Take `event`. An open gap comes again when another reason is found."""
 
 
@@ -86,13 +86,13 @@ class SamplingSession:
         self.begin(acquisition)
         with closing(acquisition.run()) as events:
             for event in events:
-                yield from self.take(event)
+                yield from self.events_of(event)
 
     def begin(self, acquisition: Acquisition) -> None:
-        """Begin a connection: `acquisition` gives the events for `take` from here on."""
+        """Begin a connection: `acquisition` gives the events for `events_of` from here on."""
         self._acquisition, self.samples, self._answers = acquisition, 0, False
 
-    def take(self, event: Event) -> Iterator[Event]:
+    def events_of(self, event: Event) -> Iterator[Event]:
         """Yield the events before `event` that it completes, and `event`; to be exhausted.
 
         All are recorded before the first is yielded. Afterwards the faults are read, if due.
@@ -108,11 +108,11 @@ class SamplingSession:
             if self._acquisition is not None:
                 self._acquisition.wire.echoes = event.echo is not False
         with self._lock:
-            gaps = self._gaps.take(event)
+            gaps = self._gaps.gaps_of(event)
         if gaps or self._gaps.open is not self._open:
             self._record(gaps)
         if self.recorder is not None:
-            self.recorder.take(event)
+            self.recorder.record_event(event)
         if self._readings:
             yield from self.readings()
         yield from gaps
@@ -183,7 +183,7 @@ class SamplingSession:
 
     def _keep(self, reading: FaultReading) -> None:
         if self.recorder is not None:
-            self.recorder.take(reading)
+            self.recorder.record_event(reading)
         self._readings.append(reading)
 
     def _record(self, gaps: list[Gap]) -> None:
@@ -195,9 +195,9 @@ class SamplingSession:
             return
         for gap in gaps:
             if gap.ended is not None:
-                self.recorder.take(gap)
+                self.recorder.record_event(gap)
         if self._open is not None and self._open is not before:
-            self.recorder.take(self._open)
+            self.recorder.record_event(self._open)
 
 
 def log(event: Event) -> None:

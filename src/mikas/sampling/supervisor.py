@@ -161,7 +161,7 @@ class ConnectionSupervisor:
             self.state, self._reported = state, None if error is None else type(error)
             yield StateChanged(time, state, error)
 
-    def end(self) -> None:
+    def end_run(self) -> None:
         """End the run; `state` stays as reported."""
         self._machine.process(LineTrigger.ENDED)
         self.ecu = None

@@ -253,7 +253,7 @@ def _note_encryption(context: CommandContext, access: Access) -> None:
     )
     half = len(access.fingerprint) // 2
     for line in (access.fingerprint[:half], access.fingerprint[half + 1 :]):
-        context.output.note(f"  {line}")
+        context.output.print_note(f"  {line}")
 
 
 def _note_recording(context: CommandContext, dashboard: Dashboard) -> None:
@@ -267,7 +267,7 @@ def _note_recording(context: CommandContext, dashboard: Dashboard) -> None:
             f"Запись остановлена и сохранена: {kept.path}",
         )
     else:
-        context.output.note(localized(ADVICE.text(kept.failure)))
+        context.output.print_note(localized(ADVICE.text(kept.failure)))
 
 
 def _note_unusable_folder(context: CommandContext, settings: Settings) -> None:
@@ -277,7 +277,7 @@ def _note_unusable_folder(context: CommandContext, settings: Settings) -> None:
     try:
         check_folder(settings.recordings)
     except UsageError as error:
-        context.output.note(localized(ADVICE.text(error)))
+        context.output.print_note(localized(ADVICE.text(error)))
 
 
 def _note_missing_port(context: CommandContext, url: str) -> None:

@@ -77,7 +77,7 @@ def test(
 
     loaded = load(context.options.catalog, own_tests())
     for error in loaded.errors:
-        context.output.note(localized(error.reason))
+        context.output.print_note(localized(error.reason))
     if name is None:
         _list(context, loaded)
         return
@@ -153,7 +153,7 @@ def _guide(
         run = stack.enter_context(
             sampling_session(context, options, ahead, context.capture, joined=False)
         )
-        notices = Notices(run, output.note, verbose=output.verbose)
+        notices = Notices(run, output.print_note, verbose=output.verbose)
         for event in stack.enter_context(closing(notices.watch())):
             if not isinstance(event, Sampled):
                 continue
@@ -177,7 +177,7 @@ class _Guide:
         if self._engine.result is not None or (step, progress.late) == self._said:
             return
         before, self._said = self._said, (step, progress.late)
-        note = self._context.output.note
+        note = self._context.output.print_note
         if step is None:
             note(localized(test.needs))
         elif before is None or before[0] != step:

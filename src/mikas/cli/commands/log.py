@@ -121,9 +121,9 @@ def _record(context: CommandContext, current: SamplingRun, rotate: Portion | Non
     current.session.wants_faults = current.is_recording
     try:
         show = partial(_show_typed, progress) if progress.live else None
-        notices = Notices(current, progress.note, verbose=output.verbose)
+        notices = Notices(current, progress.print_notice, verbose=output.verbose)
         with (
-            Marking(current.recorder, progress.note, show),
+            Marking(current.recorder, progress.print_notice, show),
             _last_reading(current),
             closing(notices.watch()) as events,
         ):
@@ -131,12 +131,12 @@ def _record(context: CommandContext, current: SamplingRun, rotate: Portion | Non
                 if output.json:
                     json_line(current, output, event)
                 progress.draw(event.time)
-                rotation.take(event)
+                rotation.rotate_after(event)
     finally:
         status = current.recorder.stop()
         progress.clear()
         if current.answered and status is not None:  # else no ECU ever answered
-            output.note(f"{_summary(current, status)}{_of_an_export(current)}")
+            output.print_note(f"{_summary(current, status)}{_of_an_export(current)}")
     if status is None or status.failure is None:
         return DONE
     if output.json:
@@ -184,7 +184,7 @@ class _FileRotation:
         self._portion = portion or Portion()
         self._job: Future[None] | None = None
 
-    def take(self, event: Event) -> None:
+    def rotate_after(self, event: Event) -> None:
         status = self._current.recorder.status
         if status is None or status.failure or (self._job and not self._job.done()):
             return

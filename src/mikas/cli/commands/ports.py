@@ -78,9 +78,9 @@ def _list(context: CommandContext) -> None:
         )
     for port in found:
         for quirk in port.quirks if port.likely else ():
-            context.output.note(f"{port.url}: {localized(quirk)}")
+            context.output.print_note(f"{port.url}: {localized(quirk)}")
     if without_port is not None:
-        context.output.note(localized(ADVICE.text(without_port)))
+        context.output.print_note(localized(ADVICE.text(without_port)))
 
 
 def _install(context: CommandContext, file: Path, rules: str, *, yes: bool) -> None:
@@ -100,7 +100,9 @@ def _install(context: CommandContext, file: Path, rules: str, *, yes: bool) -> N
     if written:
         _require_root(file)
         what = Text(f"write these rules to {file}", f"записать эти правила в {file}")
-        output.note(tr(f"This writes the rules to {file}.", f"Правила будут записаны в {file}."))
+        output.print_note(
+            tr(f"This writes the rules to {file}.", f"Правила будут записаны в {file}.")
+        )
         require_consent(what, yes=yes)
         _write(file, rules)
     if output.json:

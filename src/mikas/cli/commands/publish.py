@@ -182,16 +182,16 @@ def _publish(
             _home_assistant(context, run, options, destination),
             report.broker_changed,
         )
-        notices = Notices(run, report.note, verbose=context.output.verbose)
+        notices = Notices(run, report.print_notice, verbose=context.output.verbose)
         with _until_terminated():
             try:
                 with publisher, closing(notices.watch()) as events:
                     report.publisher = publisher
                     for event in events:
-                        publisher.take(event)
-                        report.take(event)
+                        publisher.publish(event)
+                        report.add_event(event)
             finally:
-                report.end()
+                report.print_last_line()
     return DONE
 
 

@@ -64,13 +64,13 @@ def _watch(context: CommandContext, options: SamplingOptions, ahead: PortAhead) 
         run = stack.enter_context(
             sampling_session(context, options, ahead, context.capture, joined=False)
         )
-        note: Callable[[str], None] = output.note
+        note: Callable[[str], None] = output.print_note
         show: Callable[[Event], None] = partial(
             json_line if output.json else plain_line, run, output
         )
         if drawable and not log_on_screen and not output.json:
             table = stack.enter_context(LiveTable(run, output))
-            note, show = table.note, table.take
+            note, show = table.show_notice, table.add_event
         notices = Notices(run, note, verbose=output.verbose)
         for event in stack.enter_context(closing(notices.watch())):
             show(event)

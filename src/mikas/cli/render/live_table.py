@@ -79,7 +79,7 @@ class LiveTable:
             screen=True,
         )
 
-    def take(self, event: Event) -> None:
+    def add_event(self, event: Event) -> None:
         """Store the event for the next drawing."""
         with self._changing:
             match event:
@@ -96,7 +96,7 @@ class LiveTable:
                     if event.level != Level.NONE:
                         self._alarms[event.name] = event
 
-    def note(self, sentence: str) -> None:
+    def show_notice(self, sentence: str) -> None:
         """Show a notice until the next one; all of them are printed again at the end."""
         with self._changing:
             self._notices.append(sentence)
@@ -216,7 +216,7 @@ class LiveTable:
         if self._cycle:  # at its own end the line has been brought to quiet, which takes a moment
             self._console.print(self.drawing(table_layout.UNLIMITED, ended=kind is None))
         for sentence in self._notices:
-            self._output.note(sentence)
+            self._output.print_note(sentence)
 
 
 _LEVELS: dict[str, Text] = {

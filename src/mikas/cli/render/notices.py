@@ -62,7 +62,7 @@ class Notices:
         self._faults: tuple[int, ...] | None = None  # as read last
         session.recorder.on_file = self._new_file
 
-    def take(self, event: Event) -> None:
+    def show_event(self, event: Event) -> None:
         """Show the sentences for `event`."""
         for sentence in self._of(event):
             self._show(sentence)
@@ -75,7 +75,7 @@ class Notices:
         """Yield the run's events, each after its notices; then show if its recording is over."""
         with closing(self._session.events()) as events:
             for event in events:
-                self.take(event)  # first: the notice that values are back comes before them
+                self.show_event(event)  # first: the notice that values are back comes before them
                 yield event
         if self._session.recording_over is not None:
             self._show(f"{localized(self._session.recording_over.reason)}.")

@@ -51,14 +51,14 @@ class Output:
         else:
             self.line(text)
 
-    def note(self, text: str) -> None:
+    def print_note(self, text: str) -> None:
         """Print one line on stderr, for people."""
         terminal.write_error(f"{text}\n")
 
     def detail(self, *words: str) -> None:
         """Print a note that only `-v` shows."""
         if self.verbose:
-            self.note(" ".join(word for word in words if word))
+            self.print_note(" ".join(word for word in words if word))
 
     def table(self, headers: Sequence[str], rows: Sequence[Sequence[str]], right: str = "") -> None:
         """Print a table on stdout. `right`: indices of the right-aligned columns, as digits."""
@@ -95,11 +95,11 @@ class StatusLine:
             self._drawn = time
             self._write_text()
 
-    def note(self, sentence: str) -> None:
+    def print_notice(self, sentence: str) -> None:
         """Print a notice above the line."""
         with self._writing:
             self.clear()
-            self._output.note(sentence)
+            self._output.print_note(sentence)
             if self.live:
                 self._write_text()
 

@@ -34,12 +34,12 @@ class PublishingReport:
         self._writing = threading.Lock()
         self._was_connected = False
 
-    def note(self, sentence: str) -> None:
+    def print_notice(self, sentence: str) -> None:
         """Print a sentence above the status line."""
         with self._writing:
-            self.progress.note(sentence)
+            self.progress.print_notice(sentence)
 
-    def take(self, event: Event) -> None:
+    def add_event(self, event: Event) -> None:
         """Follow an event of sampling."""
         if isinstance(event, StateChanged) and self._output.json:
             self._data("line", event.as_json() | {"time": round(event.time, 6)})
@@ -55,7 +55,7 @@ class PublishingReport:
                 "lost": _json(change.lost),
             }
             self._data("broker", content)
-        self.note(self._sentence(change))
+        self.print_notice(self._sentence(change))
         self._was_connected |= change.is_connected
 
     def _sentence(self, change: BrokerChange) -> str:
@@ -70,7 +70,7 @@ class PublishingReport:
         back = tr("The broker is back.", "Брокер снова на связи.")
         return f"{back} {_lost_sentence(change.lost)}" if change.lost else back
 
-    def end(self) -> None:
+    def print_last_line(self) -> None:
         """Print the last line: what was published, and what was not."""
         self.progress.clear()
         if self.publisher is None or not self._was_connected:
@@ -83,9 +83,9 @@ class PublishingReport:
                 "unsent": _json(unsent),
             }
             self._data("end", content)
-        self._output.note(self._counts(self.publisher.connection.sent))
+        self._output.print_note(self._counts(self.publisher.connection.sent))
         if unsent:
-            self._output.note(_lost_sentence(unsent))
+            self._output.print_note(_lost_sentence(unsent))
 
     def _data(self, kind: str, content: dict[str, Any]) -> None:
         with self._writing:

@@ -95,7 +95,7 @@ async def doctor(
 async def stop(dashboard: TheDashboard, client: Controller) -> State:
     """Stop the diagnosis, if there is one; responds when its port is closed."""
     if dashboard.diagnosis is not None:
-        await dashboard.diagnosis.end()
+        await dashboard.diagnosis.stop_and_wait()
     return state_of(dashboard, client)
 
 

@@ -116,7 +116,7 @@ def _record(file: Path, drive: Drive, model: str) -> None:
         with sink, mikas.connect(url, sink=sink) as ecu:
             now, unit = ecu.tester.link.now, ecu.version_code
             found = UnitFound(now(), unit, ecu.passport(), catalog=ecu.catalog.version)
-            for note in SessionAnnotator().take(found):
+            for note in SessionAnnotator().notes_of(found):
                 sink.note(note)
             ecu.faults()
             end = now() + drive.seconds

@@ -84,7 +84,7 @@ class FreezeFrameStore:
         with self._lock:
             return sorted(self._frames.values(), key=lambda it: (-it.seen, it.code))
 
-    def take(self, reading: FaultReading, before: FaultReading | None) -> None:
+    def keep_frames_of(self, reading: FaultReading, before: FaultReading | None) -> None:
         """Keep the values around each fault that `before` does not have; None: all are old."""
         if before is None or self._own is None:
             return

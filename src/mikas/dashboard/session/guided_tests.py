@@ -132,7 +132,7 @@ class GuidedTests:
                 self._restore_plan(run)
             self._run = None
 
-    def take(self, event: Sampled | UnitFound) -> None:
+    def add_event(self, event: Sampled | UnitFound) -> None:
         """Take a sample, or end the test because another unit answers; in the sampling thread."""
         if isinstance(event, UnitFound):
             if event.another:

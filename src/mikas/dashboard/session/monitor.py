@@ -228,7 +228,7 @@ class ConnectionMonitor:
                 self._events.append(event)
                 self.wake()
 
-    def take(self, event: Event) -> None:
+    def add_event(self, event: Event) -> None:
         """Take an event of the session."""
         with self.lock:
             match event:
@@ -262,7 +262,9 @@ class ConnectionMonitor:
         """Note that another request has the line now."""
         self.session.pause(OTHER_REQUEST)
 
-    def end(self, time: float, error: MikasError | None, why: Text = DISCONNECTED) -> None:
+    def end_connection(
+        self, time: float, error: MikasError | None, why: Text = DISCONNECTED
+    ) -> None:
         """End the connection: by itself, because of `error`, or for the reason `why`."""
         # Not under the lock: the recorder gets these gaps, and logs its files here.
         gaps = self.session.leave(time, error.reason if error else why, error)

@@ -197,7 +197,7 @@ class Diagnosis(StoppablePort):
         except Stopped:
             return
 
-    async def end(self) -> None:
+    async def stop_and_wait(self) -> None:
         """Stop the diagnosis, and wait until the port is given back."""
         await asyncio.to_thread(self.stop)
         if self.task is not None:

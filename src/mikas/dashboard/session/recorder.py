@@ -92,9 +92,9 @@ class SessionRecorder:
             self._start(path, thread)
         self._name, self._continues = name, False
 
-    def take(self, event: Event) -> None:
+    def record_event(self, event: Event) -> None:
         """Record an event; in the sampling thread."""
-        self.recorder.take(event)
+        self.recorder.record_event(event)
         thread = self._connection.thread
         if isinstance(event, UnitFound) and self._continues and thread is not None:
             self._continues = False
@@ -169,7 +169,7 @@ class SessionRecorder:
         elif path is not None:  # the recording has ended since
             append_note(path, note_of(marker))
 
-    def note(self, text: str) -> None:
+    def write_text(self, text: str) -> None:
         """Write a note into the recording. Raises `Busy` if there is none."""
         if self.recorder.status is None:
             raise Busy(problem=_NONE)

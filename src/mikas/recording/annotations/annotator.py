@@ -1,7 +1,7 @@
 """A session's events as notes, and the first notes of a recording that begins in mid-session.
 
-    events ──► SessionAnnotator.take ──► notes     unit, catalog, plan, state, gap, alarm, learnt
-                   └── head()                      the first four repeated, for a new file
+    events ──► SessionAnnotator.notes_of ──► notes  unit, catalog, plan, state, gap, alarm, learnt
+                   └── head()                       the first four repeated, for a new file
 
 A gap is one note, however many cycles failed in it (`sampling/gaps.py`), written when the gap ends.
 A recording that ends first gets the note with an open end; in one that begins in a gap, the gap
@@ -66,12 +66,12 @@ class SessionAnnotator:
         self._car = car
         yield car
 
-    def end(self, ended: float | None = None) -> Iterator[Note]:
+    def last_notes(self, ended: float | None = None) -> Iterator[Note]:
         """Yield the note of the gap in which a recording ends."""
         if self._gap is not None:
             yield self._noted(replace(self._gap, ended=ended))
 
-    def take(self, event: Event) -> Iterator[Note]:
+    def notes_of(self, event: Event) -> Iterator[Note]:
         """Yield the notes of `event`. Exhaust the iterator: it updates the annotator's state."""
         match event:
             case Sampled():

@@ -132,7 +132,7 @@ def _tell(context: CommandContext, added: Added, dataset: str) -> None:
             f"{file}: повреждённых мест: {count}; всё остальное добавлено.",
         )
     for bad in added.bad:
-        context.output.note(cell_text(f"{bad.file}: {localized(bad.reason)}"))
+        context.output.print_note(cell_text(f"{bad.file}: {localized(bad.reason)}"))
     hours = decimal(f"{added.seconds / 3600:.1f}")
     replaced = added.replaced
     known, ru_known = (

@@ -78,7 +78,7 @@ def _print(context: CommandContext, found: FleetFindings, out: Path | None) -> N
         return
     verdict = cell_text(localized(headline(found)))
     if out is not None:
-        context.output.note(f"{verdict}\n{out}")
+        context.output.print_note(f"{verdict}\n{out}")
         return
     context.output.line(verdict)
     for car in found.cars:

@@ -68,7 +68,7 @@ def write(context: CommandContext, space: str, address: int, data: bytes, *, yes
     except KeyboardInterrupt:
         if confirmed:
             again = f"mikas mem read {space} {address:X} {len(data)}"
-            context.output.note("")  # after the terminal's ^C
+            context.output.print_note("")  # after the terminal's ^C
             context.say(
                 f"Stopped: some of the bytes may be written. Read them: {again}. The journal has "
                 "the bytes before.",

@@ -113,7 +113,7 @@ def dump(
                 job.advance(block=block, progress=done)
         except BaseException:
             if manifest.bytes_read:
-                context.output.note(_stopped(job, out))
+                context.output.print_note(_stopped(job, out))
             raise
         if verify:
             with progress(tr("second pass", "второй проход"), manifest.size) as done:
@@ -135,7 +135,7 @@ def _stopped(job: Dump, out: Path) -> str:
 def show_differences(context: CommandContext, found: Sequence[Difference], what: str) -> None:
     """Print the first differences on stderr, each after `what`, and their number."""
     for difference in found[:20]:
-        context.output.note(f"{what}: {_line(difference)}")
+        context.output.print_note(f"{what}: {_line(difference)}")
     if len(found) > 20:
         context.say(f"… {len(found)} in all", f"… всего {len(found)}")
 

@@ -58,7 +58,7 @@ def find(context: CommandContext, file: Path, expression: str) -> None:
         return
     if found.begin is not None and found.hits:
         _print_table(context, found.hits, condition, found.begin)
-    context.output.note(_summary(found.hits, condition))
+    context.output.print_note(_summary(found.hits, condition))
 
 
 def _json(hit: Hit) -> dict[str, float | int | None]:

@@ -117,7 +117,7 @@ def _measured_now(context: CommandContext, seconds: float, car: CarOptions) -> F
 
 def _sample(context: CommandContext, current: SamplingRun) -> None:
     progress = StatusLine(context.output, lambda: _progress(current))
-    notices = Notices(current, progress.note, verbose=context.output.verbose)
+    notices = Notices(current, progress.print_notice, verbose=context.output.verbose)
     try:
         with closing(notices.watch()) as events:
             for event in events:
@@ -145,7 +145,7 @@ def _print_summary(context: CommandContext, out: Path, found: Findings) -> None:
 
     verdict = summary_sentence(found)
     if not context.output.json:
-        context.output.note(f"{localized(verdict)}\n{out}")
+        context.output.print_note(f"{localized(verdict)}\n{out}")
         return
     faults = None if found.faults is None else [stored.fault.code for stored in found.faults]
     context.output.data(

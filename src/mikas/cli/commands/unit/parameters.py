@@ -53,7 +53,9 @@ def params(context: CommandContext) -> None:
     used = sorted({name for p in catalog.parameters for name in p.errata})
     for name in used:
         erratum = catalog.errata[name]
-        context.output.note(f"{name}: {localized(erratum.title)}. {localized(erratum.reason)}")
+        context.output.print_note(
+            f"{name}: {localized(erratum.title)}. {localized(erratum.reason)}"
+        )
 
 
 def _parameter_row(parameter: Parameter, interpretation: str) -> list[str]:
@@ -114,7 +116,7 @@ def read(context: CommandContext, names: tuple[str, ...]) -> None:
         missing = [p.name for p in ecu.catalog.parameters if p.name not in readings]
     show_readings(context, readings)
     if missing and not names:
-        context.output.note(
+        context.output.print_note(
             tr("This unit does not know: ", "Этот блок не знает: ") + ", ".join(missing)
         )
 

@@ -196,7 +196,7 @@ def remove_marker(dashboard: TheDashboard, _: Controller, time: MarkerTime) -> M
 @router.post("/recording/note", responses=errors(409))
 def note(dashboard: TheDashboard, _: Controller, body: NoteRequest) -> NoteResponse:
     """Write a note into the recording in progress."""
-    dashboard.recorder.note(body.text)
+    dashboard.recorder.write_text(body.text)
     return NoteResponse(kept=True)
 
 
