@@ -26,7 +26,7 @@ from mikas.fleet.places import is_utf_8, shown
 from mikas.fleet.stores import DiskStore, Store, UrlStore, store
 from mikas.fleet.tables import PARTITIONS, TABLES
 from mikas.i18n import Text
-from mikas.recording.export.parquet import quoted
+from mikas.recording.parquet import quoted
 
 if TYPE_CHECKING:
     from fsspec import AbstractFileSystem

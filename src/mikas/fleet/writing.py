@@ -12,15 +12,14 @@ from math import floor
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-import duckdb
 import numpy as np
 
 from mikas.cancellation import check_cancelled
 from mikas.errors import CaptureError
 from mikas.fleet.tables import SMALL
 from mikas.i18n import Text
-from mikas.recording.export.parquet import connect, quoted, system_error
 from mikas.recording.export.sheet import BATCH
+from mikas.recording.parquet import ParquetTable, quoted
 from mikas.recording.table.channels import PLAINLY_UNIX, Channel, Rows, calendar
 
 if TYPE_CHECKING:
@@ -50,21 +49,11 @@ class TableWriter:
     def __init__(self, folder: Path, channels: Sequence[Channel]) -> None:
         self._folder = folder
         self._channels = channels
-        self._database = connect(folder)
+        self._table = ParquetTable(folder, ["drive", "time", "clock"], channels, BATCH)
         self._days: set[int | None] = set()
         self._rows: dict[str, dict[str | None, list[tuple[object, ...]]]] = {
             name: {} for name in SMALL
         }
-        names = ["drive", "time", "clock", *(f"c{n}" for n in range(len(channels)))]
-        self._batch = {name: np.empty(BATCH) for name in names}
-        self._database.execute("SET enable_progress_bar = false")
-        self._database.register("batch", self._batch)
-        self._database.execute("BEGIN")
-        self._database.execute(
-            f"CREATE TABLE collected ({', '.join(f'{name} DOUBLE' for name in names)})"
-        )
-        present = ", ".join(f"nullif({name}, 'nan'::DOUBLE)" for name in names)
-        self._insert = f"INSERT INTO collected SELECT {present} FROM batch LIMIT "
 
     def __enter__(self) -> TableWriter:
         return self
@@ -75,29 +64,21 @@ class TableWriter:
         error: BaseException | None,
         at: TracebackType | None,
     ) -> None:
-        self._database.close()
-        if isinstance(error, duckdb.OperationalError | duckdb.FatalException):  # a disk error
-            raise system_error(error) from error
+        self._table.__exit__(kind, error, at)
 
     def add_samples(self, drive: int, rows: Rows, zero: float) -> None:
         """Add rows of a drive; `zero`: the time that counts as 0."""
         for begin in range(0, len(rows.times), BATCH):
             check_cancelled()
             times = rows.times[begin : begin + BATCH]
-            count = len(times)
             dated = np.array([calendar(float(times.min())), calendar(float(times.max()))])
             at = np.where(times >= PLAINLY_UNIX, times, np.nan) if all(dated) else _dated(times)
             self._days |= {
                 None if np.isnan(day) else int(day) for day in np.unique(np.floor(at / DAY))
             }
             self._check(len(self._days))
-            self._batch["drive"][:count] = drive
-            self._batch["time"][:count] = times - zero
-            self._batch["clock"][:count] = at
-            for number, channel in enumerate(self._channels):
-                column = rows.values[channel.name][begin : begin + BATCH]
-                self._batch[f"c{number}"][:count] = column
-            self._database.execute(f"{self._insert}{count}")
+            columns = (rows.values[each.name][begin : begin + BATCH] for each in self._channels)
+            self._table.add((drive, times - zero, at, *columns), len(times))
 
     def add(self, table: str, time: float | None, row: Mapping[str, object]) -> None:
         """Add a row to a small table; `time` decides on its day."""
@@ -114,17 +95,14 @@ class TableWriter:
         self, drives: Sequence[str], facts: Mapping[str, Any]
     ) -> Iterator[tuple[str, str | None, Path]]:
         """Yield (table, day, file) for each file. `drives`: by number; `facts`: its metadata."""
-        text = quoted(json.dumps(facts, ensure_ascii=False))
-        options = f"(FORMAT parquet, COMPRESSION zstd, KV_METADATA {{mikas: {text}}})"
+        text = json.dumps(facts, ensure_ascii=False)
+        selected = ", ".join(self._selected(drives))
         count = 0
         for number in sorted(self._days, key=lambda day: (day is None, day or 0)):
             file = self._folder / f"{count}.parquet"
             count += 1
             where = "clock IS NULL" if number is None else f"floor(clock / {DAY}) = {number}"
-            self._database.execute(
-                f"COPY (SELECT {', '.join(self._selected(drives))} FROM collected WHERE {where}) "
-                f"TO {quoted(str(file))} {options}"
-            )
+            self._table.copy(f"SELECT {selected} FROM collected WHERE {where}", file, text)
             yield "samples", day_of(None if number is None else number * DAY), file
         for table, days in self._rows.items():
             columns = SMALL[table]
@@ -132,14 +110,14 @@ class TableWriter:
                 file = self._folder / f"{count}.parquet"
                 count += 1
                 listed = ", ".join(f"{column.name} {column.type}" for column in columns)
-                self._database.execute(f"CREATE OR REPLACE TEMP TABLE small ({listed})")
+                self._table.database.execute(f"CREATE OR REPLACE TEMP TABLE small ({listed})")
                 for piece in _pieces(rows, len(columns)):
                     row = f"({', '.join('?' * len(columns))})"
-                    self._database.execute(
+                    self._table.database.execute(
                         f"INSERT INTO small VALUES {', '.join([row] * len(piece))}",
                         [value for values in piece for value in values],
                     )
-                self._database.execute(f"COPY small TO {quoted(str(file))} {options}")
+                self._table.copy("SELECT * FROM small", file, text)
                 yield table, day, file
 
     def _selected(self, drives: Sequence[str]) -> Iterator[str]:
@@ -147,10 +125,7 @@ class TableWriter:
         yield f"list_extract([{listed}], drive::INTEGER + 1) AS drive"
         yield "time"
         yield "make_timestamp(round(clock * 1000000)::BIGINT) AS utc"
-        for number, channel in enumerate(self._channels):
-            value = f"c{number} <> 0" if channel.is_flag else f"c{number}"
-            name = channel.name.replace('"', '""')
-            yield f'{value} AS "{name}"'
+        yield from self._table.channel_columns()
 
 
 def _dated(times: np.ndarray[Any, np.dtype[np.float64]]) -> np.ndarray[Any, np.dtype[np.float64]]:
