@@ -16,7 +16,7 @@ from mikas.catalog import INTERPRETATIONS, Conversion, Parameter, shipped
 from mikas.errors import UsageError, ValueDoesNotFit
 
 NUMERIC = [each for each in shipped().parameters if not each.is_flag]
-READINGS_THAT_DIFFER = [
+INTERPRETATIONS_THAT_DIFFER = [
     pytest.param(parameter, name, id=f"{parameter.name}-{name}")
     for parameter in NUMERIC
     for name, conversion in parameter.interpretations.items()
@@ -25,7 +25,7 @@ READINGS_THAT_DIFFER = [
 FLAGS = [each for each in shipped().parameters if each.is_flag]
 
 
-@pytest.mark.parametrize(("parameter", "interpretation"), READINGS_THAT_DIFFER)
+@pytest.mark.parametrize(("parameter", "interpretation"), INTERPRETATIONS_THAT_DIFFER)
 def test_every_raw_value_comes_back(parameter: Parameter, interpretation: str) -> None:
     conversion = parameter.interpretation(interpretation)
     for number in range(1 << (8 * parameter.size)):
@@ -34,7 +34,7 @@ def test_every_raw_value_comes_back(parameter: Parameter, interpretation: str) -
     assert parameter.encode(parameter.decode(raw, interpretation), interpretation) == raw
 
 
-@pytest.mark.parametrize(("parameter", "interpretation"), READINGS_THAT_DIFFER)
+@pytest.mark.parametrize(("parameter", "interpretation"), INTERPRETATIONS_THAT_DIFFER)
 def test_every_value_is_the_float_nearest_to_the_exact_one(
     parameter: Parameter, interpretation: str
 ) -> None:
@@ -79,7 +79,7 @@ def test_the_finest_that_is_allowed_comes_back(offset: Fraction) -> None:
         Conversion(1, scale=Fraction(1, 3), offset=offset + Fraction(1 if offset > 0 else -1, 3))
 
 
-def test_readings_are_the_three_that_have_names() -> None:
+def test_interpretations_are_the_three_that_have_names() -> None:
     assert INTERPRETATIONS == ("corrected", "literal", "alternative")
     for parameter in shipped().parameters:
         for name in INTERPRETATIONS:
@@ -224,7 +224,7 @@ def test_parameters_can_be_pickled_and_hashed() -> None:
         assert len({parameter, parameter}) == 1
 
 
-def test_an_unknown_reading_is_an_error_and_not_the_default() -> None:
+def test_an_unknown_interpretation_is_an_error_and_not_the_default() -> None:
     known = "corrected, literal, alternative"
     with pytest.raises(UsageError, match=f"no interpretation “litteral”; there are: {known}"):
         shipped().parameter("UACC").decode(b"\x8e", "litteral")

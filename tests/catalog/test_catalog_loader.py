@@ -169,7 +169,7 @@ def test_a_flag_may_be_a_bit_of_two_bytes(write: Write) -> None:
     assert (flag.decode(b"\x00\x80"), flag.decode(b"\xff\x7f")) == (True, False)
 
 
-def test_a_reading_can_be_a_flag(write: Write) -> None:
+def test_an_interpretation_can_be_a_flag(write: Write) -> None:
     parameter = load(write(NEW + "scale = 2\nalternative = { mask = 1 }\n")).parameter("P")
     assert parameter.decode(b"\x03") == 6
     assert parameter.decode(b"\x03", "alternative") is True

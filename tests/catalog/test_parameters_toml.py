@@ -134,7 +134,7 @@ def test_errata_concern_the_parameters_that_the_document_names() -> None:
     }
 
 
-def test_only_errata_make_readings_differ() -> None:
+def test_only_errata_make_interpretations_differ() -> None:
     for parameter in shipped().parameters:
         interpretations = parameter.interpretations
         assert (interpretations["literal"] != interpretations["corrected"]) == bool(

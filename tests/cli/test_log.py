@@ -223,7 +223,7 @@ def test_a_capture_cut_short_is_decoded_up_to_the_cut(mikas, tmp_path):
     assert any(isinstance(it, Problem) for it in CaptureReader(file))
 
 
-def test_decode_uses_the_reading_and_the_catalog_asked_for(mikas):
+def test_decode_uses_the_interpretation_and_the_catalog_asked_for(mikas):
     mikas("read", "UACC", "--capture", "wire.pcapng")
     assert "UACC=14" in mikas("decode", "wire.pcapng").out
     assert "UACC=-11" in mikas("decode", "wire.pcapng", "--interpretation", "literal").out

@@ -101,7 +101,7 @@ def test_the_interpretation_decides_sense_and_unit(interpretation, uacc, rcok, t
     )  # what was done, not what was asked
 
 
-def test_an_unknown_reading_is_refused_with_those_there_are():
+def test_an_unknown_interpretation_is_refused_with_those_there_are():
     with pytest.raises(UsageError, match="corrected, literal, alternative"):
         ecu_on(bench(), interpretation="both")
 

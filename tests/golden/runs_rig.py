@@ -30,7 +30,7 @@ from mikas.dashboard.security.control import Client
 from mikas.dashboard.settings import PlanSettings, Settings
 from mikas.link.ahead import PortAhead
 from mikas.publish.connection import BrokerChange
-from mikas.publish.message import Kind, Message
+from mikas.publish.message import Message, MessageKind
 from mikas.publish.outbox import Outbox
 from mikas.recording import CaptureReader
 from mikas.recording.capture.reader import Packet
@@ -124,7 +124,7 @@ def publish(drive: Drive, folder: Path) -> str:
 
 def _published(message: Message) -> str:
     payload = message.payload.decode()
-    if message.kind is Kind.SAMPLES:
+    if message.kind is MessageKind.SAMPLES:
         rows = json.loads(payload)
         payload = f"first {rows['first']}, rows {len(rows['samples'])}, {_hash(payload)}"
     return f"{message.topic} {payload}"

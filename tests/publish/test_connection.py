@@ -19,7 +19,7 @@ from mikas.errors import (
 from mikas.publish import connection as module
 from mikas.publish.broker import Broker
 from mikas.publish.connection import BrokerChange, BrokerConnection
-from mikas.publish.message import Kind, Message
+from mikas.publish.message import Message, MessageKind
 from mikas.publish.outbox import Outbox
 
 pytestmark = [
@@ -27,8 +27,8 @@ pytestmark = [
     pytest.mark.filterwarnings("ignore::ResourceWarning"),  # the fixture `connect` says why
 ]
 
-ONLINE = Message("car/availability", b"online", Kind.RETAINED)
-OFFLINE = Message("car/availability", b"offline", Kind.RETAINED)
+ONLINE = Message("car/availability", b"online", MessageKind.RETAINED)
+OFFLINE = Message("car/availability", b"offline", MessageKind.RETAINED)
 
 
 @pytest.fixture
@@ -89,16 +89,16 @@ def connect(broker, monkeypatch):
     gc.collect()  # the library leaves the socket of an attempt that failed to the collector
 
 
-def message(kind: Kind, number: int, topic: str = "car/t") -> Message:
+def message(kind: MessageKind, number: int, topic: str = "car/t") -> Message:
     return Message(topic, str(number).encode(), kind, time=float(number), rows=1)
 
 
 def test_online_comes_behind_what_is_kept_and_offline_last(connect, listener):
     outbox = Outbox()
-    outbox.put([message(Kind.EVENT, 1), message(Kind.RETAINED, 2, "car/state")])
+    outbox.put([message(MessageKind.EVENT, 1), message(MessageKind.RETAINED, 2, "car/state")])
     connection = connect(outbox)
     connection.open()
-    connection.send([message(Kind.SAMPLES, 3)])
+    connection.send([message(MessageKind.SAMPLES, 3)])
     connection.close()
     listener.wait_for(is_("car/availability", b"offline"))
     assert [(it.topic, it.payload) for it in listener.got] == [
@@ -117,15 +117,15 @@ def test_after_an_outage_all_that_is_kept_is_sent_again_and_losses_are_reported(
     changes, outbox = Changes(), Outbox(most_events=2)
     connection = connect(outbox, Broker("127.0.0.1", relay.port), on_change=changes)
     connection.open()
-    connection.send([message(Kind.RETAINED, 1, "car/state")])
+    connection.send([message(MessageKind.RETAINED, 1, "car/state")])
     listener.wait_for(is_("car/state"))
     assert changes.wait_for(1) == BrokerChange()
     relay.cut()
     assert isinstance(changes.wait_for(2).error, BrokerLost)
     assert isinstance(changes.wait_for(3).error, BrokerUnreachable)
     listener.wait_for(is_("car/availability", b"offline"))  # the last will
-    connection.send([message(Kind.EVENT, number, "car/event") for number in range(5)])
-    connection.send([message(Kind.LIVE, 9, "car/values")])
+    connection.send([message(MessageKind.EVENT, number, "car/event") for number in range(5)])
+    connection.send([message(MessageKind.LIVE, 9, "car/values")])
     before = len(listener.got)
     relay.restore()
     back = changes.wait_for(4)
@@ -147,8 +147,8 @@ def test_losses_are_reported_though_the_connection_breaks_off_before_it_is_onlin
     connect, relay, listener
 ):
     changes, outbox = Changes(), Outbox(most_events=2)
-    outbox.put([message(Kind.RETAINED, 1, "car/state")])
-    outbox.put(message(Kind.EVENT, number, "car/event") for number in range(5))
+    outbox.put([message(MessageKind.RETAINED, 1, "car/state")])
+    outbox.put(message(MessageKind.EVENT, number, "car/event") for number in range(5))
     relay.breaks = True
     connection = connect(outbox, Broker("127.0.0.1", relay.port), on_change=changes)
     connection.open(patient=True)

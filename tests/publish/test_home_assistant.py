@@ -20,7 +20,7 @@ from mikas.catalog import load
 from mikas.client.identity import Passport
 from mikas.i18n import Text
 from mikas.publish.home_assistant import HomeAssistant, discovery_topic
-from mikas.publish.message import Kind
+from mikas.publish.message import MessageKind
 from mikas.sampling.events import UnitFound
 
 NAMES = ("TWAT", "FREQ", "RXX", "FUEL_FLOW", "FUEL_USED", "MINERR", "0x3F:2", "UOZ", "INJ", "RDET")
@@ -67,7 +67,7 @@ def compiled(template: str) -> Template:
 def test_the_device_is_one_retained_message_with_an_origin():
     message = made().discovery()
     assert message.topic == "homeassistant/device/garage--volga/config"
-    assert (message.kind, message.qos) == (Kind.RETAINED, 1)
+    assert (message.kind, message.qos) == (MessageKind.RETAINED, 1)
     whole = content(message)
     assert whole["device"]["identifiers"] == ["mikas_garage--volga"]
     assert whole["origin"]["sw_version"] == "1.2.3"

@@ -23,7 +23,7 @@ from mikas.publish import connection as module
 from mikas.publish.broker import parse_address, with_tls
 from mikas.publish.connection import BrokerChange, BrokerConnection
 from mikas.publish.home_assistant import discovery_topic
-from mikas.publish.message import Kind, Message
+from mikas.publish.message import Message, MessageKind
 from mikas.publish.outbox import Outbox
 from mikas.publish.session import Destination, remove
 from mikas.publish.topics import Topics
@@ -253,7 +253,8 @@ def connect(monkeypatch):
     monkeypatch.setattr(module, "_FIRST_PAUSE", 0.02)
     made = []
     online, offline = (
-        Message(f"{BASE}/availability", word, Kind.RETAINED) for word in (b"online", b"offline")
+        Message(f"{BASE}/availability", word, MessageKind.RETAINED)
+        for word in (b"online", b"offline")
     )
 
     def connect(to: str, *, ca: Path | None = None, **settings: object) -> BrokerConnection:
@@ -289,7 +290,7 @@ def test_what_the_broker_keeps_of_a_topic_is_read_before_the_first_message(conne
     url, kept, connected = f"mqtt://127.0.0.1:{broker.port}", [], []
     first = connect(url, client_id="other")
     first.open()
-    first.send([Message("ha/config", b"1", Kind.RETAINED)])
+    first.send([Message("ha/config", b"1", MessageKind.RETAINED)])
     first.close()
     second = connect(url, kept_topic="ha/config", on_kept=lambda payload: kept.append(
         (payload, second.is_connected)), on_change=connected.append)  # fmt: skip

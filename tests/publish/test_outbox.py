@@ -5,12 +5,12 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mikas.publish.message import Kind, Message
+from mikas.publish.message import Message, MessageKind
 from mikas.publish.outbox import Lost, Outbox
 
 
-def message(kind: Kind, number: int, topic: str = "t", size: int = 4) -> Message:
-    rows = 3 if kind is Kind.SAMPLES else 0
+def message(kind: MessageKind, number: int, topic: str = "t", size: int = 4) -> Message:
+    rows = 3 if kind is MessageKind.SAMPLES else 0
     return Message(topic, f"{number:>{size}}".encode(), kind, time=float(number), rows=rows)
 
 
@@ -25,7 +25,7 @@ def sent_by(outbox: Outbox, most: int = 10**6) -> list[Message]:
 
 ACTIONS = st.lists(
     st.one_of(
-        st.tuples(st.sampled_from(Kind), st.sampled_from("ab"), st.integers(4, 40)),
+        st.tuples(st.sampled_from(MessageKind), st.sampled_from("ab"), st.integers(4, 40)),
         st.sampled_from(["connect", "disconnect", "send"]),
     ),
     max_size=60,
@@ -56,8 +56,8 @@ def test_every_sample_and_event_is_sent_waiting_or_counted_as_lost(actions):
     assert outbox.unsent.events <= 5  # what is still there
     outbox.connected()
     for kind, count, rows in (
-        (Kind.EVENT, lost.events + unsent.events, 1),
-        (Kind.SAMPLES, lost.samples + unsent.samples, 3),
+        (MessageKind.EVENT, lost.events + unsent.events, 1),
+        (MessageKind.SAMPLES, lost.samples + unsent.samples, 3),
     ):
         there = [it for it in put if it.kind is kind]
         gone = [it for it in sent if it.kind is kind]
@@ -65,20 +65,20 @@ def test_every_sample_and_event_is_sent_waiting_or_counted_as_lost(actions):
         numbers = [int(it.payload) for it in gone]
         assert numbers == sorted(set(numbers))  # in order, none twice
     # The latest of each retained topic is sent now, whatever was sent before; the rest behind it.
-    latest = {it.topic: it for it in put if it.kind is Kind.RETAINED}
+    latest = {it.topic: it for it in put if it.kind is MessageKind.RETAINED}
     rest = sent_by(outbox)
     assert {it.topic: it for it in rest[: len(latest)]} == latest
-    assert sum(len(it.payload) for it in rest if it.kind is Kind.SAMPLES) <= 100
+    assert sum(len(it.payload) for it in rest if it.kind is MessageKind.SAMPLES) <= 100
 
 
 def test_values_of_an_outage_are_not_sent_later():
     outbox = Outbox()
-    outbox.put([message(Kind.LIVE, 1)])
+    outbox.put([message(MessageKind.LIVE, 1)])
     outbox.connected()
     assert outbox.next() is None
-    outbox.put([message(Kind.LIVE, 2), message(Kind.LIVE, 3)])
+    outbox.put([message(MessageKind.LIVE, 2), message(MessageKind.LIVE, 3)])
     assert [it.payload for it in sent_by(outbox)] == [b"   3"]  # the latest alone
-    outbox.put([message(Kind.LIVE, 4)])
+    outbox.put([message(MessageKind.LIVE, 4)])
     outbox.disconnected()
     outbox.connected()
     assert outbox.next() is None
@@ -86,17 +86,17 @@ def test_values_of_an_outage_are_not_sent_later():
 
 def test_a_message_that_was_replaced_while_it_was_sent_stays():
     outbox = Outbox()
-    outbox.put([message(Kind.RETAINED, 1)])
+    outbox.put([message(MessageKind.RETAINED, 1)])
     outbox.connected()
     first = outbox.next()
-    outbox.put([message(Kind.RETAINED, 2)])
+    outbox.put([message(MessageKind.RETAINED, 2)])
     outbox.sent(first)
     assert outbox.next().payload == b"   2"
 
 
 def test_what_was_lost_has_its_first_and_last_time():
     outbox = Outbox(most_bytes=8)
-    outbox.put(message(Kind.SAMPLES, number) for number in range(5))
+    outbox.put(message(MessageKind.SAMPLES, number) for number in range(5))
     outbox.connected()
     assert outbox.take_lost() == Lost(samples=9, since=0.0, until=2.0)
     assert not outbox.take_lost()
@@ -104,14 +104,14 @@ def test_what_was_lost_has_its_first_and_last_time():
 
 def test_samples_begin_with_their_first_row_and_events_may_be_older():
     outbox = Outbox()
-    rows = Message("t", b"", Kind.SAMPLES, time=90.0, since=30.0, rows=3)
-    outbox.put([rows, message(Kind.EVENT, 40), message(Kind.EVENT, 20)])
+    rows = Message("t", b"", MessageKind.SAMPLES, time=90.0, since=30.0, rows=3)
+    outbox.put([rows, message(MessageKind.EVENT, 40), message(MessageKind.EVENT, 20)])
     assert outbox.unsent == Lost(samples=3, events=2, since=20.0, until=90.0)
 
 
 def test_what_had_no_room_is_unsent_too_until_it_was_reported():
     outbox = Outbox(most_events=2)
-    outbox.put(message(Kind.EVENT, number) for number in range(5))
+    outbox.put(message(MessageKind.EVENT, number) for number in range(5))
     outbox.connected()
     outbox.disconnected()
     assert outbox.unsent.events == 5
@@ -122,5 +122,5 @@ def test_what_had_no_room_is_unsent_too_until_it_was_reported():
 def test_samples_stand_behind_all_others():
     outbox = Outbox()
     outbox.connected()
-    outbox.put(message(kind, 1, kind.name) for kind in reversed(Kind))
-    assert [it.kind for it in sent_by(outbox)] == list(Kind)
+    outbox.put(message(kind, 1, kind.name) for kind in reversed(MessageKind))
+    assert [it.kind for it in sent_by(outbox)] == list(MessageKind)

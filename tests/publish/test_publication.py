@@ -11,7 +11,7 @@ from publication_harness import CATALOG, TOPICS, Published, content, drive, publ
 from mikas.client import Passport, Reading
 from mikas.errors import EchoOnly
 from mikas.i18n import Text
-from mikas.publish.message import Kind
+from mikas.publish.message import MessageKind
 from mikas.sampling.events import (
     AlarmChanged,
     CycleFailed,
@@ -153,15 +153,16 @@ def test_events_are_those_that_a_person_would_note_each_once(outage):
 
 def test_every_message_is_json_with_its_schema_and_fits_its_kind(outage):
     kinds = {
-        "values": Kind.LIVE, "event": Kind.EVENT, "state": Kind.RETAINED, "unit": Kind.RETAINED,
-        "faults": Kind.RETAINED, "alarms": Kind.RETAINED,
-    }  # fmt: skip
+        "values": MessageKind.LIVE,
+        "event": MessageKind.EVENT,
+        **dict.fromkeys(("state", "unit", "faults", "alarms"), MessageKind.RETAINED),
+    }
     for message in outage.messages:
         name = message.topic.removeprefix(f"{TOPICS.base}/")
         assert message.kind is kinds[name]
         assert content(message)["schema"] == 1
         assert message.qos == (0 if name == "values" else 1)
-        assert message.retain is (message.kind is Kind.RETAINED)
+        assert message.retain is (message.kind is MessageKind.RETAINED)
 
 
 def test_every_sample_is_in_one_row_in_order():
@@ -203,9 +204,9 @@ def test_each_value_has_a_topic_of_its_own_if_wanted():
     got = {
         it.topic: (it.payload, it.qos, it.kind) for it in made.messages_of(sample(1.0, FREQ=800))
     }
-    assert got[f"{TOPICS.base}/value/FREQ"] == (b"800", 2, Kind.LIVE)
-    assert got[f"{TOPICS.base}/value/RXX"] == (b"null", 2, Kind.LIVE)
-    assert got[f"{TOPICS.base}/value/0x3F:2"] == (b"null", 2, Kind.LIVE)
+    assert got[f"{TOPICS.base}/value/FREQ"] == (b"800", 2, MessageKind.LIVE)
+    assert got[f"{TOPICS.base}/value/RXX"] == (b"null", 2, MessageKind.LIVE)
+    assert got[f"{TOPICS.base}/value/0x3F:2"] == (b"null", 2, MessageKind.LIVE)
 
 
 def alarm(time: float, level: str, *, name: str = "TWAT") -> AlarmChanged:

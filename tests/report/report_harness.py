@@ -10,7 +10,7 @@ from mikas.catalog import shipped
 from mikas.recording.table.channels import Rows
 from mikas.report.findings import Findings, find
 from mikas.report.measurements.measurements import MeasurementCollector
-from mikas.report.subject import Conditions, ReportSubject, UnitIdentity
+from mikas.report.subject import Conditions, ReportedUnit, ReportSubject
 
 GOOD = {
     "TWAT": 88.0, "FREQ": 840.0, "FREQX": 850.0, "UOZ": 13.0, "UACC": 14.1, "INJ": 4.7,
@@ -46,7 +46,7 @@ def found(*stretches: Rows, faults: tuple[int, ...] | None = (), events=(), **ho
     catalog = shipped()
     subject = ReportSubject(
         catalog,
-        UnitIdentity(catalog.model(0x0A), ("МИКАС 7.1", None, "241.3763"), ("2000.09.27",)),
+        ReportedUnit(catalog.model(0x0A), ("МИКАС 7.1", None, "241.3763"), ("2000.09.27",)),
         None if faults is None else tuple(map(catalog.fault, faults)),
         Conditions(
             **{"file": "drive.pcapng", "date": datetime(2026, 5, 9, 12, 30, tzinfo=UTC)} | how

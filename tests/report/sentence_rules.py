@@ -16,7 +16,7 @@ from mikas.report.subject import ClearedFaults
 
 
 def idle(f: Findings) -> bool:
-    return sum(b - a for a, b in f.measured.idle.stretches) >= 10
+    return sum(b - a for a, b in f.measured.idle.spans) >= 10
 
 
 def real(f: Findings) -> list[int]:
@@ -73,7 +73,7 @@ def unread(f: Findings) -> bool:
 
 
 def no_idle(f: Findings) -> bool:
-    return not unknown_idle(f) and not f.measured.idle.stretches and not unread(f)
+    return not unknown_idle(f) and not f.measured.idle.spans and not unread(f)
 
 
 def too_fast(f: Findings) -> bool:
@@ -233,10 +233,10 @@ RULES: dict[str, Callable[[Findings], bool]] = {
         not idle(f) and unknown_idle(f)
     ),
     "warm idle lasted only {}, so no value is rated": lambda f: (
-        not idle(f) and not unknown_idle(f) and bool(f.measured.idle.stretches)
+        not idle(f) and not unknown_idle(f) and bool(f.measured.idle.spans)
     ),
     "no warm idle was found, so no value is rated": lambda f: (
-        not unknown_idle(f) and not f.measured.idle.stretches and unread(f)
+        not unknown_idle(f) and not f.measured.idle.spans and unread(f)
     ),
     "the speed was never below {} rpm, so no value is rated at warm idle; if it stays there with a "
     "warm engine and the pedal released, the idle is too fast": lambda f: (
@@ -309,7 +309,7 @@ RULES: dict[str, Callable[[Findings], bool]] = {
         f.subject.catalog.channel(n).is_flag for n in unreferenced(f)
     ),
     "Shaded: normal range at warm idle.": lambda f: bool(referenced(f)),
-    "Bar at the bottom: warm idle.": lambda f: drawn(f) and bool(f.measured.idle.stretches),
+    "Bar at the bottom: warm idle.": lambda f: drawn(f) and bool(f.measured.idle.spans),
     "Grey: no data.": lambda f: drawn(f) and bool(f.subject.conditions.interruptions),
     "From the recording": lambda f: bool(f.subject.conditions.file),
     "measured on the connected car": lambda f: (

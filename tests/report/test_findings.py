@@ -236,10 +236,10 @@ def test_sessions_damage_and_unknown_faults_are_mentioned() -> None:
 def test_a_passport_that_is_not_reported_is_told_from_an_unidentified_unit() -> None:
     from dataclasses import replace
 
-    from mikas.report.subject import UnitIdentity
+    from mikas.report.subject import ReportedUnit
 
     findings = found()
-    silent = UnitIdentity(shipped().model(9), (None, None, None), (None,) * 5)
+    silent = ReportedUnit(shipped().model(9), (None, None, None), (None,) * 5)
     reported = unknowns(replace(findings, subject=replace(findings.subject, unit=silent)))
     assert reported[0].en == "The unit's passports: it does not report them."
     reported = unknowns(replace(findings, subject=replace(findings.subject, unit=None)))

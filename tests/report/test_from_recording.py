@@ -127,7 +127,7 @@ def test_a_cold_engine_is_not_judged(tmp_path: Path) -> None:
     url = "sim:?clock=simulated&scenario=cold-start"
     found = find_in_recording(mikas.open(record(tmp_path / "cold.pcapng", url)))
     assert found.rated == ()
-    assert found.measured.idle.stretches == ()
+    assert found.measured.idle.spans == ()
 
 
 def test_of_several_sessions_the_last_is_reported(tmp_path: Path) -> None:

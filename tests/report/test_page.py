@@ -19,7 +19,7 @@ from mikas.errors import EchoOnly
 from mikas.i18n import Text
 from mikas.report import page
 from mikas.report.findings import find
-from mikas.report.subject import UnitIdentity
+from mikas.report.subject import ReportedUnit
 from mikas.sampling.events import Gap
 
 _EMPTY = {"meta", "link", "br", "img"}
@@ -188,7 +188,7 @@ def test_anybody_s_words_stay_words(tmp_path: Path) -> None:
     subject = replace(
         findings.subject,
         catalog=catalog,
-        unit=UnitIdentity(catalog.model(0x0A), (evil,), (evil,)),
+        unit=ReportedUnit(catalog.model(0x0A), (evil,), (evil,)),
         faults=(catalog.fault(13),),
         notes=(evil,),
     )

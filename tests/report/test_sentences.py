@@ -30,7 +30,7 @@ from mikas.recording.freeze_frames import AppearedFault, frame_of
 from mikas.report.findings import BandPosition, Findings, Outcome, find
 from mikas.report.page import render
 from mikas.report.sections.summary import summary_sentence
-from mikas.report.subject import ClearedFaults, UnitIdentity
+from mikas.report.subject import ClearedFaults, ReportedUnit
 from mikas.sampling.events import Gap
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -135,7 +135,7 @@ def erased(*codes: int, read: float, erased: bool = True, stored: tuple[int, ...
     return find(replace(it.subject, cleared=(cleared,), faults_read=START + read), it.measured)
 
 
-def of_unit(unit: UnitIdentity | None) -> Findings:
+def of_unit(unit: ReportedUnit | None) -> Findings:
     it = found()
     return replace(it, subject=replace(it.subject, unit=unit))
 
@@ -206,9 +206,9 @@ def cases(tmp_path: Path) -> list[Findings]:
         found(interruptions=None), found(interruptions=(GAP,) * 5, sessions=3, ports=2, damaged=1),
         found(file="", port="sim:"), found(file="", date=None), found(port="sim:?scenario=city"),
         found(errors=2, method="stream", other_methods=True),
-        of_unit(None), of_unit(UnitIdentity(model)), own_references(tmp_path),
-        of_unit(UnitIdentity(model, (None,) * 3, (None,) * 5)),
-        of_unit(UnitIdentity(model, ("A",), (None,))),
+        of_unit(None), of_unit(ReportedUnit(model)), own_references(tmp_path),
+        of_unit(ReportedUnit(model, (None,) * 3, (None,) * 5)),
+        of_unit(ReportedUnit(model, ("A",), (None,))),
         _without_references(tmp_path), after_a_test("attention"), after_a_test("good"),
         appeared(13), appeared(71, seconds=0.1), appeared(17, far=True), appeared(195),
         appeared(21, erased=True), appeared(12), appeared(99),

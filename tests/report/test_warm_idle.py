@@ -24,7 +24,7 @@ def look(*stretches, names=NAMES):
 
 def test_warm_idle_begins_after_settling_and_lasts() -> None:
     idle, mask = look(rows(60))
-    assert idle.stretches == ((START + SETTLING, START + 59.9),)
+    assert idle.spans == ((START + SETTLING, START + 59.9),)
     assert idle.enough
     assert idle.unknown == ()
     assert mask.sum() == 600 - 30
@@ -37,7 +37,7 @@ def test_warm_idle_begins_after_settling_and_lasts() -> None:
 def test_each_broken_rule_ends_warm_idle(name, value) -> None:
     idle, mask = look(rows(60, **{name: value}))
     assert not mask.any()
-    assert idle.stretches == ()
+    assert idle.spans == ()
     assert not idle.enough
     (broken,) = [observed for observed in idle.rules if not observed.held]
     assert (broken.name, broken.least, broken.most) == (name, value, value)
@@ -53,16 +53,16 @@ def test_a_bad_idle_is_still_one(name, value) -> None:
 
 def test_a_blip_of_the_throttle_begins_it_anew() -> None:
     idle, _ = look(rows(60, THR=lambda t: np.where((t >= 30) & (t < 31), 20, 0)))
-    assert idle.stretches == (
+    assert idle.spans == (
         (START + SETTLING, START + 29.9),
         (START + 31 + SETTLING, START + 59.9),
     )
 
 
-def test_a_pause_parts_two_stretches() -> None:
+def test_a_pause_parts_two_spans() -> None:
     idle, _ = look(rows(20), rows(20, start=START + 20 + PAUSE))
-    assert len(idle.stretches) == 2
-    assert idle.stretches[1][0] == START + 20 + PAUSE + SETTLING
+    assert len(idle.spans) == 2
+    assert idle.spans[1][0] == START + 20 + PAUSE + SETTLING
 
 
 def only(until, value=0.0):
@@ -71,7 +71,7 @@ def only(until, value=0.0):
 
 def test_a_throttle_that_is_not_asked_any_more_is_replaced_by_the_units_own_sign() -> None:
     idle, _ = look(rows(60, THR=only(20)))
-    assert idle.stretches == ((START + SETTLING, START + 59.9),)
+    assert idle.spans == ((START + SETTLING, START + 59.9),)
     (throttle,) = [observed for observed in idle.rules if observed.name == "THR"]
     assert throttle.instead is not None
     assert throttle.missing == 0
@@ -84,7 +84,7 @@ def test_a_sign_that_is_not_there_does_not_make_an_idle() -> None:
 
 def test_the_throttle_itself_counts_where_it_is_known() -> None:
     idle, _ = look(rows(60, THR=30.0, RXX=1.0))
-    assert idle.stretches == ()
+    assert idle.spans == ()
 
 
 def test_samples_without_the_rules_values_are_counted() -> None:
@@ -97,7 +97,7 @@ def test_samples_without_the_rules_values_are_counted() -> None:
 
 def test_the_other_speed_does_as_well() -> None:
     idle, _ = look(rows(60, FREQ=only(20, 840.0)))
-    assert idle.stretches == ((START + SETTLING, START + 59.9),)
+    assert idle.spans == ((START + SETTLING, START + 59.9),)
 
 
 def test_too_short_a_warm_idle_is_not_enough() -> None:
@@ -137,19 +137,19 @@ def test_values_that_come_one_by_one_hold_for_a_while() -> None:
     )
     assert idle.enough
     idle, _ = look(rows(60, TWAT=every(600, 0, 88)))  # once: no longer known after a while
-    assert idle.stretches[-1][1] <= START + 15
+    assert idle.spans[-1][1] <= START + 15
 
 
 def test_an_old_value_does_not_hold_over_a_pause() -> None:
     later = rows(20, start=START + 120, TWAT=None)
     idle, mask = look(rows(20), later)
     assert not mask[200:].any()
-    assert len(idle.stretches) == 1
+    assert len(idle.spans) == 1
 
 
 def test_without_rows_there_is_no_warm_idle() -> None:
     idle, mask = look(Rows(np.empty(0), {name: np.empty(0) for name in NAMES}))
-    assert idle.stretches == ()
+    assert idle.spans == ()
     assert mask.size == 0
     assert idle.seconds == 0
 
@@ -175,6 +175,6 @@ def test_how_rows_are_cut_changes_nothing(samples, cuts) -> None:
     np.testing.assert_array_equal(pieces, mask)
     assert again == idle
     inside = [t for t, hit in zip(whole.times, mask, strict=True) if hit]
-    for began, ended in idle.stretches:
+    for began, ended in idle.spans:
         assert began in inside
         assert ended in inside

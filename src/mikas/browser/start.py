@@ -4,7 +4,7 @@ There are two workers, each with the whole program. The line's has the cable and
 files. The reader's opens recordings, makes exports and reports, so that sampling never waits for
 them; it only reads the kept files, and learns of the recording and the catalog in use.
 
-What is kept is in the present folder, which JavaScript mounts: errors name `recordings/a.pcapng`,
+All files are in the present folder, which JavaScript mounts: errors name `recordings/a.pcapng`,
 not a place that no user knows.
 """
 

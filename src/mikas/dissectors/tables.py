@@ -135,9 +135,7 @@ class FaultRow:
 
 @dataclass(frozen=True, slots=True)
 class Tables:
-    """All of it. `errata`: by the name, then by the interpretation, what is taken; `messages`:
-    `MESSAGES`.
-    """
+    """All of it. `errata`: the sense by name and interpretation; `messages`: `MESSAGES`."""
 
     version: str
     commands: dict[int, CommandRow]

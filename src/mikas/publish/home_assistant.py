@@ -20,7 +20,7 @@ from typing import Any, Final, NamedTuple
 from mikas.catalog import Derived, Level, Parameter
 from mikas.cleaning import clean_line
 from mikas.i18n import Language, Text
-from mikas.publish.message import Kind, Message, compact
+from mikas.publish.message import Message, MessageKind, compact
 from mikas.publish.publication import STATES
 from mikas.publish.topics import Topics, check_topic, identifier
 from mikas.publish.values import unit_of
@@ -117,7 +117,7 @@ class HomeAssistant:
                 "qos": 1,
             }
         )
-        return Message(self.topic, payload, Kind.RETAINED)
+        return Message(self.topic, payload, MessageKind.RETAINED)
 
     def after(self, earlier: bytes) -> HomeAssistant:
         """Return the same, with the entities of an `earlier` discovery that are not in this one.

@@ -13,7 +13,7 @@ from mikas.cleaning import terminal_json
 SCHEMA: Final = 1
 
 
-class Kind(Enum):
+class MessageKind(Enum):
     """What becomes of a message that the broker can't get at once."""
 
     RETAINED = "the latest of its topic is sent with each connection; the broker keeps it"
@@ -31,7 +31,7 @@ class Message:
 
     topic: str
     payload: bytes
-    kind: Kind
+    kind: MessageKind
     qos: int = 1
     time: float | None = None
     rows: int = 0
@@ -40,7 +40,7 @@ class Message:
     @property
     def retain(self) -> bool:
         """Whether the broker gives it to later subscribers."""
-        return self.kind is Kind.RETAINED
+        return self.kind is MessageKind.RETAINED
 
 
 def json_payload(value: Mapping[str, Any]) -> bytes:

@@ -18,7 +18,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Final
 
-from mikas.publish.message import Kind, Message
+from mikas.publish.message import Message, MessageKind
 
 MOST_EVENTS: Final = 1000
 MOST_BYTES: Final = 16 << 20
@@ -42,7 +42,7 @@ class Lost:
         begins = message.time if message.since is None else message.since
         return Lost(
             self.samples + message.rows,
-            self.events + (message.kind is Kind.EVENT),
+            self.events + (message.kind is MessageKind.EVENT),
             _chosen(min, self.since, begins),
             _chosen(max, self.until, message.time),
         )
@@ -77,15 +77,15 @@ class Outbox:
 
     def _put(self, message: Message) -> None:
         match message.kind:
-            case Kind.RETAINED:
+            case MessageKind.RETAINED:
                 self._retained[message.topic] = self._pending[message.topic] = message
-            case Kind.LIVE if self._connected:
+            case MessageKind.LIVE if self._connected:
                 self._live[message.topic] = message
-            case Kind.EVENT:
+            case MessageKind.EVENT:
                 self._events.append(message)
                 if len(self._events) > self._most_events:
                     self._lost = self._lost.plus(self._events.popleft())
-            case Kind.SAMPLES:
+            case MessageKind.SAMPLES:
                 self._samples.append(message)
                 self._bytes += len(message.payload)
                 while self._bytes > self._most_bytes:

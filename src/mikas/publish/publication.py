@@ -14,7 +14,7 @@ from typing import Any, Final
 from mikas.catalog import Catalog, Derived, Parameter
 from mikas.client.parameters.polling import next_due
 from mikas.i18n import Text
-from mikas.publish.message import Kind, Message, compact, json_payload, rounded
+from mikas.publish.message import Message, MessageKind, compact, json_payload, rounded
 from mikas.publish.samples import SampleBatch
 from mikas.publish.topics import Topics
 from mikas.publish.values import LatestValues, plain_values, unit_of
@@ -209,7 +209,7 @@ class Publication:
         return self._message(self._topics.alarms, content, time)
 
     def _message(self, topic: str, content: dict[str, Any], time: float | None) -> Message:
-        return Message(topic, json_payload(content), Kind.RETAINED, time=time)
+        return Message(topic, json_payload(content), MessageKind.RETAINED, time=time)
 
     # What happened
 
@@ -234,7 +234,9 @@ class Publication:
             content = {**each.as_json(), "time": rounded(each.time)}
             if isinstance(each, MethodChosen):
                 content["rates"] = {name: round(rate, 2) for name, rate in each.rates.items()}
-            yield Message(self._topics.event, json_payload(content), Kind.EVENT, time=each.time)
+            yield Message(
+                self._topics.event, json_payload(content), MessageKind.EVENT, time=each.time
+            )
 
     # Values
 
@@ -262,7 +264,7 @@ class Publication:
         }
         if latest.is_gap and self._reason is not None:
             content["reason"] = self._reason._asdict()
-        yield Message(self._topics.values, json_payload(content), Kind.LIVE, qos, time)
+        yield Message(self._topics.values, json_payload(content), MessageKind.LIVE, qos, time)
         if self._options.each:
             for name, value in latest.values.items():
-                yield Message(self._topics.value(name), compact(value), Kind.LIVE, qos, time)
+                yield Message(self._topics.value(name), compact(value), MessageKind.LIVE, qos, time)

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Final
 
-from mikas.publish.message import Kind, Message, json_payload, rounded
+from mikas.publish.message import Message, MessageKind, json_payload, rounded
 from mikas.publish.values import Plain
 
 _MOST_ROWS: Final = 1000  # in one message, however long the interval
@@ -51,7 +51,7 @@ class SampleBatch:
             {"session": self._session, "first": first, "names": self._names, "samples": rows}
         )
         yield Message(
-            *(self._topic, payload, Kind.SAMPLES, self._qos),
+            *(self._topic, payload, MessageKind.SAMPLES, self._qos),
             time=self._time,
             rows=len(rows),
             since=self._since,

@@ -15,7 +15,7 @@ from typing import Final, Self
 from mikas.publish.broker import Broker
 from mikas.publish.connection import BrokerChange, BrokerConnection
 from mikas.publish.home_assistant import HomeAssistant
-from mikas.publish.message import Kind, Message, json_payload, rounded
+from mikas.publish.message import Message, MessageKind, json_payload, rounded
 from mikas.publish.outbox import Lost, Outbox
 from mikas.publish.publication import Publication
 from mikas.publish.topics import Topics
@@ -27,7 +27,7 @@ _OFFLINE: Final = b"offline"
 
 def availability(topics: Topics, *, online: bool) -> Message:
     """Return the message on whether the program runs, which is the last will, too."""
-    return Message(topics.availability, _ONLINE if online else _OFFLINE, Kind.RETAINED)
+    return Message(topics.availability, _ONLINE if online else _OFFLINE, MessageKind.RETAINED)
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,7 +127,7 @@ class Publisher:
             "until": rounded(lost.until),
         }
         topic = self._destination.topics.event
-        return Message(topic, json_payload(content), Kind.EVENT, time=lost.until)
+        return Message(topic, json_payload(content), MessageKind.EVENT, time=lost.until)
 
 
 def remove(destination: Destination, discovery: str) -> None:
@@ -137,7 +137,8 @@ def remove(destination: Destination, discovery: str) -> None:
     `NoBroker`.
     """
     empty = [
-        Message(topic, b"", Kind.RETAINED) for topic in (discovery, *destination.topics.retained)
+        Message(topic, b"", MessageKind.RETAINED)
+        for topic in (discovery, *destination.topics.retained)
     ]
     outbox = Outbox()
     outbox.put(empty)

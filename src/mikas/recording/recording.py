@@ -1,4 +1,4 @@
-"""A recording as a table, for exports and for what is shown of it (`mikas.notebook`).
+"""A recording as a table, for exports and for notebooks (`mikas.notebook`).
 
 Parameters are decoded from the raw bytes by the present catalog, derived channels computed from
 them. numpy and the data frames' libraries are imported on use.

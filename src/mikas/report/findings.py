@@ -222,8 +222,8 @@ def _sensor_faults(faults: Iterable[Fault], catalog: Catalog) -> dict[str, tuple
 
 def _stored_meanwhile(gone: Iterable[ClearedFaults], measured: Measurements) -> Iterator[Fault]:
     """Yield the faults that were still stored in a part of the time that the values are of."""
-    stretches = measured.idle.stretches if measured.idle.enough else ()
-    began = stretches[0][0] if stretches else measured.began
+    spans = measured.idle.spans if measured.idle.enough else ()
+    began = spans[0][0] if spans else measured.began
     for each in gone:
         if began is not None and each.time > began:
             yield from each.faults

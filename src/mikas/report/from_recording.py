@@ -26,8 +26,8 @@ from mikas.report.findings import Findings, find
 from mikas.report.measurements.measurements import MeasurementCollector
 from mikas.report.subject import (
     Conditions,
+    ReportedUnit,
     ReportSubject,
-    UnitIdentity,
     cleared_faults,
 )
 from mikas.sampling.events import Gap, MethodChosen, TextNote
@@ -109,9 +109,9 @@ def _ports(recording: Recording, readings: FaultReadings) -> dict[Source, _Port]
     return ports
 
 
-def _unit(recorded: RecordedUnit | None, catalog: Catalog) -> UnitIdentity | None:
+def _unit(recorded: RecordedUnit | None, catalog: Catalog) -> ReportedUnit | None:
     code = recorded.version_code if recorded else None
     if recorded is None or code is None or not 0 <= code <= 0xFF:
         return None
     passport = recorded.passport or ()
-    return UnitIdentity(catalog.model(code), passport[:3], passport[3:8])
+    return ReportedUnit(catalog.model(code), passport[:3], passport[3:8])

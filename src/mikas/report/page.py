@@ -236,7 +236,7 @@ class _Page:
                     measured.curves[channel.name],
                     measured.seconds,
                     language,
-                    idle=[(a - began, b - began) for a, b in measured.idle.stretches],
+                    idle=[(a - began, b - began) for a, b in measured.idle.spans],
                     pauses=[
                         (pause.began - began, (pause.ended or measured.ended or began) - began)
                         for pause in self._found.subject.conditions.interruptions or ()
@@ -250,7 +250,7 @@ class _Page:
         measured = self._found.measured
         if any(getattr(each, "reference", None) for each in _chart_channels(self._found)):
             yield self._label("legend_band")
-        if measured.idle.stretches:
+        if measured.idle.spans:
             yield self._label("legend_idle")
         if self._found.subject.conditions.interruptions:
             yield self._label("legend_gaps")

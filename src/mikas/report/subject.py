@@ -22,7 +22,7 @@ _MOST_CLEARED: Final = 20
 
 
 @dataclass(frozen=True, slots=True)
-class UnitIdentity:
+class ReportedUnit:
     """The unit. Its passport: three pieces of the program, five of the data; None: a piece that the
     unit did not report; no pieces at all: the passport was not read.
     """
@@ -76,7 +76,7 @@ class ReportSubject:
     """
 
     catalog: Catalog
-    unit: UnitIdentity | None = None
+    unit: ReportedUnit | None = None
     faults: tuple[Fault, ...] | None = None
     conditions: Conditions = field(default_factory=Conditions)
     notes: tuple[str, ...] = ()

@@ -3,8 +3,8 @@
     Acquisition ── events ──► SamplingSession ──► the recorder, then the consumer
                 ◄── jobs ───  gaps, stored faults, another unit, counts
 
-Commands, the dashboard and recordings only match the events: what is a gap, whether another unit
-answers and when the faults are read is decided here alone. A session has one connection after the
+Commands, the dashboard and recordings only match the events: gaps, whether another unit answers,
+and when the faults are read is decided here alone. A session has one connection after the
 other; a gap may last from one to the next.
 """
 

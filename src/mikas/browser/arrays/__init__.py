@@ -2,9 +2,9 @@
 
     install() ──► sys.modules["numpy"] ──► import numpy as np      everywhere in mikas, unchanged
 
-Results are those of numpy (tests/arrays holds them together), errors are errors, and what is not
-here raises `NotImplementedError`: never a wrong number. Sums and means are nearer to the exact ones
-than numpy's. There is no `numpy.lib`, so recorded exchanges come from the scalar matcher.
+Results are those of numpy (tests/arrays holds them together), errors are errors, and all else of
+numpy raises `NotImplementedError`: never a wrong number. Sums and means are nearer to the exact
+ones than numpy's. There is no `numpy.lib`, so recorded exchanges come from the scalar matcher.
 """
 
 from __future__ import annotations

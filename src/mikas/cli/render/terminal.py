@@ -28,7 +28,7 @@ _DRAWING: Final = re.compile(r"(\x1b\[[\d;]*[ABHKm]|\x1b\[\?(?:25|1049)[hl]|\r)"
 
 
 class OutputError(OSError):
-    """What is printed can't be written: a full disk behind a redirection."""
+    """The output can't be written: a full disk behind a redirection."""
 
 
 class _Stream:

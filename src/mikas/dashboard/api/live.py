@@ -188,7 +188,7 @@ class Broadcaster:
                 failed = True
 
     def tick(self) -> None:
-        """Offer each listener a message of what is new."""
+        """Offer each listener a message with the news."""
         dashboard = self._dashboard
         dashboard.refresh()
         batch = dashboard.monitor.drain()

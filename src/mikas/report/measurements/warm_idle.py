@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     Mask = NDArray[np.bool_]
 
 SETTLING: Final = 3.0  # s from when all rules hold until values count
-PAUSE: Final = 3.0  # s without a response that end a stretch
+PAUSE: Final = 3.0  # s without a response that end a span
 ENOUGH: Final = 10.0  # s of warm idle in all; with less no value is rated
 
 
@@ -76,15 +76,15 @@ IDLE_FLAG: Final = IdleRule(
 
 @dataclass(frozen=True, slots=True)
 class WarmIdle:
-    """The stretches of warm idle, in the time of the data, and the result of each rule."""
+    """The spans of warm idle, in the time of the data, and the result of each rule."""
 
-    stretches: tuple[tuple[float, float], ...]
+    spans: tuple[tuple[float, float], ...]
     rules: tuple[RuleResult, ...]
 
     @property
     def seconds(self) -> float:
         """The duration of warm idle in all."""
-        return sum(ended - began for began, ended in self.stretches)
+        return sum(ended - began for began, ended in self.spans)
 
     @property
     def enough(self) -> bool:
@@ -114,13 +114,13 @@ class WarmIdleFinder:
         ]
         self._last = -inf  # the last row's time
         self._since: float | None = None  # since when all rules hold without a pause
-        self._stretches: list[tuple[float, float]] = []
+        self._spans: list[tuple[float, float]] = []
 
     @property
     def found(self) -> WarmIdle:
-        """The result so far. A single moment is no stretch."""
-        stretches = tuple(each for each in self._stretches if each[1] > each[0])
-        return WarmIdle(stretches, tuple(watch.result for watch in self._watches))
+        """The result so far. A single moment is no span."""
+        spans = tuple(each for each in self._spans if each[1] > each[0])
+        return WarmIdle(spans, tuple(watch.result for watch in self._watches))
 
     def find(self, rows: SampleRows) -> Mask:
         """Return which of these rows are at warm idle, and settled."""
@@ -136,7 +136,7 @@ class WarmIdleFinder:
             holds &= watch.holds(rows, passed)
         since = self._holding_since(times, holds, joined)
         settled = holds & (times - since >= SETTLING)
-        self._keep_stretches(times, settled, joined)
+        self._keep_spans(times, settled, joined)
         self._last = float(times[-1])
         return settled
 
@@ -150,7 +150,7 @@ class WarmIdleFinder:
         self._since = float(since[-1]) if holds[-1] else None
         return since
 
-    def _keep_stretches(self, times: Column, settled: Mask, joined: Mask) -> None:
+    def _keep_spans(self, times: Column, settled: Mask, joined: Mask) -> None:
         before = np.concatenate(([self._goes_on], settled[:-1]))
         begins = np.flatnonzero(settled & ~(before & joined))
         rows = np.flatnonzero(settled)
@@ -159,18 +159,18 @@ class WarmIdleFinder:
         starts = np.searchsorted(rows, begins)
         ends = np.concatenate((rows[starts[starts > 0] - 1], rows[-1:]))
         if settled[0] and not (begins.size and begins[0] == 0):
-            began, _ = self._stretches.pop()
-            self._stretches.append((began, float(times[ends[0]])))
+            began, _ = self._spans.pop()
+            self._spans.append((began, float(times[ends[0]])))
             ends = ends[1:]
-        self._stretches += [
+        self._spans += [
             (float(times[begin]), float(times[end]))
             for begin, end in zip(begins, ends, strict=True)
         ]
 
     @property
     def _goes_on(self) -> bool:
-        """Whether the last row was in a stretch."""
-        return bool(self._stretches) and self._stretches[-1][1] == self._last
+        """Whether the last row was in a span."""
+        return bool(self._spans) and self._spans[-1][1] == self._last
 
 
 class _RuleWatch:

@@ -117,7 +117,7 @@ def no_idle_sentence(idle: WarmIdle) -> Text:
             "the data can't show whether there was warm idle, so no value is rated",
             "по этим данным не видно, был ли прогретый холостой ход, поэтому значения без оценки",
         )
-    if idle.stretches:
+    if idle.spans:
         lasted = duration(idle.seconds)
         return Text(
             f"warm idle lasted only {lasted.en}, so no value is rated",
@@ -224,7 +224,7 @@ def _idle_found(found: Findings, catalog: Catalog) -> Text:
     idle = found.measured.idle
     lasted = duration(idle.seconds)
     if idle.enough:
-        times = counted(len(idle.stretches), ("stretch", "stretches"), ("раз", "раза", "раз"))
+        times = counted(len(idle.spans), ("stretch", "stretches"), ("раз", "раза", "раз"))
         return Text(f"Found: {lasted.en} in {times.en}.", f"Найдено: {lasted.ru}, {times.ru}.")
     if missing := idle.unknown:
         names = joined(", ", (rule.text for rule in missing))

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from mikas.dashboard.dashboard import Dashboard
     from mikas.dashboard.library.service import RecordingService
     from mikas.report.findings import Findings
-    from mikas.report.subject import UnitIdentity
+    from mikas.report.subject import ReportedUnit
 
 router = APIRouter(tags=["recordings"])
 
@@ -186,13 +186,13 @@ def _otherwise_read(catalog: Catalog, interpretation: str) -> set[str]:
     return {each.name for each in catalog.parameters if not is_corrected(each, interpretation)}
 
 
-def _unit(found: UnitFound | None, catalog: Catalog) -> UnitIdentity | None:
+def _unit(found: UnitFound | None, catalog: Catalog) -> ReportedUnit | None:
     if found is None or found.version_code is None:
         return None
-    from mikas.report.subject import UnitIdentity
+    from mikas.report.subject import ReportedUnit
 
     model, passport = catalog.model(found.version_code), found.passport
-    return UnitIdentity(model, passport.program, passport.data) if passport else UnitIdentity(model)
+    return ReportedUnit(model, passport.program, passport.data) if passport else ReportedUnit(model)
 
 
 def _since(rows: Rows, events: list[Event]) -> Rows:
