@@ -29,6 +29,7 @@ from mikas.catalog.loading.fields import (
 from mikas.catalog.loading.source import CatalogFile, KeyPath
 from mikas.errors import CatalogError, MikasError, UsageError, usage_error
 from mikas.guided.definition import (
+    CONSTANTS,
     SECONDS,
     Certainty,
     GuidedStep,
@@ -299,7 +300,7 @@ class Builder:
 
     def _parsed(self, path: KeyPath, text: str) -> Parsed:
         try:
-            return parse(text, {})
+            return parse(text, CONSTANTS)
         except UsageError as error:
             raise self._source.wrong(path, error.reason) from None
 

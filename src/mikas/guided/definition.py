@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import Final
 
 from mikas.catalog import Catalog, Derived
 from mikas.catalog.formula_syntax import Parsed
@@ -13,6 +14,13 @@ from mikas.i18n import Text
 
 SECONDS = "SECONDS"
 """In the formulas of a step: seconds since it began."""
+
+IDLE_THROTTLE: Final = 5
+"""% that the throttle shows at most with the pedal released, in tests, reports and fleets. It is
+more than the 0 % of a sound one: the idle of a maladjusted one is found, and then rated.
+"""
+CONSTANTS: Final = {"IDLE_THROTTLE": float(IDLE_THROTTLE)}
+"""Numbers with a name in all formulas of a test."""
 
 
 class VerdictKind(StrEnum):

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from mikas.cancellation import check_cancelled
+from mikas.guided.definition import IDLE_THROTTLE
 from mikas.i18n import Text
 from mikas.sampling.derived import SampleRows
 
@@ -66,8 +67,11 @@ SPEED: Final = IdleRule(
     Text("500 to 1300 rpm", "500–1300 об/мин"), ("FREQ", "FREQX"), 500, 1300, PAUSE
 )
 THROTTLE: Final = IdleRule(
-    Text("throttle at 5 % or less", "дроссель открыт не больше чем на 5 %"),
-    ("THR",), -inf, 5, PAUSE,
+    Text(
+        f"throttle at {IDLE_THROTTLE} % or less",
+        f"дроссель открыт не больше чем на {IDLE_THROTTLE} %",
+    ),
+    ("THR",), -inf, IDLE_THROTTLE, PAUSE,
 )  # fmt: skip
 IDLE_FLAG: Final = IdleRule(
     Text("the unit's idle flag", "признак холостого хода"), ("RXX",), 1, 1, PAUSE
