@@ -1,4 +1,5 @@
 // HTTP requests to the program, and the error that a failed one raises.
+/* eslint-disable @typescript-eslint/consistent-type-assertions -- here the JSON of the API gets the types of schema.ts; the server checks them */
 import { localized } from "../i18n";
 import { host } from "../platform/host";
 import { clientId, clientName } from "./client";

@@ -1,6 +1,5 @@
 // A change in two steps: the server proposes what it would do and what would be lost, a person confirms exactly that proposal (by its
 // nonce). A proposal that no longer describes the state is fetched and shown again; it is never confirmed unseen.
-import { localized } from "../i18n";
 import { api } from "./api";
 import type { ApiError } from "./http";
 import { ApiRequest } from "./request.svelte";
@@ -37,15 +36,4 @@ export class PendingChange {
 /** Whether the error says that the proposal has changed, was used or has expired. */
 export function isOutdated(error: ApiError): boolean {
   return error.code === "ConfirmationOutdated" || error.code === "ConfirmationExpired";
-}
-
-/** Text for an item that a change would delete: a string, a number, a text in two languages, or an object with `code` and `text`. */
-export function lostText(item: unknown): string {
-  if (typeof item === "string" || typeof item === "number") return String(item);
-  if (typeof item !== "object" || item === null) return "";
-  const fields = item as { en?: unknown; ru?: unknown; code?: unknown; text?: unknown };
-  const text =
-    typeof fields.en === "string" && typeof fields.ru === "string" ? localized({ en: fields.en, ru: fields.ru }) : lostText(fields.text);
-  const code = typeof fields.code === "string" || typeof fields.code === "number" ? String(fields.code) : "";
-  return [code, text].filter(Boolean).join(" · ");
 }

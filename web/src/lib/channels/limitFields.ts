@@ -8,8 +8,13 @@ export type LimitTexts = Record<(typeof LIMITS)[number] | "hysteresis", string>;
 const text = (value: number | null | undefined) => (value === null || value === undefined ? "" : fieldText(value));
 
 export function limitTexts(limits: Channel["limits"]): LimitTexts {
-  const texts = Object.fromEntries(LIMITS.map((key) => [key, text(limits?.[key])]));
-  return { ...texts, hysteresis: text(limits?.hysteresis || null) } as LimitTexts;
+  return {
+    danger_low: text(limits?.danger_low),
+    warning_low: text(limits?.warning_low),
+    warning_high: text(limits?.warning_high),
+    danger_high: text(limits?.danger_high),
+    hysteresis: text(limits?.hysteresis || null),
+  };
 }
 
 export const endTexts = (ends: readonly [number, number] | null | undefined): [string, string] => [text(ends?.[0]), text(ends?.[1])];

@@ -13,7 +13,8 @@ const positions = new Map<number, number>();
 
 /** The number of the present entry; `isNew`: it was not visited before. */
 function entry(): { number: number; isNew: boolean } {
-  const number: unknown = (history.state as { entry?: unknown } | null)?.entry;
+  const state: unknown = history.state;
+  const number = typeof state === "object" && state !== null && "entry" in state ? state.entry : null;
   if (typeof number === "number" && positions.has(number)) return { number, isNew: false };
   const next = Math.max(0, ...positions.keys()) + 1;
   positions.set(next, 0);

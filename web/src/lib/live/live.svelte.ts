@@ -85,7 +85,8 @@ class LiveLine {
     this.socket = socket;
     socket.onmessage = (message) => {
       if (socket !== this.socket) return;
-      this.receive(JSON.parse(message.data as string) as LiveMessage);
+      // eslint-disable-next-line @typescript-eslint/consistent-type-assertions -- the program's own message, as its models say
+      this.receive(JSON.parse(String(message.data)) as LiveMessage);
     };
     socket.onclose = () => {
       if (socket === this.socket) this.onLost();

@@ -41,7 +41,7 @@ export class Cells {
 
   /** Add at most `most` further pairs. Returns whether pairs are left. */
   take(pairs: Pairs, most: number): boolean {
-    const [values, x, y] = pairs.values as [Float64Array, Float64Array, Float64Array];
+    const [values, x, y] = [pairs.values[0]!, pairs.values[1]!, pairs.values[2]!];
     const to = Math.min(pairs.length, this.taken + most);
     for (let at = this.taken; at < to; at += 1) {
       const cell = this.cellOf(x[at]!, y[at]!);
@@ -65,7 +65,7 @@ export class Cells {
 
   /** The numbers of the pairs in a cell, ascending. */
   pairsIn(cell: number, pairs: Pairs): number[] {
-    const [, x, y] = pairs.values as [Float64Array, Float64Array, Float64Array];
+    const [x, y] = [pairs.values[1]!, pairs.values[2]!];
     const found: number[] = [];
     for (let at = 0; at < this.taken; at += 1) if (this.cellOf(x[at]!, y[at]!) === cell) found.push(at);
     return found;

@@ -48,7 +48,7 @@ export class Cloud {
   /** Add at most `most` further pairs. Returns whether pairs are left. */
   take(pairs: Pairs, most: number): boolean {
     const { width, height, count, coloured, sum, touched } = this;
-    const [y, x, colour] = pairs.values as [Float64Array, Float64Array, Float64Array | undefined];
+    const [y, x, colour] = [pairs.values[0]!, pairs.values[1]!, pairs.values[2]];
     const { left, top, across, down } = this.scale();
     const to = Math.min(pairs.length, this.taken + most);
     for (let at = this.taken; at < to; at += 1) {
@@ -86,7 +86,7 @@ export class Cloud {
 
   /** The pair nearest to a place in pixels, within `reach` of it; -1: none. */
   nearest(pairs: Pairs, column: number, row: number, reach: number): number {
-    const [y, x] = pairs.values as [Float64Array, Float64Array];
+    const [y, x] = [pairs.values[0]!, pairs.values[1]!];
     let found = -1;
     let best = reach * reach;
     const { left, top, across, down } = this.scale();
@@ -103,7 +103,7 @@ export class Cloud {
 
   /** The numbers of the pairs inside a polygon of places in pixels (even-odd rule), ascending. */
   inside(pairs: Pairs, polygon: readonly (readonly [number, number])[]): number[] {
-    const [y, x] = pairs.values as [Float64Array, Float64Array];
+    const [y, x] = [pairs.values[0]!, pairs.values[1]!];
     const { left, top, across, down } = this.scale();
     const low = Math.min(...polygon.map(([, row]) => row));
     const high = Math.max(...polygon.map(([, row]) => row));

@@ -26,9 +26,8 @@ export function colourAt(tone: "night" | "day", share: number): Rgb {
   const at = Math.min(1, Math.max(0, share)) * (stops.length - 1);
   const first = Math.min(stops.length - 2, Math.floor(at));
   const part = at - first;
-  return [0, 1, 2].map((channel) =>
-    Math.round(stops[first]![channel]! * (1 - part) + stops[first + 1]![channel]! * part),
-  ) as unknown as Rgb;
+  const mixed = (channel: 0 | 1 | 2) => Math.round(stops[first]![channel] * (1 - part) + stops[first + 1]![channel] * part);
+  return [mixed(0), mixed(1), mixed(2)];
 }
 
 export const css = ([red, green, blue]: Rgb): string => `rgb(${red} ${green} ${blue})`;

@@ -1,33 +1,12 @@
 // The journal of changes. Each change has two entries, before and after, so that an interrupted one is visible; here the two become one
 // line.
 
-import type { Channel, Text } from "../../lib/api/types";
+import type { Channel, Journal, Text } from "../../lib/api/types";
 import { compile } from "../memory/cells/formula";
 
-export interface RawEntry {
-  time: number;
-  change: string | Text;
-  state: string;
-  before?: unknown;
-  after?: unknown;
-  outcome?: unknown;
-  command?: string;
-  safety?: string;
-  port?: string;
-  model?: string | Text;
-  [more: string]: unknown;
-}
+export type RawEntry = Journal["entries"][number];
 
-export interface Entry {
-  time: number;
-  change: string | Text;
-  /** `started`: the result is unknown. */
-  state: string;
-  before: unknown;
-  after: unknown;
-  outcome: unknown;
-  model: string | Text | null;
-  erase: boolean;
+export interface Entry extends RawEntry {
   /** The erased faults; null for other changes. */
   codes: number[] | null;
 }
@@ -60,37 +39,11 @@ export function mergeEntries(entries: readonly RawEntry[]): Entry[] {
   return out;
 }
 
-function entryOf(entry: RawEntry): Entry {
-  const change = typeof entry.change === "string" ? entry.change : (entry.change?.en ?? "");
-  const erase = /^erase\b/i.test(change);
-  return {
-    time: entry.time,
-    change: entry.change,
-    state: entry.state,
-    before: entry.before ?? null,
-    after: entry.after ?? null,
-    outcome: entry.outcome ?? null,
-    model: entry.model ?? null,
-    erase,
-    codes: erase ? codesOf(entry.before) : null,
-  };
-}
+const entryOf = (entry: RawEntry): Entry => ({ ...entry, codes: /^erase\b/i.test(entry.change.en) ? codesOf(entry.before) : null });
 
-/** Fault codes from `0D 35`, `[13, 53]` or `[{"code": 13}]`. */
-export function codesOf(before: unknown): number[] {
-  if (typeof before === "string") {
-    const found = before.match(/[0-9a-f]{2}/gi) ?? [];
-    return found.map((byte) => parseInt(byte, 16));
-  }
-  if (!Array.isArray(before)) return [];
-  return before
-    .map((it: unknown) => {
-      if (typeof it === "number") return it;
-      const code = (it as { code?: unknown } | null)?.code;
-      return typeof code === "number" ? code : NaN;
-    })
-    .filter((code) => Number.isInteger(code));
-}
+/** Fault codes from `0D 35`. */
+export const codesOf = (before: string | null | undefined): number[] =>
+  (before?.match(/[0-9a-f]{2}/gi) ?? []).map((byte) => parseInt(byte, 16));
 
 /** Older entries are in English only; these are their Russian forms. */
 const RUSSIAN: readonly (readonly [RegExp, string])[] = [
@@ -103,24 +56,18 @@ const RUSSIAN: readonly (readonly [RegExp, string])[] = [
   [/^send (.+)$/, "послать $1"],
 ];
 
-export function changeText(change: string | Text): Text {
-  const en = typeof change === "string" ? change : change.en;
-  if (typeof change !== "string" && change.ru !== en) return change;
-  for (const [pattern, russian] of RUSSIAN) {
-    if (pattern.test(en)) return { en, ru: en.replace(pattern, russian) };
-  }
-  return { en, ru: en };
+export function changeText(change: Text): Text {
+  if (change.ru !== change.en) return change;
+  const known = RUSSIAN.find(([pattern]) => pattern.test(change.en));
+  return known ? { en: change.en, ru: change.en.replace(...known) } : change;
 }
 
 /** The name of the parameter that was written; null: another change. */
-export function parameterOf(change: string | Text): string | null {
-  const en = typeof change === "string" ? change : change.en;
-  return /^write parameter (\S+)$/.exec(en)?.[1] ?? null;
-}
+export const parameterOf = (change: Text): string | null => /^write parameter (\S+)$/.exec(change.en)?.[1] ?? null;
 
 /** The value of these bytes by the catalog's formula; null: no bytes, or no number. */
-export function valueOf(bytes: unknown, channel: Pick<Channel, "formula" | "size" | "flag">): number | null {
-  if (typeof bytes !== "string" || channel.flag || !/^([0-9A-F]{2} ?)+$/i.test(bytes)) return null;
+export function valueOf(bytes: string, channel: Pick<Channel, "formula" | "size" | "flag">): number | null {
+  if (channel.flag || !/^([0-9A-F]{2} ?)+$/i.test(bytes)) return null;
   const data = Uint8Array.from(bytes.match(/[0-9A-F]{2}/gi)!, (byte) => parseInt(byte, 16));
   return data.length === channel.size ? compile(channel.formula).value(data) : null;
 }

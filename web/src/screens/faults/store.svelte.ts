@@ -5,7 +5,7 @@ import { live } from "../../lib/live/live.svelte";
 import { ecuKey } from "../../lib/live/capabilities.svelte";
 import type { Faults, FreezeFrames } from "../../lib/api/types";
 import { attempt } from "../../lib/frame/toasts.svelte";
-import { mergeEntries, type Entry, type RawEntry } from "./journal";
+import { mergeEntries, type Entry } from "./journal";
 
 class FaultStore {
   readonly read = new ApiRequest<Faults>();
@@ -46,7 +46,7 @@ class FaultStore {
   }
 
   async refreshJournal(): Promise<void> {
-    await this.journal.run(async () => mergeEntries((await api.journal()).entries as RawEntry[]));
+    await this.journal.run(async () => mergeEntries((await api.journal()).entries));
   }
 }
 

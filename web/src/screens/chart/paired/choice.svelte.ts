@@ -30,11 +30,13 @@ const FIRST: Stored = {
 export function readChoice(text: string | null): Stored {
   let given: Partial<Stored> = {};
   try {
+    // eslint-disable-next-line @typescript-eslint/consistent-type-assertions -- each part is checked below
     given = (JSON.parse(text ?? "") ?? {}) as Partial<Stored>;
   } catch {
     return structuredClone(FIRST);
   }
   const names = <Group extends Record<string, string>>(group: Partial<Group> | undefined, first: Group): Group =>
+    // eslint-disable-next-line @typescript-eslint/consistent-type-assertions -- the keys are those of `first`
     Object.fromEntries(Object.entries(first).map(([key, name]) => [key, typeof group?.[key] === "string" ? group[key] : name])) as Group;
   const sound = (edges: unknown) =>
     Array.isArray(edges) &&

@@ -37,6 +37,7 @@ export function readPanes(text: string | null): Pane[] {
   const sound = ({ name, colour }: Trace) =>
     typeof name === "string" && Number.isInteger(colour) && colour >= 1 && colour <= 8 && !known.has(name) && known.add(name);
   try {
+    // eslint-disable-next-line @typescript-eslint/consistent-type-assertions -- each trace is checked by `sound`; what is no list at all is caught
     const panes = (JSON.parse(text ?? "") as Pane[]).map(({ traces }) =>
       traces.filter(sound).map(({ name, colour, hidden }) => ({ name, colour, hidden: hidden === true })),
     );

@@ -21,7 +21,8 @@ export function storedNames(text: string | null, channels: readonly Pick<Channel
   try {
     const stored: unknown = JSON.parse(text ?? "null");
     if (!Array.isArray(stored)) return null;
-    const names = [...new Set(stored)].filter((name) => channels.some((channel) => channel.name === name)) as string[];
+    const isChannel = (name: unknown): name is string => channels.some((channel) => channel.name === name);
+    const names = [...new Set<unknown>(stored)].filter(isChannel);
     return names.length > 0 ? names.slice(0, MOST) : null;
   } catch {
     return null;

@@ -2,7 +2,7 @@
 // less than two.
 
 import { compile } from "./formula";
-import { SPACES, spaceOf, type SpaceName } from "./hex";
+import { SPACES, type SpaceName } from "./hex";
 
 export interface Cell {
   id: string;
@@ -91,9 +91,10 @@ export function restored(text: string | null): Cell[] {
 
 function isCell(it: unknown): it is Cell {
   if (typeof it !== "object" || it === null) return false;
-  const cell = it as Record<string, unknown>;
+  const cell = Object.fromEntries<unknown>(Object.entries(it));
   const texts = ["id", "name", "formula", "unit"].every((key) => typeof cell[key] === "string");
-  if (!texts || !SPACES.some((space) => space.name === cell.space)) return false;
+  const space = SPACES.find(({ name }) => name === cell.space);
+  if (!texts || !space) return false;
   const address = cell.address;
-  return typeof address === "number" && Number.isInteger(address) && address >= 0 && address <= spaceOf(cell.space as string).last;
+  return typeof address === "number" && Number.isInteger(address) && address >= 0 && address <= space.last;
 }

@@ -162,7 +162,7 @@ function drawPane(picture: Picture, pane: PicturePane, index: number, x: (time: 
   }
   const stripes = pane.lines.map(({ band, low, high, colour }) => {
     if (!band) return "";
-    const [bottom, top] = band.map((value) => y(value, low, high)) as [number, number];
+    const [bottom, top] = [y(band[0], low, high), y(band[1], low, high)];
     return element("rect", { x: LEFT, y: top, width: INNER, height: Math.max(1, bottom - top), fill: colour, "fill-opacity": "0.15" });
   });
   const drawn = pane.lines.flatMap((line) =>

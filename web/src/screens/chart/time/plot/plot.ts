@@ -137,7 +137,7 @@ export function makePlot(plan: PlotPlan, width: number, height: number, target: 
       series: [{}, ...visible.map((trace, index) => line(trace, index, false)), ...second],
       hooks: { drawAxes: [(plot) => stripes(plot, visible, plan), (plot) => hatch(plot, plan)] },
     },
-    [[], ...visible.map(() => []), ...second.map(() => [])] as unknown as uPlot.AlignedData,
+    [[], ...visible.map(() => []), ...second.map(() => [])],
     target,
   );
 }
@@ -165,7 +165,8 @@ function stripes(plot: uPlot, visible: readonly Trace[], { bandOf, channel, look
   visible.forEach(({ name, colour }, series) => {
     const band = channel(name)?.flag ? undefined : bandOf(name);
     if (!band) return;
-    const [bottom, top] = band.map((value) => Math.round(plot.valToPos(value, scaleOf(series), true))) as [number, number];
+    const place = (value: number) => Math.round(plot.valToPos(value, scaleOf(series), true));
+    const [bottom, top] = [place(band[0]), place(band[1])];
     ctx.fillStyle = look.traces[colour - 1]!;
     ctx.globalAlpha = STRIPE;
     ctx.fillRect(bbox.left, top, bbox.width, bottom - top);
