@@ -12,7 +12,7 @@ from math import ceil, floor, log10
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from markupsafe import Markup
+from markupsafe import Markup, escape
 
 from mikas.i18n import Language, Text
 from mikas.recording.formatting import clock, number
@@ -196,8 +196,8 @@ def _time_step(seconds: float) -> int:
 
 def _svg(tag: str, text: str = "", *, cls: str = "", **attributes: float | str) -> Markup:
     given = {"class": cls, **attributes} if cls else dict(attributes)
-    pairs = Markup("").join(
-        Markup(' {}="{}"').format(name, f"{value:.1f}" if isinstance(value, float) else value)
+    pairs = "".join(
+        f' {name}="{f"{value:.1f}" if isinstance(value, float) else escape(value)}"'
         for name, value in given.items()
     )
-    return Markup("<{0}{1}>{2}</{0}>").format(Markup(tag), pairs, text)
+    return Markup(f"<{tag}{pairs}>{escape(text)}</{tag}>")
