@@ -1,14 +1,14 @@
 // The page is served under `default-src 'self'`: nothing inline, no data: addresses, no eval.
 import { svelte } from "@sveltejs/vite-plugin-svelte";
+import { svelteTesting } from "@testing-library/svelte/vite";
 import { defineConfig } from "vitest/config";
 
 // `npm run dev` talks to a program started by hand: `mikas demo --no-browser` says its address.
 const server = process.env.MIKAS_URL ?? "http://127.0.0.1:8071";
 
 export default defineConfig({
-  plugins: [svelte()],
   // vitest runs the page's own logic; Svelte's runes need the browser's half of Svelte.
-  resolve: process.env.VITEST ? { conditions: ["browser"] } : {},
+  plugins: [svelte(), svelteTesting({ autoCleanup: false })],
   build: {
     outDir: process.env.MIKAS_PAGE_OUT ?? "../src/mikas/dashboard/page",
     emptyOutDir: true,
