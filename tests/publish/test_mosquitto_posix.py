@@ -192,24 +192,31 @@ def test_broker_and_unit_may_be_lost_both_at_once(start, broker, listen, tmp_pat
     assert times == sorted(times)
 
 
-def certificates(folder: Path) -> None:
-    """Make a certificate authority, and of it the broker's certificate, for localhost alone."""
+def certificates(folder: Path, usage: str = "critical,keyCertSign,cRLSign") -> None:
+    """Make a certificate authority, and of it the broker's certificate, for localhost alone.
+
+    `usage`: what the authority's key is for, which Python demands from 3.13 on.
+    """
 
     def run(*argv: str) -> None:
         subprocess.run(["openssl", *argv], cwd=folder, check=True, capture_output=True)
 
     new = ("-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes", "-days", "2")
-    run("req", "-x509", *new, "-keyout", "ca.key", "-out", "ca.pem", "-subj", "/CN=own authority")
+    run("req", "-x509", *new, "-keyout", "ca.key", "-out", "ca.pem", "-subj", "/CN=own authority",
+        *(("-addext", f"keyUsage={usage}") if usage else ()))  # fmt: skip
     run("req", *new[:-2], "-keyout", "key.pem", "-out", "csr.pem", "-subj", "/CN=localhost")
-    (folder / "names").write_text("subjectAltName=DNS:localhost\n", "utf-8")
+    (folder / "names").write_text(
+        "subjectAltName=DNS:localhost\nsubjectKeyIdentifier=hash\nauthorityKeyIdentifier=keyid\n",
+        "utf-8",
+    )
     run("x509", "-req", "-in", "csr.pem", "-CA", "ca.pem", "-CAkey", "ca.key", "-days", "2",
         "-extfile", "names", "-out", "cert.pem")  # fmt: skip
 
 
 @pytest.fixture
-def guarded(tmp_path):
+def guarded(request, tmp_path):
     """A broker with TLS by an authority of its own, and with one user."""
-    certificates(tmp_path)
+    certificates(tmp_path, *getattr(request, "param", ()))
     passwords = tmp_path / "passwords"
     passwords.touch()
     subprocess.run(["mosquitto_passwd", "-b", passwords, "volga", SECRET], check=True)
@@ -257,8 +264,12 @@ def connect(monkeypatch):
         for word in (b"online", b"offline")
     )
 
-    def connect(to: str, *, ca: Path | None = None, **settings: object) -> BrokerConnection:
+    def connect(
+        to: str, *, ca: Path | None = None, strict: bool = False, **settings: object
+    ) -> BrokerConnection:
         broker = with_tls(parse_address(to), ca=ca)
+        if strict:
+            broker.tls.verify_flags |= ssl.VERIFY_X509_STRICT
         settings = {"client_id": "mikas", "online": online, "offline": offline} | settings
         made.append(BrokerConnection(broker, Outbox(), **settings))
         return made[-1]
@@ -284,6 +295,21 @@ def test_refusals_say_what_to_do(connect, guarded, tmp_path):
         assert words in caught.value.text.en
         assert SECRET not in str(caught.value) + repr(caught.value.fields)
         del caught
+
+
+@pytest.mark.parametrize("guarded", [("",)], ids=["no-key-usage"], indirect=True)
+def test_an_own_authority_without_key_usage_is_refused_with_what_to_do(connect, guarded, tmp_path):
+    """As Python does from 3.13 on; asked for here, so that each version shows it."""
+    with pytest.raises(BrokerNotTrusted) as caught:
+        to_guarded = connect(
+            f"mqtts://localhost:{guarded.port}", ca=tmp_path / "ca.pem", strict=True
+        )
+        to_guarded.open()
+    for words in (caught.value.text.en, caught.value.text.ru):
+        assert "keyCertSign" in words
+        assert "how-to/mqtt.md" in words
+        assert "key usage" in words  # OpenSSL's own
+    del caught
 
 
 def test_what_the_broker_keeps_of_a_topic_is_read_before_the_first_message(connect, broker):

@@ -46,6 +46,17 @@ _NO_TRUST: Final = {
     64: Text("it is for another address", "он выдан на другой адрес"),
 }
 """By OpenSSL's number of a failed verification."""
+_STRICT: Final = range(79, 94)
+"""OpenSSL's numbers for certificates that are not made as RFC 5280 demands: Python verifies so from
+3.13 on. The commonest is an authority of one's own without a key usage."""
+_NOT_STRICT: Final = Text(
+    "the certificates are not made as Python demands from 3.13 on ({words}): make your own "
+    "authority anew with the key usage keyCertSign, and the broker's certificate with the key "
+    "identifiers, as docs/how-to/mqtt.md shows",
+    "сертификаты сделаны не так, как требует Python начиная с 3.13 ({words}): создайте свой центр "
+    "сертификации заново с назначением ключа keyCertSign, а сертификат брокера — с "
+    "идентификаторами ключей, как показано в docs/ru/how-to/mqtt.md",
+)
 _REFUSALS: Final = {
     132: Text("it does not speak MQTT 3.1.1", "он не знает MQTT 3.1.1"),
     133: Text("the client id is not allowed", "такой идентификатор клиента не разрешён"),
@@ -76,6 +87,8 @@ def connecting_failed(url: str, error: MqttError | OSError | UnicodeError) -> No
         case ssl.SSLCertVerificationError():
             words = cause.verify_message
             problem = _NO_TRUST.get(cause.verify_code, Text(words, words))
+            if cause.verify_code in _STRICT:
+                problem = _NOT_STRICT.filled(words=words)
             return BrokerNotTrusted(url=url, problem=problem)
         case ssl.SSLError():
             if "ALERT" in (cause.reason or ""):
