@@ -13,7 +13,7 @@ venv_python := .venv/bin/python
 $(shell [ -x $(venv_python) ] && [ "$$(cat .venv/installed 2>/dev/null)" = "$$(pwd -P)" ] || rm -f .venv/installed)
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test notebooks fleet docs site page package browser cable hour fuzz soak check bench audit sbom lock clean
+.PHONY: help demo test newest notebooks fleet docs site page package browser cable hour fuzz soak check bench audit sbom lock clean
 
 # What was compiled is kept: each worker of the tests, and each program that they start, would compile all again.
 unexport PYTHONDONTWRITEBYTECODE
@@ -35,6 +35,19 @@ test: .venv/with-test web/node_modules/installed ## all tests but those in a bro
 	  --cov-fail-under=100 --cov-report=term-missing:skip-covered
 	@$(venv_python) -m pytest -n auto --dist worksteal $(foreach path,$(gated) tests/browser tests/docs_in_browser tests/static_site tests/in_firefox tests/on_pyodide tests/cable tests/notebooks tests/installing tests/fleet_real,--ignore=$(path))
 	@$(npm) test
+
+# The rooms that a new Python breaks first: the codec, data, asyncio and threads, the command line; no server, no broker.
+fast := $(gated) tests/tester tests/client tests/sampling tests/recording tests/cli/test_main.py tests/cli/test_output.py
+
+newest: .venv/with-test ## a fast part of the tests on the newest Python of this computer, if it is newer than that of .venv
+	@$(find_newest); \
+	if [ -z "$$python" ]; then echo "newest: no Python here is newer than that of .venv; nothing more is tested"; exit 0; fi; \
+	made_for="$$("$$python" --version), $$(cat pyproject.toml requirements/lock.txt | cksum)"; \
+	echo "newest: $$("$$python" --version)"; \
+	if [ "$$(cat build/newest/made-for 2>/dev/null)" != "$$made_for" ]; then \
+	  mkdir -p build && "$$python" -m venv --clear build/newest && build/newest/bin/python $(install) mikas test && \
+	  echo "$$made_for" > build/newest/made-for; \
+	fi && build/newest/bin/python -m pytest -n logical --dist worksteal $(fast)
 
 notebooks: .venv/with-test ## the example notebooks in a real kernel: each cell, and whether the results in them are stale
 	@$(venv_python) -m pytest -n logical tests/notebooks
@@ -194,6 +207,17 @@ if [ -z "$$python" ]; then \
   echo "Install one, or give its path: make PYTHON=/path/to/python3.12 $(MAKECMDGOALS)" >&2; \
   exit 1; \
 fi
+endef
+
+# Also those of pyenv that no shim leads to.
+define find_newest
+main=$$($(venv_python) -c 'import sys; print(sys.version_info[1])'); python=; \
+for minor in 15 14 13 12; do \
+  [ "$$minor" -gt "$$main" ] || break; \
+  for candidate in "python3.$$minor" "$$(pyenv root 2>/dev/null)"/versions/3.$$minor.*/bin/python; do \
+    if "$$candidate" -c 'import ensurepip, venv' 2>/dev/null; then python=$$candidate; break 2; fi; \
+  done; \
+done
 endef
 
 define make_venv
