@@ -1,7 +1,7 @@
 """The library of recordings: the folder, summaries and open recordings, kept until files change.
 
 Recordings stay open so that scrolling does not read them each time; two at most, as ten hours take
-some 130 MB. The recording in progress grows all the time: it is read again when it is requested
+some 170 MB. The recording in progress grows all the time: it is read again when it is requested
 some seconds later.
 
 Files are read in two lanes (`lanes.py`): `views`, what a screen waits for, and `files`, reports and
