@@ -7,8 +7,7 @@ import { defineConfig } from "vitest/config";
 const server = process.env.MIKAS_URL ?? "http://127.0.0.1:8071";
 
 export default defineConfig({
-  // vitest runs the page's own logic; Svelte's runes need the browser's half of Svelte.
-  plugins: [svelte(), svelteTesting({ autoCleanup: false })],
+  plugins: [svelte()],
   build: {
     outDir: process.env.MIKAS_PAGE_OUT ?? "../src/mikas/dashboard/page",
     emptyOutDir: true,
@@ -24,11 +23,23 @@ export default defineConfig({
     },
   },
   test: {
-    include: ["src/**/*.test.ts"],
-    environment: "node",
-    // A process of its own for each file takes four times as long. So nothing may be left behind.
-    isolate: false,
     restoreMocks: true,
     unstubGlobals: true,
+    // A process of its own for each file takes four times as long. So nothing may be left behind.
+    isolate: false,
+    projects: [
+      {
+        extends: true,
+        // The page's own logic; Svelte's runes need the browser's half of Svelte.
+        resolve: { conditions: ["browser"] },
+        test: { name: "logic", include: ["src/**/[a-z]*.test.ts"], environment: "node" },
+      },
+      {
+        extends: true,
+        // Tests of a component have its name.
+        plugins: [svelteTesting({ autoCleanup: false })],
+        test: { name: "components", include: ["src/**/[A-Z]*.test.ts"], environment: "happy-dom", isolate: true },
+      },
+    ],
   },
 });
