@@ -17,6 +17,7 @@ from pathlib import Path
 import aiomqtt
 import pytest
 from broker_rig import MOSQUITTO, PATIENCE, Listener, Mosquitto, Relay, is_
+from paho.mqtt import publish
 
 from mikas.errors import BrokerNotTrusted, BrokerRefused, NoBroker
 from mikas.publish import connection as module
@@ -352,8 +353,5 @@ def test_all_that_is_kept_can_be_removed(start, broker, listen):
 
 def connect_marker(port: int) -> str:
     """Publish a message behind all that is kept, and return its topic."""
-    subprocess.run(
-        ["mosquitto_pub", "-h", "127.0.0.1", "-p", str(port), "-t", "marker", "-m", "x", "-q", "1"],
-        check=True,
-    )
+    publish.single("marker", "x", qos=1, hostname="127.0.0.1", port=port)
     return "marker"
