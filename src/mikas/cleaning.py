@@ -14,7 +14,7 @@ from typing import Any, Final
 
 # Times outside of these have no date in every time zone. Seconds since 1970.
 EARLIEST: Final = 0.0
-LATEST: Final = 253_402_214_400.0  # 9999-12-31, 00:00 UTC
+LATEST: Final = 253_402_128_000.0  # 9999-12-30, 00:00 UTC: Python 3.12 looks a day ahead
 
 REPLACEMENT: Final = "\ufffd"
 _LONGEST_INTEGER: Final = 1 << 64
