@@ -1,7 +1,6 @@
 // What goes on beside the screens as long as the page is open.
 import { untrack } from "svelte";
-import { toasts } from "../lib/frame/toasts.svelte";
-import { live } from "../lib/live/live.svelte";
+import type { Stores } from "../stores";
 import { t } from "./notices/messages";
 import { storage } from "./notices/storage.svelte";
 import { updates } from "./offline/updates.svelte";
@@ -13,9 +12,10 @@ const OFFER_MS = 60_000;
 /** ms of sampling; then the computer has time to start the reader. */
 const SETTLED_MS = 5000;
 
-export function background(program: Program): void {
+export function background(program: Program, stores: Stores): void {
+  const { live, toasts } = stores;
   $effect.root(() => {
-    storage.watch();
+    storage.watch(stores);
 
     const recording = $derived(live.state?.recording?.file ?? null);
     const catalog = $derived(live.state?.catalog ?? null);

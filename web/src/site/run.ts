@@ -7,8 +7,8 @@ import App from "../App.svelte";
 import "../styles/tokens.css";
 import "../styles/base.css";
 import "uplot/dist/uPlot.min.css";
-import { host } from "../lib/platform/host";
-import { live } from "../lib/live/live.svelte";
+import { served, type Host } from "../lib/platform/host";
+import { Stores } from "../stores";
 import { connectionParts } from "./notices/parts";
 import { canChoose, choosePort, findAdapters } from "./notices/adapters.svelte";
 import { storage } from "./notices/storage.svelte";
@@ -17,7 +17,8 @@ import type { Owner } from "./tabs/oneTab";
 import { unkept, words } from "./words";
 
 export function run(program: Program, owner: Owner, target: Element): void {
-  Object.assign(host, {
+  const host: Host = {
+    ...served,
     fetch: program.fetch,
     connect: program.connect,
     runsHere: true,
@@ -27,8 +28,12 @@ export function run(program: Program, owner: Owner, target: Element): void {
     exports: ["csv", "msl", "mlg"],
     words,
     ...connectionParts,
-  } satisfies Partial<typeof host>);
-  Object.defineProperty(host, "opensAddresses", { get: () => navigator.serviceWorker?.controller != null });
+    get opensAddresses() {
+      return navigator.serviceWorker?.controller != null;
+    },
+  };
+  const stores = new Stores(host);
+  const { live } = stores;
 
   /** What the program does; null: it has stopped. */
   const state = () => (live.link === "lost" ? null : live.state);
@@ -37,8 +42,8 @@ export function run(program: Program, owner: Owner, target: Element): void {
   window.addEventListener("beforeunload", (event) => state()?.recording && event.preventDefault());
   void storage.look().then(() => storage.kept || (host.words = { ...words, kept: unkept }));
   findAdapters();
-  answerDownloads(program.fetch);
-  void updates.watch();
-  background(program);
-  mount(App, { target });
+  answerDownloads(program.fetch, stores);
+  void updates.watch(live);
+  background(program, stores);
+  mount(App, { target, props: { stores } });
 }

@@ -1,109 +1,121 @@
 // One function for each route of the API (docs/reference/api.md). Each returns the response's JSON or throws an `ApiError`.
-import { address, json, lines, type Query } from "./http";
+import { address, checked, json as request, lines, type Query, type RequestOptions, type Transport } from "./http";
 import type * as Api from "./types";
 
-const get = <T>(path: string, query?: Query, signal?: AbortSignal) => json<T>("GET", path, { query, signal });
-const post = <T>(path: string, body: unknown = {}, query?: Query) => json<T>("POST", path, { body, query });
-const put = <T>(path: string, body: unknown) => json<T>("PUT", path, { body });
 const part = encodeURIComponent;
 
-export const api = {
-  state: () => get<Api.State>("/state"),
-  about: () => get<Api.About>("/about"),
-  takeControl: (force = false) => post<Api.State>("/control/take", { force }),
-  releaseControl: () => post<Api.State>("/control/release"),
+export type ApiClient = ReturnType<typeof createApi>;
 
-  catalog: () => get<Api.Catalog>("/catalog"),
-  changeKeys: (name: string, keys: Api.ChannelKeys) => put<Api.Catalog>(`/channels/${part(name)}/keys`, keys),
-  resetKeys: (name: string, keys: string[], version: string) =>
-    json<Api.Catalog>("DELETE", `/channels/${part(name)}/keys`, { query: { keys, version } }),
-  changeChannel: (name: string, channel: Api.NewChannel) => put<Api.Catalog>(`/channels/${part(name)}`, channel),
-  deleteChannel: (name: string, version: string) => json<Api.Catalog>("DELETE", `/channels/${part(name)}`, { query: { version } }),
-  tryFormula: (trial: Api.Trial) => post<Api.TrialResult>("/channels/try", trial),
-  channelValue: (name: string, recording: string | null, at: number | null) =>
-    get<Api.ChannelValue>(`/channels/${part(name)}/value`, { recording, at }),
-  presets: () => get<Api.Presets>("/presets"),
-  savePresets: (presets: Api.Preset[]) => put<Api.Presets>("/presets", { presets }),
-  history: (seconds: number, points: number, names?: string[]) => get<Api.History>("/history", { seconds, points, names }),
+/** The API of the program behind this host. */
+export function createApi(host: Transport) {
+  const json = <T>(method: string, path: string, options?: RequestOptions) => request<T>(host, method, path, options);
+  const get = <T>(path: string, query?: Query, signal?: AbortSignal) => json<T>("GET", path, { query, signal });
+  const post = <T>(path: string, body: unknown = {}, query?: Query) => json<T>("POST", path, { body, query });
+  const put = <T>(path: string, body: unknown) => json<T>("PUT", path, { body });
 
-  /** Moments at which a condition holds: in a recording, or in the live values (null). */
-  find: (recording: string | null, expression: string) =>
-    get<Api.Found>(recording === null ? "/history/find" : `/recordings/${part(recording)}/find`, { expression }),
-  searches: () => get<Api.Searches>("/searches"),
-  saveSearches: (searches: Api.KeptSearch[]) => put<Api.Searches>("/searches", { searches }),
+  return {
+    /** Fetch a file of the API by its address, so that an error can be shown instead of being saved as a file. */
+    file: (url: string, signal?: AbortSignal) => checked(host, url, { signal }),
 
-  ports: () => get<Api.Ports>("/ports"),
-  connect: (port: string | null) => post<Api.State>("/connect", { port, echo: "auto", method: "auto", rate: null }),
-  disconnect: () => post<Api.State>("/disconnect"),
-  doctor: (port: string | null, onStep: (step: Api.DoctorStep) => void) => lines<Api.DoctorStep>("/doctor", { body: { port } }, onStep),
-  stopDoctor: () => post<Api.State>("/doctor/stop"),
-  plan: (wanted: Api.Wanted[], method: Api.Method, rate: number | null) => put<Api.State>("/plan", { wanted, method, rate }),
-  first: (names: readonly string[]) => put<Api.State>("/plan/first", { names }),
-  price: (wanted: Api.Wanted[], method: Api.Method, first: readonly string[]) => post<Api.Price>("/plan/price", { wanted, method, first }),
-  relearn: () => post<Api.State>("/relearn"),
+    state: () => get<Api.State>("/state"),
+    about: () => get<Api.About>("/about"),
+    takeControl: (force = false) => post<Api.State>("/control/take", { force }),
+    releaseControl: () => post<Api.State>("/control/release"),
 
-  tests: () => get<Api.TestList>("/tests"),
-  testRun: () => get<Api.TestRunState>("/tests/run"),
-  testResults: () => get<Api.TestResults>("/tests/results"),
-  startTest: (name: string) => post<Api.TestRunState>(`/tests/${part(name)}/start`),
-  skipTestStep: () => post<Api.TestRunState>("/tests/run/skip"),
-  cancelTest: () => post<Api.TestRunState>("/tests/run/cancel"),
-  recordedTest: (recording: string, test: string, signal: AbortSignal) =>
-    get<Api.RecordedTest>(`/recordings/${part(recording)}/tests/${part(test)}`, undefined, signal),
-  testInReport: (id: string, wanted: boolean) => put<Api.TestVerdict>(`/tests/results/${part(id)}`, { in_report: wanted }),
+    catalog: () => get<Api.Catalog>("/catalog"),
+    changeKeys: (name: string, keys: Api.ChannelKeys) => put<Api.Catalog>(`/channels/${part(name)}/keys`, keys),
+    resetKeys: (name: string, keys: string[], version: string) =>
+      json<Api.Catalog>("DELETE", `/channels/${part(name)}/keys`, { query: { keys, version } }),
+    changeChannel: (name: string, channel: Api.NewChannel) => put<Api.Catalog>(`/channels/${part(name)}`, channel),
+    deleteChannel: (name: string, version: string) => json<Api.Catalog>("DELETE", `/channels/${part(name)}`, { query: { version } }),
+    tryFormula: (trial: Api.Trial) => post<Api.TrialResult>("/channels/try", trial),
+    channelValue: (name: string, recording: string | null, at: number | null) =>
+      get<Api.ChannelValue>(`/channels/${part(name)}/value`, { recording, at }),
+    presets: () => get<Api.Presets>("/presets"),
+    savePresets: (presets: Api.Preset[]) => put<Api.Presets>("/presets", { presets }),
+    history: (seconds: number, points: number, names?: string[]) => get<Api.History>("/history", { seconds, points, names }),
 
-  network: (on: boolean, control: boolean) => put<Api.About>("/network", { on, control }),
-  end: () => post<Api.About>("/end"),
-  networkQr: () => address("/about/qr.svg"),
-  freezeFrames: () => get<Api.FreezeFrames>("/freeze-frames"),
-  freezeFrame: (id: string) => get<Api.Rows>(`/freeze-frames/${part(id)}`),
-  deleteFreezeFrame: (id: string) => json<Api.FreezeFrames>("DELETE", `/freeze-frames/${part(id)}`),
-  faults: () => get<Api.Faults>("/faults"),
-  lastFaults: () => get<Api.Faults>("/faults", { last: true }),
-  passport: () => get<Api.Passport>("/passport"),
-  probe: () => post<Api.Passport>("/passport/probe"),
-  memory: (space: Api.Space, first: number, count: number) =>
-    get<Api.MemoryRead>(`/memory/${space}`, { address: `0x${first.toString(16)}`, count }),
+    /** Moments at which a condition holds: in a recording, or in the live values (null). */
+    find: (recording: string | null, expression: string) =>
+      get<Api.Found>(recording === null ? "/history/find" : `/recordings/${part(recording)}/find`, { expression }),
+    searches: () => get<Api.Searches>("/searches"),
+    saveSearches: (searches: Api.KeptSearch[]) => put<Api.Searches>("/searches", { searches }),
 
-  dumps: () => get<Api.Dumps>("/dumps"),
-  dump: (id: string) => get<Api.Dump>(`/dumps/${part(id)}`),
-  startDump: (space: Api.Space, first: number, last: number, block: number | null, verify: boolean) =>
-    post<Api.Dump>("/dumps", { space, first, last, block, verify }),
-  pauseDump: (id: string) => post<Api.Dump>(`/dumps/${part(id)}/pause`),
-  resumeDump: (id: string) => post<Api.Dump>(`/dumps/${part(id)}/resume`),
-  dumpFile: (id: string) => address(`/dumps/${part(id)}/file`),
-  compareDump: (id: string, other: BodyInit, first: number) =>
-    json<Api.Differences>("POST", `/dumps/${part(id)}/compare`, { bytes: other, query: { first } }),
+    ports: () => get<Api.Ports>("/ports"),
+    connect: (port: string | null) => post<Api.State>("/connect", { port, echo: "auto", method: "auto", rate: null }),
+    disconnect: () => post<Api.State>("/disconnect"),
+    doctor: (port: string | null, onStep: (step: Api.DoctorStep) => void) =>
+      lines<Api.DoctorStep>(host, "/doctor", { body: { port } }, onStep),
+    stopDoctor: () => post<Api.State>("/doctor/stop"),
+    plan: (wanted: Api.Wanted[], method: Api.Method, rate: number | null) => put<Api.State>("/plan", { wanted, method, rate }),
+    first: (names: readonly string[]) => put<Api.State>("/plan/first", { names }),
+    price: (wanted: Api.Wanted[], method: Api.Method, first: readonly string[]) =>
+      post<Api.Price>("/plan/price", { wanted, method, first }),
+    relearn: () => post<Api.State>("/relearn"),
 
-  unlock: (minutes = 5) => post<Api.State>("/unlock", { minutes }),
-  lock: () => post<Api.State>("/lock"),
-  prepareChange: (change: Api.Change) => post<Api.ChangeProposal>("/changes", change),
-  confirmChange: (nonce: string) => post<Api.ChangeResult>(`/changes/${part(nonce)}`),
-  journal: () => get<Api.Journal>("/journal"),
+    tests: () => get<Api.TestList>("/tests"),
+    testRun: () => get<Api.TestRunState>("/tests/run"),
+    testResults: () => get<Api.TestResults>("/tests/results"),
+    startTest: (name: string) => post<Api.TestRunState>(`/tests/${part(name)}/start`),
+    skipTestStep: () => post<Api.TestRunState>("/tests/run/skip"),
+    cancelTest: () => post<Api.TestRunState>("/tests/run/cancel"),
+    recordedTest: (recording: string, test: string, signal: AbortSignal) =>
+      get<Api.RecordedTest>(`/recordings/${part(recording)}/tests/${part(test)}`, undefined, signal),
+    testInReport: (id: string, wanted: boolean) => put<Api.TestVerdict>(`/tests/results/${part(id)}`, { in_report: wanted }),
 
-  startRecording: (name: string | null = null) => post<Api.State>("/recording/start", { name }),
-  stopRecording: () => post<Api.State>("/recording/stop"),
-  marker: (label: string) => post<Api.Marker>("/recording/marker", { label }),
-  nameMarker: (time: number, label: string) => put<Api.Marker>("/recording/marker", { time, label }),
-  removeMarker: (time: number) => json<Api.Marker>("DELETE", "/recording/marker", { query: { time } }),
-  note: (text: string) => post<unknown>("/recording/note", { text }),
-  recordings: () => get<Api.Recordings>("/recordings"),
-  addRecording: (name: string, file: Blob) => json<Api.AddedRecording>("POST", "/recordings", { query: { name }, bytes: file }),
-  recording: (id: string) => get<Api.RecordingDetail>(`/recordings/${part(id)}`),
-  rows: (id: string, query: { from: number | null; to: number | null; points: number; names?: string[] }, signal?: AbortSignal) =>
-    get<Api.RecordingRows>(`/recordings/${part(id)}/rows`, query, signal),
-  recordedFaults: (id: string) => get<Api.RecordedFaults>(`/recordings/${part(id)}/faults`),
-  nameRecordedMarker: (id: string, time: number, label: string) => put<Api.Marker>(`/recordings/${part(id)}/marker`, { time, label }),
-  removeRecordedMarker: (id: string, time: number) => json<Api.Marker>("DELETE", `/recordings/${part(id)}/marker`, { query: { time } }),
-  noteRecording: (id: string, text: string) => put<unknown>(`/recordings/${part(id)}/note`, { text }),
-  car: () => get<Api.UnitCar>("/car"),
-  writeCar: (car: Api.Car) => put<Api.UnitCar>("/car", car),
-  writeRecordingCar: (id: string, car: Api.Car) => put<Api.Car>(`/recordings/${part(id)}/car`, car),
-  references: () => get<Api.References>("/references"),
-  markReference: (id: string, on: boolean) => put<Api.References>(`/recordings/${part(id)}/reference`, { on }),
-  recordingFile: (id: string) => address(`/recordings/${part(id)}/file`),
-  exportFile: (id: string, format: Api.ExportFormat, names?: string[]) => address(`/recordings/${part(id)}/export`, { format, names }),
-  recordingReport: (id: string, lang: string, inline = false) =>
-    address(`/recordings/${part(id)}/report`, { lang, inline: inline ? 1 : null }),
-  report: (lang: string, inline = false) => address("/report", { lang, inline: inline ? 1 : null }),
-};
+    network: (on: boolean, control: boolean) => put<Api.About>("/network", { on, control }),
+    end: () => post<Api.About>("/end"),
+    networkQr: () => address("/about/qr.svg"),
+    freezeFrames: () => get<Api.FreezeFrames>("/freeze-frames"),
+    freezeFrame: (id: string) => get<Api.Rows>(`/freeze-frames/${part(id)}`),
+    deleteFreezeFrame: (id: string) => json<Api.FreezeFrames>("DELETE", `/freeze-frames/${part(id)}`),
+    faults: () => get<Api.Faults>("/faults"),
+    lastFaults: () => get<Api.Faults>("/faults", { last: true }),
+    passport: () => get<Api.Passport>("/passport"),
+    probe: () => post<Api.Passport>("/passport/probe"),
+    memory: (space: Api.Space, first: number, count: number) =>
+      get<Api.MemoryRead>(`/memory/${space}`, { address: `0x${first.toString(16)}`, count }),
+
+    dumps: () => get<Api.Dumps>("/dumps"),
+    dump: (id: string) => get<Api.Dump>(`/dumps/${part(id)}`),
+    startDump: (space: Api.Space, first: number, last: number, block: number | null, verify: boolean) =>
+      post<Api.Dump>("/dumps", { space, first, last, block, verify }),
+    pauseDump: (id: string) => post<Api.Dump>(`/dumps/${part(id)}/pause`),
+    resumeDump: (id: string) => post<Api.Dump>(`/dumps/${part(id)}/resume`),
+    dumpFile: (id: string) => address(`/dumps/${part(id)}/file`),
+    compareDump: (id: string, other: BodyInit, first: number) =>
+      json<Api.Differences>("POST", `/dumps/${part(id)}/compare`, { bytes: other, query: { first } }),
+
+    unlock: (minutes = 5) => post<Api.State>("/unlock", { minutes }),
+    lock: () => post<Api.State>("/lock"),
+    prepareChange: (change: Api.Change) => post<Api.ChangeProposal>("/changes", change),
+    confirmChange: (nonce: string) => post<Api.ChangeResult>(`/changes/${part(nonce)}`),
+    journal: () => get<Api.Journal>("/journal"),
+
+    startRecording: (name: string | null = null) => post<Api.State>("/recording/start", { name }),
+    stopRecording: () => post<Api.State>("/recording/stop"),
+    marker: (label: string) => post<Api.Marker>("/recording/marker", { label }),
+    nameMarker: (time: number, label: string) => put<Api.Marker>("/recording/marker", { time, label }),
+    removeMarker: (time: number) => json<Api.Marker>("DELETE", "/recording/marker", { query: { time } }),
+    note: (text: string) => post<unknown>("/recording/note", { text }),
+    recordings: () => get<Api.Recordings>("/recordings"),
+    addRecording: (name: string, file: Blob) => json<Api.AddedRecording>("POST", "/recordings", { query: { name }, bytes: file }),
+    recording: (id: string) => get<Api.RecordingDetail>(`/recordings/${part(id)}`),
+    rows: (id: string, query: { from: number | null; to: number | null; points: number; names?: string[] }, signal?: AbortSignal) =>
+      get<Api.RecordingRows>(`/recordings/${part(id)}/rows`, query, signal),
+    recordedFaults: (id: string) => get<Api.RecordedFaults>(`/recordings/${part(id)}/faults`),
+    nameRecordedMarker: (id: string, time: number, label: string) => put<Api.Marker>(`/recordings/${part(id)}/marker`, { time, label }),
+    removeRecordedMarker: (id: string, time: number) => json<Api.Marker>("DELETE", `/recordings/${part(id)}/marker`, { query: { time } }),
+    noteRecording: (id: string, text: string) => put<unknown>(`/recordings/${part(id)}/note`, { text }),
+    car: () => get<Api.UnitCar>("/car"),
+    writeCar: (car: Api.Car) => put<Api.UnitCar>("/car", car),
+    writeRecordingCar: (id: string, car: Api.Car) => put<Api.Car>(`/recordings/${part(id)}/car`, car),
+    references: () => get<Api.References>("/references"),
+    markReference: (id: string, on: boolean) => put<Api.References>(`/recordings/${part(id)}/reference`, { on }),
+    recordingFile: (id: string) => address(`/recordings/${part(id)}/file`),
+    exportFile: (id: string, format: Api.ExportFormat, names?: string[]) => address(`/recordings/${part(id)}/export`, { format, names }),
+    recordingReport: (id: string, lang: string, inline = false) =>
+      address(`/recordings/${part(id)}/report`, { lang, inline: inline ? 1 : null }),
+    report: (lang: string, inline = false) => address("/report", { lang, inline: inline ? 1 : null }),
+  };
+}

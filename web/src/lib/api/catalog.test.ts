@@ -1,7 +1,9 @@
 import { afterEach, expect, it, vi } from "vitest";
-import { api } from "./api";
-import { catalog } from "./catalog.svelte";
 import type { Catalog } from "./types";
+import { served } from "../platform/host";
+import { Stores } from "../../stores";
+
+const { api, catalog } = new Stores(served);
 
 const version = (version: string) => ({ version, parameters: [], derived: [] }) as unknown as Catalog;
 

@@ -1,7 +1,7 @@
 // HTTP requests to the program, and the error that a failed one raises.
 /* eslint-disable @typescript-eslint/consistent-type-assertions -- here the JSON of the API gets the types of schema.ts; the server checks them */
 import { localized } from "../i18n";
-import { host } from "../platform/host";
+import type { Host } from "../platform/host";
 import { clientId, clientName } from "./client";
 import type * as Api from "./types";
 
@@ -46,8 +46,11 @@ export interface RequestOptions {
   signal?: AbortSignal;
 }
 
+/** What carries requests, and the words for when the program does not answer. */
+export type Transport = Pick<Host, "fetch" | "words">;
+
 /** Send a request and return its successful response. Throws `ApiError`, or the `AbortError` of the signal. */
-export async function send(method: string, path: string, options: RequestOptions = {}): Promise<Response> {
+async function send(host: Transport, method: string, path: string, options: RequestOptions = {}): Promise<Response> {
   const headers: Record<string, string> = { "X-Mikas-Client": clientId, "X-Mikas-Name": encodeURIComponent(clientName()) };
   let body: BodyInit | undefined = options.bytes;
   if (options.bytes !== undefined) headers["Content-Type"] = "application/octet-stream";
@@ -55,16 +58,14 @@ export async function send(method: string, path: string, options: RequestOptions
     headers["Content-Type"] = "application/json";
     body = JSON.stringify(options.body);
   }
-  return checked(host.fetch(address(path, options.query), { method, headers, body, signal: options.signal }));
+  return checked(host, address(path, options.query), { method, headers, body, signal: options.signal });
 }
 
-/** Fetch a file of the API by its address, so that an error can be shown instead of being saved as a file. */
-export const fetchFile = (url: string, signal?: AbortSignal): Promise<Response> => checked(host.fetch(url, { signal }));
-
-async function checked(request: Promise<Response>): Promise<Response> {
+/** Fetch an address. An error is raised instead of being returned as a response. */
+export async function checked(host: Transport, url: string, init: RequestInit): Promise<Response> {
   let response: Response;
   try {
-    response = await request;
+    response = await host.fetch(url, init);
   } catch (error) {
     if (error instanceof DOMException && error.name === "AbortError") throw error;
     throw new ApiError(0, "Unreachable", host.words.unreachable);
@@ -83,14 +84,14 @@ async function errorOf(response: Response): Promise<ApiError> {
   }
 }
 
-export async function json<T>(method: string, path: string, options?: RequestOptions): Promise<T> {
-  const response = await send(method, path, options);
+export async function json<T>(host: Transport, method: string, path: string, options?: RequestOptions): Promise<T> {
+  const response = await send(host, method, path, options);
   return (response.status === 204 ? undefined : await response.json()) as T;
 }
 
 /** Post a request that answers with newline-delimited JSON; `onLine` is called as each line arrives. */
-export async function lines<T>(path: string, options: RequestOptions, onLine: (line: T) => void): Promise<void> {
-  const response = await send("POST", path, options);
+export async function lines<T>(host: Transport, path: string, options: RequestOptions, onLine: (line: T) => void): Promise<void> {
+  const response = await send(host, "POST", path, options);
   const reader = response.body!.pipeThrough(new TextDecoderStream()).getReader();
   let rest = "";
   for (;;) {

@@ -1,6 +1,9 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
-import { catalog } from "./catalog.svelte";
 import { retry } from "./retry";
+import { served } from "../platform/host";
+import { Stores } from "../../stores";
+
+const { catalog } = new Stores(served);
 
 beforeEach(() => void vi.useFakeTimers());
 

@@ -1,10 +1,10 @@
 // Car, plate, mileage and workshop: of the connected unit, or of a recording. Asked once for a unit, at its first recording or report.
-import { api } from "../api/api";
 import type { Car, Recording } from "../api/types";
 import { dictionary } from "../i18n";
-import { live } from "../live/live.svelte";
-import { player } from "../recording/player.svelte";
-import { attempt, toasts } from "../frame/toasts.svelte";
+import type { ApiClient } from "../api/api";
+import type { Live } from "../live/live.svelte";
+import type { Player } from "../recording/player.svelte";
+import type { Toasts } from "../frame/toasts.svelte";
 
 const t = dictionary({
   ask: {
@@ -24,12 +24,19 @@ export interface CarEdit {
   onsaved?: () => void;
 }
 
-class CarDetails {
+export class CarDetails {
   editing = $state.raw<CarEdit | null>(null);
+
+  constructor(
+    private readonly api: ApiClient,
+    private readonly live: Live,
+    private readonly player: Player,
+    private readonly toasts: Toasts,
+  ) {}
 
   /** Edit the car of the connected unit. */
   async editConnected(onsaved?: () => void): Promise<void> {
-    const kept = await attempt(() => api.car());
+    const kept = await this.toasts.attempt(() => this.api.car());
     if (!kept) return;
     const { car, plate, workshop } = kept;
     this.editing = { recording: null, details: { car, plate, workshop, mileage: null }, offered: kept.mileage, onsaved };
@@ -44,9 +51,11 @@ class CarDetails {
     const edit = this.editing;
     if (!edit) return false;
     const { recording } = edit;
-    const saved = await attempt<Car>(() => (recording === null ? api.writeCar(details) : api.writeRecordingCar(recording, details)));
+    const saved = await this.toasts.attempt<Car>(() =>
+      recording === null ? this.api.writeCar(details) : this.api.writeRecordingCar(recording, details),
+    );
     if (!saved) return false;
-    if (recording !== null) player.described(recording, saved);
+    if (recording !== null) this.player.described(recording, saved);
     edit.onsaved?.();
     this.editing = null;
     return true;
@@ -71,7 +80,7 @@ class CarDetails {
   }
 
   private offer(): void {
-    toasts.success(() => t("ask"), {
+    this.toasts.success(() => t("ask"), {
       duration: 20_000,
       code: "CarDetails",
       action: { text: () => t("add"), run: () => void this.editConnected() },
@@ -80,13 +89,11 @@ class CarDetails {
 
   /** What is kept of the connected unit's car if it was not asked about before; from now on it was. A virtual car has no plate. */
   private async firstTime() {
-    if (live.state?.port?.startsWith("sim:")) return null;
-    const kept = await api.car().catch(() => null);
+    if (this.live.state?.port?.startsWith("sim:")) return null;
+    const kept = await this.api.car().catch(() => null);
     if (!kept?.unit || kept.asked) return null;
     const { car, plate, workshop } = kept;
-    await api.writeCar({ car, plate, workshop, mileage: null }).catch(() => null);
+    await this.api.writeCar({ car, plate, workshop, mileage: null }).catch(() => null);
     return kept;
   }
 }
-
-export const carDetails = new CarDetails();

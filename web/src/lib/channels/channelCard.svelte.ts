@@ -1,6 +1,6 @@
 // Which channel's card is open. Any value on any screen opens it: `channelCard.open("TWAT")`, or with the moment that was touched.
 
-class ChannelCard {
+export class ChannelCard {
   name = $state<string | null>(null);
   /** The moment whose value is shown; null: now, or the player's position. */
   at = $state<number | null>(null);
@@ -15,5 +15,3 @@ class ChannelCard {
     this.at = null;
   }
 }
-
-export const channelCard = new ChannelCard();

@@ -1,6 +1,6 @@
 // The sheet of a channel of one's own: `channelEditor.create()`, `channelEditor.edit("LOAD")`.
 
-class ChannelEditor {
+export class ChannelEditor {
   /** Null: closed; an empty name: a new channel. */
   name = $state<string | null>(null);
   private made: (name: string) => void = () => undefined;
@@ -36,5 +36,3 @@ class ChannelEditor {
     this.name = null;
   }
 }
-
-export const channelEditor = new ChannelEditor();

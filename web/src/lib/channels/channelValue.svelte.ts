@@ -1,10 +1,9 @@
 // The current value of a channel as tiles show it: text, age, extremes, and whether it is beyond a limit.
+import { useStores } from "../../stores";
 import { frameClock } from "../platform/frameClock.svelte";
-import { catalog } from "../api/catalog.svelte";
-import { currentValue, type DisplayValue } from "./displayValue";
+import type { DisplayValue } from "./displayValue";
 import { number, localized } from "../i18n";
-import { live } from "../live/live.svelte";
-import { display, type Extremes } from "../display/source.svelte";
+import type { Extremes } from "../display/source.svelte";
 import { widestText } from "./textWidth";
 import { valueText, wordsOf } from "./valueText";
 import type { Channel, Level } from "../api/types";
@@ -14,11 +13,13 @@ export interface LimitState {
   side: "low" | "high";
 }
 
+/** To be made while a component is initialised. */
 export class ChannelValue {
-  readonly channel = $derived.by(() => catalog.get(this.name()));
+  private readonly stores = useStores();
+  readonly channel = $derived.by(() => this.stores.catalog.get(this.name()));
   readonly now = $derived.by<DisplayValue>(() => {
     void frameClock.fast;
-    return currentValue(this.name());
+    return this.stores.display.value(this.name());
   });
   readonly kind = $derived(this.now.kind);
   readonly value = $derived(this.now.kind === "none" ? null : this.now.value);
@@ -36,7 +37,7 @@ export class ChannelValue {
   readonly unit = $derived(localized(this.channel?.unit));
   readonly extremes = $derived.by<Extremes | undefined>(() => {
     void frameClock.slow;
-    const extremes = display.source.extremes(this.name());
+    const extremes = this.stores.display.source.extremes(this.name());
     return extremes && { ...extremes };
   });
   // The value changes in each frame, the extremes with the slow clock: without the value they would contradict it.
@@ -47,8 +48,8 @@ export class ChannelValue {
   readonly limitState = $derived.by<LimitState | null>(() => {
     if (this.value === null || !this.channel) return null;
     // Live, the program decides, with hysteresis; for a recording and a frozen view the page compares with the limits.
-    if (display.source.kind === "live" && !display.source.paused) {
-      const alarm = live.state?.alarms.find(({ name }) => name === this.name());
+    if (this.stores.display.source.kind === "live" && !this.stores.display.source.paused) {
+      const alarm = this.stores.live.state?.alarms.find(({ name }) => name === this.name());
       return alarm ? { level: alarm.level, side: alarm.side } : null;
     }
     return limitState(this.value, this.channel);

@@ -1,11 +1,11 @@
 // Whether a value is current. Its period is known from the plan and the rate: fresh for four periods, then stale and shown with its age;
 // after twelve periods, in a gap or without a connection there is no value, and a dash is shown. Transmission may add half a second.
-import { live, type Latest } from "../live/live.svelte";
-import { display } from "../display/source.svelte";
+import type { LineEvent } from "../api/types";
+import type { Latest } from "../live/live.svelte";
 
 export type DisplayValue = { kind: "fresh"; value: number } | { kind: "stale"; value: number; age: number } | { kind: "none" };
 
-const NONE: DisplayValue = { kind: "none" };
+export const NONE: DisplayValue = { kind: "none" };
 
 /** Seconds: lower bounds for fresh and stale, because messages and the ECU's responses vary. */
 const MIN_FRESH = 0.5;
@@ -24,28 +24,9 @@ export function displayValueOf(latest: Latest | undefined, now: number, period: 
   return { kind: "fresh", value: latest.value };
 }
 
-/** Seconds between two values of this channel in the current plan. */
-function period(name: string): number {
-  const state = live.state;
-  if (!state || state.rate <= 0) return 0;
-  const cycles = state.plan.wanted.find((wanted) => wanted.name === name)?.cycles ?? 1;
-  return cycles / state.rate;
-}
-
-/** Depends on time: read `frameClock.fast` as well. */
-export function currentValue(name: string): DisplayValue {
-  const source = display.source;
-  const latest = source.latest(name);
-  if (source.kind === "recording") return isInGap(latest, source.now()) ? NONE : displayValueOf(latest, source.now(), 0);
-  if (live.link !== "open" || live.state?.line !== "sampling") return NONE;
-  if (isInGap(latest, source.now())) return NONE;
-  return displayValueOf(latest, source.now(), period(name));
-}
-
 /** Whether a gap that began after this value is still open at `now`. */
-function isInGap(latest: Latest | undefined, now: number): boolean {
+export function isInGap(events: readonly LineEvent[], latest: Latest | undefined, now: number): boolean {
   if (!latest) return true;
-  const events = display.source.events;
   for (let at = events.length - 1; at >= 0; at -= 1) {
     const event = events[at]!;
     if (event.kind !== "gap" || event.began > now) continue;

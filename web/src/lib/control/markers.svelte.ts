@@ -1,8 +1,8 @@
 // Markers: the one that was just set and can be named at once; named, removed and brought back later, of live data and of recordings.
-import { api } from "../api/api";
 import type { LineEvent } from "../api/types";
-import { player } from "../recording/player.svelte";
-import { attempt } from "../frame/toasts.svelte";
+import type { ApiClient } from "../api/api";
+import type { Player } from "../recording/player.svelte";
+import type { Toasts } from "../frame/toasts.svelte";
 
 export interface Mark {
   time: number;
@@ -22,25 +22,29 @@ export function nextMark(marks: readonly Mark[], time: number, step: 1 | -1): Ma
   return marks.findLast((mark) => mark.time < time - 1e-3) ?? marks.at(-1);
 }
 
-class Naming {
+export class Naming {
   /** The marker that was just set; null: none, or its name has been given. */
   marker = $state.raw<{ time: number; recorded: boolean } | null>(null);
 
+  constructor(
+    private readonly api: ApiClient,
+    private readonly player: Player,
+    private readonly toasts: Toasts,
+  ) {}
+
   /** Give a marker of live data, or of the recording `id`, another name; a removed one comes back. Returns whether that succeeded. */
   async name(time: number, label: string, id: string | null): Promise<boolean> {
-    if (id === null) return (await attempt(() => api.nameMarker(time, label))) !== undefined;
-    if ((await attempt(() => api.nameRecordedMarker(id, time, label))) === undefined) return false;
-    player.marked(id, time, label);
+    if (id === null) return (await this.toasts.attempt(() => this.api.nameMarker(time, label))) !== undefined;
+    if ((await this.toasts.attempt(() => this.api.nameRecordedMarker(id, time, label))) === undefined) return false;
+    this.player.marked(id, time, label);
     return true;
   }
 
   /** Remove a marker of live data, or of the recording `id`. Returns whether that succeeded. */
   async remove(time: number, id: string | null): Promise<boolean> {
-    if (id === null) return (await attempt(() => api.removeMarker(time))) !== undefined;
-    if ((await attempt(() => api.removeRecordedMarker(id, time))) === undefined) return false;
-    player.marked(id, time, null);
+    if (id === null) return (await this.toasts.attempt(() => this.api.removeMarker(time))) !== undefined;
+    if ((await this.toasts.attempt(() => this.api.removeRecordedMarker(id, time))) === undefined) return false;
+    this.player.marked(id, time, null);
     return true;
   }
 }
-
-export const naming = new Naming();

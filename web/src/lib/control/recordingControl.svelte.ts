@@ -1,14 +1,15 @@
 // Start and stop a recording and set a marker, from any screen (keys R and M).
-import { api } from "../api/api";
 import { dictionary } from "../i18n";
-import { catalog } from "../api/catalog.svelte";
-import { naming } from "./markers.svelte";
 import { opening } from "../live/lineState";
-import { live } from "../live/live.svelte";
-import { supportedNames, subscriptions } from "./subscriptions.svelte";
-import { carDetails } from "../car/carDetails.svelte";
-import { attempt, toasts } from "../frame/toasts.svelte";
+import { supportedNames } from "./subscriptions.svelte";
 import type { State } from "../api/types";
+import type { ApiClient } from "../api/api";
+import type { CatalogStore } from "../api/catalog.svelte";
+import type { Naming } from "./markers.svelte";
+import type { Live } from "../live/live.svelte";
+import type { Subscriptions } from "./subscriptions.svelte";
+import type { CarDetails } from "../car/carDetails.svelte";
+import type { Toasts } from "../frame/toasts.svelte";
 
 const t = dictionary({
   started: {
@@ -36,19 +37,23 @@ const STARTED = "RecordingStarted";
 /** Code of the toast that says why none can be started. */
 const REFUSED = "RecordingRefused";
 
-/** Announce that a recording has ended and is stored. */
-export function announceSaved(file: string): void {
-  toasts.dismiss(new Set([STARTED]));
-  toasts.success(() => t("stopped", { file }));
-}
-
-class RecordingControl {
+export class RecordingControl {
   busy = $state(false);
+
+  constructor(
+    private readonly api: ApiClient,
+    private readonly catalog: CatalogStore,
+    private readonly naming: Naming,
+    private readonly live: Live,
+    private readonly subscriptions: Subscriptions,
+    private readonly carDetails: CarDetails,
+    private readonly toasts: Toasts,
+  ) {}
 
   /** Why no recording can be started now, in words; null: it can. */
   get refusal(): string | null {
-    const state = live.state;
-    if (live.link === "lost" || !state) return t("lost");
+    const state = this.live.state;
+    if (this.live.link === "lost" || !state) return t("lost");
     if (state.rights === "view") return t("view");
     // While the port is being opened the program waits for the unit, and records from its first values on.
     return state.line === "sampling" || state.line === "ecu-alive" || opening(state) ? null : t(state.line);
@@ -56,27 +61,33 @@ class RecordingControl {
 
   async toggle(): Promise<void> {
     if (this.busy) return;
-    const file = live.state?.recording?.file;
+    const file = this.live.state?.recording?.file;
     const refusal = this.refusal;
-    if (!file && refusal !== null) return toasts.refuse(() => this.refusal ?? refusal, { code: REFUSED });
+    if (!file && refusal !== null) return this.toasts.refuse(() => this.refusal ?? refusal, { code: REFUSED });
     this.busy = true;
-    const state = await attempt(() => (file ? api.stopRecording() : api.startRecording()));
+    const state = await this.toasts.attempt(() => (file ? this.api.stopRecording() : this.api.startRecording()));
     this.busy = false;
     if (!state) return;
-    if (file) announceSaved(file);
+    if (file) this.announceSaved(file);
     else if (state.recording) {
       this.announceStarted(state, state.recording.file);
-      void carDetails.offerOnce();
+      void this.carDetails.offerOnce();
     }
+  }
+
+  /** Announce that a recording has ended and is stored. */
+  announceSaved(file: string): void {
+    this.toasts.dismiss(new Set([STARTED]));
+    this.toasts.success(() => t("stopped", { file }));
   }
 
   /** Everything is recorded, unless a script has reduced the plan: say so then, and offer to record all. */
   private announceStarted(state: State, file: string): void {
-    const supported = supportedNames(catalog.channels, state);
+    const supported = supportedNames(this.catalog.channels, state);
     const wanted = new Set(state.plan.wanted.map(({ name }) => name));
     const [sampled, all] = [supported.filter((name) => wanted.has(name)).length, supported.length];
-    if (sampled === all) return toasts.success(() => t("startedAll", { file }));
-    toasts.success(() => t("started", { file, sampled, all }), {
+    if (sampled === all) return this.toasts.success(() => t("startedAll", { file }));
+    this.toasts.success(() => t("started", { file, sampled, all }), {
       duration: 12_000,
       code: STARTED,
       action: { text: () => t("allValues"), run: () => void this.recordAll() },
@@ -84,15 +95,13 @@ class RecordingControl {
   }
 
   private async recordAll(): Promise<void> {
-    if (await subscriptions.subscribeAll()) toasts.success(() => t("everythingNow"));
+    if (await this.subscriptions.subscribeAll()) this.toasts.success(() => t("everythingNow"));
   }
 
   /** Mark this moment; its name can follow. */
   async mark(): Promise<void> {
-    const recorded = live.state?.recording != null;
-    const made = await attempt(() => api.marker(""));
-    if (made) naming.marker = { time: made.time, recorded };
+    const recorded = this.live.state?.recording != null;
+    const made = await this.toasts.attempt(() => this.api.marker(""));
+    if (made) this.naming.marker = { time: made.time, recorded };
   }
 }
-
-export const recordingControl = new RecordingControl();

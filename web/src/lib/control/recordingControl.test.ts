@@ -1,7 +1,9 @@
 import { expect, it } from "vitest";
 import type { State } from "../api/types";
-import { live } from "../live/live.svelte";
-import { recordingControl } from "./recordingControl.svelte";
+import { served } from "../platform/host";
+import { Stores } from "../../stores";
+
+const { live, recordingControl } = new Stores(served);
 
 it("a recording can be asked for as soon as the port is being opened, and not while there is none", () => {
   live.link = "open";

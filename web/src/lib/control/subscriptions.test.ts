@@ -1,9 +1,10 @@
 import { afterEach, beforeEach, describe, expect, it, vi, type MockInstance } from "vitest";
-import { isSame, planWith, subscriptions, supportedNames } from "./subscriptions.svelte";
-import { api } from "../api/api";
-import { catalog } from "../api/catalog.svelte";
-import { live } from "../live/live.svelte";
+import { isSame, planWith, supportedNames } from "./subscriptions.svelte";
 import type { Catalog, State } from "../api/types";
+import { served } from "../platform/host";
+import { Stores } from "../../stores";
+
+const { api, catalog, live, subscriptions } = new Stores(served);
 
 const state = (names: string[]): State =>
   ({ plan: { wanted: names.map((name) => ({ name, every: name === "TWAT" ? 10 : 1, cycles: 5 })) } }) as unknown as State;

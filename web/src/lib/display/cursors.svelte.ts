@@ -1,6 +1,6 @@
 // The chart's two cursors as times (null: not set). The player loops between them.
 
-class Cursors {
+export class Cursors {
   a = $state<number | null>(null);
   b = $state<number | null>(null);
 
@@ -10,5 +10,3 @@ class Cursors {
     return [Math.min(this.a, this.b), Math.max(this.a, this.b)];
   }
 }
-
-export const cursors = new Cursors();

@@ -1,15 +1,17 @@
 // Moments found somewhere (a cell of a table, points of a cloud), marked in the time chart; one of them is the current one. They belong to the
 // source in which they were found.
 import type { Stretch } from "../pairs/stretches";
-import { cursors } from "./cursors.svelte";
+import type { Cursors } from "./cursors.svelte";
 
-class Moments {
+export class Moments {
   private words = $state.raw<() => string>(() => "");
   list = $state.raw<readonly Stretch[]>([]);
   /** The view of the chart in which they were found. */
   origin = $state<"scatter" | "table" | null>(null);
   /** The current one's number; −1: none yet. */
   at = $state(-1);
+
+  constructor(private readonly cursors: Cursors) {}
 
   /** What was looked for, as it is shown: in the language of now. */
   get title(): string {
@@ -47,11 +49,9 @@ class Moments {
   private go(at: number): void {
     this.at = at;
     const { current } = this;
-    if (current && cursors.b === null) cursors.a = current.from;
+    if (current && this.cursors.b === null) this.cursors.a = current.from;
   }
 }
-
-export const moments = new Moments();
 
 /** The moments from `from` to `to`, neighbours closer than `least` seconds joined, so that there are never more bands than pixels. */
 export function bandsOf(list: readonly Stretch[], from: number, to: number, least: number): Stretch[] {

@@ -1,7 +1,10 @@
 import { beforeEach, describe, expect, it } from "vitest";
 import { language } from "../i18n";
-import { cursors } from "./cursors.svelte";
-import { bandsOf, moments } from "./moments.svelte";
+import { bandsOf } from "./moments.svelte";
+import { served } from "../platform/host";
+import { Stores } from "../../stores";
+
+const { cursors, moments } = new Stores(served);
 
 const list = [
   { from: 1, to: 2 },

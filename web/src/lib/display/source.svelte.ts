@@ -1,7 +1,8 @@
 // What Live and Chart display: live data or a recording, behind one interface.
+import { displayValueOf, isInGap, NONE, type DisplayValue } from "../channels/displayValue";
 import { frameClock } from "../platform/frameClock.svelte";
 import type { Columns } from "../series/columns";
-import { live, type Latest } from "../live/live.svelte";
+import type { Latest, Live } from "../live/live.svelte";
 import type { LineEvent } from "../api/types";
 
 export interface Extremes {
@@ -30,15 +31,19 @@ export interface Source {
 
 class LiveSource implements Source {
   readonly kind = "live";
-  readonly columns = live.columns;
+  readonly columns: Columns;
   private frozen = $state<number | null>(null);
 
+  constructor(private readonly live: Live) {
+    this.columns = live.columns;
+  }
+
   get tick(): number {
-    return live.tick;
+    return this.live.tick;
   }
 
   get events(): readonly LineEvent[] {
-    return live.events;
+    return this.live.events;
   }
 
   get paused(): boolean {
@@ -46,21 +51,21 @@ class LiveSource implements Source {
   }
 
   now(): number {
-    return this.frozen ?? live.now();
+    return this.frozen ?? this.live.now();
   }
 
   latest(name: string): Latest | undefined {
-    if (this.frozen === null) return live.latest.get(name);
+    if (this.frozen === null) return this.live.latest.get(name);
     const found = this.columns.valueAt(name, this.columns.rowAt(this.frozen), 30);
     return found && { value: found.value, time: this.columns.times()[found.row]! };
   }
 
   extremes(name: string): Extremes | undefined {
-    return live.extremes.get(name);
+    return this.live.extremes.get(name);
   }
 
   toggle(): void {
-    this.frozen = this.frozen === null ? live.now() : null;
+    this.frozen = this.frozen === null ? this.live.now() : null;
     frameClock.request();
   }
 
@@ -69,23 +74,46 @@ class LiveSource implements Source {
   }
 }
 
-export const liveSource = new LiveSource();
+export class Display {
+  readonly live: LiveSource;
+  source: Source = $state.raw<Source>()!;
+  /** Called when another source is shown. */
+  onshown: () => void = () => undefined;
 
-class Display {
-  source = $state.raw<Source>(liveSource);
+  constructor(private readonly line: Live) {
+    this.source = this.live = new LiveSource(line);
+  }
 
   play(recording: Source): void {
     this.source = recording;
+    this.onshown();
     frameClock.request();
   }
 
   goLive(): void {
     const left = this.source;
-    liveSource.resume();
-    this.source = liveSource;
+    this.live.resume();
+    this.source = this.live;
     left.leave?.();
+    this.onshown();
     frameClock.request();
   }
-}
 
-export const display = new Display();
+  /** The value of a channel that is shown now. Depends on time: read `frameClock.fast` as well. */
+  value(name: string): DisplayValue {
+    const { source, line } = this;
+    const latest = source.latest(name);
+    if (isInGap(source.events, latest, source.now())) return NONE;
+    if (source.kind === "recording") return displayValueOf(latest, source.now(), 0);
+    if (line.link !== "open" || line.state?.line !== "sampling") return NONE;
+    return displayValueOf(latest, source.now(), this.period(name));
+  }
+
+  /** Seconds between two values of this channel in the current plan. */
+  private period(name: string): number {
+    const { state } = this.line;
+    if (!state || state.rate <= 0) return 0;
+    const cycles = state.plan.wanted.find((wanted) => wanted.name === name)?.cycles ?? 1;
+    return cycles / state.rate;
+  }
+}

@@ -5,7 +5,7 @@ const SCREENS = ["live", "chart", "faults", "tests", "passport", "memory", "reco
 
 export type ScreenName = (typeof SCREENS)[number];
 
-class Route {
+export class Route {
   screen = $state<ScreenName>("live");
   rest = $state.raw<string[]>([]);
 
@@ -39,5 +39,4 @@ function decoded(part: string): string {
   }
 }
 
-export const route = new Route();
 export const href = (screen: ScreenName, ...rest: string[]) => "#/" + [screen, ...rest.map(encodeURIComponent)].join("/");

@@ -1,7 +1,7 @@
 // Where each screen is scrolled to. A screen that is opened starts at its top; Back and Forward return to the position that was left. Each
 // entry of the browser's history has a number, so that the two can be told apart; positions of entries are kept until the page is reloaded.
-import { tick, untrack } from "svelte";
-import { route } from "./router.svelte";
+import { tick } from "svelte";
+import type { Route } from "./router.svelte";
 
 /** What a person does to scroll; it ends the return to a position. */
 const OWN = ["wheel", "touchstart", "pointerdown", "keydown"] as const;
@@ -22,11 +22,10 @@ function entry(): { number: number; isNew: boolean } {
   return { number: next, isNew: true };
 }
 
-/** An attachment for the element that scrolls the screens. */
-export function keepsPositions(box: HTMLElement): () => void {
+/** Keep the positions of the element that scrolls the screens. Returns what ends that. */
+export function keepPositions(route: Route, box: HTMLElement): () => void {
   let present = entry().number;
-  // Not tracked: the attachment must not be made again for each screen.
-  let screen = untrack(() => route.screen);
+  let { screen } = route;
   let stop = () => {};
 
   async function moved() {

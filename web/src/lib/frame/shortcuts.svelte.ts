@@ -1,8 +1,8 @@
 // Keyboard shortcuts of the frame and the current screen. They match the key's place, not its letter, so that M works with the Russian layout.
 //
-//   $effect(() => shortcuts.bind({ code: "KeyF", show: "F", text: () => t("read"), run: read }));
+//   shortcuts.use(() => [{ code: "KeyF", show: "F", text: () => t("read"), run: read }]);
 
-import { untrack } from "svelte";
+import { onDestroy } from "svelte";
 
 export interface Binding {
   /** KeyboardEvent.code: KeyR, Digit1, Space, ArrowLeft… */
@@ -18,16 +18,14 @@ export interface Binding {
   everywhere?: boolean;
 }
 
-class Shortcuts {
-  bindings = $state.raw<Binding[]>([]);
+export class Shortcuts {
+  private sources = $state.raw<readonly (() => readonly Binding[])[]>([]);
+  readonly bindings = $derived(this.sources.flatMap((source) => source()));
 
-  /** Add bindings and return a function that removes them. The last binding of a key wins. */
-  bind(...added: Binding[]): () => void {
-    // The calling effect must not depend on `bindings`.
-    untrack(() => (this.bindings = [...this.bindings, ...added]));
-    return () => {
-      untrack(() => (this.bindings = this.bindings.filter((binding) => !added.includes(binding))));
-    };
+  /** For a component while it is initialised: its bindings, as long as it lives. The last binding of a key wins. */
+  use(source: () => readonly Binding[]): void {
+    this.sources = [...this.sources, source];
+    onDestroy(() => (this.sources = this.sources.filter((other) => other !== source)));
   }
 
   handle(event: KeyboardEvent): void {
@@ -58,5 +56,3 @@ function belongsToFocus(event: KeyboardEvent): boolean {
   if (event.code === "Enter" && at.closest("button, a, summary, input")) return true;
   return event.code.startsWith("Arrow") && at.closest("[role=slider], [role=tablist], input") !== null;
 }
-
-export const shortcuts = new Shortcuts();

@@ -1,10 +1,19 @@
 // Short messages at the foot of the page. They disappear after a while, or earlier when they no longer apply; errors stay in the band's
 // list.
-import { api } from "../api/api";
+import type { ApiClient } from "../api/api";
 import { ApiError } from "../api/http";
 import { dictionary } from "../i18n";
+import { copyText, saveFile } from "../platform/output";
 
-const t = dictionary({ take: { en: "Take control", ru: "Взять управление" } });
+const t = dictionary({
+  copied: { en: "Copied.", ru: "Скопировано." },
+  saved: {
+    en: "The browser refuses to copy. The text was saved as {file} instead.",
+    ru: "Браузер не даёт копировать. Текст сохранён в файл {file}.",
+  },
+  refused: { en: "The browser refuses to copy.", ru: "Браузер не даёт копировать." },
+  take: { en: "Take control", ru: "Взять управление" },
+});
 
 export interface Toast {
   id: number;
@@ -30,12 +39,14 @@ const SUCCESS_MS = 4000;
 const ERROR_MS = 20_000;
 const MAX_HISTORY = 50;
 
-class Toasts {
+export class Toasts {
   shown = $state.raw<Toast[]>([]);
   private last = 0;
 
   /** Errors that were shown, the latest last. */
   history = $state.raw<PastError[]>([]);
+
+  constructor(private readonly api: ApiClient) {}
 
   success(text: () => string, more: Partial<Toast> = {}): void {
     this.show({ kind: "success", text, duration: SUCCESS_MS, ...more });
@@ -67,26 +78,33 @@ class Toasts {
     this.shown = [...others, { ...toast, id }];
     setTimeout(() => this.close(id), toast.duration);
   }
-}
 
-export const toasts = new Toasts();
+  /**
+   * Run `job` and show its error as a toast. Returns undefined if it failed. If another client holds control, the toast offers to take
+   * control and repeat.
+   */
+  async attempt<T>(job: () => Promise<T>): Promise<T | undefined> {
+    try {
+      return await job();
+    } catch (error) {
+      if (error instanceof DOMException && error.name === "AbortError") return undefined;
+      if (!(error instanceof ApiError)) throw error;
+      const take = () => void this.attempt(() => this.api.takeControl(true)).then((taken) => taken && this.attempt(job));
+      const action = error.code === "NotController" ? { text: () => t("take"), run: take } : undefined;
+      this.error(() => error.advice, { action, detail: bytes(error), code: error.code });
+      return undefined;
+    }
+  }
 
-/**
- * Run `job` and show its error as a toast. Returns undefined if it failed. If another client holds control, the toast offers to take
- * control and repeat.
- */
-export async function attempt<T>(job: () => Promise<T>): Promise<T | undefined> {
-  try {
-    return await job();
-  } catch (error) {
-    if (error instanceof DOMException && error.name === "AbortError") return undefined;
-    if (!(error instanceof ApiError)) throw error;
-    const action =
-      error.code === "NotController"
-        ? { text: () => t("take"), run: () => void attempt(() => api.takeControl(true)).then((taken) => taken && attempt(job)) }
-        : undefined;
-    toasts.error(() => error.advice, { action, detail: bytes(error), code: error.code });
-    return undefined;
+  /**
+   * Copy a text to the clipboard and say so (`said`). Where the browser refuses, the text is saved as `file`, so that it is not lost; without
+   * a name the text is on the screen.
+   */
+  async copy(text: string, file: string | null, said: () => string = () => t("copied")): Promise<void> {
+    if (await copyText(text)) return this.success(said);
+    if (file === null) return this.refuse(() => t("refused"));
+    saveFile(file, text);
+    this.refuse(() => t("saved", { file }));
   }
 }
 

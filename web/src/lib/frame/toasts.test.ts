@@ -1,5 +1,8 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
-import { toasts } from "./toasts.svelte";
+import { served } from "../platform/host";
+import { Stores } from "../../stores";
+
+const { toasts } = new Stores(served);
 
 const texts = () => toasts.shown.map((toast) => toast.text());
 

@@ -4,8 +4,8 @@
 import { untrack } from "svelte";
 import { dictionary } from "../i18n";
 import { loadSetting, saveSetting } from "../platform/storage";
-import { live } from "./live.svelte";
 import type { Level } from "../api/types";
+import type { Live } from "./live.svelte";
 
 interface Pattern {
   /** Hz of each tone, seconds of a tone, seconds between repetitions. */
@@ -21,18 +21,20 @@ const PATTERNS: Record<Level, Pattern> = {
 
 const t = dictionary({ key: { en: "Alarm sound on and off", ru: "Включить и выключить звук тревог" } });
 
-class AlarmSound {
+export class AlarmSound {
   on = $state(loadSetting("alarm-sound") === "on");
   /** Switched on, but the browser waits for a click or a key. */
   waiting = $state(false);
   /** The worst alarm now; null: none, or the line's state is not known. */
   readonly worst = $derived.by<Level | null>(() => {
-    const alarms = live.link === "open" ? (live.state?.alarms ?? []) : [];
+    const alarms = this.live.link === "open" ? (this.live.state?.alarms ?? []) : [];
     if (alarms.some(({ level }) => level === "danger")) return "danger";
     return alarms.length > 0 ? "warning" : null;
   });
   readonly keyText = (): string => t("key");
   private context: AudioContext | null = null;
+
+  constructor(private readonly live: Live) {}
 
   toggle(): void {
     this.on = !this.on;
@@ -97,5 +99,3 @@ class AlarmSound {
     });
   }
 }
-
-export const alarmSound = new AlarmSound();

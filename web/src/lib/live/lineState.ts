@@ -6,3 +6,11 @@ export const answering = ({ line }: Pick<State, "line">): boolean => line === "e
 
 /** Whether the port is being opened: neither a state nor an error is known yet. */
 export const opening = (state: Pick<State, "line" | "reason_code">): boolean => state.line === "no-port" && state.reason_code === null;
+
+/**
+ * Whether the adapter was unplugged: data has come from it on this connection, so sampling resumes when it returns. A port that never
+ * existed has to be selected instead.
+ */
+export function unplugged(state: Pick<State, "reason_code" | "model" | "samples">): boolean {
+  return state.reason_code === "PortNotFound" && (state.samples > 0 || state.model !== null);
+}

@@ -1,13 +1,14 @@
 // The live connection: one WebSocket, the state, the latest value of each channel, the last hour as columns, and the events. Reconnects
 // after ½ s, 1, 2, … at most 8 s, and at once when the page becomes visible or the network returns.
-import { api } from "../api/api";
 import { address } from "../api/http";
 import { frameClock } from "../platform/frameClock.svelte";
-import { host, type LiveSocket } from "../platform/host";
 import { clientId, clientName, controlLease, pageId } from "../api/client";
 import { Columns } from "../series/columns";
 import { EventLog } from "./eventLog";
+import { answering } from "./lineState";
 import type { LineEvent, LiveMessage, Rows, State } from "../api/types";
+import type { Host, LiveSocket } from "../platform/host";
+import type { ApiClient } from "../api/api";
 
 /** Seconds: kept as columns; loaded when the page opens; loaded in full detail. */
 const KEPT_SECONDS = 3600;
@@ -20,12 +21,18 @@ export interface Latest {
   time: number;
 }
 
-class LiveLine {
+export class Live {
   /** `lost`: the program does not answer, nothing on the screen is current. */
   link = $state<"connecting" | "open" | "lost">("connecting");
   /** The user has ended the program from this page; until it runs again. */
   ended = $state(false);
   state = $state.raw<State | null>(null);
+  /** Whether an ECU answers now. */
+  readonly answers = $derived(this.link === "open" && this.state !== null && answering(this.state));
+  /** A key that changes when another ECU is connected: data read from the previous one is no longer valid. */
+  readonly unit = $derived(this.state ? JSON.stringify([this.state.port, this.state.version_code, this.state.passport]) : "");
+  /** The last port that data came from since the page was opened. */
+  worked = $state<string | null>(null);
   events = $state.raw<readonly LineEvent[]>([]);
   /** Counts loads of history: a frozen view redraws, too. */
   historyLoads = $state(0);
@@ -61,6 +68,14 @@ class LiveLine {
   private changed: string[] = [];
   private readonly eventLog = new EventLog();
 
+  /** Called with events that are new. */
+  onevents: (events: readonly LineEvent[]) => void = () => undefined;
+
+  constructor(
+    private readonly host: Pick<Host, "connect">,
+    private readonly api: ApiClient,
+  ) {}
+
   start(): void {
     if (this.started) return;
     this.started = true;
@@ -81,7 +96,7 @@ class LiveLine {
 
   private open(): void {
     clearTimeout(this.timer);
-    const socket = host.connect(address("/live", { client: clientId, name: clientName(), page: pageId }));
+    const socket = this.host.connect(address("/live", { client: clientId, name: clientName(), page: pageId }));
     this.socket = socket;
     socket.onmessage = (message) => {
       if (socket !== this.socket) return;
@@ -120,11 +135,17 @@ class LiveLine {
     this.dropped += message.dropped;
     frameClock.request();
     if (message.state) {
-      this.state = message.state;
+      this.use(message.state);
       controlLease.held = message.state.controller?.you ?? false;
     }
     if (message.events?.length) this.addEvents(message.events);
     if (message.data) this.add(message.data);
+  }
+
+  /** Use a state that the program has returned. */
+  use(state: State): void {
+    this.state = state;
+    if (state.line !== "off" && state.line !== "no-port") this.worked = state.port;
   }
 
   private add(rows: Rows): void {
@@ -218,7 +239,7 @@ class LiveLine {
 
   /** Load `seconds` of history except the last `before` seconds. */
   private async loadPart(seconds: number, points: number, before: number): Promise<void> {
-    const { events, names, times, values } = await api.history(seconds, points);
+    const { events, names, times, values } = await this.api.history(seconds, points);
     const until = (times[times.length - 1] ?? 0) - before;
     const count = times.findLastIndex((time) => time <= until) + 1;
     const selected = values.map((cells) => cells.slice(0, count));
@@ -227,5 +248,3 @@ class LiveLine {
     this.events = this.eventLog.add(events);
   }
 }
-
-export const live = new LiveLine();

@@ -1,7 +1,9 @@
 import { afterEach, expect, it, vi } from "vitest";
-import { live } from "./live.svelte";
-import { api } from "../api/api";
 import type { History } from "../api/types";
+import { served } from "../platform/host";
+import { Stores } from "../../stores";
+
+const { api, live } = new Stores(served);
 
 const history = (value: number) => ({ names: ["A"], times: [1, 2], values: [[value, value]], events: [] }) as unknown as History;
 

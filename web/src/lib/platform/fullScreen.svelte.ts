@@ -1,6 +1,6 @@
 // Full screen: the page without band and navigation. Where the browser has no such function (iPhone) or refuses, the page still fills its window.
 
-class FullScreen {
+export class FullScreen {
   on = $state(false);
   /** The browser is in full screen, too. */
   private real = false;
@@ -32,5 +32,3 @@ class FullScreen {
     else void this.enter();
   }
 }
-
-export const fullScreen = new FullScreen();

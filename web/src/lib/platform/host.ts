@@ -1,5 +1,5 @@
 // What the page stands on. On a desktop that is the program that served it, reached by HTTP. On the site (src/site) it is the same program
-// in workers of this page. Whatever differs between the two is a field here; the site replaces fields before it mounts the App.
+// in workers of this page. Whatever differs between the two is a field here; the site has others.
 import type { Component } from "svelte";
 import type { ExportFormat, Text } from "../api/types";
 
@@ -40,7 +40,8 @@ export interface Host {
   };
 }
 
-export const host: Host = {
+/** The program that has served the page. */
+export const served: Host = {
   fetch: (address, init) => fetch(address, init),
   connect(address) {
     const url = new URL(address, document.baseURI);

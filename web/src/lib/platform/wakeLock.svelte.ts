@@ -1,7 +1,7 @@
 // Keeps the screen on while live data come. The browser releases the lock when the page is hidden; it is taken again when the page is shown.
 // Browsers give it only to encrypted pages and to this computer's own, so a phone over plain http does not get it.
 
-class WakeLock {
+export class WakeLock {
   /** `refused`: this browser or this connection cannot keep the screen on. */
   state = $state<"off" | "held" | "refused">("off");
   private wanted = false;
@@ -44,5 +44,3 @@ class WakeLock {
     }
   }
 }
-
-export const wakeLock = new WakeLock();

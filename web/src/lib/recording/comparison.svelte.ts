@@ -12,7 +12,7 @@ const t = dictionary({
 /** Aligning: first a moment on the dashed line is selected, then the same moment on the solid line. */
 export type Aligning = { step: "second" } | { step: "first"; at: number } | null;
 
-class Comparison extends RecordingData {
+export class Comparison extends RecordingData {
   /** Seconds by which the second recording is moved to the right. */
   offset = $state(0);
   aligning = $state.raw<Aligning>(null);
@@ -69,5 +69,3 @@ class Comparison extends RecordingData {
     this.aligning = null;
   }
 }
-
-export const comparison = new Comparison();

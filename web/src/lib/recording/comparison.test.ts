@@ -1,8 +1,9 @@
 import { beforeEach, describe, expect, it, vi } from "vitest";
-import { api } from "../api/api";
-import { comparison } from "./comparison.svelte";
-import { player } from "./player.svelte";
 import type { RecordingDetail } from "../api/types";
+import { served } from "../platform/host";
+import { Stores } from "../../stores";
+
+const { api, comparison, player } = new Stores(served);
 
 /** Two drives: the first from 5000 s on, the second, without THR, from 90 s on. */
 const BEGAN: Record<string, number> = { first: 5000, second: 90 };

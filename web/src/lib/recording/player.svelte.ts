@@ -1,9 +1,10 @@
 // Plays a recording in place of the live data: play, pause, step, seek, loop. It is a `Source`, like the live data.
 import { frameClock } from "../platform/frameClock.svelte";
-import { comparison } from "./comparison.svelte";
 import type { Latest } from "../live/live.svelte";
 import { RecordingData } from "./recordingData.svelte";
-import { display, type Source } from "../display/source.svelte";
+import type { Comparison } from "./comparison.svelte";
+import type { ApiClient } from "../api/api";
+import type { Display, Source } from "../display/source.svelte";
 
 /** Seconds: an older value is not shown at the player's position. */
 const REACH = 30;
@@ -12,7 +13,7 @@ const LEAP = 0.25;
 
 export const SPEEDS = [0.25, 0.5, 1, 2, 4, 8, 16] as const;
 
-class Player extends RecordingData implements Source {
+export class Player extends RecordingData implements Source {
   readonly kind = "recording";
   /** The position: seconds of the recording's own clock, between `first` and `last`. */
   position = $state(0);
@@ -23,6 +24,14 @@ class Player extends RecordingData implements Source {
   private frame = 0;
   private before = 0;
 
+  constructor(
+    api: ApiClient,
+    private readonly comparison: Comparison,
+    private readonly display: Display,
+  ) {
+    super(api);
+  }
+
   get paused(): boolean {
     return !this.playing;
   }
@@ -32,16 +41,16 @@ class Player extends RecordingData implements Source {
     this.close();
     if (!(await this.load(id))) return;
     this.position = this.first;
-    display.play(this);
+    this.display.play(this);
   }
 
   /** Return to the live data. */
   close(): void {
-    comparison.end();
+    this.comparison.end();
     this.pause();
     this.loop = null;
     this.reset();
-    if (display.source === this) display.goLive();
+    if (this.display.source === this) this.display.goLive();
   }
 
   leave(): void {
@@ -109,5 +118,3 @@ export function advance(position: number, seconds: number, last: number, loop: {
   }
   return Math.min(last, next);
 }
-
-export const player = new Player();

@@ -1,8 +1,10 @@
 import { beforeEach, describe, expect, it, vi } from "vitest";
-import { api } from "../api/api";
-import { advance, player } from "./player.svelte";
-import { display } from "../display/source.svelte";
+import { advance } from "./player.svelte";
 import type { RecordingDetail } from "../api/types";
+import { served } from "../platform/host";
+import { Stores } from "../../stores";
+
+const { api, display, player } = new Stores(served);
 
 const RATE = 50;
 const SAMPLES = 40_000;

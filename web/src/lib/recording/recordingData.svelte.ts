@@ -1,5 +1,5 @@
 // A recording as columns. It is loaded completely, in parts, from its start; until then a decimated overview of all of it is shown.
-import { api } from "../api/api";
+import type { ApiClient } from "../api/api";
 import { ApiError } from "../api/http";
 import { frameClock } from "../platform/frameClock.svelte";
 import { Columns } from "../series/columns";
@@ -35,6 +35,8 @@ export class RecordingData {
   private reading: AbortController | null = null;
   private found = new Map<string, Extremes | undefined>();
   private foundAt = -1;
+
+  constructor(protected readonly api: ApiClient) {}
 
   get events(): readonly LineEvent[] {
     return this.detail?.events ?? [];
@@ -87,11 +89,11 @@ export class RecordingData {
   private async replace(id: string): Promise<boolean> {
     const reading = new AbortController();
     this.reading = reading;
-    const detail = await unlessAborted(reading.signal, () => api.recording(id));
+    const detail = await unlessAborted(reading.signal, () => this.api.recording(id));
     if (!detail) return false;
     const { first, last } = spanOf(detail);
     const query = { from: detail.first, to: detail.last, points: OVERVIEW_ROWS };
-    const overview = await unlessAborted(reading.signal, () => api.rows(id, query, reading.signal));
+    const overview = await unlessAborted(reading.signal, () => this.api.rows(id, query, reading.signal));
     if (!overview) return false;
     const columns = columnsOf(OVERVIEW_ROWS * 2);
     columns.append(overview.names, overview.times, overview.values);
@@ -130,7 +132,7 @@ export class RecordingData {
       while (from <= last) {
         const to = Math.min(from + seconds, last + 1);
         const query = { from, to, points: PART_ROWS * 1.3 };
-        const rows = await unlessAborted(signal, () => api.rows(id, query, signal));
+        const rows = await unlessAborted(signal, () => this.api.rows(id, query, signal));
         if (!rows) return;
         if (rows.decimated && seconds > 0.5) {
           seconds /= 2;

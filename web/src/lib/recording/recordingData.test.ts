@@ -1,8 +1,11 @@
 import { describe, expect, it, vi } from "vitest";
 import { RecordingData, withMarker } from "./recordingData.svelte";
-import { api } from "../api/api";
 import { ApiError } from "../api/http";
 import type { RecordingDetail, RecordingRows } from "../api/types";
+import { served } from "../platform/host";
+import { Stores } from "../../stores";
+
+const { api } = new Stores(served);
 
 type RecordedEvent = RecordingDetail["events"][number];
 const marker = (time: number, label = ""): RecordedEvent => ({ kind: "marker", time, label });
@@ -29,7 +32,7 @@ describe("a recording that is shown", () => {
     vi.spyOn(api, "recording").mockResolvedValue(detail);
     const answers: { resolve: (rows: RecordingRows) => void; reject: (error: Error) => void }[] = [];
     const found = vi.spyOn(api, "rows").mockResolvedValueOnce(rows(1));
-    const data = new Shown();
+    const data = new Shown(api);
     await data.open("a.pcapng");
     found.mockImplementation(() => new Promise((resolve, reject) => void answers.push({ resolve, reject })));
     return { data, answers };

@@ -1,13 +1,13 @@
 // The ports found and the connection check; both continue while another screen is shown.
-import { api } from "../../lib/api/api";
 import { ApiError } from "../../lib/api/http";
 import { ApiRequest } from "../../lib/api/request.svelte";
-import { host } from "../../lib/platform/host";
-import { live } from "../../lib/live/live.svelte";
-import { announceSaved } from "../../lib/control/recordingControl.svelte";
 import type { About, DoctorStep, Port, State } from "../../lib/api/types";
+import type { ApiClient } from "../../lib/api/api";
+import type { Host } from "../../lib/platform/host";
+import type { Live } from "../../lib/live/live.svelte";
+import type { RecordingControl } from "../../lib/control/recordingControl.svelte";
 
-class ConnectionStore {
+export class ConnectionStore {
   readonly ports = new ApiRequest<Port[]>();
   readonly about = new ApiRequest<About>();
   readonly network = new ApiRequest<About>();
@@ -19,8 +19,6 @@ class ConnectionStore {
   wanted = $state<string | null>(null);
   /** Class of the last error of a connect request. */
   code = $state<string | null>(null);
-  /** The last port that data came from since the page was opened. */
-  worked = $state<string | null>(null);
   /** Disconnecting or connecting elsewhere would end this recording and has to be confirmed. Without `port`: disconnect. */
   leaving = $state.raw<{ file: string; port?: string | null } | null>(null);
 
@@ -33,33 +31,46 @@ class ConnectionStore {
   error = $state.raw<ApiError | null>(null);
   readonly stopping = new ApiRequest<State>();
 
+  constructor(
+    private readonly api: ApiClient,
+    private readonly host: Host,
+    private readonly live: Live,
+    private readonly recordingControl: RecordingControl,
+  ) {}
+
   /** The port that is or was checked, as the program says. */
   get checkedPort(): string | null {
     return this.steps[0]?.port ?? this.examined;
   }
 
+  /** The file of a running recording. */
+  private get recorded(): string | null {
+    const recording = this.live.state?.recording;
+    return recording && !recording.failure ? recording.file : null;
+  }
+
   /** Open the program to the network, or close it. */
   async share(on: boolean, control: boolean): Promise<void> {
-    const about = await this.network.run(() => api.network(on, control));
-    if (!about) return void (await this.about.run(() => api.about()));
+    const about = await this.network.run(() => this.api.network(on, control));
+    if (!about) return void (await this.about.run(() => this.api.about()));
     if (about.lan) this.shares += 1;
     this.about.value = about;
   }
 
   /** End a program that an icon has started; its end closes the recording. */
   async end(): Promise<void> {
-    const file = running();
-    live.ended = (await this.ending.run(() => api.end())) !== undefined;
-    if (live.ended && file) announceSaved(file);
+    const file = this.recorded;
+    this.live.ended = (await this.ending.run(() => this.api.end())) !== undefined;
+    if (this.live.ended && file) this.recordingControl.announceSaved(file);
   }
 
   async scan(): Promise<void> {
-    await this.ports.run(async () => (await api.ports()).ports);
+    await this.ports.run(async () => (await this.api.ports()).ports);
   }
 
   /** Let the user choose an adapter in the browser's list, and connect to it. */
   async choose(): Promise<void> {
-    const port = await host.choosePort?.();
+    const port = await this.host.choosePort?.();
     if (!port) return;
     await this.scan();
     await this.connect(port);
@@ -67,13 +78,13 @@ class ConnectionStore {
 
   /** Connect; while recording to another port, ask first, because the recording would end. */
   async connect(port: string | null): Promise<void> {
-    const file = running();
-    if (file && port !== live.state?.port) this.leaving = { file, port };
+    const file = this.recorded;
+    if (file && port !== this.live.state?.port) this.leaving = { file, port };
     else await this.connectNow(port);
   }
 
   async disconnect(): Promise<void> {
-    const file = running();
+    const file = this.recorded;
     if (file) this.leaving = { file };
     else await this.disconnectNow();
   }
@@ -84,22 +95,22 @@ class ConnectionStore {
     if (!left) return;
     this.leaving = null;
     const ended = left.port === undefined ? await this.disconnectNow() : await this.connectNow(left.port);
-    if (ended) announceSaved(left.file);
+    if (ended) this.recordingControl.announceSaved(left.file);
   }
 
   private async connectNow(port: string | null): Promise<boolean> {
     this.wanted = port ?? "";
-    const state = await this.connecting.run(() => api.connect(port));
+    const state = await this.connecting.run(() => this.api.connect(port));
     this.wanted = null;
     this.code = this.connecting.error?.code ?? null;
-    if (state) live.state = state;
+    if (state) this.live.use(state);
     return state !== undefined;
   }
 
   private async disconnectNow(): Promise<boolean> {
-    const state = await this.connecting.run(() => api.disconnect());
+    const state = await this.connecting.run(() => this.api.disconnect());
     this.code = null;
-    if (state) live.state = state;
+    if (state) this.live.use(state);
     return state !== undefined;
   }
 
@@ -111,27 +122,23 @@ class ConnectionStore {
     this.examined = port;
     this.checkedAt = Date.now() / 1000;
     try {
-      await api.doctor(port, (step) => (this.steps = [...this.steps, step]));
+      await this.api.doctor(port, (step) => (this.steps = [...this.steps, step]));
     } catch (error) {
       if (!(error instanceof ApiError)) throw error;
       this.error = error;
     } finally {
       // Else the last message would still say that the check has the port.
-      live.state = await api.state().catch(() => live.state);
+      await this.api.state().then(
+        (state) => this.live.use(state),
+        () => undefined,
+      );
       this.examining = false;
     }
   }
 
   /** Stop the check; the server releases the port and ends the steps. */
   async stop(): Promise<void> {
-    const state = await this.stopping.run(() => api.stopDoctor());
-    if (state) live.state = state;
+    const state = await this.stopping.run(() => this.api.stopDoctor());
+    if (state) this.live.use(state);
   }
 }
-
-const running = (): string | null => {
-  const recording = live.state?.recording;
-  return recording && !recording.failure ? recording.file : null;
-};
-
-export const connection = new ConnectionStore();

@@ -1,28 +1,34 @@
 // The presets: shipped ones from the catalog, the user's own from the server; the selected one; the one being edited.
-import { api } from "../../lib/api/api";
-import { catalog } from "../../lib/api/catalog.svelte";
 import { retry } from "../../lib/api/retry";
 import { loadSetting, saveSetting } from "../../lib/platform/storage";
-import { subscriptions } from "../../lib/control/subscriptions.svelte";
 import type { Preset, Tile } from "../../lib/api/types";
+import type { ApiClient } from "../../lib/api/api";
+import type { CatalogStore } from "../../lib/api/catalog.svelte";
+import type { Subscriptions } from "../../lib/control/subscriptions.svelte";
 
-class Presets {
+export class Presets {
   own = $state.raw<Preset[]>([]);
   loaded = $state(false);
   private id = $state(loadSetting("preset") ?? "idle");
   /** The edited copy, shown while editing. */
   draft = $state.raw<Preset | null>(null);
 
-  readonly all = $derived<Preset[]>([...(catalog.loaded?.presets ?? []), ...this.own]);
+  readonly all = $derived.by<Preset[]>(() => [...(this.catalog.loaded?.presets ?? []), ...this.own]);
   readonly chosen = $derived<Preset | undefined>(this.all.find(({ id }) => id === this.id) ?? this.all[0]);
   readonly onScreen = $derived<Preset | undefined>(this.draft ?? this.chosen);
   /** Channels of the preset on the screen. */
-  readonly names = $derived(this.onScreen ? namesOf(this.onScreen) : []);
+  readonly names = $derived(this.onScreen ? this.namesOf(this.onScreen) : []);
+
+  constructor(
+    private readonly api: ApiClient,
+    private readonly catalog: CatalogStore,
+    private readonly subscriptions: Subscriptions,
+  ) {}
 
   /** Load the user's presets, with retries until they have come or the returned function is called. */
   load(): () => void {
     return retry(async () => {
-      this.own = (await api.presets()).presets;
+      this.own = (await this.api.presets()).presets;
       this.loaded = true;
     });
   }
@@ -31,7 +37,13 @@ class Presets {
     this.id = id;
     this.draft = null;
     saveSetting("preset", id);
-    if (this.chosen) subscriptions.setPreset(namesOf(this.chosen), true);
+    if (this.chosen) this.subscriptions.setPreset(this.namesOf(this.chosen), true);
+  }
+
+  /** All channels of a preset; a table without names has every channel. */
+  private namesOf(preset: Preset): string[] {
+    const everything = ({ kind }: Tile) => (kind === "table" ? this.catalog.channels.map(({ name }) => name) : []);
+    return [...new Set(preset.tiles.flatMap((tile) => (tile.names.length ? tile.names : everything(tile))))];
   }
 
   edit(): void {
@@ -67,20 +79,10 @@ class Presets {
 
   /** All are saved together, so it starts from those that the program has now: another page may have saved some. */
   private async replace(change: (own: readonly Preset[]) => Preset[]): Promise<void> {
-    const { presets } = await api.presets();
-    this.own = (await api.savePresets(change(presets))).presets;
+    const { presets } = await this.api.presets();
+    this.own = (await this.api.savePresets(change(presets))).presets;
   }
 }
-
-export const presets = new Presets();
-
-/** All channels of a preset; a table without names has every channel. */
-export function namesOf(preset: Preset): string[] {
-  const names = preset.tiles.flatMap((tile) => (tile.names.length ? tile.names : everything(tile)));
-  return [...new Set(names)];
-}
-
-const everything = (tile: Tile): string[] => (tile.kind === "table" ? catalog.channels.map(({ name }) => name) : []);
 
 function newId(taken: readonly Preset[]): string {
   for (let number = 1; ; number += 1) {

@@ -1,8 +1,9 @@
 import { afterEach, beforeEach, expect, it, vi } from "vitest";
-import { api } from "../../lib/api/api";
-import { subscriptions } from "../../lib/control/subscriptions.svelte";
 import type { Preset } from "../../lib/api/types";
-import { presets } from "./presets.svelte";
+import { served } from "../../lib/platform/host";
+import { Stores } from "../../stores";
+
+const { api, presets, subscriptions } = new Stores(served);
 
 beforeEach(() => void vi.useFakeTimers());
 

@@ -1,12 +1,12 @@
 // State of the Memory screen, kept while another screen is shown: the page of each space, the watched cells and their bytes.
-import { api } from "../../lib/api/api";
 import { ApiRequest } from "../../lib/api/request.svelte";
 import { loadSetting, saveSetting } from "../../lib/platform/storage";
-import { ecuKey } from "../../lib/live/capabilities.svelte";
 import type { Dump, LeftOutFile, MemoryRead, Space } from "../../lib/api/types";
 import { bytesOf, readsFor, restored, type Cell } from "./cells/cells";
 import { Glow } from "./cells/glow";
 import { SPACES, addressText, fromHex, parseAddress, spaceOf, type Charset } from "./cells/hex";
+import type { ApiClient } from "../../lib/api/api";
+import type { Live } from "../../lib/live/live.svelte";
 
 /** ms between two reads of the watched data, so that sampling continues. */
 const PAUSE = 150;
@@ -23,7 +23,10 @@ export class View {
   readonly read = new ApiRequest<MemoryRead>();
   readonly glow = new Glow();
 
-  constructor(readonly name: Space) {
+  constructor(
+    private readonly api: ApiClient,
+    readonly name: Space,
+  ) {
     if (name === "sfr") this.typed = "80";
     if (name === "sfr") this.count = 128;
   }
@@ -42,7 +45,7 @@ export class View {
     const address = this.address;
     if (address === null) return false;
     const count = Math.min(this.count, spaceOf(this.name).last + 1 - address);
-    const got = await this.read.run(() => api.memory(this.name, address, count));
+    const got = await this.read.run(() => this.api.memory(this.name, address, count));
     if (!got) return false;
     this.show(got.address, fromHex(got.data), got.time);
     return true;
@@ -66,8 +69,8 @@ export class View {
   }
 }
 
-class MemoryStore {
-  readonly views: Record<Space, View> = { ram: new View("ram"), xram: new View("xram"), code: new View("code"), sfr: new View("sfr") };
+export class MemoryStore {
+  readonly views: Record<Space, View>;
   space = $state<Space>("ram");
   charset = $state<Charset>("cp866");
   /** Whether the page and the watched cells are read repeatedly. */
@@ -81,13 +84,21 @@ class MemoryStore {
   leftOut = $state.raw<readonly LeftOutFile[]>([]);
   private unit = "";
 
+  constructor(
+    private readonly api: ApiClient,
+    private readonly live: Live,
+  ) {
+    const view = (name: Space) => new View(api, name);
+    this.views = { ram: view("ram"), xram: view("xram"), code: view("code"), sfr: view("sfr") };
+  }
+
   get view(): View {
     return this.views[this.space];
   }
 
   /** Drop data of a previous ECU; the list of cells stays. */
   dropOther(): void {
-    const unit = ecuKey();
+    const unit = this.live.unit;
     if (unit === this.unit) return;
     if (this.unit !== "") {
       for (const { name } of SPACES) this.views[name].reset();
@@ -111,7 +122,7 @@ class MemoryStore {
     const done = await this.watched.run(async () => {
       const bytes = new Map(this.bytes);
       for (const read of readsFor(this.cells)) {
-        const got = await api.memory(read.space, read.address, read.count);
+        const got = await this.api.memory(read.space, read.address, read.count);
         const data = fromHex(got.data);
         for (const cell of read.cells) bytes.set(cell.id, bytesOf(cell, read, data));
       }
@@ -136,7 +147,7 @@ class MemoryStore {
 
   async refreshDumps(): Promise<void> {
     await this.dumps.run(async () => {
-      const answer = await api.dumps();
+      const answer = await this.api.dumps();
       this.leftOut = answer.left_out;
       return answer.dumps;
     });
@@ -148,5 +159,3 @@ class MemoryStore {
     this.dumps.value = others.some((it) => it.id === dump.id) ? others.map((it) => (it.id === dump.id ? dump : it)) : [dump, ...others];
   }
 }
-
-export const memory = new MemoryStore();

@@ -1,12 +1,12 @@
 // The list of recordings; kept while another screen is shown, refreshed when it is opened.
 import { untrack } from "svelte";
-import { api } from "../../lib/api/api";
 import { ApiRequest } from "../../lib/api/request.svelte";
-import { attempt, toasts } from "../../lib/frame/toasts.svelte";
 import { t } from "./messages";
 import type { About, LeftOutFile, Recording, References, Text } from "../../lib/api/types";
+import type { ApiClient } from "../../lib/api/api";
+import type { Toasts } from "../../lib/frame/toasts.svelte";
 
-class RecordingStore {
+export class RecordingStore {
   readonly list = new ApiRequest<Recording[]>();
   readonly references = new ApiRequest<References>();
   readonly about = new ApiRequest<About>();
@@ -15,12 +15,17 @@ class RecordingStore {
   problem = $state.raw<Text | null>(null);
   leftOut = $state.raw<readonly LeftOutFile[]>([]);
 
+  constructor(
+    private readonly api: ApiClient,
+    private readonly toasts: Toasts,
+  ) {}
+
   async refresh(): Promise<void> {
     // Called in effects, which must not run again when it has come.
-    if (!untrack(() => this.about.value)) void this.about.run(() => api.about());
-    void this.references.run(() => api.references());
+    if (!untrack(() => this.about.value)) void this.about.run(() => this.api.about());
+    void this.references.run(() => this.api.references());
     await this.list.run(async () => {
-      const answer = await api.recordings();
+      const answer = await this.api.recordings();
       this.problem = answer.problem;
       this.leftOut = answer.left_out;
       return answer.recordings;
@@ -30,14 +35,14 @@ class RecordingStore {
   /** Add recordings made elsewhere, one after the other; those that can't be are said. */
   async add(files: readonly File[]): Promise<void> {
     let added = 0;
-    for (const file of files) if (await attempt(() => api.addRecording(file.name, file))) added += 1;
-    if (added > 0) toasts.success(() => t("added", { n: added }));
+    for (const file of files) if (await this.toasts.attempt(() => this.api.addRecording(file.name, file))) added += 1;
+    if (added > 0) this.toasts.success(() => t("added", { n: added }));
     await this.refresh();
   }
 
   /** Mark a recording as a reference, or remove its mark. */
   async mark(id: string, on: boolean): Promise<void> {
-    const answer = await attempt(() => api.markReference(id, on));
+    const answer = await this.toasts.attempt(() => this.api.markReference(id, on));
     if (!answer) return;
     this.references.value = answer;
     this.update(id, { reference: on });
@@ -52,5 +57,3 @@ class RecordingStore {
     this.list.value = this.list.value?.map((it) => (it.id === id ? { ...it, ...changed } : it)) ?? null;
   }
 }
-
-export const recordings = new RecordingStore();

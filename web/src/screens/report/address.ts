@@ -1,5 +1,5 @@
 // The address of a report, of the session or of a recording.
-import { api } from "../../lib/api/api";
+import type { ApiClient } from "../../lib/api/api";
 import { recordingName } from "../../lib/recording/recordingData.svelte";
 
 /** In the screen's address: the connected car. No recording has this name. */
@@ -14,7 +14,7 @@ export function reportSource(asked: string | undefined, open: string | null): st
   return asked === LIVE ? null : asked;
 }
 
-export function reportAddress(recording: string | null, lang: string, inline: boolean): string {
+export function reportAddress(api: ApiClient, recording: string | null, lang: string, inline: boolean): string {
   return recording === null ? api.report(lang, inline) : api.recordingReport(recording, lang, inline);
 }
 

@@ -1,14 +1,16 @@
 // A test over the recording that is shown: the request, which can be cancelled, and its answer.
-import { api } from "../../lib/api/api";
 import { ApiRequest } from "../../lib/api/request.svelte";
 import type { RecordedTest, TestInfo } from "../../lib/api/types";
+import type { ApiClient } from "../../lib/api/api";
 
-class RecordedTests {
+export class RecordedTests {
   readonly request = new ApiRequest<RecordedTest>();
   /** The test that is done or was done; null: none. */
   test = $state.raw<TestInfo | null>(null);
   recording = $state<string | null>(null);
   private stop = new AbortController();
+
+  constructor(private readonly api: ApiClient) {}
 
   async run(recording: string, test: TestInfo): Promise<void> {
     this.clear();
@@ -16,7 +18,7 @@ class RecordedTests {
     this.recording = recording;
     const { signal } = this.stop;
     try {
-      await this.request.run(() => api.recordedTest(recording, test.name, signal));
+      await this.request.run(() => this.api.recordedTest(recording, test.name, signal));
     } catch (error) {
       if (!(error instanceof DOMException)) throw error;
     }
@@ -30,5 +32,3 @@ class RecordedTests {
     this.test = this.recording = null;
   }
 }
-
-export const recorded = new RecordedTests();

@@ -1,21 +1,26 @@
 // The tests, the running one and the results of this unit. The run is asked for while the screen is shown.
-import { api } from "../../lib/api/api";
 import { ApiRequest } from "../../lib/api/request.svelte";
-import { attempt, toasts } from "../../lib/frame/toasts.svelte";
 import { t } from "./messages";
 import type { TestList, TestRun, TestVerdict } from "../../lib/api/types";
+import type { ApiClient } from "../../lib/api/api";
+import type { Toasts } from "../../lib/frame/toasts.svelte";
 
 /** Milliseconds between two questions while a test runs, and while none does: another page may start one. */
 const RUNNING = 250;
 const IDLE = 2000;
 
-class Tests {
+export class Tests {
   readonly list = new ApiRequest<TestList>();
   readonly results = new ApiRequest<{ results: TestVerdict[] }>();
   run = $state.raw<TestRun | null>(null);
   busy = $state(false);
   /** Counts what this page changes: an answer to a question of before is of the run before. */
   private changes = 0;
+
+  constructor(
+    private readonly api: ApiClient,
+    private readonly toasts: Toasts,
+  ) {}
 
   /** Follow the run until the returned function is called. */
   follow(): () => void {
@@ -24,9 +29,9 @@ class Tests {
     const ask = async () => {
       const { changes } = this;
       try {
-        const { run } = await api.testRun();
+        const { run } = await this.api.testRun();
         if (changes === this.changes) {
-          if (this.run && !this.run.result && !run) toasts.refuse(() => t("ended"), { duration: 20_000 });
+          if (this.run && !this.run.result && !run) this.toasts.refuse(() => t("ended"), { duration: 20_000 });
           this.take(run);
         }
       } catch {
@@ -42,19 +47,19 @@ class Tests {
   }
 
   async refresh(): Promise<void> {
-    await Promise.all([this.list.run(() => api.tests()), this.results.run(() => api.testResults())]);
+    await Promise.all([this.list.run(() => this.api.tests()), this.results.run(() => this.api.testResults())]);
   }
 
   /** Start a test; a finished one is put away. */
-  start = (name: string) => this.change(() => api.startTest(name));
-  skip = () => this.change(() => api.skipTestStep());
+  start = (name: string) => this.change(() => this.api.startTest(name));
+  skip = () => this.change(() => this.api.skipTestStep());
   async cancel(): Promise<void> {
-    await this.change(() => api.cancelTest());
+    await this.change(() => this.api.cancelTest());
     void this.refresh();
   }
 
   async putInReport(id: string, wanted: boolean): Promise<void> {
-    const kept = await attempt(() => api.testInReport(id, wanted));
+    const kept = await this.toasts.attempt(() => this.api.testInReport(id, wanted));
     if (!kept) return;
     if (this.run?.result?.id === id) this.run = { ...this.run, result: kept };
     await this.refresh();
@@ -63,7 +68,7 @@ class Tests {
   private async change(job: () => Promise<{ run: TestRun | null }>): Promise<void> {
     this.busy = true;
     this.changes += 1;
-    const state = await attempt(job);
+    const state = await this.toasts.attempt(job);
     this.changes += 1;
     this.busy = false;
     if (state) this.take(state.run);
@@ -75,5 +80,3 @@ class Tests {
     if (finished) void this.refresh();
   }
 }
-
-export const tests = new Tests();

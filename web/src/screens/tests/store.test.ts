@@ -1,8 +1,9 @@
 import { afterEach, expect, it, vi } from "vitest";
-import { api } from "../../lib/api/api";
 import type { TestRun, TestRunState } from "../../lib/api/types";
-import { toasts } from "../../lib/frame/toasts.svelte";
-import { tests } from "./store.svelte";
+import { served } from "../../lib/platform/host";
+import { Stores } from "../../stores";
+
+const { api, tests, toasts } = new Stores(served);
 
 const run = { phase: "start", result: null } as unknown as TestRun;
 

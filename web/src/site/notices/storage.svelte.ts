@@ -1,6 +1,6 @@
 // The room for recordings in this browser.
+import type { Stores } from "../../stores";
 import { keepsFiles } from "../boot/keepsFiles";
-import { live } from "../../lib/live/live.svelte";
 
 /** Bytes: below that little is left; hours of recording are some ten million. */
 const LITTLE = 300_000_000;
@@ -24,7 +24,7 @@ class Storage {
   }
 
   /** Ask the browser not to clear the recordings when the disk fills: when the first one is made, not before. Inside an effect. */
-  watch(): void {
+  watch({ live }: Stores): void {
     $effect(() => {
       if (!live.state?.recording || this.asked) return;
       this.asked = true;

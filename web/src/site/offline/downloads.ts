@@ -1,14 +1,13 @@
 // The page's end of a download: a link to the API is a request of the browser itself, which only the service worker sees; it asks this page.
 // Where there is no service worker (yet), the page saves the file itself.
-import { fetchFile } from "../../lib/api/http";
-import { attempt } from "../../lib/frame/toasts.svelte";
+import type { Stores } from "../../stores";
 import { saveFile } from "../../lib/platform/output";
 import type { Asked, FromPage, ToPage } from "./asking";
 
 type Fetch = (address: string, init?: RequestInit) => Promise<Response>;
 
-export function answerDownloads(fetch: Fetch): void {
-  document.addEventListener("click", save);
+export function answerDownloads(fetch: Fetch, stores: Stores): void {
+  document.addEventListener("click", (event) => save(event, stores));
   navigator.serviceWorker?.addEventListener("message", ({ data, ports: [port] }: MessageEvent<Asked>) => {
     if (data.kind === "request" && port) void answer(port, data.address, fetch);
   });
@@ -45,13 +44,13 @@ export async function answer(port: MessagePort, address: string, fetch: Fetch): 
 }
 
 /** Save what a link names. Chromium does not ask the service worker for links with `download`, but for a frame whose answer is a file. */
-function save(event: MouseEvent): void {
+function save(event: MouseEvent, { api, toasts }: Stores): void {
   const link = event.target instanceof Element ? event.target.closest<HTMLAnchorElement>("a[download]") : null;
   const address = link?.getAttribute("href");
   if (!link || !address?.startsWith("api/")) return;
   event.preventDefault();
   const byPage = async () => {
-    const answer = await attempt(() => fetchFile(address));
+    const answer = await toasts.attempt(() => api.file(address));
     if (answer) saveFile(link.download, await answer.blob(), "application/octet-stream");
   };
   if (!navigator.serviceWorker?.controller) return void byPage();

@@ -1,18 +1,23 @@
 // The service worker as the page sees it: the files are kept for a start without a network; a new version is loaded beside the one in use,
 // and used when the user says so, or at the next start.
-import { live } from "../../lib/live/live.svelte";
+import type { Live } from "../../lib/live/live.svelte";
 
 class Updates {
   /** All files are in this browser. */
   kept = $state(false);
   private waiting = $state.raw<ServiceWorker | null>(null);
   private asked = false;
+  private live: Live | null = null;
 
   /** A new version is here, and nothing that it would interrupt goes on. */
-  readonly offered = $derived(this.waiting !== null && live.state?.line !== "sampling" && !live.state?.recording);
+  readonly offered = $derived.by(() => {
+    const state = this.live?.state;
+    return this.waiting !== null && state?.line !== "sampling" && !state?.recording;
+  });
 
   /** Called after the start: the files that it loads are not loaded twice at the same time. */
-  async watch(): Promise<void> {
+  async watch(live: Live): Promise<void> {
+    this.live = live;
     const workers = navigator.serviceWorker;
     if (!workers) return;
     workers.addEventListener("controllerchange", () => this.asked && location.reload());

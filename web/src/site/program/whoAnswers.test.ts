@@ -1,6 +1,9 @@
 import { expect, it } from "vitest";
-import { api } from "../../lib/api/api";
 import { whoAnswers } from "./whoAnswers";
+import { served } from "../../lib/platform/host";
+import { Stores } from "../../stores";
+
+const { api } = new Stores(served);
 
 it("the reader answers what only reads recordings", () => {
   const read = [

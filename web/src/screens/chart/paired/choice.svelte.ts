@@ -59,7 +59,7 @@ export function leastOf(given: unknown): number | null {
   return given !== "" && Number.isInteger(least) && least >= 1 && least <= MOST_LEAST ? least : null;
 }
 
-class Choice {
+export class Choice {
   private kept = $state.raw<Stored>(readChoice(loadSetting("pairs")));
 
   get now(): Stored {
@@ -77,5 +77,3 @@ class Choice {
     this.change({ edges: Object.fromEntries(edges ? [...others, [name, edges]] : others) });
   }
 }
-
-export const choice = new Choice();

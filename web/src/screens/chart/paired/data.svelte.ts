@@ -1,12 +1,8 @@
 // The rows that Scatter and Table use: of the displayed source, or of the second recording, with what cannot be used and why.
-import { cursors } from "../../../lib/display/cursors.svelte";
-import { live } from "../../../lib/live/live.svelte";
 import type { LineEvent } from "../../../lib/api/types";
 import type { Columns } from "../../../lib/series/columns";
 import type { RecordingData } from "../../../lib/recording/recordingData.svelte";
-import { comparison } from "../../../lib/recording/comparison.svelte";
-import { player } from "../../../lib/recording/player.svelte";
-import { display } from "../../../lib/display/source.svelte";
+import type { Stores } from "../../../stores";
 import { percent } from "../../../lib/i18n";
 import { t } from "./messages";
 
@@ -21,7 +17,7 @@ export interface Data {
 }
 
 /** The displayed source: the selection between the cursors, or all. */
-export function ownData(): Data {
+export function ownData({ cursors, display, live, player }: Stores): Data {
   const { source } = display;
   const selected = cursors.between;
   if (source.kind === "recording") return { ...recorded(player), span: selected };
@@ -33,7 +29,7 @@ export function ownData(): Data {
 }
 
 /** All of the second recording; null: there is none. */
-export const secondData = (): Data | null => (comparison.detail ? recorded(comparison) : null);
+export const secondData = ({ comparison }: Stores): Data | null => (comparison.detail ? recorded(comparison) : null);
 
 /** Why the second recording is not among what is shown; empty: it is, or there is none. */
 export function lackOf(second: Data | null): string {

@@ -1,9 +1,8 @@
 // The cloud of the displayed source and, behind it, that of the second recording, at one scale: which points, which ranges are visible.
-import { catalog } from "../../../lib/api/catalog.svelte";
 import { Cloud, type Frame } from "../../../lib/pairs/cloud";
 import type { PairPlan } from "../../../lib/pairs/pairs";
 import { axisAlone } from "../../../lib/series/valueAxis";
-import { display } from "../../../lib/display/source.svelte";
+import { useStores } from "../../../stores";
 import type { Data } from "../paired/data.svelte";
 import { Paired } from "../paired/paired.svelte";
 import { moved, zoomed } from "./picture";
@@ -14,7 +13,9 @@ const WIDEST = 1e7;
 
 type Place = readonly [number, number];
 
+/** To be made while a component is initialised. */
 export class Clouds {
+  private readonly stores = useStores();
   readonly first = new Paired();
   readonly second = new Paired();
   cloud = $state.raw<Cloud | null>(null);
@@ -97,10 +98,10 @@ export class Clouds {
     const range = (name: string, at: number): [number, number] => {
       let low = Math.min(first.pairs?.low[at] ?? Infinity, second.pairs?.low[at] ?? Infinity);
       let high = Math.max(first.pairs?.high[at] ?? -Infinity, second.pairs?.high[at] ?? -Infinity);
-      const known = this.whole && !first.finished ? display.source.extremes(name) : undefined;
+      const known = this.whole && !first.finished ? this.stores.display.source.extremes(name) : undefined;
       if (known) [low, high] = [Math.min(low, known.min), Math.max(high, known.max)];
       if (!(low <= high)) return [0, 1];
-      const axis = axisAlone(catalog.get(name), { min: low, max: high });
+      const axis = axisAlone(this.stores.catalog.get(name), { min: low, max: high });
       return [axis.low, axis.high];
     };
     return { x: range(this.x, 1), y: range(this.y, 0) };

@@ -1,20 +1,17 @@
 // When the time chart is drawn: in an animation frame, only after a change, and not more often than a pixel moves. The window follows playback.
 import { untrack } from "svelte";
-import { display } from "../../../lib/display/source.svelte";
-import { live } from "../../../lib/live/live.svelte";
+import { useStores } from "../../../stores";
 import { frameClock } from "../../../lib/platform/frameClock.svelte";
 import { theme } from "../../../lib/platform/theme.svelte";
-import { comparison } from "../../../lib/recording/comparison.svelte";
-import { reference } from "./reference/reference.svelte";
-import { view } from "./view.svelte";
 
 /** ms between two drawings caused by new data. */
 const MIN_INTERVAL = 125;
 
 /** To be made while a component is initialised: it ends with that component. */
 export class Redraw {
+  private readonly stores = useStores();
   /** The window that was drawn last. */
-  span = $state.raw<[number, number]>(view.window());
+  span = $state.raw<[number, number]>(this.stores.view.window());
   private frame = 0;
   private drawn = 0;
   private position = NaN;
@@ -25,6 +22,7 @@ export class Redraw {
     private readonly width: () => number,
   ) {
     // Changed by a person or the program: draw at once.
+    const { comparison, display, live, reference, view } = this.stores;
     $effect(() => {
       const { source } = display;
       void [view.span, view.end, view.stacked, view.stretches, view.panes, theme.tone, source.paused, live.historyLoads, reference.bands];
@@ -43,13 +41,14 @@ export class Redraw {
     this.frame ||= requestAnimationFrame(() => {
       this.frame = 0;
       this.drawn = performance.now();
-      this.span = view.window();
+      this.span = this.stores.view.window();
       this.draw(...this.span);
     });
   }
 
   /** New data: draw when it moves by a pixel, at most eight times a second, because drawing lines is expensive. */
   private followLive(): void {
+    const { display, view } = this.stores;
     if (display.source.paused || view.end !== null) return;
     const pixel = (view.span / (this.width() || 1000)) * 1000;
     if (performance.now() - this.drawn < Math.min(1000, Math.max(MIN_INTERVAL, pixel) - 4)) return;
@@ -59,6 +58,7 @@ export class Redraw {
 
   /** Move the window when playback or the slider leaves it. */
   private followPlayback(): void {
+    const { display, view } = this.stores;
     const now = display.source.now();
     const moved = now !== this.position;
     this.position = now;

@@ -1,18 +1,20 @@
 // Dragging a trace from the legend to another pane, by mouse, pen or touch. A finger drags by the colour sign; elsewhere it scrolls.
-import { view } from "./view.svelte";
+import type { View } from "./view.svelte";
 
 /** Drop target: a new pane. */
 export const NEW = -1;
 /** Pixels before a press becomes a drag. */
 const MOVED = 6;
 
-class TraceDrag {
+export class TraceDrag {
   /** The trace being dragged and the pointer's position. */
   now = $state.raw<{ name: string; x: number; y: number } | null>(null);
   /** The pane under the pointer; null: none. */
   over = $state<number | null>(null);
   private pressed: { name: string; x: number; y: number } | null = null;
   private dragged = false;
+
+  constructor(private readonly view: View) {}
 
   down(event: PointerEvent, name: string): void {
     this.dragged = false;
@@ -35,7 +37,7 @@ class TraceDrag {
     const { now, over } = this;
     this.dragged = now !== null;
     this.cancel();
-    if (now && over !== null) view.move(now.name, over);
+    if (now && over !== null) this.view.move(now.name, over);
   }
 
   cancel(): void {
@@ -49,5 +51,3 @@ class TraceDrag {
     return was;
   }
 }
-
-export const traceDrag = new TraceDrag();

@@ -1,11 +1,10 @@
 // The view of the chart: panes with their traces (stored in this browser), time window, value zoom, stacking. It outlives the screen.
-import { channelEditor } from "../../../lib/channels/channelEditor.svelte";
-import { comparison } from "../../../lib/recording/comparison.svelte";
-import { cursors } from "../../../lib/display/cursors.svelte";
-import { moments } from "../../../lib/display/moments.svelte";
 import { loadSetting, saveSetting } from "../../../lib/platform/storage";
-import { display } from "../../../lib/display/source.svelte";
 import { around, SHORTEST, within, zoomed, type Window } from "./window";
+import type { Comparison } from "../../../lib/recording/comparison.svelte";
+import type { Cursors } from "../../../lib/display/cursors.svelte";
+import type { Moments } from "../../../lib/display/moments.svelte";
+import type { Display } from "../../../lib/display/source.svelte";
 
 export interface Trace {
   name: string;
@@ -55,7 +54,7 @@ export interface Stretch {
   scale: number;
 }
 
-class View {
+export class View {
   panes = $state.raw<Pane[]>(readPanes(loadSetting("chart")));
   /** Seconds in the window. */
   span = $state(60);
@@ -70,6 +69,13 @@ class View {
 
   readonly names = $derived([...new Set(this.panes.flatMap(({ traces }) => traces.map(({ name }) => name)))]);
 
+  constructor(
+    private readonly comparison: Comparison,
+    private readonly cursors: Cursors,
+    private readonly moments: Moments,
+    private readonly display: Display,
+  ) {}
+
   change(panes: Pane[]): void {
     this.panes = panes;
     saveSetting("chart", JSON.stringify(panes));
@@ -77,7 +83,7 @@ class View {
 
   /** The window now, as [from, to]. */
   window(): [number, number] {
-    const end = this.end ?? display.source.now();
+    const end = this.end ?? this.display.source.now();
     return [end - this.span, end];
   }
 
@@ -97,12 +103,12 @@ class View {
 
   /** The times that a window may contain: of a recording, with some room, and of the one beside it. Null: live data, no limits. */
   private bounds(): Window | null {
-    const { columns, kind } = display.source;
+    const { columns, kind } = this.display.source;
     if (kind === "live" || columns.length < 2) return null;
     let { first, last } = columns;
-    if (comparison.active && comparison.columns.length > 1) {
-      first = Math.min(first, comparison.columns.first + comparison.lag);
-      last = Math.max(last, comparison.columns.last + comparison.lag);
+    if (this.comparison.active && this.comparison.columns.length > 1) {
+      first = Math.min(first, this.comparison.columns.first + this.comparison.lag);
+      last = Math.max(last, this.comparison.columns.last + this.comparison.lag);
     }
     const room = (last - first) * 0.01;
     return { from: first - room, to: last + room };
@@ -116,12 +122,12 @@ class View {
 
   /** Whether everything is shown. */
   get whole(): boolean {
-    return display.source.kind === "live" ? this.growing && this.end === null : this.span >= this.longest * 0.999;
+    return this.display.source.kind === "live" ? this.growing && this.end === null : this.span >= this.longest * 0.999;
   }
 
   /** New live data came: extend the window that shows everything. */
   grow(): void {
-    if (this.growing && this.end === null) this.span = Math.max(SHORTEST, display.source.now() - display.source.columns.first);
+    if (this.growing && this.end === null) this.span = Math.max(SHORTEST, this.display.source.now() - this.display.source.columns.first);
   }
 
   /** Reset the window if another source is shown. */
@@ -129,8 +135,8 @@ class View {
     if (of === this.of) return;
     const first = this.of === null;
     this.of = of;
-    cursors.a = cursors.b = null;
-    moments.clear();
+    this.cursors.a = this.cursors.b = null;
+    this.moments.clear();
     this.fit();
     if (of !== "live") this.showAll();
     else if (!first) {
@@ -149,7 +155,7 @@ class View {
 
   /** The whole recording. */
   showAll(): void {
-    const { columns } = display.source;
+    const { columns } = this.display.source;
     if (columns.length < 2) return;
     const bounds = this.bounds();
     if (bounds) return this.set(bounds);
@@ -173,13 +179,13 @@ class View {
   /** Show that many seconds. In a recording the player's position and the cursor stay in view, in live data the cursor or the end. */
   choose(seconds: number): void {
     const [from, to] = this.window();
-    const cursor = cursors.a !== null && cursors.a >= from && cursors.a <= to ? cursors.a : null;
-    const anchor = display.source.kind === "recording" ? display.source.now() : (cursor ?? to);
+    const cursor = this.cursors.a !== null && this.cursors.a >= from && this.cursors.a <= to ? this.cursors.a : null;
+    const anchor = this.display.source.kind === "recording" ? this.display.source.now() : (cursor ?? to);
     this.put(around({ from, to }, seconds, this.end === null ? to : anchor, cursor, this.bounds()));
   }
 
   pan(seconds: number): void {
-    const { source } = display;
+    const { source } = this.display;
     const end = (this.end ?? source.now()) + seconds;
     if (source.kind === "live" && !source.paused && end >= source.now()) this.end = null;
     else this.set(within(source.kind === "live" ? Math.max(end, source.columns.first) : end, this.span, this.bounds()));
@@ -253,13 +259,13 @@ class View {
 
   /** Set the second cursor at the first one, or remove it. */
   toggleSecond(): void {
-    if (cursors.b !== null) {
-      cursors.b = null;
+    if (this.cursors.b !== null) {
+      this.cursors.b = null;
       return;
     }
     const [from, to] = this.window();
-    cursors.b = cursors.a ?? from + (to - from) / 3;
-    cursors.a ??= from + ((to - from) * 2) / 3;
+    this.cursors.b = this.cursors.a ?? from + (to - from) / 3;
+    this.cursors.a ??= from + ((to - from) * 2) / 3;
   }
 }
 
@@ -270,6 +276,3 @@ function tidy(panes: Pane[]): Pane[] {
   const over = full.slice(MOST_PANES).flatMap(({ traces }) => traces);
   return full.slice(0, MOST_PANES).map((pane, index) => (index === MOST_PANES - 1 ? { ...pane, traces: [...pane.traces, ...over] } : pane));
 }
-
-export const view = new View();
-channelEditor.whenDeleted((name) => view.remove(name));

@@ -1,20 +1,27 @@
 // Big numbers: whether they are shown, and the values of the preset; both stored in this browser.
-import { catalog } from "../../../lib/api/catalog.svelte";
 import { loadSetting, saveSetting } from "../../../lib/platform/storage";
 import { MOST, storedNames, usualNames } from "./bigNumbers";
-import { presets } from "../presets.svelte";
+import type { CatalogStore } from "../../../lib/api/catalog.svelte";
+import type { Presets } from "../presets.svelte";
 
-class Big {
+export class Big {
   on = $state(loadSetting("big") === "on");
   /** Counts changes of the stored names. */
   private changes = $state(0);
 
   /** Whether others than the usual values are chosen. */
-  readonly own = $derived.by(() => (void this.changes, storedNames(loadSetting(this.key), catalog.channels)));
-  readonly names = $derived<string[]>(this.own ?? (presets.onScreen ? usualNames(presets.onScreen, catalog.channels) : []));
+  readonly own = $derived.by(() => (void this.changes, storedNames(loadSetting(this.key), this.catalog.channels)));
+  readonly names = $derived.by<string[]>(
+    () => this.own ?? (this.presets.onScreen ? usualNames(this.presets.onScreen, this.catalog.channels) : []),
+  );
+
+  constructor(
+    private readonly catalog: CatalogStore,
+    private readonly presets: Presets,
+  ) {}
 
   private get key(): string {
-    return `big.${presets.onScreen?.id ?? ""}`;
+    return `big.${this.presets.onScreen?.id ?? ""}`;
   }
 
   toggle(): void {
@@ -37,5 +44,3 @@ class Big {
     this.changes += 1;
   }
 }
-
-export const big = new Big();

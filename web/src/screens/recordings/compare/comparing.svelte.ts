@@ -1,17 +1,23 @@
 // Selecting a second recording to compare with: for the one being played, or for one of the list, which is opened first.
 import { ApiError } from "../../../lib/api/http";
-import { comparison } from "../../../lib/recording/comparison.svelte";
-import { player } from "../../../lib/recording/player.svelte";
 import type { Text } from "../../../lib/api/types";
-import { route } from "../../../lib/frame/router.svelte";
+import type { Comparison } from "../../../lib/recording/comparison.svelte";
+import type { Player } from "../../../lib/recording/player.svelte";
+import type { Route } from "../../../lib/frame/router.svelte";
 
-class Comparing {
+export class Comparing {
   /** The recording for which a second one is being selected. */
   first = $state<string | null>(null);
   /** The second recording while it is being opened. */
   busy = $state<string | null>(null);
   error = $state.raw<ApiError | null>(null);
   private turn = 0;
+
+  constructor(
+    private readonly comparison: Comparison,
+    private readonly player: Player,
+    private readonly route: Route,
+  ) {}
 
   choose(first: string): void {
     this.error = null;
@@ -21,7 +27,7 @@ class Comparing {
   /** Also of one that is being opened: it is not shown then. */
   stop(): void {
     this.turn += 1;
-    if (this.busy !== null) comparison.end();
+    if (this.busy !== null) this.comparison.end();
     this.busy = null;
     this.first = null;
     this.error = null;
@@ -33,11 +39,11 @@ class Comparing {
     this.busy = second;
     this.error = null;
     try {
-      if (player.detail?.id !== first) await player.open(first);
-      if (turn !== this.turn || player.detail?.id !== first) return;
-      if (!(await comparison.start(second, player.first, named)) || turn !== this.turn) return;
+      if (this.player.detail?.id !== first) await this.player.open(first);
+      if (turn !== this.turn || this.player.detail?.id !== first) return;
+      if (!(await this.comparison.start(second, this.player.first, named)) || turn !== this.turn) return;
       this.first = null;
-      if (route.screen !== "chart") route.go("chart");
+      if (this.route.screen !== "chart") this.route.go("chart");
     } catch (error) {
       if (!(error instanceof ApiError)) throw error;
       if (turn !== this.turn) return;
@@ -48,5 +54,3 @@ class Comparing {
     }
   }
 }
-
-export const comparing = new Comparing();

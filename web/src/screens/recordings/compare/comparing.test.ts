@@ -1,9 +1,9 @@
 import { afterEach, expect, it, vi } from "vitest";
 import type { RecordingDetail } from "../../../lib/api/types";
-import { route } from "../../../lib/frame/router.svelte";
-import { comparison } from "../../../lib/recording/comparison.svelte";
-import { player } from "../../../lib/recording/player.svelte";
-import { comparing } from "./comparing.svelte";
+import { served } from "../../../lib/platform/host";
+import { Stores } from "../../../stores";
+
+const { comparing, comparison, player, route } = new Stores(served);
 
 afterEach(() => {
   player.detail = null;

@@ -1,15 +1,15 @@
 // Search in what the chart shows: the server computes the condition; the moments are marked in the chart. Conditions are kept by the server.
-import { api } from "../../../../lib/api/api";
 import { ApiError } from "../../../../lib/api/http";
 import { number } from "../../../../lib/i18n";
-import { player } from "../../../../lib/recording/player.svelte";
-import { moments } from "../../../../lib/display/moments.svelte";
-import { display } from "../../../../lib/display/source.svelte";
-import { attempt } from "../../../../lib/frame/toasts.svelte";
 import type { Found, KeptSearch } from "../../../../lib/api/types";
 import { t } from "./messages";
+import type { ApiClient } from "../../../../lib/api/api";
+import type { Player } from "../../../../lib/recording/player.svelte";
+import type { Moments } from "../../../../lib/display/moments.svelte";
+import type { Display } from "../../../../lib/display/source.svelte";
+import type { Toasts } from "../../../../lib/frame/toasts.svelte";
 
-class Find {
+export class Find {
   open = $state(false);
   expression = $state("");
   busy = $state(false);
@@ -19,6 +19,14 @@ class Find {
   nowhere = $state("");
   kept = $state.raw<readonly KeptSearch[]>([]);
 
+  constructor(
+    private readonly api: ApiClient,
+    private readonly player: Player,
+    private readonly moments: Moments,
+    private readonly display: Display,
+    private readonly toasts: Toasts,
+  ) {}
+
   /** For the sheet that opens: the kept conditions, and nothing of what was found in another source. */
   async begin(): Promise<void> {
     this.error = null;
@@ -27,7 +35,7 @@ class Find {
   }
 
   private async load(): Promise<boolean> {
-    const list = await attempt(() => api.searches());
+    const list = await this.toasts.attempt(() => this.api.searches());
     if (list) this.kept = list.searches;
     return list !== undefined;
   }
@@ -40,19 +48,19 @@ class Find {
     this.nowhere = "";
     if (!this.expression) return;
     this.busy = true;
-    const { source } = display;
-    const recording = source.kind === "recording" ? (player.detail?.id ?? null) : null;
+    const { source } = this.display;
+    const recording = source.kind === "recording" ? (this.player.detail?.id ?? null) : null;
     try {
-      const found = await api.find(recording, this.expression);
+      const found = await this.api.find(recording, this.expression);
       // Another source is shown meanwhile: its moments are others.
-      if (display.source !== source || (recording !== null && player.detail?.id !== recording)) return;
+      if (this.display.source !== source || (recording !== null && this.player.detail?.id !== recording)) return;
       if (found.hits.length === 0) {
-        moments.clear();
+        this.moments.clear();
         this.nowhere = this.expression;
         return;
       }
       const { expression } = this;
-      moments.mark(
+      this.moments.mark(
         () => titleOf(expression, found),
         found.hits.map(({ begin, end }) => ({ from: begin, to: end })),
       );
@@ -81,12 +89,10 @@ class Find {
   /** The whole list is saved, so it starts from what is kept now: another page may have added to it, or it has not been loaded. */
   private async change(change: (before: readonly KeptSearch[]) => KeptSearch[]): Promise<void> {
     if (!(await this.load())) return;
-    const list = await attempt(() => api.saveSearches(change(this.kept)));
+    const list = await this.toasts.attempt(() => this.api.saveSearches(change(this.kept)));
     if (list) this.kept = list.searches;
   }
 }
-
-export const find = new Find();
 
 /** The condition, the extreme of what it compares, and whether more were found than are marked. */
 export function titleOf(expression: string, found: Pick<Found, "hits" | "count" | "peak_of" | "lowest">): string {

@@ -1,8 +1,10 @@
 import { afterEach, describe, expect, it, vi } from "vitest";
-import { api } from "../../../../lib/api/api";
 import { ApiError } from "../../../../lib/api/http";
-import { toasts } from "../../../../lib/frame/toasts.svelte";
-import { find, titleOf } from "./find.svelte";
+import { titleOf } from "./find.svelte";
+import { served } from "../../../../lib/platform/host";
+import { Stores } from "../../../../stores";
+
+const { api, find, toasts } = new Stores(served);
 
 const hit = (peak: number | null) => ({ begin: 1, end: 2, rows: 3, peak, peak_time: peak === null ? null : 1.5 });
 

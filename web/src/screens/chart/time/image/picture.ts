@@ -1,23 +1,16 @@
 // Collects what the time chart shows as a `Picture`, in the colours of the day theme.
 import { carName } from "../../../../lib/car/carText";
-import { catalog } from "../../../../lib/api/catalog.svelte";
 import { localized, moment as dateAndTime, number, timeOfDay } from "../../../../lib/i18n";
-import { live } from "../../../../lib/live/live.svelte";
 import { theme } from "../../../../lib/platform/theme.svelte";
-import { comparison } from "../../../../lib/recording/comparison.svelte";
-import { player } from "../../../../lib/recording/player.svelte";
 import { axisKey } from "../../../../lib/series/valueAxis";
-import { cursors } from "../../../../lib/display/cursors.svelte";
-import { display } from "../../../../lib/display/source.svelte";
+import type { Stores } from "../../../../stores";
 import { flagsOf } from "../data/flags";
-import { gapsIn, second as later } from "../data/sources";
 import { legendRow } from "../panes/legendRow";
 import { drawing, seenIn } from "../plot/drawing";
 import { axesDrawn } from "../plot/plot";
 import { paneAxes, stretched } from "../plot/scales";
 import { axisTimes, elapsed, timesOfDay } from "../plot/timeAxis";
-import { reference } from "../reference/reference.svelte";
-import { view, type Pane } from "../view.svelte";
+import { type Pane } from "../view.svelte";
 import type { Picture, PictureLine, PicturePane } from "./chartSvg";
 import { piecesOf } from "./pieces";
 import { t } from "../messages";
@@ -27,7 +20,8 @@ const POINTS = 1900;
 const PANE_HEIGHT = 150;
 const MUTED = "#434d55";
 
-export function pictureOf(): Picture {
+export function pictureOf(stores: Stores): Picture {
+  const { chartData, comparison, cursors, display, player, view } = stores;
   const [from, to] = view.window();
   const colours = theme.dayTokens(Array.from({ length: 8 }, (_, index) => `trace-${index + 1}`).concat("warning", "danger", "text"));
   const zero = comparison.active ? player.first : null;
@@ -37,11 +31,11 @@ export function pictureOf(): Picture {
     [cursors.b, true],
   ];
   return {
-    ...titlesOf(from, to),
+    ...titlesOf(stores, from, to),
     from,
     to,
-    panes: view.panes.map((pane) => paneOf(pane, from, to, colours)),
-    gaps: gapsIn(from, to).map((gap) => ({ from: gap.from, to: gap.to, reason: localized(gap.reason) })),
+    panes: view.panes.map((pane) => paneOf(stores, pane, from, to, colours)),
+    gaps: chartData.gapsIn(from, to).map((gap) => ({ from: gap.from, to: gap.to, reason: localized(gap.reason) })),
     flags: flagsOf(display.source.events, from, to, 0).map((flag) => ({
       time: flag.time,
       text: (flag.kind === "marker" ? "⚑ " : "▲ ") + (typeof flag.label === "string" ? flag.label : localized(flag.label)),
@@ -57,7 +51,7 @@ export function pictureOf(): Picture {
  * Of a recording its car with the plate, and its name; of live values that they are (their car is not known here). Then the date. Below, the
  * unit and the times of the window.
  */
-function titlesOf(from: number, to: number): Pick<Picture, "title" | "subtitle"> {
+function titlesOf({ comparison, display, live, player, reference }: Stores, from: number, to: number): Pick<Picture, "title" | "subtitle"> {
   const { detail } = player;
   const recorded = display.source.kind === "recording" ? detail : null;
   const date = recorded ? recorded.date : from;
@@ -70,11 +64,12 @@ function titlesOf(from: number, to: number): Pick<Picture, "title" | "subtitle">
   };
 }
 
-function paneOf(pane: Pane, from: number, to: number, colours: Record<string, string>): PicturePane {
+function paneOf(stores: Stores, pane: Pane, from: number, to: number, colours: Record<string, string>): PicturePane {
+  const { catalog, chartData, display, reference, view } = stores;
   const traces = pane.traces.filter(({ hidden }) => !hidden);
   const names = traces.map(({ name }) => name);
   const channel = (name: string) => catalog.get(name);
-  const { times, values, holes } = drawing(display.source.columns, later(), names, from, to, POINTS);
+  const { times, values, holes } = drawing(display.source.columns, chartData.second, names, from, to, POINTS);
   const lines = values.map((cells, index) => {
     const name = names[index % names.length]!;
     return { name, channel: channel(name), seen: seenIn(times, cells, from, to), cells, band: reference.bands.get(name) };
@@ -83,13 +78,13 @@ function paneOf(pane: Pane, from: number, to: number, colours: Record<string, st
     const [low, high] = stretched([axis.low, axis.high], view.stretches[pane.id]);
     return { ...axis, low, high };
   });
-  const gaps = gapsIn(from, to);
+  const gaps = chartData.gapsIn(from, to);
   const colourOf = (index: number) => colours[`trace-${traces[index % names.length]!.colour}`]!;
   return {
     legend: traces.map(({ name }, index) => ({
       colour: colourOf(index),
       name: localized(channel(name)?.short) || name,
-      ...legendOf(name),
+      ...legendOf(stores, name),
     })),
     axes: axesDrawn(traces, channel, view.stacked).map((key) => {
       const own = names.flatMap((name, index) => (!channel(name)?.flag && axisKey(name, channel(name)) === key ? [index] : []));
@@ -113,8 +108,8 @@ function paneOf(pane: Pane, from: number, to: number, colours: Record<string, st
 }
 
 /** As in the legend on the screen. */
-function legendOf(name: string): { value: string; more: string } {
-  const { value, unit, mean, difference, second } = legendRow(name);
+function legendOf(stores: Stores, name: string): { value: string; more: string } {
+  const { value, unit, mean, difference, second } = legendRow(stores, name);
   const more = [
     mean && `${t("mean")} ${mean}`,
     difference && `Δ ${difference}`,

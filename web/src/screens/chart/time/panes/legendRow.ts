@@ -1,15 +1,9 @@
 // What the legend says of a trace, on the screen and in a picture: its value at the cursor; with two cursors the difference and the mean between
 // them; in a comparison the second recording's value and the difference. A difference is what is shown minus the other: the first cursor minus
 // the second one, this recording minus the second one.
-import { catalog } from "../../../../lib/api/catalog.svelte";
-import { currentValue } from "../../../../lib/channels/displayValue";
 import { valueText } from "../../../../lib/channels/valueText";
-import { cursors } from "../../../../lib/display/cursors.svelte";
-import { display } from "../../../../lib/display/source.svelte";
 import { localized, number, signed } from "../../../../lib/i18n";
-import { live } from "../../../../lib/live/live.svelte";
-import { comparison } from "../../../../lib/recording/comparison.svelte";
-import { moment, secondValueOf, valueOf } from "../data/sources";
+import type { Stores } from "../../../../stores";
 import { meanOf } from "../data/value";
 
 export interface LegendRow {
@@ -26,13 +20,14 @@ export interface LegendRow {
   second: { value: string; more: string; lacking: boolean } | null;
 }
 
-export function legendRow(name: string): LegendRow {
+export function legendRow(stores: Stores, name: string): LegendRow {
+  const { catalog, chartData, comparison, cursors, display, live } = stores;
   const channel = catalog.get(name);
-  const now = currentValue(name);
-  const value = cursors.a !== null ? valueOf(name, cursors.a) : now.kind === "none" ? null : now.value;
+  const now = display.value(name);
+  const value = cursors.a !== null ? chartData.valueOf(name, cursors.a) : now.kind === "none" ? null : now.value;
   // While aligning the second cursor marks the moment on the dashed line.
   const aligning = comparison.aligning !== null;
-  const other = cursors.b === null || aligning ? null : valueOf(name, cursors.b);
+  const other = cursors.b === null || aligning ? null : chartData.valueOf(name, cursors.b);
   const between = aligning ? null : cursors.between;
   const decimals = channel?.decimals ?? 0;
   const minus = (one: number | null, two: number | null) =>
@@ -42,21 +37,21 @@ export function legendRow(name: string): LegendRow {
     short: channel ? localized(channel.short) : name,
     unit: channel?.flag ? "" : localized(channel?.unit),
     value: valueText(channel, value),
-    notSampled: value === null && display.source.kind === "live" && isNotSampled(name),
+    notSampled: value === null && display.source.kind === "live" && isNotSampled(),
     stale: cursors.a === null && now.kind === "stale",
     difference: minus(value, other),
     mean: between && !channel?.flag ? number(meanOf(display.source.columns, name, ...between), decimals + 1) : "",
     second: comparison.active ? secondOf() : null,
   };
 
+  function isNotSampled(): boolean {
+    const { state } = live;
+    return state?.line === "sampling" && !state.plan.wanted.some((wanted) => wanted.name === name);
+  }
+
   function secondOf(): LegendRow["second"] {
-    const time = moment(cursors.a);
-    const other = time === null ? null : secondValueOf(name, time);
+    const time = chartData.moment(cursors.a);
+    const other = time === null ? null : chartData.secondValueOf(name, time);
     return { value: valueText(channel, other), more: minus(value, other), lacking: comparison.extremes(name) === undefined };
   }
-}
-
-function isNotSampled(name: string): boolean {
-  const state = live.state;
-  return state?.line === "sampling" && !state.plan.wanted.some((wanted) => wanted.name === name);
 }

@@ -1,28 +1,32 @@
 // What live values are compared with in the chart: the range of a reference, a stripe behind each trace. Remembered in this browser.
-import { display } from "../../../../lib/display/source.svelte";
 import { loadSetting, saveSetting } from "../../../../lib/platform/storage";
-import { NO_BANDS, ValueRanges, WARM_IDLE } from "../../../../lib/recording/valueRanges.svelte";
+import { NO_BANDS, WARM_IDLE, type ValueRanges } from "../../../../lib/recording/valueRanges.svelte";
 import { t } from "./messages";
+import type { Display } from "../../../../lib/display/source.svelte";
 
 const SETTING = "chart.reference";
 
 /** A reference's name for a person; the virtual car's needs `computed` beside it. */
 export const titleOf = (chosen: string) => (chosen === WARM_IDLE ? t("virtual") : `★ ${chosen}`);
 
-class Reference {
+export class Reference {
   /** A recording's id, or `WARM_IDLE`; null: off. */
   chosen = $state(loadSetting(SETTING) || null);
-  readonly ranges = new ValueRanges();
 
-  private readonly shown = $derived(display.source.kind === "live" && this.chosen !== null);
+  private readonly shown = $derived.by(() => this.display.source.kind === "live" && this.chosen !== null);
   /** Empty in a recording: there a reference is drawn as a second line. */
-  readonly bands = $derived(this.shown ? this.ranges.bands : NO_BANDS);
+  readonly bands = $derived.by(() => (this.shown ? this.ranges.bands : NO_BANDS));
   /** What the stripes are; empty: there are none. */
   readonly title = $derived(
     this.shown && this.bands.size > 0
       ? t("stripes", { title: titleOf(this.chosen!) }) + (this.chosen === WARM_IDLE ? ` (${t("computed")})` : "")
       : "",
   );
+
+  constructor(
+    private readonly display: Display,
+    readonly ranges: ValueRanges,
+  ) {}
 
   choose(chosen: string | null): void {
     this.chosen = chosen;
@@ -33,5 +37,3 @@ class Reference {
     this.choose(this.chosen === null ? WARM_IDLE : null);
   }
 }
-
-export const reference = new Reference();

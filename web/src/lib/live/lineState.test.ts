@@ -1,5 +1,5 @@
 import { expect, it } from "vitest";
-import { unplugged } from "./capabilities.svelte";
+import { unplugged } from "./lineState";
 
 const model = { en: "Mikas 7.1", ru: "Микас 7.1" };
 

@@ -1,0 +1,121 @@
+// All that a page knows, in one object: made for each page, handed to its components by context. What belongs to the window instead is a module's
+// own: language, theme, frame clock, width classes, the identity of the tab.
+import { createContext } from "svelte";
+import { createApi } from "./lib/api/api";
+import { CatalogStore } from "./lib/api/catalog.svelte";
+import { CarDetails } from "./lib/car/carDetails.svelte";
+import { ChannelCard } from "./lib/channels/channelCard.svelte";
+import { ChannelEditor } from "./lib/channels/channelEditor.svelte";
+import { Control } from "./lib/control/control.svelte";
+import { Naming } from "./lib/control/markers.svelte";
+import { RecordingControl } from "./lib/control/recordingControl.svelte";
+import { Subscriptions } from "./lib/control/subscriptions.svelte";
+import { Cursors } from "./lib/display/cursors.svelte";
+import { Moments } from "./lib/display/moments.svelte";
+import { Display } from "./lib/display/source.svelte";
+import { Route } from "./lib/frame/router.svelte";
+import { Shortcuts } from "./lib/frame/shortcuts.svelte";
+import { Toasts } from "./lib/frame/toasts.svelte";
+import { AlarmSound } from "./lib/live/alarmSound.svelte";
+import { Live } from "./lib/live/live.svelte";
+import { FullScreen } from "./lib/platform/fullScreen.svelte";
+import type { Host } from "./lib/platform/host";
+import { WakeLock } from "./lib/platform/wakeLock.svelte";
+import { Comparison } from "./lib/recording/comparison.svelte";
+import { Player } from "./lib/recording/player.svelte";
+import { ValueRanges } from "./lib/recording/valueRanges.svelte";
+import { Choice } from "./screens/chart/paired/choice.svelte";
+import { ChartData } from "./screens/chart/time/data/sources";
+import { Find } from "./screens/chart/time/find/find.svelte";
+import { Reference } from "./screens/chart/time/reference/reference.svelte";
+import { ChartMoves } from "./screens/chart/time/shortcuts";
+import { TraceDrag } from "./screens/chart/time/traceDrag.svelte";
+import { View } from "./screens/chart/time/view.svelte";
+import { ConnectionStore } from "./screens/connection/store.svelte";
+import { FaultStore } from "./screens/faults/store.svelte";
+import { Big } from "./screens/live/big/big.svelte";
+import { Presets } from "./screens/live/presets.svelte";
+import { MemoryStore } from "./screens/memory/store.svelte";
+import { PassportStore } from "./screens/passport/store.svelte";
+import { Comparing } from "./screens/recordings/compare/comparing.svelte";
+import { Opener } from "./screens/recordings/player/opening.svelte";
+import { RecordingStore } from "./screens/recordings/store.svelte";
+import { RecordedTests } from "./screens/tests/recorded.svelte";
+import { Tests } from "./screens/tests/store.svelte";
+
+/** Its fields are there before those of `Stores`, which are made with them. */
+class OnHost {
+  constructor(readonly host: Host) {}
+}
+
+export class Stores extends OnHost {
+  readonly api = createApi(this.host);
+  readonly toasts = new Toasts(this.api);
+  readonly route = new Route();
+  readonly shortcuts = new Shortcuts();
+  readonly fullScreen = new FullScreen();
+  readonly wakeLock = new WakeLock();
+
+  readonly live = new Live(this.host, this.api);
+  readonly alarmSound = new AlarmSound(this.live);
+  readonly control = new Control(this.live);
+  readonly catalog = new CatalogStore(this.api);
+  readonly channelCard = new ChannelCard();
+  readonly channelEditor = new ChannelEditor();
+
+  readonly cursors = new Cursors();
+  readonly moments = new Moments(this.cursors);
+  readonly display = new Display(this.live);
+  readonly comparison = new Comparison(this.api);
+  readonly player = new Player(this.api, this.comparison, this.display);
+  readonly warmIdle = new ValueRanges(this.api, this.catalog, this.live);
+
+  readonly subscriptions = new Subscriptions(this.api, this.catalog, this.control, this.live, this.toasts);
+  readonly naming = new Naming(this.api, this.player, this.toasts);
+  readonly carDetails = new CarDetails(this.api, this.live, this.player, this.toasts);
+  readonly recordingControl = new RecordingControl(
+    this.api,
+    this.catalog,
+    this.naming,
+    this.live,
+    this.subscriptions,
+    this.carDetails,
+    this.toasts,
+  );
+
+  readonly presets = new Presets(this.api, this.catalog, this.subscriptions);
+  readonly big = new Big(this.catalog, this.presets);
+
+  readonly view = new View(this.comparison, this.cursors, this.moments, this.display);
+  readonly traceDrag = new TraceDrag(this.view);
+  readonly chartData = new ChartData(this.display, this.player, this.comparison);
+  readonly reference = new Reference(this.display, new ValueRanges(this.api, this.catalog, this.live));
+  readonly find = new Find(this.api, this.player, this.moments, this.display, this.toasts);
+  readonly moves = new ChartMoves(this.display, this.player, this.comparison, this.cursors, this.chartData, this.view, this.find);
+  readonly choice = new Choice();
+
+  readonly faults = new FaultStore(this.api, this.live, this.toasts);
+  readonly tests = new Tests(this.api, this.toasts);
+  readonly recorded = new RecordedTests(this.api);
+  readonly passports = new PassportStore(this.api, this.live);
+  readonly memory = new MemoryStore(this.api, this.live);
+  readonly recordings = new RecordingStore(this.api, this.toasts);
+  readonly opener = new Opener(this.player, this.route);
+  readonly comparing = new Comparing(this.comparison, this.player, this.route);
+  readonly connection = new ConnectionStore(this.api, this.host, this.live, this.recordingControl);
+
+  constructor(host: Host) {
+    super(host);
+    const { catalog, channelEditor, comparison, display, live, player, toasts, view } = this;
+    catalog.onrecomputed = (names) => {
+      live.reload(names);
+      void toasts.attempt(() => Promise.all([player.reload(), comparison.reload()]));
+    };
+    channelEditor.whenDeleted((name) => view.remove(name));
+    // Another source, on any screen: the chart follows live data, or shows the recording completely; the cursors of the one before mean nothing.
+    display.onshown = () => view.begin(display.source.kind === "live" ? "live" : (player.detail?.id ?? ""));
+    display.onshown();
+  }
+}
+
+export const [useStores, provideStores] = createContext<Stores>();
