@@ -7,7 +7,8 @@ import { defineConfig } from "vitest/config";
 const server = process.env.MIKAS_URL ?? "http://127.0.0.1:8071";
 
 export default defineConfig({
-  plugins: [svelte()],
+  // Vitest compiles for node otherwise, where no effect runs.
+  plugins: [svelte({ dynamicCompileOptions: () => (process.env.VITEST ? { generate: "client" } : undefined) })],
   build: {
     outDir: process.env.MIKAS_PAGE_OUT ?? "../src/mikas/dashboard/page",
     emptyOutDir: true,
@@ -31,7 +32,10 @@ export default defineConfig({
       {
         extends: true,
         // The page's own logic; Svelte's runes need the browser's half of Svelte.
-        resolve: { conditions: ["browser"] },
+        resolve: {
+          conditions: ["browser"],
+          alias: [{ find: /^svelte$/, replacement: new URL("node_modules/svelte/src/index-client.js", import.meta.url).pathname }],
+        },
         test: { name: "logic", include: ["src/**/[a-z]*.test.ts"], environment: "node" },
       },
       {

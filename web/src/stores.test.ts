@@ -1,4 +1,4 @@
-import { beforeEach, expect, it, vi } from "vitest";
+import { afterEach, beforeEach, expect, it, vi } from "vitest";
 import type { LiveMessage, State } from "./lib/api/types";
 import { served, type LiveSocket } from "./lib/platform/host";
 import { Stores } from "./stores";
@@ -28,6 +28,8 @@ beforeEach(() => {
   vi.stubGlobal("window", { addEventListener: () => undefined });
 });
 
+afterEach(() => void vi.unstubAllGlobals());
+
 it("two pages in one window have each its own connection, values, recordings and messages", async () => {
   const [one, other] = [page("sampling", "A"), page("ecu-alive", "B")];
   one.begin();
@@ -50,7 +52,7 @@ it("two pages in one window have each its own connection, values, recordings and
   one.stores.channelCard.open("FREQ");
   expect([other.stores.toasts.shown, other.stores.cursors.a, other.stores.channelCard.name]).toEqual([[], null, null]);
 
-  await other.stores.connection.scan();
+  await other.stores.connection.ports.reload();
   expect(other.stores.connection.ports.value).toEqual([{ url: "B" }]);
   expect([one.stores.connection.ports.value, one.asked.includes("api/ports")]).toEqual([null, false]);
 

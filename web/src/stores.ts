@@ -14,16 +14,17 @@ import { Cursors } from "./lib/display/cursors.svelte";
 import { Moments } from "./lib/display/moments.svelte";
 import { Display } from "./lib/display/source.svelte";
 import { Route } from "./lib/frame/router.svelte";
-import { Shortcuts } from "./lib/frame/shortcuts.svelte";
+import { Shortcuts } from "./lib/frame/shortcuts";
 import { Toasts } from "./lib/frame/toasts.svelte";
 import { AlarmSound } from "./lib/live/alarmSound.svelte";
+import { faultTeller } from "./lib/live/faultNews";
 import { Live } from "./lib/live/live.svelte";
 import { FullScreen } from "./lib/platform/fullScreen.svelte";
 import type { Host } from "./lib/platform/host";
 import { WakeLock } from "./lib/platform/wakeLock.svelte";
 import { Comparison } from "./lib/recording/comparison.svelte";
 import { Player } from "./lib/recording/player.svelte";
-import { ValueRanges } from "./lib/recording/valueRanges.svelte";
+import { ValueRanges, WARM_IDLE } from "./lib/recording/valueRanges.svelte";
 import { Choice } from "./screens/chart/paired/choice.svelte";
 import { ChartData } from "./screens/chart/time/data/sources";
 import { Find } from "./screens/chart/time/find/find.svelte";
@@ -59,7 +60,7 @@ export class Stores extends OnHost {
   readonly live = new Live(this.host, this.api);
   readonly alarmSound = new AlarmSound(this.live);
   readonly control = new Control(this.live);
-  readonly catalog = new CatalogStore(this.api);
+  readonly catalog = new CatalogStore(this);
   readonly channelCard = new ChannelCard();
   readonly channelEditor = new ChannelEditor();
 
@@ -68,49 +69,47 @@ export class Stores extends OnHost {
   readonly display = new Display(this.live);
   readonly comparison = new Comparison(this.api);
   readonly player = new Player(this.api, this.comparison, this.display);
-  readonly warmIdle = new ValueRanges(this.api, this.catalog, this.live);
+  readonly warmIdle = new ValueRanges(this, () => WARM_IDLE);
 
-  readonly subscriptions = new Subscriptions(this.api, this.catalog, this.control, this.live, this.toasts);
-  readonly naming = new Naming(this.api, this.player, this.toasts);
-  readonly carDetails = new CarDetails(this.api, this.live, this.player, this.toasts);
-  readonly recordingControl = new RecordingControl(
-    this.api,
-    this.catalog,
-    this.naming,
-    this.live,
-    this.subscriptions,
-    this.carDetails,
-    this.toasts,
-  );
+  readonly subscriptions = new Subscriptions(this);
+  readonly naming = new Naming(this);
+  readonly carDetails = new CarDetails(this);
+  readonly recordingControl = new RecordingControl(this);
 
-  readonly presets = new Presets(this.api, this.catalog, this.subscriptions);
-  readonly big = new Big(this.catalog, this.presets);
+  readonly presets = new Presets(this);
+  readonly big = new Big(this);
 
-  readonly view = new View(this.comparison, this.cursors, this.moments, this.display);
+  readonly view = new View(this);
   readonly traceDrag = new TraceDrag(this.view);
-  readonly chartData = new ChartData(this.display, this.player, this.comparison);
-  readonly reference = new Reference(this.display, new ValueRanges(this.api, this.catalog, this.live));
-  readonly find = new Find(this.api, this.player, this.moments, this.display, this.toasts);
-  readonly moves = new ChartMoves(this.display, this.player, this.comparison, this.cursors, this.chartData, this.view, this.find);
+  readonly chartData = new ChartData(this);
+  readonly reference = new Reference(this);
+  readonly find = new Find(this);
+  readonly moves = new ChartMoves(this);
   readonly choice = new Choice();
 
-  readonly faults = new FaultStore(this.api, this.live, this.toasts);
-  readonly tests = new Tests(this.api, this.toasts);
+  readonly faults = new FaultStore(this);
+  readonly tests = new Tests(this);
   readonly recorded = new RecordedTests(this.api);
-  readonly passports = new PassportStore(this.api, this.live);
-  readonly memory = new MemoryStore(this.api, this.live);
-  readonly recordings = new RecordingStore(this.api, this.toasts);
-  readonly opener = new Opener(this.player, this.route);
-  readonly comparing = new Comparing(this.comparison, this.player, this.route);
-  readonly connection = new ConnectionStore(this.api, this.host, this.live, this.recordingControl);
+  readonly passports = new PassportStore(this);
+  readonly memory = new MemoryStore(this.api);
+  readonly recordings = new RecordingStore(this);
+  readonly opener = new Opener(this);
+  readonly comparing = new Comparing(this);
+  readonly connection = new ConnectionStore(this);
 
   constructor(host: Host) {
     super(host);
-    const { catalog, channelEditor, comparison, display, live, player, toasts, view } = this;
+    const { catalog, channelEditor, comparison, display, live, memory, moments, player, route, toasts, view } = this;
+    live.onevents = faultTeller(this);
+    live.onother = () => memory.drop();
+    // On the first visit without a connection, start at the Connection screen.
+    live.onfirst = ({ line }) => line === "off" && location.hash === "" && route.go("connection");
     catalog.onrecomputed = (names) => {
       live.reload(names);
       void toasts.attempt(() => Promise.all([player.reload(), comparison.reload()]));
     };
+    moments.onturn = (moment) => view.bringMoment(moment);
+    comparison.onshown = () => view.showAll();
     channelEditor.whenDeleted((name) => view.remove(name));
     // Another source, on any screen: the chart follows live data, or shows the recording completely; the cursors of the one before mean nothing.
     display.onshown = () => view.begin(display.source.kind === "live" ? "live" : (player.detail?.id ?? ""));

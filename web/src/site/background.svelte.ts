@@ -1,10 +1,10 @@
 // What goes on beside the screens as long as the page is open.
-import { untrack } from "svelte";
 import type { Stores } from "../stores";
 import { t } from "./notices/messages";
 import { storage } from "./notices/storage.svelte";
 import { updates } from "./offline/updates.svelte";
 import type { Program } from "./program/program";
+import { watch } from "../lib/platform/watch.svelte";
 
 /** The offer of a new version: its code, and for how many ms it is shown; it stays on the Connection screen. */
 const OFFER = "NewVersion";
@@ -29,10 +29,10 @@ export function background(program: Program, stores: Stores): void {
       return () => clearTimeout(timer);
     });
 
-    $effect(() => {
-      if (!updates.offered) return untrack(() => toasts.dismiss(new Set([OFFER])));
-      const offer = { code: OFFER, duration: OFFER_MS, action: { text: () => t("use"), run: () => updates.use() } };
-      untrack(() => toasts.success(() => t("new_ready"), offer));
-    });
+    const offer = { code: OFFER, duration: OFFER_MS, action: { text: () => t("use"), run: () => updates.use() } };
+    watch(
+      () => updates.offered,
+      (offered) => (offered ? toasts.success(() => t("new_ready"), offer) : toasts.dismiss(new Set([OFFER]))),
+    );
   });
 }

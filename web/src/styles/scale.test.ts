@@ -2,8 +2,9 @@
 // after "off the scale:"; a hair's line of 1 px, parts of a text's own size (em) and of its box are free.
 import { readdirSync, readFileSync } from "node:fs";
 import { expect, it } from "vitest";
-import { BREAKPOINTS } from "../lib/platform/viewport";
 
+/** All widths and heights at which a style may change, in px; a media query can't hold a token. */
+const BREAKPOINTS = { width: [700, 1100, 1400], height: [500] };
 const root = new URL("..", import.meta.url);
 const files = readdirSync(root, { recursive: true, encoding: "utf8" }).filter((name) => /\.(svelte|css)$/.test(name));
 const sources = files.map((name) => ({ name, text: readFileSync(new URL(name, root), "utf8") }));

@@ -2,9 +2,9 @@
 import { valueText } from "../channels/valueText";
 import { localized } from "../i18n";
 import { recomputed } from "./recomputed";
-import { retry } from "./retry";
+import { Resource } from "./resource.svelte";
 import type { Catalog, Channel } from "./types";
-import type { ApiClient } from "./api";
+import type { Stores } from "../../stores";
 
 export class CatalogStore {
   loaded = $state.raw<Catalog | null>(null);
@@ -13,20 +13,22 @@ export class CatalogStore {
   /** Called with the channels that a change computes otherwise, or that it has added or removed. */
   onrecomputed: (names: readonly string[]) => void = () => undefined;
 
-  constructor(private readonly api: ApiClient) {}
+  /** Asked for with each version that the state names, until it has come. */
+  private readonly answer = new Resource({
+    of: () => (this.app.live.link === "open" ? (this.app.live.state?.catalog ?? null) : null),
+    ask: async (version: string, signal) => {
+      if (this.loaded?.version === version) return;
+      const next = await this.app.api.catalog();
+      if (!signal.aborted) this.use(next);
+    },
+    insists: true,
+  });
 
-  /** Load the catalog of this version, with retries until it has come or the returned function is called. */
-  follow(version: string): (() => void) | undefined {
-    if (this.loaded?.version === version) return undefined;
-    let current = true;
-    const stop = retry(async () => {
-      const next = await this.api.catalog();
-      if (current) this.use(next);
-    });
-    return () => {
-      current = false;
-      stop();
-    };
+  constructor(private readonly app: Pick<Stores, "api" | "live">) {}
+
+  /** For the frame: follow the program's catalog. */
+  follow(): void {
+    this.answer.need();
   }
 
   /** Use a catalog that the program has returned. */

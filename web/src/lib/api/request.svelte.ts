@@ -19,6 +19,7 @@ export class ApiRequest<T> {
       this.error = null;
       return value;
     } catch (error) {
+      if (error instanceof DOMException && error.name === "AbortError") return undefined;
       if (!(error instanceof ApiError)) throw error;
       if (own === this.last) this.error = error;
       return undefined;
@@ -27,11 +28,16 @@ export class ApiRequest<T> {
     }
   }
 
+  /** Ignore a running request when it ends. */
+  protected skip(): void {
+    this.last++;
+    this.busy = false;
+  }
+
   /** Return to the initial state; a running request is ignored when it ends. */
   reset(): void {
-    this.last++;
+    this.skip();
     this.value = null;
     this.error = null;
-    this.busy = false;
   }
 }

@@ -1,10 +1,7 @@
 // Car, plate, mileage and workshop: of the connected unit, or of a recording. Asked once for a unit, at its first recording or report.
 import type { Car, Recording } from "../api/types";
 import { dictionary } from "../i18n";
-import type { ApiClient } from "../api/api";
-import type { Live } from "../live/live.svelte";
-import type { Player } from "../recording/player.svelte";
-import type { Toasts } from "../frame/toasts.svelte";
+import type { Stores } from "../../stores";
 
 const t = dictionary({
   ask: {
@@ -27,16 +24,11 @@ export interface CarEdit {
 export class CarDetails {
   editing = $state.raw<CarEdit | null>(null);
 
-  constructor(
-    private readonly api: ApiClient,
-    private readonly live: Live,
-    private readonly player: Player,
-    private readonly toasts: Toasts,
-  ) {}
+  constructor(private readonly app: Pick<Stores, "api" | "live" | "player" | "toasts">) {}
 
   /** Edit the car of the connected unit. */
   async editConnected(onsaved?: () => void): Promise<void> {
-    const kept = await this.toasts.attempt(() => this.api.car());
+    const kept = await this.app.toasts.attempt(() => this.app.api.car());
     if (!kept) return;
     const { car, plate, workshop } = kept;
     this.editing = { recording: null, details: { car, plate, workshop, mileage: null }, offered: kept.mileage, onsaved };
@@ -51,11 +43,11 @@ export class CarDetails {
     const edit = this.editing;
     if (!edit) return false;
     const { recording } = edit;
-    const saved = await this.toasts.attempt<Car>(() =>
-      recording === null ? this.api.writeCar(details) : this.api.writeRecordingCar(recording, details),
+    const saved = await this.app.toasts.attempt<Car>(() =>
+      recording === null ? this.app.api.writeCar(details) : this.app.api.writeRecordingCar(recording, details),
     );
     if (!saved) return false;
-    if (recording !== null) this.player.described(recording, saved);
+    if (recording !== null) this.app.player.described(recording, saved);
     edit.onsaved?.();
     this.editing = null;
     return true;
@@ -80,7 +72,7 @@ export class CarDetails {
   }
 
   private offer(): void {
-    this.toasts.success(() => t("ask"), {
+    this.app.toasts.success(() => t("ask"), {
       duration: 20_000,
       code: "CarDetails",
       action: { text: () => t("add"), run: () => void this.editConnected() },
@@ -89,11 +81,11 @@ export class CarDetails {
 
   /** What is kept of the connected unit's car if it was not asked about before; from now on it was. A virtual car has no plate. */
   private async firstTime() {
-    if (this.live.state?.port?.startsWith("sim:")) return null;
-    const kept = await this.api.car().catch(() => null);
+    if (this.app.live.state?.port?.startsWith("sim:")) return null;
+    const kept = await this.app.api.car().catch(() => null);
     if (!kept?.unit || kept.asked) return null;
     const { car, plate, workshop } = kept;
-    await this.api.writeCar({ car, plate, workshop, mileage: null }).catch(() => null);
+    await this.app.api.writeCar({ car, plate, workshop, mileage: null }).catch(() => null);
     return kept;
   }
 }

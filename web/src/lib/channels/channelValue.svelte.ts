@@ -17,10 +17,7 @@ export interface LimitState {
 export class ChannelValue {
   private readonly stores = useStores();
   readonly channel = $derived.by(() => this.stores.catalog.get(this.name()));
-  readonly now = $derived.by<DisplayValue>(() => {
-    void frameClock.fast;
-    return this.stores.display.value(this.name());
-  });
+  readonly now = $derived.by<DisplayValue>(() => frameClock.eachFrame(() => this.stores.display.value(this.name())));
   readonly kind = $derived(this.now.kind);
   readonly value = $derived(this.now.kind === "none" ? null : this.now.value);
   readonly age = $derived(this.now.kind === "stale" ? number(this.now.age, this.now.age < 10 ? 1 : 0) : "");
@@ -36,8 +33,7 @@ export class ChannelValue {
   readonly short = $derived.by(() => (this.channel ? localized(this.channel.short) : this.name()));
   readonly unit = $derived(localized(this.channel?.unit));
   readonly extremes = $derived.by<Extremes | undefined>(() => {
-    void frameClock.slow;
-    const extremes = this.stores.display.source.extremes(this.name());
+    const extremes = frameClock.slowly(() => this.stores.display.source.extremes(this.name()));
     return extremes && { ...extremes };
   });
   // The value changes in each frame, the extremes with the slow clock: without the value they would contradict it.

@@ -1,8 +1,6 @@
 // Markers: the one that was just set and can be named at once; named, removed and brought back later, of live data and of recordings.
 import type { LineEvent } from "../api/types";
-import type { ApiClient } from "../api/api";
-import type { Player } from "../recording/player.svelte";
-import type { Toasts } from "../frame/toasts.svelte";
+import type { Stores } from "../../stores";
 
 export interface Mark {
   time: number;
@@ -26,25 +24,21 @@ export class Naming {
   /** The marker that was just set; null: none, or its name has been given. */
   marker = $state.raw<{ time: number; recorded: boolean } | null>(null);
 
-  constructor(
-    private readonly api: ApiClient,
-    private readonly player: Player,
-    private readonly toasts: Toasts,
-  ) {}
+  constructor(private readonly app: Pick<Stores, "api" | "player" | "toasts">) {}
 
   /** Give a marker of live data, or of the recording `id`, another name; a removed one comes back. Returns whether that succeeded. */
   async name(time: number, label: string, id: string | null): Promise<boolean> {
-    if (id === null) return (await this.toasts.attempt(() => this.api.nameMarker(time, label))) !== undefined;
-    if ((await this.toasts.attempt(() => this.api.nameRecordedMarker(id, time, label))) === undefined) return false;
-    this.player.marked(id, time, label);
+    if (id === null) return (await this.app.toasts.attempt(() => this.app.api.nameMarker(time, label))) !== undefined;
+    if ((await this.app.toasts.attempt(() => this.app.api.nameRecordedMarker(id, time, label))) === undefined) return false;
+    this.app.player.marked(id, time, label);
     return true;
   }
 
   /** Remove a marker of live data, or of the recording `id`. Returns whether that succeeded. */
   async remove(time: number, id: string | null): Promise<boolean> {
-    if (id === null) return (await this.toasts.attempt(() => this.api.removeMarker(time))) !== undefined;
-    if ((await this.toasts.attempt(() => this.api.removeRecordedMarker(id, time))) === undefined) return false;
-    this.player.marked(id, time, null);
+    if (id === null) return (await this.app.toasts.attempt(() => this.app.api.removeMarker(time))) !== undefined;
+    if ((await this.app.toasts.attempt(() => this.app.api.removeRecordedMarker(id, time))) === undefined) return false;
+    this.app.player.marked(id, time, null);
     return true;
   }
 }

@@ -3,13 +3,7 @@ import { dictionary } from "../i18n";
 import { opening } from "../live/lineState";
 import { supportedNames } from "./subscriptions.svelte";
 import type { State } from "../api/types";
-import type { ApiClient } from "../api/api";
-import type { CatalogStore } from "../api/catalog.svelte";
-import type { Naming } from "./markers.svelte";
-import type { Live } from "../live/live.svelte";
-import type { Subscriptions } from "./subscriptions.svelte";
-import type { CarDetails } from "../car/carDetails.svelte";
-import type { Toasts } from "../frame/toasts.svelte";
+import type { Stores } from "../../stores";
 
 const t = dictionary({
   started: {
@@ -40,20 +34,12 @@ const REFUSED = "RecordingRefused";
 export class RecordingControl {
   busy = $state(false);
 
-  constructor(
-    private readonly api: ApiClient,
-    private readonly catalog: CatalogStore,
-    private readonly naming: Naming,
-    private readonly live: Live,
-    private readonly subscriptions: Subscriptions,
-    private readonly carDetails: CarDetails,
-    private readonly toasts: Toasts,
-  ) {}
+  constructor(private readonly app: Pick<Stores, "api" | "catalog" | "naming" | "live" | "subscriptions" | "carDetails" | "toasts">) {}
 
   /** Why no recording can be started now, in words; null: it can. */
   get refusal(): string | null {
-    const state = this.live.state;
-    if (this.live.link === "lost" || !state) return t("lost");
+    const state = this.app.live.state;
+    if (this.app.live.link === "lost" || !state) return t("lost");
     if (state.rights === "view") return t("view");
     // While the port is being opened the program waits for the unit, and records from its first values on.
     return state.line === "sampling" || state.line === "ecu-alive" || opening(state) ? null : t(state.line);
@@ -61,33 +47,33 @@ export class RecordingControl {
 
   async toggle(): Promise<void> {
     if (this.busy) return;
-    const file = this.live.state?.recording?.file;
+    const file = this.app.live.state?.recording?.file;
     const refusal = this.refusal;
-    if (!file && refusal !== null) return this.toasts.refuse(() => this.refusal ?? refusal, { code: REFUSED });
+    if (!file && refusal !== null) return this.app.toasts.refuse(() => this.refusal ?? refusal, { code: REFUSED });
     this.busy = true;
-    const state = await this.toasts.attempt(() => (file ? this.api.stopRecording() : this.api.startRecording()));
+    const state = await this.app.toasts.attempt(() => (file ? this.app.api.stopRecording() : this.app.api.startRecording()));
     this.busy = false;
     if (!state) return;
     if (file) this.announceSaved(file);
     else if (state.recording) {
       this.announceStarted(state, state.recording.file);
-      void this.carDetails.offerOnce();
+      void this.app.carDetails.offerOnce();
     }
   }
 
   /** Announce that a recording has ended and is stored. */
   announceSaved(file: string): void {
-    this.toasts.dismiss(new Set([STARTED]));
-    this.toasts.success(() => t("stopped", { file }));
+    this.app.toasts.dismiss(new Set([STARTED]));
+    this.app.toasts.success(() => t("stopped", { file }));
   }
 
   /** Everything is recorded, unless a script has reduced the plan: say so then, and offer to record all. */
   private announceStarted(state: State, file: string): void {
-    const supported = supportedNames(this.catalog.channels, state);
+    const supported = supportedNames(this.app.catalog.channels, state);
     const wanted = new Set(state.plan.wanted.map(({ name }) => name));
     const [sampled, all] = [supported.filter((name) => wanted.has(name)).length, supported.length];
-    if (sampled === all) return this.toasts.success(() => t("startedAll", { file }));
-    this.toasts.success(() => t("started", { file, sampled, all }), {
+    if (sampled === all) return this.app.toasts.success(() => t("startedAll", { file }));
+    this.app.toasts.success(() => t("started", { file, sampled, all }), {
       duration: 12_000,
       code: STARTED,
       action: { text: () => t("allValues"), run: () => void this.recordAll() },
@@ -95,13 +81,13 @@ export class RecordingControl {
   }
 
   private async recordAll(): Promise<void> {
-    if (await this.subscriptions.subscribeAll()) this.toasts.success(() => t("everythingNow"));
+    if (await this.app.subscriptions.subscribeAll()) this.app.toasts.success(() => t("everythingNow"));
   }
 
   /** Mark this moment; its name can follow. */
   async mark(): Promise<void> {
-    const recorded = this.live.state?.recording != null;
-    const made = await this.toasts.attempt(() => this.api.marker(""));
-    if (made) this.naming.marker = { time: made.time, recorded };
+    const recorded = this.app.live.state?.recording != null;
+    const made = await this.app.toasts.attempt(() => this.app.api.marker(""));
+    if (made) this.app.naming.marker = { time: made.time, recorded };
   }
 }

@@ -3,14 +3,10 @@
 // traces once the chart was opened after the preset was selected; the others are read in every fifth cycle. A script may have reduced the
 // plan: then channels that are shown here are added to it. While another client holds control the page requests nothing. Free control is
 // taken by a selection made here; without a selection only when no other page is connected.
-import { untrack } from "svelte";
 import { ApiError } from "../api/http";
 import type { State, Wanted } from "../api/types";
-import type { ApiClient } from "../api/api";
-import type { CatalogStore } from "../api/catalog.svelte";
-import type { Control } from "./control.svelte";
-import type { Live } from "../live/live.svelte";
-import type { Toasts } from "../frame/toasts.svelte";
+import type { Stores } from "../../stores";
+import { watch } from "../platform/watch.svelte";
 
 export class Subscriptions {
   private preset = $state.raw<readonly string[]>([]);
@@ -18,13 +14,7 @@ export class Subscriptions {
   /** A person's selection waits for the connection or for the catalog: it still may take free control beside other pages. */
   private waiting = false;
 
-  constructor(
-    private readonly api: ApiClient,
-    private readonly catalog: CatalogStore,
-    private readonly control: Control,
-    private readonly live: Live,
-    private readonly toasts: Toasts,
-  ) {}
+  constructor(private readonly app: Pick<Stores, "api" | "catalog" | "control" | "live" | "toasts">) {}
 
   /** A preset is on the screen; `chosen`: a person has just selected it. */
   setPreset(names: readonly string[], chosen: boolean): void {
@@ -38,46 +28,53 @@ export class Subscriptions {
     void this.update(chosen);
   }
 
-  /** For the frame's effect: update the request when the connection or control changed. */
-  watch(): void {
-    const ready = this.live.link === "open" && this.control.allowed && this.catalog.loaded !== null && this.live.state?.line !== "off";
-    if (ready) untrack(() => void this.update(false));
+  /** For a component while it is initialised: what it shows, and whether a person has just selected that. */
+  shows(where: "preset" | "chart", names: () => readonly string[] | null, chosen: () => boolean): void {
+    watch(names, (shown) => {
+      if (shown?.length) this[where === "preset" ? "setPreset" : "setChart"](shown, chosen());
+    });
+  }
+
+  /** Update the request when the connection or control has changed. */
+  refresh(): void {
+    const { catalog, control, live } = this.app;
+    if (live.link === "open" && control.allowed && catalog.loaded !== null && live.state?.line !== "off") void this.update(false);
   }
 
   get names(): string[] {
-    return [...new Set([...this.preset, ...this.chart])].filter((name) => this.catalog.get(name));
+    return [...new Set([...this.preset, ...this.chart])].filter((name) => this.app.catalog.get(name));
   }
 
   /** Add every channel to the plan. Returns false when the request failed; a toast has shown why. */
   subscribeAll(): Promise<boolean> {
-    return this.add(this.catalog.channels.map(({ name }) => name));
+    return this.add(this.app.catalog.channels.map(({ name }) => name));
   }
 
   /** Add channels to a plan without them. Returns false when the request failed; a toast has shown why. */
   async add(names: readonly string[]): Promise<boolean> {
-    const state = this.live.state;
+    const state = this.app.live.state;
     const wanted = state && planWith(names, state);
-    return !wanted || (await this.toasts.attempt(() => this.api.plan(wanted, state.plan.method, state.plan.rate))) !== undefined;
+    return !wanted || (await this.app.toasts.attempt(() => this.app.api.plan(wanted, state.plan.method, state.plan.rate))) !== undefined;
   }
 
   private async update(chosen: boolean): Promise<void> {
-    const state = this.live.state;
-    const open = this.live.link === "open" && state !== null;
-    this.waiting = (this.waiting || chosen) && (!open || this.control.allowed);
-    if (!open || !this.control.allowed || this.names.length === 0) return;
+    const state = this.app.live.state;
+    const open = this.app.live.link === "open" && state !== null;
+    this.waiting = (this.waiting || chosen) && (!open || this.app.control.allowed);
+    if (!open || !this.app.control.allowed || this.names.length === 0) return;
     // A channel was added or deleted just now: the page's catalog or its state is not the present one yet.
-    if (this.catalog.loaded?.version !== state.catalog) return;
-    if (!this.waiting && !this.control.mine && (state.viewers > 1 || state.line === "off")) return;
+    if (this.app.catalog.loaded?.version !== state.catalog) return;
+    if (!this.waiting && !this.app.control.mine && (state.viewers > 1 || state.line === "off")) return;
     this.waiting = false;
     const { names } = this;
     const wanted = planWith(names, state);
     try {
-      if (wanted) await this.api.plan(wanted, state.plan.method, state.plan.rate);
-      if (!isSame(names, state.plan.first)) await this.api.first(names);
+      if (wanted) await this.app.api.plan(wanted, state.plan.method, state.plan.rate);
+      if (!isSame(names, state.plan.first)) await this.app.api.first(names);
     } catch (error) {
       if (!(error instanceof ApiError)) throw error;
       // Another client has taken control meanwhile; its request applies.
-      if (error.code !== "NotController") this.toasts.error(() => error.advice, { code: error.code });
+      if (error.code !== "NotController") this.app.toasts.error(() => error.advice, { code: error.code });
     }
   }
 }

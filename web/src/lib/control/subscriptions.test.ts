@@ -68,11 +68,11 @@ describe("a selection beside another page", () => {
     before();
     subscriptions.setPreset(["TWAT"], true);
     subscriptions.setPreset(["TWAT"], false); // the screen shows it
-    subscriptions.watch();
+    subscriptions.refresh();
     expect(first).not.toHaveBeenCalled();
     after();
-    subscriptions.watch();
-    subscriptions.watch();
+    subscriptions.refresh();
+    subscriptions.refresh();
     expect(first.mock.calls).toEqual([[["TWAT"]]]);
   });
 
@@ -80,7 +80,7 @@ describe("a selection beside another page", () => {
     live.state = now({ controller: { you: false } as State["controller"] });
     subscriptions.setPreset(["TWAT"], true);
     live.state = now();
-    subscriptions.watch();
+    subscriptions.refresh();
     expect(first).not.toHaveBeenCalled();
   });
 });

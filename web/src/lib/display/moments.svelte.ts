@@ -10,6 +10,8 @@ export class Moments {
   origin = $state<"scatter" | "table" | null>(null);
   /** The current one's number; −1: none yet. */
   at = $state(-1);
+  /** Called with the moment that becomes the current one. */
+  onturn: (moment: Stretch) => void = () => undefined;
 
   constructor(private readonly cursors: Cursors) {}
 
@@ -49,6 +51,7 @@ export class Moments {
   private go(at: number): void {
     this.at = at;
     const { current } = this;
+    if (current) this.onturn(current);
     if (current && this.cursors.b === null) this.cursors.a = current.from;
   }
 }

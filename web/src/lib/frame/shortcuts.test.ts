@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { matches, type Binding } from "./shortcuts.svelte";
+import { matches, type Binding } from "./shortcuts";
 
 const bound = (more: Partial<Binding>): Binding => ({ code: "KeyM", show: "M", text: () => "", run: () => undefined, ...more });
 

@@ -1,4 +1,6 @@
-// What an event about the stored faults says that is new: for a message on every screen.
+// A message on every screen when the unit stores another fault.
+import type { Stores } from "../../stores";
+import { dictionary } from "../i18n";
 import type { LineEvent } from "../api/types";
 
 export interface FaultNews {
@@ -15,4 +17,26 @@ export function faultNews(events: readonly LineEvent[], seen: LineEvent | null):
   const event = events.findLast((event) => event.kind === "faults");
   if (!event || event === seen || !event.added?.length) return null;
   return { event, added: event.added };
+}
+
+const t = dictionary({
+  added: { en: "New fault in the unit: {codes}", ru: "Новая ошибка в памяти блока: {codes}" },
+  show: { en: "Show", ru: "Показать" },
+});
+
+/** s: an older event was news for an earlier page. */
+const RECENT = 10;
+
+/** Tell what is new among the events. Returns a function to be called with all of them after each change. */
+export function faultTeller({ live, route, toasts }: Pick<Stores, "live" | "route" | "toasts">) {
+  let seen: LineEvent | null = null;
+  return (events: readonly LineEvent[]): void => {
+    const news = faultNews(events, seen);
+    if (!news) return;
+    seen = news.event;
+    if (live.now() - seen.time > RECENT) return;
+    const codes = news.added.join(", ");
+    const action = { text: () => t("show"), run: () => route.go("faults") };
+    toasts.error(() => t("added", { codes }), { duration: 12_000, action });
+  };
 }

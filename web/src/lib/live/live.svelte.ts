@@ -68,7 +68,11 @@ export class Live {
   private changed: string[] = [];
   private readonly eventLog = new EventLog();
 
-  /** Called with events that are new. */
+  /** Called when another ECU is connected. */
+  onother: () => void = () => undefined;
+  /** Called with the first state. */
+  onfirst: (state: State) => void = () => undefined;
+  /** Called with all events when some have come. */
   onevents: (events: readonly LineEvent[]) => void = () => undefined;
 
   constructor(
@@ -142,9 +146,17 @@ export class Live {
     if (message.data) this.add(message.data);
   }
 
+  /** Seconds for which writing is unlocked. */
+  get unlockedFor(): number {
+    return frameClock.slowly(() => Math.max(0, (this.state?.unlocked_until ?? 0) - this.now()));
+  }
+
   /** Use a state that the program has returned. */
   use(state: State): void {
+    const { state: before, unit } = this;
     this.state = state;
+    if (!before) this.onfirst(state);
+    if (before && unit !== this.unit) this.onother();
     if (state.line !== "off" && state.line !== "no-port") this.worked = state.port;
   }
 
@@ -210,6 +222,7 @@ export class Live {
 
   private addEvents(events: LineEvent[]): void {
     this.events = this.eventLog.add(events);
+    this.onevents(this.events);
   }
 
   /**
@@ -245,6 +258,6 @@ export class Live {
     const selected = values.map((cells) => cells.slice(0, count));
     this.columns.append(names, times.slice(0, count), selected);
     names.forEach((name, index) => this.updateExtremes(name, times, selected[index]!));
-    this.events = this.eventLog.add(events);
+    this.addEvents(events);
   }
 }

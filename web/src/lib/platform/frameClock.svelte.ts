@@ -21,6 +21,16 @@ class FrameClock {
     document.addEventListener("visibilitychange", () => this.request());
   }
 
+  /** What `read` returns now, in the place of a dependency on the clock: it is read again in each fast frame. */
+  eachFrame<T>(read: () => T): T {
+    return this.fast >= 0 ? read() : read();
+  }
+
+  /** The same with the slow clock. */
+  slowly<T>(read: () => T): T {
+    return this.slow >= 0 ? read() : read();
+  }
+
   /** Request a frame: there is something new. */
   request(): void {
     if (this.pending || !globalThis.document || document.hidden) return;

@@ -2,9 +2,6 @@
 // position, where the band has one row and the navigation five screens; styles have the same condition.
 import { MediaQuery } from "svelte/reactivity";
 
-/** All widths and heights at which a style may change, in px; a media query can't hold a token. */
-export const BREAKPOINTS = { width: [700, 1100, 1400], height: [500] };
-
 export const narrow = new MediaQuery("max-width: 1100px");
 export const phone = new MediaQuery("max-width: 700px");
 export const compact = new MediaQuery("(max-width: 700px) or (max-height: 500px)");

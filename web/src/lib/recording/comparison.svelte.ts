@@ -16,6 +16,8 @@ export class Comparison extends RecordingData {
   /** Seconds by which the second recording is moved to the right. */
   offset = $state(0);
   aligning = $state.raw<Aligning>(null);
+  /** Called when a comparison begins. */
+  onshown: () => void = () => undefined;
   private zero = $state(0);
 
   readonly active = $derived(this.detail !== null);
@@ -33,6 +35,7 @@ export class Comparison extends RecordingData {
     this.named = named;
     this.zero = zero;
     if (!(await this.load(id))) return false;
+    this.onshown();
     frameClock.request();
     return true;
   }

@@ -1,9 +1,7 @@
 // Of each channel the lowest and the highest value in a recording: one of the user's, or the virtual car at warm idle, which is not measured
 // on an engine and is named so where it is shown.
-import { ApiRequest } from "../api/request.svelte";
-import type { ApiClient } from "../api/api";
-import type { CatalogStore } from "../api/catalog.svelte";
-import type { Live } from "../live/live.svelte";
+import type { Stores } from "../../stores";
+import { Resource } from "../api/resource.svelte";
 
 export type Band = readonly [low: number, high: number];
 type Bands = ReadonlyMap<string, Band>;
@@ -14,40 +12,28 @@ export const NO_BANDS: Bands = new Map();
 /** Of a longer recording extremes are sent. */
 const POINTS = 4000;
 
-export class ValueRanges extends ApiRequest<Bands> {
-  private of = "";
-  /** An effect that loads depends on this and on the catalog, not on the whole state, which comes twice a second: a failed load would be repeated. */
-  private readonly model = $derived.by(() => this.live.state?.model?.en ?? "");
-
-  constructor(
-    private readonly api: ApiClient,
-    private readonly catalog: CatalogStore,
-    private readonly live: Live,
-  ) {
-    super();
+export class ValueRanges extends Resource<readonly [id: string, model: string, version: string], Bands> {
+  /** `id`: the recording's, or `WARM_IDLE`, which the program makes the first time: that takes seconds. Asked for once for each catalog. */
+  constructor({ api, catalog, live }: Pick<Stores, "api" | "catalog" | "live">, id: () => string | null) {
+    const virtualOf = async (model: string) => {
+      const virtual = (await api.references()).virtual.filter(({ id }) => id.startsWith(`${WARM_IDLE}:`));
+      return (virtual.find((it) => model.includes(it.model)) ?? virtual[0])?.id;
+    };
+    super({
+      of: () => {
+        const [it, version] = [id(), catalog.loaded?.version ?? ""];
+        return it === null ? null : [it, it === WARM_IDLE ? (live.state?.model?.en ?? "") : "", version];
+      },
+      ask: async ([it, model]) => {
+        const recording = it === WARM_IDLE ? await virtualOf(model) : it;
+        return recording === undefined ? NO_BANDS : bandsOf(await api.rows(recording, { from: null, to: null, points: POINTS }));
+      },
+      once: true,
+    });
   }
 
   get bands(): Bands {
     return this.value ?? NO_BANDS;
-  }
-
-  /** Load those of a recording, once for each catalog. The first time the program makes the virtual car's, which takes seconds. */
-  async load(id: string): Promise<void> {
-    const model = id === WARM_IDLE ? this.model : "";
-    const of = `${id} ${model} ${this.catalog.loaded?.version}`;
-    if (of === this.of) return;
-    this.of = of;
-    this.value = null;
-    await this.run(async () => {
-      const recording = id === WARM_IDLE ? await this.virtualOf(model) : id;
-      return recording === undefined ? NO_BANDS : bandsOf(await this.api.rows(recording, { from: null, to: null, points: POINTS }));
-    });
-    if (this.error && of === this.of) this.of = ""; // the next one tries again
-  }
-
-  private async virtualOf(model: string): Promise<string | undefined> {
-    const virtual = (await this.api.references()).virtual.filter(({ id }) => id.startsWith(`${WARM_IDLE}:`));
-    return (virtual.find((it) => model.includes(it.model)) ?? virtual[0])?.id;
   }
 }
 

@@ -1,15 +1,21 @@
 // The ports found and the connection check; both continue while another screen is shown.
 import { ApiError } from "../../lib/api/http";
+import { Resource } from "../../lib/api/resource.svelte";
 import { ApiRequest } from "../../lib/api/request.svelte";
-import type { About, DoctorStep, Port, State } from "../../lib/api/types";
-import type { ApiClient } from "../../lib/api/api";
-import type { Host } from "../../lib/platform/host";
-import type { Live } from "../../lib/live/live.svelte";
-import type { RecordingControl } from "../../lib/control/recordingControl.svelte";
+import type { About, DoctorStep, State } from "../../lib/api/types";
+import type { Stores } from "../../stores";
+
+/** ms between two scans for adapters, so that one appears after it is plugged in. */
+const SCAN_MS = 3000;
 
 export class ConnectionStore {
-  readonly ports = new ApiRequest<Port[]>();
-  readonly about = new ApiRequest<About>();
+  readonly ports = new Resource({
+    of: () => this.open,
+    ask: async () => (await this.app.api.ports()).ports,
+    every: () => (this.open ? SCAN_MS : 0),
+  });
+  /** Another page may switch the network. */
+  readonly about = new Resource({ of: () => this.open, again: () => this.app.live.state?.lan, ask: () => this.app.api.about() });
   readonly network = new ApiRequest<About>();
   /** Counts the answers of the switch: each has another link. */
   shares = $state(0);
@@ -31,28 +37,27 @@ export class ConnectionStore {
   error = $state.raw<ApiError | null>(null);
   readonly stopping = new ApiRequest<State>();
 
-  constructor(
-    private readonly api: ApiClient,
-    private readonly host: Host,
-    private readonly live: Live,
-    private readonly recordingControl: RecordingControl,
-  ) {}
+  constructor(private readonly app: Pick<Stores, "api" | "host" | "live" | "recordingControl">) {}
 
   /** The port that is or was checked, as the program says. */
   get checkedPort(): string | null {
     return this.steps[0]?.port ?? this.examined;
   }
 
+  private get open(): true | null {
+    return this.app.live.link === "open" || null;
+  }
+
   /** The file of a running recording. */
   private get recorded(): string | null {
-    const recording = this.live.state?.recording;
+    const recording = this.app.live.state?.recording;
     return recording && !recording.failure ? recording.file : null;
   }
 
   /** Open the program to the network, or close it. */
   async share(on: boolean, control: boolean): Promise<void> {
-    const about = await this.network.run(() => this.api.network(on, control));
-    if (!about) return void (await this.about.run(() => this.api.about()));
+    const about = await this.network.run(() => this.app.api.network(on, control));
+    if (!about) return void (await this.about.reload());
     if (about.lan) this.shares += 1;
     this.about.value = about;
   }
@@ -60,26 +65,22 @@ export class ConnectionStore {
   /** End a program that an icon has started; its end closes the recording. */
   async end(): Promise<void> {
     const file = this.recorded;
-    this.live.ended = (await this.ending.run(() => this.api.end())) !== undefined;
-    if (this.live.ended && file) this.recordingControl.announceSaved(file);
-  }
-
-  async scan(): Promise<void> {
-    await this.ports.run(async () => (await this.api.ports()).ports);
+    this.app.live.ended = (await this.ending.run(() => this.app.api.end())) !== undefined;
+    if (this.app.live.ended && file) this.app.recordingControl.announceSaved(file);
   }
 
   /** Let the user choose an adapter in the browser's list, and connect to it. */
   async choose(): Promise<void> {
-    const port = await this.host.choosePort?.();
+    const port = await this.app.host.choosePort?.();
     if (!port) return;
-    await this.scan();
+    await this.ports.reload();
     await this.connect(port);
   }
 
   /** Connect; while recording to another port, ask first, because the recording would end. */
   async connect(port: string | null): Promise<void> {
     const file = this.recorded;
-    if (file && port !== this.live.state?.port) this.leaving = { file, port };
+    if (file && port !== this.app.live.state?.port) this.leaving = { file, port };
     else await this.connectNow(port);
   }
 
@@ -95,22 +96,22 @@ export class ConnectionStore {
     if (!left) return;
     this.leaving = null;
     const ended = left.port === undefined ? await this.disconnectNow() : await this.connectNow(left.port);
-    if (ended) this.recordingControl.announceSaved(left.file);
+    if (ended) this.app.recordingControl.announceSaved(left.file);
   }
 
   private async connectNow(port: string | null): Promise<boolean> {
     this.wanted = port ?? "";
-    const state = await this.connecting.run(() => this.api.connect(port));
+    const state = await this.connecting.run(() => this.app.api.connect(port));
     this.wanted = null;
     this.code = this.connecting.error?.code ?? null;
-    if (state) this.live.use(state);
+    if (state) this.app.live.use(state);
     return state !== undefined;
   }
 
   private async disconnectNow(): Promise<boolean> {
-    const state = await this.connecting.run(() => this.api.disconnect());
+    const state = await this.connecting.run(() => this.app.api.disconnect());
     this.code = null;
-    if (state) this.live.use(state);
+    if (state) this.app.live.use(state);
     return state !== undefined;
   }
 
@@ -122,14 +123,14 @@ export class ConnectionStore {
     this.examined = port;
     this.checkedAt = Date.now() / 1000;
     try {
-      await this.api.doctor(port, (step) => (this.steps = [...this.steps, step]));
+      await this.app.api.doctor(port, (step) => (this.steps = [...this.steps, step]));
     } catch (error) {
       if (!(error instanceof ApiError)) throw error;
       this.error = error;
     } finally {
       // Else the last message would still say that the check has the port.
-      await this.api.state().then(
-        (state) => this.live.use(state),
+      await this.app.api.state().then(
+        (state) => this.app.live.use(state),
         () => undefined,
       );
       this.examining = false;
@@ -138,7 +139,7 @@ export class ConnectionStore {
 
   /** Stop the check; the server releases the port and ends the steps. */
   async stop(): Promise<void> {
-    const state = await this.stopping.run(() => this.api.stopDoctor());
-    if (state) this.live.use(state);
+    const state = await this.stopping.run(() => this.app.api.stopDoctor());
+    if (state) this.app.live.use(state);
   }
 }

@@ -1,10 +1,8 @@
 // The presets: shipped ones from the catalog, the user's own from the server; the selected one; the one being edited.
-import { retry } from "../../lib/api/retry";
+import { Resource } from "../../lib/api/resource.svelte";
 import { loadSetting, saveSetting } from "../../lib/platform/storage";
 import type { Preset, Tile } from "../../lib/api/types";
-import type { ApiClient } from "../../lib/api/api";
-import type { CatalogStore } from "../../lib/api/catalog.svelte";
-import type { Subscriptions } from "../../lib/control/subscriptions.svelte";
+import type { Stores } from "../../stores";
 
 export class Presets {
   own = $state.raw<Preset[]>([]);
@@ -13,36 +11,38 @@ export class Presets {
   /** The edited copy, shown while editing. */
   draft = $state.raw<Preset | null>(null);
 
-  readonly all = $derived.by<Preset[]>(() => [...(this.catalog.loaded?.presets ?? []), ...this.own]);
+  readonly all = $derived.by<Preset[]>(() => [...(this.app.catalog.loaded?.presets ?? []), ...this.own]);
   readonly chosen = $derived<Preset | undefined>(this.all.find(({ id }) => id === this.id) ?? this.all[0]);
   readonly onScreen = $derived<Preset | undefined>(this.draft ?? this.chosen);
   /** Channels of the preset on the screen. */
   readonly names = $derived(this.onScreen ? this.namesOf(this.onScreen) : []);
 
-  constructor(
-    private readonly api: ApiClient,
-    private readonly catalog: CatalogStore,
-    private readonly subscriptions: Subscriptions,
-  ) {}
-
-  /** Load the user's presets, with retries until they have come or the returned function is called. */
-  load(): () => void {
-    return retry(async () => {
-      this.own = (await this.api.presets()).presets;
+  private readonly first = new Resource({
+    of: () => (this.app.live.link === "open" && !this.loaded ? true : null),
+    ask: async () => {
+      this.own = (await this.app.api.presets()).presets;
       this.loaded = true;
-    });
+    },
+    insists: true,
+  });
+
+  constructor(private readonly app: Pick<Stores, "api" | "catalog" | "live" | "subscriptions">) {}
+
+  /** For a component that shows them: load the user's presets, until they have come. */
+  need(): void {
+    this.first.need();
   }
 
   choose(id: string): void {
     this.id = id;
     this.draft = null;
     saveSetting("preset", id);
-    if (this.chosen) this.subscriptions.setPreset(this.namesOf(this.chosen), true);
+    if (this.chosen) this.app.subscriptions.setPreset(this.namesOf(this.chosen), true);
   }
 
   /** All channels of a preset; a table without names has every channel. */
   private namesOf(preset: Preset): string[] {
-    const everything = ({ kind }: Tile) => (kind === "table" ? this.catalog.channels.map(({ name }) => name) : []);
+    const everything = ({ kind }: Tile) => (kind === "table" ? this.app.catalog.channels.map(({ name }) => name) : []);
     return [...new Set(preset.tiles.flatMap((tile) => (tile.names.length ? tile.names : everything(tile))))];
   }
 
@@ -79,8 +79,8 @@ export class Presets {
 
   /** All are saved together, so it starts from those that the program has now: another page may have saved some. */
   private async replace(change: (own: readonly Preset[]) => Preset[]): Promise<void> {
-    const { presets } = await this.api.presets();
-    this.own = (await this.api.savePresets(change(presets))).presets;
+    const { presets } = await this.app.api.presets();
+    this.own = (await this.app.api.savePresets(change(presets))).presets;
   }
 }
 

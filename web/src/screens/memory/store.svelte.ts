@@ -1,4 +1,5 @@
 // State of the Memory screen, kept while another screen is shown: the page of each space, the watched cells and their bytes.
+import { Resource } from "../../lib/api/resource.svelte";
 import { ApiRequest } from "../../lib/api/request.svelte";
 import { loadSetting, saveSetting } from "../../lib/platform/storage";
 import type { Dump, LeftOutFile, MemoryRead, Space } from "../../lib/api/types";
@@ -6,7 +7,6 @@ import { bytesOf, readsFor, restored, type Cell } from "./cells/cells";
 import { Glow } from "./cells/glow";
 import { SPACES, addressText, fromHex, parseAddress, spaceOf, type Charset } from "./cells/hex";
 import type { ApiClient } from "../../lib/api/api";
-import type { Live } from "../../lib/live/live.svelte";
 
 /** ms between two reads of the watched data, so that sampling continues. */
 const PAUSE = 150;
@@ -79,15 +79,20 @@ export class MemoryStore {
   cells = $state.raw<Cell[]>(restored(loadSetting("cells")));
   bytes = $state.raw<ReadonlyMap<string, Uint8Array>>(new Map());
   readonly watched = new ApiRequest<true>();
-  readonly dumps = new ApiRequest<Dump[]>();
+  /** Asked for once a second while one is running. */
+  readonly dumps: Resource<true, Dump[]> = new Resource({
+    of: () => true,
+    every: () => (this.dumps.value?.some((dump) => dump.state === "running") ? 1000 : 0),
+    ask: async () => {
+      const answer = await this.api.dumps();
+      this.leftOut = answer.left_out;
+      return answer.dumps;
+    },
+  });
   /** Files in the folder of dumps that are none. */
   leftOut = $state.raw<readonly LeftOutFile[]>([]);
-  private unit = "";
 
-  constructor(
-    private readonly api: ApiClient,
-    private readonly live: Live,
-  ) {
+  constructor(private readonly api: ApiClient) {
     const view = (name: Space) => new View(api, name);
     this.views = { ram: view("ram"), xram: view("xram"), code: view("code"), sfr: view("sfr") };
   }
@@ -96,15 +101,10 @@ export class MemoryStore {
     return this.views[this.space];
   }
 
-  /** Drop data of a previous ECU; the list of cells stays. */
-  dropOther(): void {
-    const unit = this.live.unit;
-    if (unit === this.unit) return;
-    if (this.unit !== "") {
-      for (const { name } of SPACES) this.views[name].reset();
-      this.bytes = new Map();
-    }
-    this.unit = unit;
+  /** Another ECU is connected: drop the data of the previous one; the list of cells stays. */
+  drop(): void {
+    for (const { name } of SPACES) this.views[name].reset();
+    this.bytes = new Map();
   }
 
   keepCell(cell: Cell): void {
@@ -143,14 +143,6 @@ export class MemoryStore {
         await new Promise((go) => setTimeout(go, document.hidden ? 1000 : PAUSE));
       }
     })();
-  }
-
-  async refreshDumps(): Promise<void> {
-    await this.dumps.run(async () => {
-      const answer = await this.api.dumps();
-      this.leftOut = answer.left_out;
-      return answer.dumps;
-    });
   }
 
   /** Replace one dump in the list. */

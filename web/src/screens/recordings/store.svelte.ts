@@ -1,48 +1,58 @@
 // The list of recordings; kept while another screen is shown, refreshed when it is opened.
-import { untrack } from "svelte";
-import { ApiRequest } from "../../lib/api/request.svelte";
+import { Resource } from "../../lib/api/resource.svelte";
 import { t } from "./messages";
-import type { About, LeftOutFile, Recording, References, Text } from "../../lib/api/types";
-import type { ApiClient } from "../../lib/api/api";
-import type { Toasts } from "../../lib/frame/toasts.svelte";
+import type { LeftOutFile, Recording, Text } from "../../lib/api/types";
+import type { Stores } from "../../stores";
 
 export class RecordingStore {
-  readonly list = new ApiRequest<Recording[]>();
-  readonly references = new ApiRequest<References>();
-  readonly about = new ApiRequest<About>();
+  /** Asked for again when a recording starts or ends, and when the connection returns. */
+  readonly list = new Resource({
+    of: () => this.open,
+    again: () => this.app.live.state?.recording?.file,
+    ask: async () => {
+      const answer = await this.app.api.recordings();
+      this.problem = answer.problem;
+      this.leftOut = answer.left_out;
+      return answer.recordings;
+    },
+  });
+  readonly references = new Resource({
+    of: () => this.open,
+    again: () => this.app.live.state?.recording?.file,
+    ask: () => this.app.api.references(),
+  });
+  readonly about = new Resource({ of: () => this.open, ask: () => this.app.api.about(), once: true });
   search = $state("");
   /** Why the folder can't store recordings. */
   problem = $state.raw<Text | null>(null);
   leftOut = $state.raw<readonly LeftOutFile[]>([]);
 
-  constructor(
-    private readonly api: ApiClient,
-    private readonly toasts: Toasts,
-  ) {}
+  constructor(private readonly app: Pick<Stores, "api" | "live" | "toasts">) {}
+
+  private get open(): true | null {
+    return this.app.live.link === "open" || null;
+  }
+
+  /** For a component that shows the list. */
+  need(): void {
+    for (const each of [this.list, this.references, this.about]) each.need();
+  }
 
   async refresh(): Promise<void> {
-    // Called in effects, which must not run again when it has come.
-    if (!untrack(() => this.about.value)) void this.about.run(() => this.api.about());
-    void this.references.run(() => this.api.references());
-    await this.list.run(async () => {
-      const answer = await this.api.recordings();
-      this.problem = answer.problem;
-      this.leftOut = answer.left_out;
-      return answer.recordings;
-    });
+    await Promise.all([this.list.reload(), this.references.reload()]);
   }
 
   /** Add recordings made elsewhere, one after the other; those that can't be are said. */
   async add(files: readonly File[]): Promise<void> {
     let added = 0;
-    for (const file of files) if (await this.toasts.attempt(() => this.api.addRecording(file.name, file))) added += 1;
-    if (added > 0) this.toasts.success(() => t("added", { n: added }));
+    for (const file of files) if (await this.app.toasts.attempt(() => this.app.api.addRecording(file.name, file))) added += 1;
+    if (added > 0) this.app.toasts.success(() => t("added", { n: added }));
     await this.refresh();
   }
 
   /** Mark a recording as a reference, or remove its mark. */
   async mark(id: string, on: boolean): Promise<void> {
-    const answer = await this.toasts.attempt(() => this.api.markReference(id, on));
+    const answer = await this.app.toasts.attempt(() => this.app.api.markReference(id, on));
     if (!answer) return;
     this.references.value = answer;
     this.update(id, { reference: on });

@@ -1,26 +1,26 @@
 // The tests, the running one and the results of this unit. The run is asked for while the screen is shown.
-import { ApiRequest } from "../../lib/api/request.svelte";
+import { Resource } from "../../lib/api/resource.svelte";
 import { t } from "./messages";
-import type { TestList, TestRun, TestVerdict } from "../../lib/api/types";
-import type { ApiClient } from "../../lib/api/api";
-import type { Toasts } from "../../lib/frame/toasts.svelte";
+import type { TestRun } from "../../lib/api/types";
+import type { Stores } from "../../stores";
 
 /** Milliseconds between two questions while a test runs, and while none does: another page may start one. */
 const RUNNING = 250;
 const IDLE = 2000;
 
 export class Tests {
-  readonly list = new ApiRequest<TestList>();
-  readonly results = new ApiRequest<{ results: TestVerdict[] }>();
+  readonly list = new Resource({ of: () => this.open, ask: () => this.app.api.tests() });
+  readonly results = new Resource({ of: () => this.open, ask: () => this.app.api.testResults() });
   run = $state.raw<TestRun | null>(null);
   busy = $state(false);
   /** Counts what this page changes: an answer to a question of before is of the run before. */
   private changes = 0;
 
-  constructor(
-    private readonly api: ApiClient,
-    private readonly toasts: Toasts,
-  ) {}
+  constructor(private readonly app: Pick<Stores, "api" | "live" | "toasts">) {}
+
+  private get open(): true | null {
+    return this.app.live.link === "open" || null;
+  }
 
   /** Follow the run until the returned function is called. */
   follow(): () => void {
@@ -29,9 +29,9 @@ export class Tests {
     const ask = async () => {
       const { changes } = this;
       try {
-        const { run } = await this.api.testRun();
+        const { run } = await this.app.api.testRun();
         if (changes === this.changes) {
-          if (this.run && !this.run.result && !run) this.toasts.refuse(() => t("ended"), { duration: 20_000 });
+          if (this.run && !this.run.result && !run) this.app.toasts.refuse(() => t("ended"), { duration: 20_000 });
           this.take(run);
         }
       } catch {
@@ -47,19 +47,19 @@ export class Tests {
   }
 
   async refresh(): Promise<void> {
-    await Promise.all([this.list.run(() => this.api.tests()), this.results.run(() => this.api.testResults())]);
+    await Promise.all([this.list.reload(), this.results.reload()]);
   }
 
   /** Start a test; a finished one is put away. */
-  start = (name: string) => this.change(() => this.api.startTest(name));
-  skip = () => this.change(() => this.api.skipTestStep());
+  start = (name: string) => this.change(() => this.app.api.startTest(name));
+  skip = () => this.change(() => this.app.api.skipTestStep());
   async cancel(): Promise<void> {
-    await this.change(() => this.api.cancelTest());
+    await this.change(() => this.app.api.cancelTest());
     void this.refresh();
   }
 
   async putInReport(id: string, wanted: boolean): Promise<void> {
-    const kept = await this.toasts.attempt(() => this.api.testInReport(id, wanted));
+    const kept = await this.app.toasts.attempt(() => this.app.api.testInReport(id, wanted));
     if (!kept) return;
     if (this.run?.result?.id === id) this.run = { ...this.run, result: kept };
     await this.refresh();
@@ -68,7 +68,7 @@ export class Tests {
   private async change(job: () => Promise<{ run: TestRun | null }>): Promise<void> {
     this.busy = true;
     this.changes += 1;
-    const state = await this.toasts.attempt(job);
+    const state = await this.app.toasts.attempt(job);
     this.changes += 1;
     this.busy = false;
     if (state) this.take(state.run);

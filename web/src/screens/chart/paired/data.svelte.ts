@@ -41,7 +41,6 @@ export function lackOf(second: Data | null): string {
 
 function recorded(data: RecordingData): Data {
   const { columns, events } = data;
-  void data.tick;
   let problem: Data["problem"] = null;
   if (data.error) problem = { kind: "failed", text: data.error.advice };
   else if (data.coarse) problem = { kind: "coarse" };

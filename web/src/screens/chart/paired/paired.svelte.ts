@@ -11,9 +11,9 @@ export interface Consumer {
 }
 
 export class Paired {
-  pairs: Pairs | null = null;
   /** Counts slices that changed something. */
   tick = $state(0);
+  private found: Pairs | null = null;
   /** The share of the rows that has been read. */
   share = $state(0);
   finished = $state(false);
@@ -26,6 +26,11 @@ export class Paired {
     (finished) => this.shown(finished),
   );
 
+  /** Others after each slice. */
+  get pairs(): Pairs | null {
+    return this.tick >= 0 ? this.found : null;
+  }
+
   /** Pair these rows; another plan or other rows start from the beginning. Returns whether they did. */
   begin(plan: Omit<PairPlan, "span">, data: Data | null): boolean {
     const usable = data && !data.problem ? data : null;
@@ -33,12 +38,12 @@ export class Paired {
     const same = key === this.key && usable?.columns === this.data?.columns;
     this.key = key;
     this.data = usable;
-    if (same && !(usable && this.pairs?.isOutdated(usable.columns))) {
+    if (same && !(usable && this.found?.isOutdated(usable.columns))) {
       if (usable?.grows) this.slices.request();
       return false;
     }
     this.slices.stop();
-    this.pairs = usable ? new Pairs({ ...plan, span: usable.span }) : null;
+    this.found = usable ? new Pairs({ ...plan, span: usable.span }) : null;
     this.consumer = null;
     this.share = 0;
     this.finished = false;
@@ -50,7 +55,7 @@ export class Paired {
   /** Hand the pairs to this consumer, from the first one on. */
   feed(consumer: Consumer): void {
     this.consumer = consumer;
-    if (this.pairs) this.slices.request();
+    if (this.found) this.slices.request();
   }
 
   end(): void {
@@ -59,14 +64,14 @@ export class Paired {
   }
 
   private step(): boolean {
-    const { pairs, data } = this;
+    const { found: pairs, data } = this;
     if (!pairs || !data) return false;
     const more = pairs.read(data.columns, gapsOf(data.events), PORTION);
     return (this.consumer?.take(pairs, PORTION) ?? false) || more;
   }
 
   private shown(finished: boolean): void {
-    if (this.data && this.pairs) this.share = this.pairs.share(this.data.columns);
+    if (this.data && this.found) this.share = this.found.share(this.data.columns);
     this.finished = finished;
     this.tick += 1;
   }

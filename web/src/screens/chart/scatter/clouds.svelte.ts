@@ -6,6 +6,7 @@ import { useStores } from "../../../stores";
 import type { Data } from "../paired/data.svelte";
 import { Paired } from "../paired/paired.svelte";
 import { moved, zoomed } from "./picture";
+import type { Source } from "../../../lib/display/source.svelte";
 
 /** Ranges narrower than this share of their values, or wider than this, are not shown. */
 const NARROWEST = 1e-6;
@@ -26,13 +27,18 @@ export class Clouds {
   private spare: Cloud | null = null;
   private x = "";
   private y = "";
+  private source: Source | null = null;
   private grows = false;
   private whole = false;
 
   /** `plan`: y with the partners x and perhaps a colour. */
-  begin(plan: Omit<PairPlan, "span">, own: Data, beside: Data | null): void {
+  begin(plan: Omit<PairPlan, "span">, own: Data, beside: Data | null, source: Source): void {
+    const x = plan.partners[0]!.name;
+    // Other axes show everything again.
+    if (plan.name !== this.y || x !== this.x || source !== this.source) this.chosen = null;
+    this.source = source;
     this.y = plan.name;
-    this.x = plan.partners[0]!.name;
+    this.x = x;
     this.grows = own.grows;
     this.whole = own.span === null;
     if (this.first.begin(plan, own)) {

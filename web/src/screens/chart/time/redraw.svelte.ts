@@ -1,8 +1,9 @@
 // When the time chart is drawn: in an animation frame, only after a change, and not more often than a pixel moves. The window follows playback.
-import { untrack } from "svelte";
+import { onDestroy } from "svelte";
 import { useStores } from "../../../stores";
 import { frameClock } from "../../../lib/platform/frameClock.svelte";
 import { theme } from "../../../lib/platform/theme.svelte";
+import { watch } from "../../../lib/platform/watch.svelte";
 
 /** ms between two drawings caused by new data. */
 const MIN_INTERVAL = 125;
@@ -21,19 +22,21 @@ export class Redraw {
     private readonly draw: (from: number, to: number) => void,
     private readonly width: () => number,
   ) {
-    // Changed by a person or the program: draw at once.
     const { comparison, display, live, reference, view } = this.stores;
-    $effect(() => {
+    // Changed by a person or the program: draw at once.
+    watch(
+      () => [view.span, view.end, view.stacked, view.stretches, view.panes, theme.tone, reference.bands, live.historyLoads, shown()],
+      () => this.request(),
+    );
+    const shown = () => {
       const { source } = display;
-      void [view.span, view.end, view.stacked, view.stretches, view.panes, theme.tone, source.paused, live.historyLoads, reference.bands];
-      if (source.kind === "recording") void [source.tick, comparison.tick, comparison.lag];
-      this.request();
-    });
-    $effect(() => {
-      void frameClock.fast;
-      untrack(() => (display.source.kind === "recording" ? this.followPlayback() : this.followLive()));
-    });
-    $effect(() => () => cancelAnimationFrame(this.frame));
+      return source.kind === "recording" ? [source.tick, source.paused, comparison.tick, comparison.lag] : [source.paused];
+    };
+    watch(
+      () => frameClock.fast,
+      () => (display.source.kind === "recording" ? this.followPlayback() : this.followLive()),
+    );
+    onDestroy(() => cancelAnimationFrame(this.frame));
   }
 
   /** Draw in the next frame. */

@@ -1,10 +1,7 @@
 // The view of the chart: panes with their traces (stored in this browser), time window, value zoom, stacking. It outlives the screen.
 import { loadSetting, saveSetting } from "../../../lib/platform/storage";
 import { around, SHORTEST, within, zoomed, type Window } from "./window";
-import type { Comparison } from "../../../lib/recording/comparison.svelte";
-import type { Cursors } from "../../../lib/display/cursors.svelte";
-import type { Moments } from "../../../lib/display/moments.svelte";
-import type { Display } from "../../../lib/display/source.svelte";
+import type { Stores } from "../../../stores";
 
 export interface Trace {
   name: string;
@@ -65,16 +62,10 @@ export class View {
   /** Live data: everything that the page holds, growing. */
   private growing = $state(false);
   private of: string | null = null;
-  private beside: string | null = null;
 
   readonly names = $derived([...new Set(this.panes.flatMap(({ traces }) => traces.map(({ name }) => name)))]);
 
-  constructor(
-    private readonly comparison: Comparison,
-    private readonly cursors: Cursors,
-    private readonly moments: Moments,
-    private readonly display: Display,
-  ) {}
+  constructor(private readonly app: Pick<Stores, "comparison" | "cursors" | "moments" | "display">) {}
 
   change(panes: Pane[]): void {
     this.panes = panes;
@@ -83,7 +74,7 @@ export class View {
 
   /** The window now, as [from, to]. */
   window(): [number, number] {
-    const end = this.end ?? this.display.source.now();
+    const end = this.end ?? this.app.display.source.now();
     return [end - this.span, end];
   }
 
@@ -103,12 +94,12 @@ export class View {
 
   /** The times that a window may contain: of a recording, with some room, and of the one beside it. Null: live data, no limits. */
   private bounds(): Window | null {
-    const { columns, kind } = this.display.source;
+    const { columns, kind } = this.app.display.source;
     if (kind === "live" || columns.length < 2) return null;
     let { first, last } = columns;
-    if (this.comparison.active && this.comparison.columns.length > 1) {
-      first = Math.min(first, this.comparison.columns.first + this.comparison.lag);
-      last = Math.max(last, this.comparison.columns.last + this.comparison.lag);
+    if (this.app.comparison.active && this.app.comparison.columns.length > 1) {
+      first = Math.min(first, this.app.comparison.columns.first + this.app.comparison.lag);
+      last = Math.max(last, this.app.comparison.columns.last + this.app.comparison.lag);
     }
     const room = (last - first) * 0.01;
     return { from: first - room, to: last + room };
@@ -122,12 +113,13 @@ export class View {
 
   /** Whether everything is shown. */
   get whole(): boolean {
-    return this.display.source.kind === "live" ? this.growing && this.end === null : this.span >= this.longest * 0.999;
+    return this.app.display.source.kind === "live" ? this.growing && this.end === null : this.span >= this.longest * 0.999;
   }
 
   /** New live data came: extend the window that shows everything. */
   grow(): void {
-    if (this.growing && this.end === null) this.span = Math.max(SHORTEST, this.display.source.now() - this.display.source.columns.first);
+    if (this.growing && this.end === null)
+      this.span = Math.max(SHORTEST, this.app.display.source.now() - this.app.display.source.columns.first);
   }
 
   /** Reset the window if another source is shown. */
@@ -135,8 +127,8 @@ export class View {
     if (of === this.of) return;
     const first = this.of === null;
     this.of = of;
-    this.cursors.a = this.cursors.b = null;
-    this.moments.clear();
+    this.app.cursors.a = this.app.cursors.b = null;
+    this.app.moments.clear();
     this.fit();
     if (of !== "live") this.showAll();
     else if (!first) {
@@ -146,16 +138,9 @@ export class View {
     }
   }
 
-  /** Show everything when a comparison begins or changes. */
-  compare(id: string | null): void {
-    if (id === this.beside) return;
-    this.beside = id;
-    if (id !== null) this.showAll();
-  }
-
   /** The whole recording. */
   showAll(): void {
-    const { columns } = this.display.source;
+    const { columns } = this.app.display.source;
     if (columns.length < 2) return;
     const bounds = this.bounds();
     if (bounds) return this.set(bounds);
@@ -170,6 +155,17 @@ export class View {
     if (time < from || time > to) this.set(within(time + this.span / 2, this.span, this.bounds()));
   }
 
+  /** Bring a moment into the window, and hold the window where it is. */
+  bringMoment({ from, to }: { from: number; to: number }): void {
+    const [begin, end] = this.window();
+    if (from >= begin && to <= end) {
+      this.end = end;
+      return;
+    }
+    const span = Math.max(this.span, 1.5 * (to - from));
+    this.show((from + to - span) / 2, (from + to + span) / 2);
+  }
+
   /** Zoom around a time that keeps its place; while following, around the right edge. */
   zoom(factor: number, around: number): void {
     const [from, to] = this.window();
@@ -179,13 +175,13 @@ export class View {
   /** Show that many seconds. In a recording the player's position and the cursor stay in view, in live data the cursor or the end. */
   choose(seconds: number): void {
     const [from, to] = this.window();
-    const cursor = this.cursors.a !== null && this.cursors.a >= from && this.cursors.a <= to ? this.cursors.a : null;
-    const anchor = this.display.source.kind === "recording" ? this.display.source.now() : (cursor ?? to);
+    const cursor = this.app.cursors.a !== null && this.app.cursors.a >= from && this.app.cursors.a <= to ? this.app.cursors.a : null;
+    const anchor = this.app.display.source.kind === "recording" ? this.app.display.source.now() : (cursor ?? to);
     this.put(around({ from, to }, seconds, this.end === null ? to : anchor, cursor, this.bounds()));
   }
 
   pan(seconds: number): void {
-    const { source } = this.display;
+    const { source } = this.app.display;
     const end = (this.end ?? source.now()) + seconds;
     if (source.kind === "live" && !source.paused && end >= source.now()) this.end = null;
     else this.set(within(source.kind === "live" ? Math.max(end, source.columns.first) : end, this.span, this.bounds()));
@@ -259,13 +255,13 @@ export class View {
 
   /** Set the second cursor at the first one, or remove it. */
   toggleSecond(): void {
-    if (this.cursors.b !== null) {
-      this.cursors.b = null;
+    if (this.app.cursors.b !== null) {
+      this.app.cursors.b = null;
       return;
     }
     const [from, to] = this.window();
-    this.cursors.b = this.cursors.a ?? from + (to - from) / 3;
-    this.cursors.a ??= from + ((to - from) * 2) / 3;
+    this.app.cursors.b = this.app.cursors.a ?? from + (to - from) / 3;
+    this.app.cursors.a ??= from + ((to - from) * 2) / 3;
   }
 }
 

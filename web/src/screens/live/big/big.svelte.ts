@@ -1,8 +1,7 @@
 // Big numbers: whether they are shown, and the values of the preset; both stored in this browser.
 import { loadSetting, saveSetting } from "../../../lib/platform/storage";
 import { MOST, storedNames, usualNames } from "./bigNumbers";
-import type { CatalogStore } from "../../../lib/api/catalog.svelte";
-import type { Presets } from "../presets.svelte";
+import type { Stores } from "../../../stores";
 
 export class Big {
   on = $state(loadSetting("big") === "on");
@@ -10,18 +9,15 @@ export class Big {
   private changes = $state(0);
 
   /** Whether others than the usual values are chosen. */
-  readonly own = $derived.by(() => (void this.changes, storedNames(loadSetting(this.key), this.catalog.channels)));
+  readonly own = $derived.by(() => (void this.changes, storedNames(loadSetting(this.key), this.app.catalog.channels)));
   readonly names = $derived.by<string[]>(
-    () => this.own ?? (this.presets.onScreen ? usualNames(this.presets.onScreen, this.catalog.channels) : []),
+    () => this.own ?? (this.app.presets.onScreen ? usualNames(this.app.presets.onScreen, this.app.catalog.channels) : []),
   );
 
-  constructor(
-    private readonly catalog: CatalogStore,
-    private readonly presets: Presets,
-  ) {}
+  constructor(private readonly app: Pick<Stores, "catalog" | "presets">) {}
 
   private get key(): string {
-    return `big.${this.presets.onScreen?.id ?? ""}`;
+    return `big.${this.app.presets.onScreen?.id ?? ""}`;
   }
 
   toggle(): void {

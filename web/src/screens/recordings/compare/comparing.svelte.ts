@@ -1,9 +1,7 @@
 // Selecting a second recording to compare with: for the one being played, or for one of the list, which is opened first.
 import { ApiError } from "../../../lib/api/http";
 import type { Text } from "../../../lib/api/types";
-import type { Comparison } from "../../../lib/recording/comparison.svelte";
-import type { Player } from "../../../lib/recording/player.svelte";
-import type { Route } from "../../../lib/frame/router.svelte";
+import type { Stores } from "../../../stores";
 
 export class Comparing {
   /** The recording for which a second one is being selected. */
@@ -13,11 +11,7 @@ export class Comparing {
   error = $state.raw<ApiError | null>(null);
   private turn = 0;
 
-  constructor(
-    private readonly comparison: Comparison,
-    private readonly player: Player,
-    private readonly route: Route,
-  ) {}
+  constructor(private readonly app: Pick<Stores, "comparison" | "player" | "route">) {}
 
   choose(first: string): void {
     this.error = null;
@@ -27,7 +21,7 @@ export class Comparing {
   /** Also of one that is being opened: it is not shown then. */
   stop(): void {
     this.turn += 1;
-    if (this.busy !== null) this.comparison.end();
+    if (this.busy !== null) this.app.comparison.end();
     this.busy = null;
     this.first = null;
     this.error = null;
@@ -39,11 +33,11 @@ export class Comparing {
     this.busy = second;
     this.error = null;
     try {
-      if (this.player.detail?.id !== first) await this.player.open(first);
-      if (turn !== this.turn || this.player.detail?.id !== first) return;
-      if (!(await this.comparison.start(second, this.player.first, named)) || turn !== this.turn) return;
+      if (this.app.player.detail?.id !== first) await this.app.player.open(first);
+      if (turn !== this.turn || this.app.player.detail?.id !== first) return;
+      if (!(await this.app.comparison.start(second, this.app.player.first, named)) || turn !== this.turn) return;
       this.first = null;
-      if (this.route.screen !== "chart") this.route.go("chart");
+      if (this.app.route.screen !== "chart") this.app.route.go("chart");
     } catch (error) {
       if (!(error instanceof ApiError)) throw error;
       if (turn !== this.turn) return;

@@ -3,11 +3,7 @@ import { ApiError } from "../../../../lib/api/http";
 import { number } from "../../../../lib/i18n";
 import type { Found, KeptSearch } from "../../../../lib/api/types";
 import { t } from "./messages";
-import type { ApiClient } from "../../../../lib/api/api";
-import type { Player } from "../../../../lib/recording/player.svelte";
-import type { Moments } from "../../../../lib/display/moments.svelte";
-import type { Display } from "../../../../lib/display/source.svelte";
-import type { Toasts } from "../../../../lib/frame/toasts.svelte";
+import type { Stores } from "../../../../stores";
 
 export class Find {
   open = $state(false);
@@ -19,13 +15,7 @@ export class Find {
   nowhere = $state("");
   kept = $state.raw<readonly KeptSearch[]>([]);
 
-  constructor(
-    private readonly api: ApiClient,
-    private readonly player: Player,
-    private readonly moments: Moments,
-    private readonly display: Display,
-    private readonly toasts: Toasts,
-  ) {}
+  constructor(private readonly app: Pick<Stores, "api" | "player" | "moments" | "display" | "toasts">) {}
 
   /** For the sheet that opens: the kept conditions, and nothing of what was found in another source. */
   async begin(): Promise<void> {
@@ -35,7 +25,7 @@ export class Find {
   }
 
   private async load(): Promise<boolean> {
-    const list = await this.toasts.attempt(() => this.api.searches());
+    const list = await this.app.toasts.attempt(() => this.app.api.searches());
     if (list) this.kept = list.searches;
     return list !== undefined;
   }
@@ -48,19 +38,19 @@ export class Find {
     this.nowhere = "";
     if (!this.expression) return;
     this.busy = true;
-    const { source } = this.display;
-    const recording = source.kind === "recording" ? (this.player.detail?.id ?? null) : null;
+    const { source } = this.app.display;
+    const recording = source.kind === "recording" ? (this.app.player.detail?.id ?? null) : null;
     try {
-      const found = await this.api.find(recording, this.expression);
+      const found = await this.app.api.find(recording, this.expression);
       // Another source is shown meanwhile: its moments are others.
-      if (this.display.source !== source || (recording !== null && this.player.detail?.id !== recording)) return;
+      if (this.app.display.source !== source || (recording !== null && this.app.player.detail?.id !== recording)) return;
       if (found.hits.length === 0) {
-        this.moments.clear();
+        this.app.moments.clear();
         this.nowhere = this.expression;
         return;
       }
       const { expression } = this;
-      this.moments.mark(
+      this.app.moments.mark(
         () => titleOf(expression, found),
         found.hits.map(({ begin, end }) => ({ from: begin, to: end })),
       );
@@ -89,7 +79,7 @@ export class Find {
   /** The whole list is saved, so it starts from what is kept now: another page may have added to it, or it has not been loaded. */
   private async change(change: (before: readonly KeptSearch[]) => KeptSearch[]): Promise<void> {
     if (!(await this.load())) return;
-    const list = await this.toasts.attempt(() => this.api.saveSearches(change(this.kept)));
+    const list = await this.app.toasts.attempt(() => this.app.api.saveSearches(change(this.kept)));
     if (list) this.kept = list.searches;
   }
 }

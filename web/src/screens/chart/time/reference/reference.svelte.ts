@@ -1,8 +1,8 @@
 // What live values are compared with in the chart: the range of a reference, a stripe behind each trace. Remembered in this browser.
 import { loadSetting, saveSetting } from "../../../../lib/platform/storage";
-import { NO_BANDS, WARM_IDLE, type ValueRanges } from "../../../../lib/recording/valueRanges.svelte";
+import { NO_BANDS, WARM_IDLE, ValueRanges } from "../../../../lib/recording/valueRanges.svelte";
 import { t } from "./messages";
-import type { Display } from "../../../../lib/display/source.svelte";
+import type { Stores } from "../../../../stores";
 
 const SETTING = "chart.reference";
 
@@ -13,7 +13,9 @@ export class Reference {
   /** A recording's id, or `WARM_IDLE`; null: off. */
   chosen = $state(loadSetting(SETTING) || null);
 
-  private readonly shown = $derived.by(() => this.display.source.kind === "live" && this.chosen !== null);
+  readonly ranges: ValueRanges;
+
+  private readonly shown = $derived.by(() => this.app.display.source.kind === "live" && this.chosen !== null);
   /** Empty in a recording: there a reference is drawn as a second line. */
   readonly bands = $derived.by(() => (this.shown ? this.ranges.bands : NO_BANDS));
   /** What the stripes are; empty: there are none. */
@@ -23,10 +25,9 @@ export class Reference {
       : "",
   );
 
-  constructor(
-    private readonly display: Display,
-    readonly ranges: ValueRanges,
-  ) {}
+  constructor(private readonly app: Pick<Stores, "api" | "catalog" | "display" | "live">) {
+    this.ranges = new ValueRanges(app, () => this.chosen);
+  }
 
   choose(chosen: string | null): void {
     this.chosen = chosen;

@@ -1,9 +1,10 @@
+import { flushSync } from "svelte";
 import { afterEach, beforeEach, expect, it, vi } from "vitest";
 import type { Preset } from "../../lib/api/types";
 import { served } from "../../lib/platform/host";
 import { Stores } from "../../stores";
 
-const { api, presets, subscriptions } = new Stores(served);
+const { api, live, presets, subscriptions } = new Stores(served);
 
 beforeEach(() => void vi.useFakeTimers());
 
@@ -22,7 +23,9 @@ it("the user's presets are loaded although their first request failed", async ()
       .mockImplementationOnce(lost)
       .mockImplementation(async () => response()),
   );
-  const stop = presets.load();
+  live.link = "open";
+  const stop = $effect.root(() => presets.need());
+  flushSync();
   await vi.advanceTimersByTimeAsync(0);
   expect(presets.loaded).toBe(false);
   await vi.advanceTimersByTimeAsync(1000);

@@ -19,13 +19,16 @@ export interface Binding {
 }
 
 export class Shortcuts {
-  private sources = $state.raw<readonly (() => readonly Binding[])[]>([]);
-  readonly bindings = $derived(this.sources.flatMap((source) => source()));
+  private readonly sources = new Set<() => readonly Binding[]>();
+
+  get bindings(): Binding[] {
+    return [...this.sources].flatMap((source) => source());
+  }
 
   /** For a component while it is initialised: its bindings, as long as it lives. The last binding of a key wins. */
   use(source: () => readonly Binding[]): void {
-    this.sources = [...this.sources, source];
-    onDestroy(() => (this.sources = this.sources.filter((other) => other !== source)));
+    this.sources.add(source);
+    onDestroy(() => this.sources.delete(source));
   }
 
   handle(event: KeyboardEvent): void {
