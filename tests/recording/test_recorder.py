@@ -208,22 +208,22 @@ def test_a_connection_that_is_left_is_one_gap_that_is_open_until_values_come(rec
     session, left = SamplingSession(recorder), Text("left", "закрыто")
     recorder.start(tmp_path / "a.pcapng", url="sim:")
     for event in (state(1.0, LineState.SAMPLING), sampled(5.0)):
-        list(session.take(event))
+        list(session.events_of(event))
     session.leave(6.0, left)
     recorder.interrupt(6.0, left)
     assert recorder.status.gaps == 1
-    list(session.take(sampled(9.0)))
+    list(session.events_of(sampled(9.0)))
     assert recorder.stop().gaps == 1
     assert gaps_of(tmp_path / "a.pcapng") == [(5.0, 9.0)]
 
 
 def test_a_connection_that_was_left_before_a_recording_is_no_gap_in_it(recorder, tmp_path):
     session = SamplingSession(recorder)
-    list(session.take(sampled(5.0)))
+    list(session.events_of(sampled(5.0)))
     session.leave(6.0, Text("left", "закрыто"))
-    list(session.take(unit(9.0)))
+    list(session.events_of(unit(9.0)))
     recorder.start(tmp_path / "a.pcapng", url="sim:")
-    list(session.take(sampled(9.5)))
+    list(session.events_of(sampled(9.5)))
     assert recorder.stop().gaps == 0
     assert gaps_of(tmp_path / "a.pcapng") == []
 
