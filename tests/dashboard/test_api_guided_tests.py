@@ -90,9 +90,10 @@ def test_a_test_over_a_recording_has_its_result(cold):
     wanted = [{"name": name, "every": 1} for name in names]
     cold.put("/plan", {"wanted": wanted, "method": "auto", "rate": None})
     cold.post("/recording/start", {"name": "drive"})
-    # Longer than the tests' steps, however fast the method that was found.
+    # Longer than the tests' steps, however fast the method that was found; a loaded computer leaves
+    # gaps, and a step needs its 8 s at rest in one piece.
     before = cold.get("/state")
-    cold.until(lambda _: cold.get("/state")["now"] > before["now"] + 12)
+    cold.until(lambda _: cold.get("/state")["now"] > before["now"] + 40)
     assert cold.get("/state")["samples"] > before["samples"] + 60
     cold.post("/recording/stop")
     over = cold.get("/recordings/drive.pcapng/tests/sensors")
