@@ -62,7 +62,7 @@ page: build/site/docs/index.html ## that page on this computer, in a browser
 	@$(venv_python) -m tools.site.serve
 
 package: .venv/with-test ## what people install, into dist/: wheel, sdist, one-folder program, .deb; installed and tried (docs/how-to/install.md)
-	@$(venv_python) -m package
+	@$(venv_python) -m tools.package
 	@MIKAS_REQUIRE_PACKAGE=1 $(venv_python) -m pytest -n 2 --dist loadfile tests/installing
 
 browser: .venv/with-test build/site/docs/index.html ## the tests that drive the page in Chromium and Firefox, and those on Pyodide; pictures of all screens in build/screenshots

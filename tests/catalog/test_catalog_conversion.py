@@ -13,6 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mikas.catalog import INTERPRETATIONS, Conversion, Parameter, shipped
+from mikas.catalog.model import is_corrected
 from mikas.errors import UsageError, ValueDoesNotFit
 
 NUMERIC = [each for each in shipped().parameters if not each.is_flag]
@@ -228,3 +229,11 @@ def test_an_unknown_interpretation_is_an_error_and_not_the_default() -> None:
     known = "corrected, literal, alternative"
     with pytest.raises(UsageError, match=f"no interpretation “litteral”; there are: {known}"):
         shipped().parameter("UACC").decode(b"\x8e", "litteral")
+
+
+def test_an_interpretation_is_the_corrected_one_where_no_erratum_changes_the_formula() -> None:
+    catalog = shipped()
+    assert is_corrected(catalog.parameter("TWAT"), "literal")
+    assert not is_corrected(catalog.parameter("FREQ"), "literal")
+    assert is_corrected(catalog.parameter("FREQ"), "corrected")
+    assert is_corrected(catalog.channel("FUEL_FLOW"), "literal")  # from corrected values

@@ -53,7 +53,7 @@ _NOT_HERE = (
     "dashboard/server.py", "dissectors", "fleet", "link/failures.py", "link/network.py",
     "link/serial.py", "publish", "recording/exchanges/columnar.py",
     "recording/exchanges/packets.py", "recording/exchanges/stream.py", "recording/export/mdf.py",
-    "recording/export/parquet.py", "notebook", "replay/routine.py",
+    "recording/export/parquet.py", "recording/parquet.py", "notebook", "replay/routine.py",
 )  # fmt: skip
 
 # Asks for numpy, and is asked whether it can be had.
