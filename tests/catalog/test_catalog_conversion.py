@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mikas.catalog import INTERPRETATIONS, Conversion, Parameter, shipped
-from mikas.catalog.model import is_corrected
+from mikas.catalog.lookup import is_corrected
 from mikas.errors import UsageError, ValueDoesNotFit
 
 NUMERIC = [each for each in shipped().parameters if not each.is_flag]

@@ -114,3 +114,10 @@ class Catalog:
     def model(self, code: int) -> Model:
         """Return the model with this answer to 01; an unknown one is named by the number."""
         return self.models.get(code) or Model.unknown(code)
+
+
+def is_corrected(channel: Parameter | Derived, interpretation: str) -> bool:
+    """Return whether `interpretation` gives the same values as the corrected one, of formulas."""
+    if isinstance(channel, Derived):
+        return True  # always computed from corrected values
+    return channel.interpretation(interpretation) == channel.conversion

@@ -322,13 +322,6 @@ class Parameter:
         return self.span_least or _least_span(step, self.plausible or self.gauge)
 
 
-def is_corrected(channel: Parameter | Derived, interpretation: str) -> bool:
-    """Return whether `interpretation` gives the same values as the corrected one, of formulas."""
-    if isinstance(channel, Derived):
-        return True  # always computed from corrected values
-    return channel.interpretation(interpretation) == channel.conversion
-
-
 @dataclass(frozen=True, slots=True)
 class Fault:
     """A fault number of command 02. `check`: the first thing to check. `parameters`: related ones.

@@ -11,7 +11,7 @@ from fastapi import APIRouter, Query
 from pydantic import AfterValidator, BaseModel, Field
 
 from mikas.catalog.formula_syntax import LONGEST
-from mikas.catalog.model import is_corrected
+from mikas.catalog.lookup import is_corrected
 from mikas.dashboard.api.dependencies import (
     KnownClient,
     Line,

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from mikas.catalog import Catalog
-from mikas.catalog.model import is_corrected
+from mikas.catalog.lookup import is_corrected
 from mikas.catalog.own.file import OwnCatalog
 from mikas.dashboard.errors import CatalogOutdated
 from mikas.errors import CatalogError

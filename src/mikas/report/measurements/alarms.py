@@ -241,8 +241,8 @@ class _LimitWatch:
 
 def _overlaps(each: _Recorded, begins: Column, ends: Column) -> bool:
     """Whether one of the intervals, given by sorted begins and sorted ends, meets the alarm."""
-    begun, over = np.searchsorted(begins, each.ended, "right"), np.searchsorted(ends, each.began)
-    return bool(begun > over)
+    began, over = np.searchsorted(begins, each.ended, "right"), np.searchsorted(ends, each.began)
+    return bool(began > over)
 
 
 def _recorded(

@@ -18,7 +18,8 @@ from mikas.catalog import Catalog, Derived, Parameter
 from mikas.catalog.formula_syntax import Parsed, parse
 from mikas.catalog.formulas import Calculation
 from mikas.catalog.loading.build import does_not_exist
-from mikas.catalog.model import in_order, is_corrected
+from mikas.catalog.lookup import is_corrected
+from mikas.catalog.model import in_order
 from mikas.client import Reading
 from mikas.dashboard.api.channels.editing import Finite, FormulaRequest
 from mikas.dashboard.api.dependencies import (

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Final
 from fastapi import APIRouter
 from fastapi.responses import Response
 
-from mikas.catalog.model import is_corrected
+from mikas.catalog.lookup import is_corrected
 from mikas.dashboard.api.dependencies import Requester, TheDashboard, TheLibrary, TheRequester
 from mikas.dashboard.api.errors import content, errors
 from mikas.dashboard.api.library.cars import car_of_connection
