@@ -45,15 +45,19 @@ _METADATA = frozenset({"METADATA", "entry_points.txt"})
 # What works in a browser of pyproject.toml's links, and the link of the site alone.
 _LINKS = ("sim", "replay")
 _OWN_LINKS = {"webserial": "mikas.browser.web_serial:open_web_serial"}
-# The command line and what it alone calls, the server and its page, notebooks, links and formats of
-# libraries that are not here, and what computes with arrays of bytes by numpy, in place of which
-# there is a scalar reference.
+# The command line and what it alone calls, the server and its page, what shows and draws the
+# recording of `mikas.open`, links and formats of libraries that are not here, and what computes
+# with arrays of bytes by numpy, in place of which there is a scalar reference.
 _NOT_HERE = (
     "cli", "__main__.py", "py.typed", "dashboard/page", "dashboard/running.py",
     "dashboard/server.py", "dissectors", "fleet", "link/failures.py", "link/network.py",
     "link/serial.py", "publish", "recording/exchanges/columnar.py",
     "recording/exchanges/packets.py", "recording/exchanges/stream.py", "recording/export/mdf.py",
-    "recording/export/parquet.py", "recording/parquet.py", "notebook", "replay/routine.py",
+    "recording/export/parquet.py", "recording/parquet.py", "replay/routine.py",
+    *(f"notebook/{each}.py" for each in (
+        "drawing", "html", "interruptions", "overview", "panes", "picture", "text", "time_axis",
+        "value_axes", "wording",
+    )),
 )  # fmt: skip
 
 # Asks for numpy, and is asked whether it can be had.
