@@ -46,6 +46,6 @@ def test_every_shipped_number_has_a_scale() -> None:
         assert scale is not None
         assert least is not None
         assert 0 < least < scale[1] - scale[0]
-        assert channel.span_least is not None
+        assert channel.span_least is not None, f"{channel.name}: span_least is missing"
         if reference := getattr(channel, "reference", None):
             assert scale[0] <= reference[0] <= reference[1] <= scale[1]
