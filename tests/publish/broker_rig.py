@@ -12,7 +12,7 @@ import shutil
 import socket
 import subprocess
 import threading
-from collections.abc import Callable, Coroutine
+from collections.abc import Callable, Coroutine, Iterator
 from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
@@ -58,6 +58,19 @@ async def _cancel_all() -> None:
     await asyncio.gather(*tasks, return_exceptions=True)
 
 
+class _Subscriptions(dict):
+    """Those of amqtt, which awaits in its loops over them while other clients come and go.
+
+    A dictionary that changed meanwhile made it drop the client that was just connecting.
+    """
+
+    def __iter__(self) -> Iterator[str]:
+        return iter([*self.keys()])
+
+    def items(self) -> list[tuple[str, list]]:
+        return [*super().items()]
+
+
 class InProcessBroker:
     """amqtt on a free port, open to everybody."""
 
@@ -75,6 +88,7 @@ class InProcessBroker:
 
         async def begin() -> None:
             self._broker = Broker(config)
+            self._broker._subscriptions = _Subscriptions()  # noqa: SLF001
             await self._broker.start()
 
         self._loop.run(begin())
