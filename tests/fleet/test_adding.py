@@ -17,8 +17,8 @@ from mikas.errors import FleetError, UsageError
 from mikas.fleet.adding import add, plan
 from mikas.fleet.interpreting import InterpretingSettings
 from mikas.fleet.job import LARGEST
-from mikas.fleet.ledger import FOLDER, MARKER, open_ledger
-from mikas.fleet.stores import store
+from mikas.fleet.ledger import FOLDER, MARKER, begin, open_ledger
+from mikas.fleet.stores import DiskStore, store
 from mikas.recording.annotations.car import car_note
 from mikas.recording.capture.writer import append_note
 
@@ -280,6 +280,19 @@ def test_two_runs_at_once_add_each_recording_once(tmp_path) -> None:
     assert not any(it.bad for it in results)
     assert ask(tmp_path / "set", TOTAL) == [(4 * 239, 4, 4)]
     assert counts(add_here(tmp_path / "in", to=tmp_path / "set")) == (0, 0, 4, 0)
+
+
+def test_two_runs_may_begin_a_dataset_in_one_moment(tmp_path) -> None:
+    """The other one writes the marker after this one has found none."""
+
+    class Late(DiskStore):
+        def read(self, name: str) -> bytes | None:
+            content = super().read(name)
+            if content is None:
+                begin(store(self.place))
+            return content
+
+    assert begin(Late(str(tmp_path / "set"))).entries == {}
 
 
 def test_a_damaged_or_hostile_ledger_touches_no_other_file(tmp_path) -> None:

@@ -187,9 +187,11 @@ class Ledger:
 def begin(files: Store) -> Ledger:
     """Return the ledger of a dataset, a new one in an empty place."""
     if files.read(MARKER) is None:
-        if any(name not in (FOLDER, PARTS, *TABLES) for name in files.names("")):
-            raise FleetError(shown(files.place), _OTHER_FILES)
-        files.write(MARKER, json.dumps({"form": FORM, "tables": list(TABLES)}).encode())
+        names = files.names("")
+        if MARKER not in names:  # else another run has begun the dataset meanwhile
+            if any(name not in (FOLDER, PARTS, *TABLES) for name in names):
+                raise FleetError(shown(files.place), _OTHER_FILES)
+            files.write(MARKER, json.dumps({"form": FORM, "tables": list(TABLES)}).encode())
     ledger = open_ledger(files)
     files.tidy()
     for entry in list(ledger.entries.values()):
