@@ -23,8 +23,8 @@ LOCK = ROOT / "requirements" / "lock.txt"
 
 PURE = (
     "annotated-doc", "annotated-types", "anyio", "fastapi", "jinja2", "markupsafe",
-    "opentelemetry-api", "pydantic", "segno", "simpleeval", "starlette", "tomlkit",
-    "typing-extensions", "typing-inspection",
+    "opentelemetry-api", "pydantic", "segno", "starlette", "tomlkit", "typing-extensions",
+    "typing-inspection",
 )  # fmt: skip
 BUILT = "pydantic-core"
 PLATFORM = "pyemscripten_2026_0_wasm32"

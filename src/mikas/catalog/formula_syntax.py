@@ -17,6 +17,7 @@ import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import isfinite
+from typing import TypeAlias
 
 from mikas.errors import FormulaError
 from mikas.i18n import Text
@@ -35,8 +36,11 @@ FUNCTIONS: Mapping[str, tuple[int, int]] = {
 }
 """Each function with its fewest and most arguments."""
 
-OPERATORS = (ast.Add, ast.Sub, ast.Mult, ast.Div, ast.Pow)
-COMPARISONS = (ast.Lt, ast.LtE, ast.Gt, ast.GtE, ast.Eq, ast.NotEq)
+_OPERATORS: Mapping[type[ast.AST], str] = {
+    ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.Pow: "**",
+    ast.USub: "negative", ast.UAdd: "positive",
+    ast.Lt: "<", ast.LtE: "<=", ast.Gt: ">", ast.GtE: ">=", ast.Eq: "==", ast.NotEq: "!=",
+}  # fmt: skip
 
 _HABITS: tuple[tuple[re.Pattern[str], Callable[[str], str]], ...] = (
     (re.compile(r"\b(?:AND|OR|NOT|IF|ELSE)\b"), str.lower),
@@ -53,13 +57,25 @@ _SIGNS = {ast.Mod: "%", ast.FloorDiv: "//", ast.BitAnd: "&", ast.BitOr: "|", ast
 
 
 @dataclass(frozen=True, slots=True)
+class Operation:
+    """An operator or a function, by its sign or name, and what it is applied to."""
+
+    name: str
+    operands: tuple[Term, ...]
+
+
+Term: TypeAlias = "float | str | Operation"
+"""A plain form: a number, a channel by its name in capitals, or an operation."""
+
+
+@dataclass(frozen=True, slots=True)
 class Parsed:
     """The plain form, and its channels (in capitals, in order of appearance).
 
     `places`: the first and the next character of each channel's first appearance.
     """
 
-    tree: ast.expr
+    plain: Term
     inputs: tuple[str, ...]
     places: tuple[tuple[int, int], ...]
 
@@ -79,19 +95,19 @@ def parse(text: str, constants: Mapping[str, float]) -> Parsed:
     begin = len(text) - len(text.lstrip())
     try:
         syntax = _syntax(line)
-        plain = _PlainForm(line, constants)
-        tree = plain.expression(syntax, 0)
+        form = _PlainForm(line, constants)
+        plain = form.expression(syntax, 0)
     except FormulaError as error:
         if error.span is not None:
             error.span = (begin + error.span[0], begin + error.span[1])
         raise
-    if not plain.inputs:
+    if not form.inputs:
         raise _wrong(
             "names no parameter, so it has no time and no value",
             "не называет ни одного параметра, значит, нет ни времени, ни значения",
         )
-    places = ((begin + first, begin + after) for first, after in plain.inputs.values())
-    return Parsed(tree, tuple(plain.inputs), tuple(places))
+    places = ((begin + first, begin + after) for first, after in form.inputs.values())
+    return Parsed(plain, tuple(form.inputs), tuple(places))
 
 
 def _wrong(en: str, ru: str, span: tuple[int, int] | None = None) -> FormulaError:
@@ -141,7 +157,7 @@ class _PlainForm:
         self.inputs: dict[str, tuple[int, int]] = {}
         """The channels, each with its first place."""
 
-    def expression(self, node: ast.expr, depth: int) -> ast.expr:
+    def expression(self, node: ast.expr, depth: int) -> Term:
         if depth > DEEPEST:
             raise _wrong(
                 f"is nested more than {DEEPEST} levels deep; split it into several channels",
@@ -152,16 +168,14 @@ class _PlainForm:
                 return _number(node)
             case ast.Name():
                 return self._name(node)
-            case ast.BinOp(op=operator) if isinstance(operator, OPERATORS):
-                left, right = self._all([node.left, node.right], depth)
-                return ast.BinOp(left, operator, right)
+            case ast.BinOp(op=operator) if sign := _OPERATORS.get(type(operator)):
+                return self._operation(sign, [node.left, node.right], depth)
             case ast.UnaryOp(op=ast.Not()):
-                return _where(self.expression(node.operand, depth + 1), _value(0), _value(1))
-            case ast.UnaryOp(op=ast.USub() | ast.UAdd()):
-                return ast.UnaryOp(node.op, self.expression(node.operand, depth + 1))
-            case ast.Compare(ops=[operator]) if isinstance(operator, COMPARISONS):
-                left, right = self._all([node.left, *node.comparators], depth)
-                return ast.Compare(left, [operator], [right])
+                return _where(self.expression(node.operand, depth + 1), 0.0, 1.0)
+            case ast.UnaryOp(op=operator) if sign := _OPERATORS.get(type(operator)):
+                return self._operation(sign, [node.operand], depth)
+            case ast.Compare(ops=[operator]) if sign := _OPERATORS.get(type(operator)):
+                return self._operation(sign, [node.left, *node.comparators], depth)
             case ast.Compare(ops=[_, _, *_]):
                 raise _wrong(
                     "has a chain of comparisons; write “a < b and b < c”",
@@ -171,34 +185,31 @@ class _PlainForm:
             case ast.BoolOp():
                 return self._bool_op(node, depth)
             case ast.IfExp():
-                condition, then, other = self._all([node.test, node.body, node.orelse], depth)
-                return _where(condition, then, other)
+                return self._operation("where", [node.test, node.body, node.orelse], depth)
             case ast.Call(func=ast.Name(id=name), keywords=[]):
                 return self._call(name, node, depth)
         raise self._not_allowed(node)
 
-    def _all(self, nodes: list[ast.expr], depth: int) -> list[ast.expr]:
-        return [self.expression(each, depth + 1) for each in nodes]
+    def _operation(self, name: str, nodes: list[ast.expr], depth: int) -> Term:
+        return Operation(name, tuple(self.expression(each, depth + 1) for each in nodes))
 
-    def _name(self, node: ast.Name) -> ast.expr:
+    def _name(self, node: ast.Name) -> Term:
         if (constant := self._constants.get(node.id)) is not None:
-            return _value(constant)
+            return float(constant)
         name = node.id.upper()
         self.inputs.setdefault(name, self._span(node))
-        return ast.Name(name, ast.Load())
+        return name
 
-    def _bool_op(self, node: ast.BoolOp, depth: int) -> ast.expr:
+    def _bool_op(self, node: ast.BoolOp, depth: int) -> Term:
         # From the right: each value becomes the condition of the next one. So the depth of the
         # plain form is the number of values.
-        *before, last = self._all(node.values, depth + len(node.values) - 1)
+        *before, last = (self.expression(it, depth + len(node.values)) for it in node.values)
         for value in reversed(before):
-            if isinstance(node.op, ast.And):
-                last = _where(value, last, _value(0))
-            else:
-                last = _where(value, _value(1), last)
+            is_and = isinstance(node.op, ast.And)
+            last = _where(value, last, 0.0) if is_and else _where(value, 1.0, last)
         return last
 
-    def _call(self, name: str, node: ast.Call, depth: int) -> ast.expr:
+    def _call(self, name: str, node: ast.Call, depth: int) -> Term:
         arguments = node.args
         if name not in FUNCTIONS:
             close = nearest(name, FUNCTIONS)
@@ -216,7 +227,7 @@ class _PlainForm:
                 f"аргументов у «{name}»: {len(arguments)}, а нужно {count}",
                 self._span(node),
             )
-        return ast.Call(ast.Name(name, ast.Load()), self._all(arguments, depth), [])
+        return self._operation(name, arguments, depth)
 
     def _span(self, node: ast.expr) -> tuple[int, int]:
         """Return the first and the next character of `node`, whose offsets count bytes."""
@@ -243,19 +254,15 @@ class _PlainForm:
         )
 
 
-def _number(node: ast.Constant) -> ast.expr:
+def _number(node: ast.Constant) -> float:
     try:
         number = float(node.value)  # type: ignore[arg-type]  # its caller matched a number
     except OverflowError:
         number = float("inf")
     if isfinite(number):
-        return _value(number)
+        return number
     raise _wrong("has a number that is too large", "содержит слишком большое число")
 
 
-def _value(number: float) -> ast.expr:
-    return ast.Constant(float(number))
-
-
-def _where(condition: ast.expr, then: ast.expr, otherwise: ast.expr) -> ast.expr:
-    return ast.Call(ast.Name("where", ast.Load()), [condition, then, otherwise], [])
+def _where(condition: Term, then: Term, otherwise: Term) -> Term:
+    return Operation("where", (condition, then, otherwise))

@@ -8,66 +8,55 @@ Conditions are numbers: 0 is false, anything else true; a comparison gives 0 or 
 IEEE 754 rounds all operations in one way, except powers, whose last digit depends on the library:
 a column of powers is computed one by one, by the function for numbers.
 
-The library simpleeval evaluates the plain form with this arithmetic, so it meets nothing but
-numbers. It is imported when the first formula is computed.
+A formula is made once into functions of functions, one for each operation of its plain form, from
+an arithmetic: a table of functions by the operation's name.
 """
 
 from __future__ import annotations
 
-import ast
 import math
+import operator
 from collections.abc import Callable, Mapping
 from functools import cache, cached_property, partial, reduce
 from math import isfinite
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
-from mikas.catalog.formula_syntax import Parsed
+from mikas.catalog.formula_syntax import Operation, Parsed, Term
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
-    from simpleeval import SimpleEval
 
     Column: TypeAlias = NDArray[np.float64]
 
 NO_VALUE = math.nan
-
-
-class Arithmetic(NamedTuple):
-    """The functions for simpleeval: by operator's node, and by name."""
-
-    operators: Mapping[type[ast.AST], Callable[..., Any]]
-    functions: Mapping[str, Callable[..., Any]]
+Arithmetic: TypeAlias = Mapping[str, Callable[..., Any]]
 
 
 @cache
 def of_numbers() -> Arithmetic:
     """Return the arithmetic of single numbers."""
-    return Arithmetic(
-        operators={
-            ast.Add: lambda a, b: _finite(a + b),
-            ast.Sub: lambda a, b: _finite(a - b),
-            ast.Mult: lambda a, b: _finite(a * b),
-            ast.Div: lambda a, b: _finite(a / b) if b else NO_VALUE,
-            ast.Pow: _power,
-            ast.USub: lambda a: -a,
-            ast.UAdd: lambda a: a,
-            ast.Lt: partial(_compared, lambda a, b: a < b),
-            ast.LtE: partial(_compared, lambda a, b: a <= b),
-            ast.Gt: partial(_compared, lambda a, b: a > b),
-            ast.GtE: partial(_compared, lambda a, b: a >= b),
-            ast.Eq: partial(_compared, lambda a, b: a == b),
-            ast.NotEq: partial(_compared, lambda a, b: a != b),
-        },
-        functions={
-            "min": lambda *values: reduce(_lesser, values),
-            "max": lambda *values: reduce(_greater, values),
-            "abs": abs,
-            "sqrt": lambda a: math.sqrt(a) if a >= 0 else NO_VALUE,
-            "where": lambda c, a, b: NO_VALUE if math.isnan(c) else a if c else b,
-            "clip": lambda a, low, high: _lesser(_greater(a, low), high),
-        },
-    )
+    return {
+        "+": lambda a, b: _finite(a + b),
+        "-": lambda a, b: _finite(a - b),
+        "*": lambda a, b: _finite(a * b),
+        "/": lambda a, b: _finite(a / b) if b else NO_VALUE,
+        "**": _power,
+        "negative": operator.neg,
+        "positive": lambda a: a,
+        "<": partial(_compared, operator.lt),
+        "<=": partial(_compared, operator.le),
+        ">": partial(_compared, operator.gt),
+        ">=": partial(_compared, operator.ge),
+        "==": partial(_compared, operator.eq),
+        "!=": partial(_compared, operator.ne),
+        "min": lambda *values: reduce(_lesser, values),
+        "max": lambda *values: reduce(_greater, values),
+        "abs": abs,
+        "sqrt": lambda a: math.sqrt(a) if a >= 0 else NO_VALUE,
+        "where": lambda c, a, b: NO_VALUE if math.isnan(c) else a if c else b,
+        "clip": lambda a, low, high: _lesser(_greater(a, low), high),
+    }
 
 
 def _finite(number: float) -> float:
@@ -112,38 +101,34 @@ def of_columns() -> Arithmetic:
     def where(c: Column, a: Column, b: Column) -> Column:
         return np.where(np.isnan(c), NO_VALUE, np.where(np.equal(c, 0), b, a))
 
-    return Arithmetic(
-        operators={
-            ast.Add: lambda a, b: finite(np.add(a, b)),
-            ast.Sub: lambda a, b: finite(np.subtract(a, b)),
-            ast.Mult: lambda a, b: finite(np.multiply(a, b)),
-            ast.Div: lambda a, b: finite(np.divide(a, b)),
-            ast.Pow: power,
-            ast.USub: np.negative,
-            ast.UAdd: lambda a: a,
-            ast.Lt: partial(compared, np.less),
-            ast.LtE: partial(compared, np.less_equal),
-            ast.Gt: partial(compared, np.greater),
-            ast.GtE: partial(compared, np.greater_equal),
-            ast.Eq: partial(compared, np.equal),
-            ast.NotEq: partial(compared, np.not_equal),
-        },
-        functions={
-            "min": lambda *values: reduce(np.minimum, values),
-            "max": lambda *values: reduce(np.maximum, values),
-            "abs": np.abs,
-            "sqrt": np.sqrt,
-            "where": where,
-            "clip": lambda a, low, high: np.minimum(np.maximum(a, low), high),
-        },
-    )
+    return {
+        "+": lambda a, b: finite(np.add(a, b)),
+        "-": lambda a, b: finite(np.subtract(a, b)),
+        "*": lambda a, b: finite(np.multiply(a, b)),
+        "/": lambda a, b: finite(np.divide(a, b)),
+        "**": power,
+        "negative": np.negative,
+        "positive": lambda a: a,
+        "<": partial(compared, np.less),
+        "<=": partial(compared, np.less_equal),
+        ">": partial(compared, np.greater),
+        ">=": partial(compared, np.greater_equal),
+        "==": partial(compared, np.equal),
+        "!=": partial(compared, np.not_equal),
+        "min": lambda *values: reduce(np.minimum, values),
+        "max": lambda *values: reduce(np.maximum, values),
+        "abs": np.abs,
+        "sqrt": np.sqrt,
+        "where": where,
+        "clip": lambda a, low, high: np.minimum(np.maximum(a, low), high),
+    }
 
 
 class Calculation:
-    """Computes one parsed formula; not for several threads at once."""
+    """Computes one parsed formula."""
 
     def __init__(self, formula: Parsed) -> None:
-        self._tree = formula.tree
+        self._plain = formula.plain
         self.inputs = formula.inputs
 
     def number(self, values: Mapping[str, float]) -> float:
@@ -151,7 +136,7 @@ class Calculation:
         named = {name: float(values[name]) for name in self.inputs}
         if not all(map(isfinite, named.values())):
             return NO_VALUE
-        return float(self._evaluated(self._of_numbers, named))
+        return float(self._of_numbers(named))
 
     def column(self, values: Mapping[str, Column]) -> Column:
         """Return the values for columns of one length, each equal to that of `number`."""
@@ -160,22 +145,24 @@ class Calculation:
         named = {name: np.asarray(values[name], dtype=np.float64) for name in self.inputs}
         present = np.logical_and.reduce([np.isfinite(column) for column in named.values()])
         with np.errstate(all="ignore"):
-            return np.where(present, self._evaluated(self._of_columns, named), NO_VALUE)
+            return np.where(present, self._of_columns(named), NO_VALUE)
 
     @cached_property
-    def _of_numbers(self) -> SimpleEval:
-        return _evaluator(of_numbers())
+    def _of_numbers(self) -> Callable[[Mapping[str, float]], float]:
+        return _function(self._plain, of_numbers())
 
     @cached_property
-    def _of_columns(self) -> SimpleEval:
-        return _evaluator(of_columns())
-
-    def _evaluated(self, evaluator: SimpleEval, names: Mapping[str, object]) -> Any:  # noqa: ANN401  (a number or a column, as the evaluator's arithmetic is)
-        evaluator.names = names
-        return evaluator.eval("", self._tree)
+    def _of_columns(self) -> Callable[[Mapping[str, Column]], Column]:
+        return _function(self._plain, of_columns())
 
 
-def _evaluator(arithmetic: Arithmetic) -> SimpleEval:
-    from simpleeval import SimpleEval
-
-    return SimpleEval(operators=arithmetic.operators, functions=arithmetic.functions)
+def _function(plain: Term, arithmetic: Arithmetic) -> Callable[[Mapping[str, Any]], Any]:
+    """Return the function that computes a plain form from the channels' values by name."""
+    match plain:
+        case str():
+            return operator.itemgetter(plain)
+        case Operation(name, operands):
+            apply = arithmetic[name]
+            parts = [_function(each, arithmetic) for each in operands]
+            return lambda values: apply(*[part(values) for part in parts])
+    return lambda _: plain
