@@ -20,9 +20,9 @@ from mikas.client.parameters.polling import FixedMethod
 from mikas.link import Chunk, open_link
 from mikas.link.base import Link, LinkWrapper
 from mikas.link.reconnecting import ReconnectingPort
+from mikas.sampling.acquisition import Acquisition
 from mikas.sampling.events import CycleFailed, MethodChosen, Sampled
 from mikas.sampling.plan import PlannedParameter
-from mikas.sampling.sampler import Sampler
 from mikas.tester import Tester
 
 TURN_ROUND = 0.002
@@ -175,7 +175,7 @@ def sample(
     watch: Watch | None = None
     before = 0.0  # when the latest sample came
     names = [f"{each.parameter.name}/{each.divisor}" for each in wanted]
-    sampler = Sampler(plug, make, shipped(), names, method=method or "auto")
+    sampler = Acquisition(plug, make, shipped(), names, method=method or "auto")
     with closing(sampler.run()) as events:
         for event in events:
             if isinstance(event, MethodChosen):

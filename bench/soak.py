@@ -29,8 +29,8 @@ from mikas.errors import PortNotFound
 from mikas.link import Chunk
 from mikas.link.reconnecting import ReconnectingPort
 from mikas.link.virtual import VirtualLink
+from mikas.sampling.acquisition import Acquisition
 from mikas.sampling.events import CycleFailed, Event, ParameterDropped, Sampled, UnitFound
-from mikas.sampling.sampler import Sampler
 from mikas.tester import Tester
 from mikas.virtual.bus import Bus, Stalls
 from mikas.virtual.ecu import VirtualEcu
@@ -196,7 +196,7 @@ def soak(method: FixedMethod, exchanges: int, seed: int) -> Row:
     ecu = VirtualEcu(Responder(car, Identity(0x0A, ("MIKAS",) * 8)))
     plug = Plug(Bus(ecu, fault_injector=injector, stalls=Stalls(1.0, seed=seed)), pulled)
     port = ReconnectingPort("sim:", open_port=plug.open, clock=plug.now, nap=plug.wait)
-    sampler = Sampler(
+    sampler = Acquisition(
         port, lambda link: Ecu(Tester(link), shipped()), shipped(), NAMES, method=method
     )
     judge = Judge(row, car, ignition_off, pulled)

@@ -6,7 +6,9 @@ here. A test that means everything shipped derives its numbers from `mikas.catal
 
 from __future__ import annotations
 
-from mikas.catalog import Catalog, shipped
+from dataclasses import replace
+
+from mikas.catalog import AlarmLimits, Catalog, shipped
 from mikas.virtual.build import build_bus
 
 # Each mnemonic with its code, in the order of §4; RXX, BITPOW and RDET share a code.
@@ -32,3 +34,18 @@ SECTION_4 = Catalog(
     units=shipped().units,
     version=shipped().version,
 )
+
+
+def with_limits(catalog: Catalog, **limits: AlarmLimits | None) -> Catalog:
+    """Return `catalog` with other limits of these channels."""
+    return replace(
+        catalog,
+        parameters=tuple(
+            replace(each, alarm_limits=limits.get(each.name, each.alarm_limits))
+            for each in catalog.parameters
+        ),
+        derived={
+            name: replace(each, alarm_limits=limits.get(name, each.alarm_limits))
+            for name, each in catalog.derived.items()
+        },
+    )

@@ -17,6 +17,7 @@ from mikas.errors import EchoOnly, NoResponse
 from mikas.sampling.alarms import Alarms
 from mikas.sampling.derived import DerivedChannels
 from mikas.sampling.events import CycleFailed, LineState, Sampled, StateChanged
+from protocol_codes import with_limits
 
 rich_console = pytest.importorskip("rich.console")
 CATALOG = load()
@@ -163,7 +164,7 @@ def test_a_derived_channel_is_a_row_like_any_other():
 def test_an_alarm_has_a_colour_and_a_word():
     channels = (CATALOG.parameter("TWAT"),)
     hot = {"TWAT": reading("TWAT", b"\xaa")}
-    alarms = Alarms(CATALOG, {"TWAT": AlarmLimits(warning_high=100, danger_high=110)})
+    alarms = Alarms(with_limits(CATALOG, TWAT=AlarmLimits(warning_high=100, danger_high=110)))
     raised = alarms.update(hot, 1.0)
     lines = drawn(80, 24, Sampled(1.0, hot, {}), *raised, channels=channels,
                   color_system="standard")  # fmt: skip

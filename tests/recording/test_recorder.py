@@ -32,6 +32,7 @@ from mikas.recording.recorder import Recorder
 from mikas.sampling.alarms import Alarms
 from mikas.sampling.events import LineState, MethodChosen, ParameterDropped
 from mikas.sampling.session import SamplingSession
+from protocol_codes import with_limits
 
 
 def test_it_writes_between_start_and_stop(recorder, tmp_path):
@@ -234,7 +235,7 @@ def test_alarms_what_was_learnt_markers_and_words(recorder, tmp_path):
     file = tmp_path / "a.pcapng"
     recorder.start(file, url="sim:")
     begin_session(recorder)
-    alarms = Alarms(CATALOG, {"TWAT": AlarmLimits(warning_high=100)})
+    alarms = Alarms(with_limits(CATALOG, TWAT=AlarmLimits(warning_high=100)))
     for event in alarms.update({"TWAT": 120.0}, 3.0):
         take(recorder, event)
     take(recorder, MethodChosen(4.0, "stream", {"stream": 33.0, "list": 0.0}, Limits()))

@@ -40,7 +40,7 @@ def by_the_scalar_rule(catalog, name, times, values):
     limits = [each for each in limits_of(catalog) if each.name == name]
     for time, value in zip(times, values, strict=True):
         alarms.update({name: value}, time)
-        state = alarms.current()[name]
+        state = alarms.states[name]
         if np.isnan(value):
             continue
         for limit in limits:

@@ -13,9 +13,9 @@ from mikas.errors import PortNotFound
 from mikas.link import Chunk, Link
 from mikas.link.base import WireCount
 from mikas.link.virtual import VirtualLink
+from mikas.sampling.acquisition import Acquisition
 from mikas.sampling.events import Event, MethodChosen, Sampled
 from mikas.sampling.plan import PlannedParameter
-from mikas.sampling.sampler import Sampler
 from mikas.tester import Tester
 from mikas.virtual.bus import Bus
 from protocol_codes import SECTION_4
@@ -109,8 +109,8 @@ def make_sampler(
     state: Path | None = None,
     confirm: Confirm | None = None,
     **settings: object,
-) -> Sampler:
-    return Sampler(plug, ecu_factory(state, confirm), SECTION_4, words, **settings)
+) -> Acquisition:
+    return Acquisition(plug, ecu_factory(state, confirm), SECTION_4, words, **settings)
 
 
 def take(

@@ -13,6 +13,7 @@ from sampling_harness import SimulatedPlug, ecu_factory, make_sampler, of, take
 from mikas.errors import EchoOnly, MikasError, NoEcho, PortBusy, RecordingOver, SyncLost
 from mikas.link.reconnecting import ReconnectingPort
 from mikas.link.urls import open_link
+from mikas.sampling.acquisition import Acquisition
 from mikas.sampling.events import Event, LineState, Sampled, StateChanged
 from mikas.sampling.line_state import (
     TRANSITIONS,
@@ -21,7 +22,6 @@ from mikas.sampling.line_state import (
     LineTrigger,
     trigger_of,
 )
-from mikas.sampling.sampler import Sampler
 from mikas.virtual.bus import AdapterKind
 from mikas.virtual.fault_injector import LineFault
 from mikas.virtual.quirks import GROUPS, EcuQuirks, Unknown
@@ -303,7 +303,7 @@ def test_the_end_of_a_recording_and_stop_end_the_run(
 def test_an_elm327_ends_the_run_before_any_state(reached: list[Cell]) -> None:
     port = ReconnectingPort("sim:?adapter=elm327&clock=simulated", open_port=open_link)
     with pytest.raises(MikasError):
-        list(Sampler(port, ecu_factory(), SECTION_4, ["FREQ"]).run())
+        list(Acquisition(port, ecu_factory(), SECTION_4, ["FREQ"]).run())
     assert reached == [(None, LineTrigger.ENDED)]
 
 

@@ -7,8 +7,8 @@ from contextlib import closing
 import pytest
 from sampling_harness import SimulatedPlug, make_sampler, of, settled, take
 
+from mikas.sampling.acquisition import Acquisition
 from mikas.sampling.events import CycleFailed, Event, MethodChosen, PlanChanged, Sampled, UnitFound
-from mikas.sampling.sampler import Sampler
 from mikas.virtual.quirks import EcuQuirks
 from virtual_harness import make_bus
 
@@ -20,7 +20,7 @@ def trying(events: list[Event]) -> bool:
     return bool(of(UnitFound, events)) and isinstance(events[-1], Sampled)
 
 
-def slow() -> tuple[SimulatedPlug, Sampler]:
+def slow() -> tuple[SimulatedPlug, Acquisition]:
     """Measures batch first, then list: a rate is wanted. Each takes 3 s."""
     plug = SimulatedPlug(make_bus(quirks=EcuQuirks(turn_round=0.4)))
     return plug, make_sampler(plug, rate=50.0)

@@ -31,6 +31,7 @@ from mikas.errors import (
 )
 from mikas.link import Link, Port
 from mikas.link.reconnecting import ReconnectingPort, _AheadLink
+from mikas.sampling.acquisition import Acquisition
 from mikas.sampling.events import (
     AdapterMoved,
     CycleFailed,
@@ -41,7 +42,6 @@ from mikas.sampling.events import (
     StateChanged,
     UnitFound,
 )
-from mikas.sampling.sampler import Sampler
 from mikas.virtual.bus import AdapterKind
 from mikas.virtual.fault_injector import FaultInjector, LineFault
 from mikas.virtual.quirks import EcuQuirks
@@ -136,7 +136,7 @@ def test_an_elm327_ends_it():
 
     plug = ReconnectingPort("sim:?adapter=elm327&clock=simulated", open_port=open_link)
     with pytest.raises(NotAKLineAdapter):
-        list(Sampler(plug, ecu_factory(), SECTION_4, ["FREQ"]).run())
+        list(Acquisition(plug, ecu_factory(), SECTION_4, ["FREQ"]).run())
 
 
 def test_a_lost_adapter_is_a_gap_with_its_reason():
@@ -217,7 +217,7 @@ def test_a_date_set_while_the_adapter_is_out_makes_no_time_run_back(method, hour
     plug = ReconnectingPort("sim:", open_port=open_link, clock=socket.now, nap=socket.wait)
     reported = []
     with closing(
-        Sampler(plug, ecu_factory(), SECTION_4, ["FREQ", "INJ"], method=method).run()
+        Acquisition(plug, ecu_factory(), SECTION_4, ["FREQ", "INJ"], method=method).run()
     ) as events:
         for _ in range(3):
             reported += take(events, enough)
@@ -251,7 +251,9 @@ def test_the_right_adapter_is_taken_under_another_name_and_a_strangers_car_is_ne
         clock=ours.now,
         nap=ours.wait,
     )
-    with closing(Sampler(plug, ecu_factory(), SECTION_4, ["FREQ"], method="batch").run()) as events:
+    with closing(
+        Acquisition(plug, ecu_factory(), SECTION_4, ["FREQ"], method="batch").run()
+    ) as events:
         take(events, enough)
         plugged[:] = [cable("/dev/ttyUSB0", "B2")]
         ours.pull()

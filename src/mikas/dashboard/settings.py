@@ -181,7 +181,7 @@ class PortSettings:
 class PlanSettings:
     """The channels to sample. `every`: a divisor for each name; 10 means every tenth cycle.
 
-    `first`: those that come first where each channel costs time (`Sampler.prefer`).
+    `first`: those that come first where each channel costs time (`Acquisition.prefer`).
     """
 
     every: dict[str, int]

@@ -1,10 +1,9 @@
 """Alarms: channels beyond their limits, and the events at which an alarm level changes.
 
     values ──► Alarms.update ──► AlarmChanged      at each change of level
-                     └── Alarms.current()          for a display, at any time
 
 A level begins beyond its limit and ends when the value is back within it by the hysteresis: noise
-at a limit makes one event. A missing value changes no level; the state is marked stale.
+at a limit makes one event. A missing value changes no level.
 """
 
 from __future__ import annotations
@@ -17,7 +16,6 @@ from typing import TypeAlias
 
 from mikas.catalog import AlarmLimits, Catalog, Derived, Level, Parameter
 from mikas.client.parameters.parameters import Reading
-from mikas.errors import UsageError
 from mikas.i18n import Text
 from mikas.sampling.derived import DerivedValue, number_of
 from mikas.sampling.events import AlarmChanged
@@ -25,6 +23,7 @@ from mikas.sampling.events import AlarmChanged
 Value: TypeAlias = Reading | DerivedValue | float | None
 """A bare number is in the corrected interpretation and of the sample's time."""
 
+_FRESH = 1.0  # s; a value that is older than its sample by more is missing
 _LEVELS = tuple(Level)
 LEVEL_TEXTS = {
     Level.NONE: Text("no alarm", "тревоги нет"),
@@ -45,10 +44,9 @@ _BEYOND = {Side.LOW: Text("below", "ниже"), Side.HIGH: Text("above", "выш
 
 @dataclass(frozen=True, slots=True)
 class AlarmState:
-    """The alarm of a channel: `level` since the time `since`, by `value` of the time `time`.
+    """The alarm of a channel, by `value`, its latest one; None before the first.
 
-    `side` and `limit` are None without an alarm, `value` and both times before the first value.
-    `stale`: the last sample had no value.
+    `side` and `limit` are None without an alarm.
     """
 
     channel: Parameter | Derived
@@ -56,69 +54,32 @@ class AlarmState:
     side: Side | None = None
     limit: float | None = None
     value: float | None = None
-    time: float | None = None
-    since: float | None = None
-    stale: bool = True
 
 
 class Alarms:
-    """Compares each channel with its limits: those of `limits`, else the catalog's.
+    """Compares each channel of `catalog` that has limits with these."""
 
-    `limits` is by the channel's name or raw code; None switches a channel's alarms off. A value
-    more than `fresh` seconds older than its sample is missing. Raises `UnknownParameter`, and
-    `UsageError` for a flag with a number's limits or a number with a flag's.
-    """
-
-    def __init__(
-        self,
-        catalog: Catalog,
-        limits: Mapping[str, AlarmLimits | None] | None = None,
-        *,
-        fresh: float = 1.0,
-    ) -> None:
-        channels: dict[str, Parameter | Derived] = {each.name: each for each in catalog.parameters}
-        channels |= catalog.derived
-        chosen = {name: each.alarm_limits for name, each in channels.items()}
-        for name, own in (limits or {}).items():
-            channel = catalog.channel(name)
-            channels[channel.name], chosen[channel.name] = channel, own
-        self._fresh = fresh
-        self._limits = {name: each for name, each in chosen.items() if each is not None}
-        for name, each in self._limits.items():
-            _check(channels[name], each)
-        self._states = {name: AlarmState(channels[name]) for name in self._limits}
-
-    @property
-    def channels(self) -> tuple[Parameter | Derived, ...]:
-        """The channels that have limits."""
-        return tuple(state.channel for state in self._states.values())
-
-    def current(self) -> dict[str, AlarmState]:
-        """Return the state of each channel that has limits, by name."""
-        return dict(self._states)
+    def __init__(self, catalog: Catalog) -> None:
+        self.states: dict[str, AlarmState] = {}
+        """The state of each channel that has limits, by name."""
+        self._limits: dict[str, AlarmLimits] = {}
+        channels: tuple[Parameter | Derived, ...] = (*catalog.parameters, *catalog.derived.values())
+        for channel in channels:
+            if channel.alarm_limits is not None:
+                self.states[channel.name] = AlarmState(channel)
+                self._limits[channel.name] = channel.alarm_limits
 
     def update(self, values: Mapping[str, Value], time: float) -> list[AlarmChanged]:
         """Return the changes of level by this sample, in the order of the catalog."""
         events = []
         for name, limits in self._limits.items():
-            state, value = self._states[name], self._number(values.get(name), time)
+            state, value = self.states[name], _number(values.get(name), time)
             if not isfinite(value):
-                self._states[name] = replace(state, stale=True)
                 continue
             level, side, limit = _level_of(limits, state, value)
-            changed = (level, side) != (state.level, state.side)
-            self._states[name] = AlarmState(
-                channel=state.channel,
-                level=level,
-                side=side,
-                limit=limit,
-                value=value,
-                time=time,
-                since=time if changed or state.since is None else state.since,
-                stale=False,
-            )
-            if changed:
-                events.append(_event(state, self._states[name], value, time))
+            self.states[name] = AlarmState(state.channel, level, side, limit, value)
+            if (level, side) != (state.level, state.side):
+                events.append(_event(state, self.states[name], value, time))
         return events
 
     def continue_from(self, before: Alarms, time: float) -> list[AlarmChanged]:
@@ -126,17 +87,18 @@ class Alarms:
         alarms: these begin again at the next value that is beyond the present limits.
         """
         ended = []
-        for name, state in before.current().items():
+        for name, state in before.states.items():
             if self._limits.get(name) == before._limits[name]:
-                self._states[name] = replace(state, channel=self._states[name].channel)
+                self.states[name] = replace(state, channel=self.states[name].channel)
             elif state.level is not Level.NONE:
                 ended.append(_other_limits(state, time))
         return ended
 
-    def _number(self, value: Value, time: float) -> float:
-        if isinstance(value, Reading | DerivedValue):
-            return number_of(value) if abs(time - value.time) <= self._fresh else nan
-        return nan if value is None else float(value)
+
+def _number(value: Value, time: float) -> float:
+    if isinstance(value, Reading | DerivedValue):
+        return number_of(value) if abs(time - value.time) <= _FRESH else nan
+    return nan if value is None else float(value)
 
 
 def _level_of(
@@ -216,19 +178,3 @@ def _sentence(before: Level, now: AlarmState, *, better: bool) -> Text:
 def _with_unit(number: str, unit: Text) -> Text:
     """Return a number with its unit; Russian has a decimal comma."""
     return Text(f"{number} {unit.en}".rstrip(), f"{number.replace('.', ',')} {unit.ru}".rstrip())
-
-
-def _check(channel: Parameter | Derived, limits: AlarmLimits) -> None:
-    if channel.is_flag and limits.for_number:
-        problem = Text(
-            f"{channel.name} is a flag: it has no limits but `when_true`",
-            f"{channel.name} — признак: у него нет пределов, кроме `when_true`",
-        )
-    elif limits.for_flag and not channel.is_flag:
-        problem = Text(
-            f"{channel.name} is a number: `when_true` is for flags",
-            f"{channel.name} — число: `when_true` бывает у признаков",
-        )
-    else:
-        return
-    raise UsageError(problem=problem)

@@ -10,7 +10,7 @@
 
 An event without a cell in the present state's row of `TRANSITIONS` cannot occur there: a bug of the
 caller, and `ImpossibleTransition` is raised. The machine has no port, clock or unit; `supervisor`
-and `sampler` observe these and report the events.
+and `acquisition` observe these and report the events.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""One session: the sampler's events, and those that follow from several of them.
+"""One session: the acquisition's events, and those that follow from several of them.
 
     Acquisition ── events ──► SamplingSession ──► the recorder, then the consumer
                 ◄── jobs ───  gaps, stored faults, another unit, counts
@@ -82,7 +82,7 @@ class SamplingSession:
         self._lock = threading.Lock()  # of the tracker
 
     def run(self, acquisition: Acquisition) -> Generator[Event, None, None]:
-        """Yield the events of a connection, recorded before. Raises as `Sampler.run`."""
+        """Yield the events of a connection, recorded before. Raises as `Acquisition.run`."""
         self.begin(acquisition)
         with closing(acquisition.run()) as events:
             for event in events:

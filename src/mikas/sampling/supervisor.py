@@ -127,6 +127,7 @@ class ConnectionSupervisor:
             return None
         if another := self._is_another(unit):
             self._context.forget_unit()
+            self._context.forget_totals()
         elif self._known is not None:
             unit = unit.filled_from(self._known)
         self._unnamed = None

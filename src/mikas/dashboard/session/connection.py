@@ -279,7 +279,7 @@ class SamplingPlanner:
             self._monitor.set_names(request.every)
 
     def prefer(self, names: Sequence[str]) -> None:
-        """Let these channels come first, as `Sampler.prefer`. Raises `UnknownParameter`."""
+        """Let these channels come first, as `Acquisition.prefer`. Raises `UnknownParameter`."""
         with self._lock:
             first = tuple(dict.fromkeys(self._catalog.channel(name).name for name in names))
             if (thread := self._connection.thread) is not None:

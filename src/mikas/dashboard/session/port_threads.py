@@ -73,7 +73,7 @@ class SamplingThread(threading.Thread):
     """Samples from the port until `stop`.
 
     `on_event` gets the events; `on_end` the error, if sampling ended by itself. `before`: as for
-    `Sampler`.
+    `Acquisition`.
     """
 
     def __init__(

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections import deque
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from math import inf
 from operator import attrgetter
@@ -11,8 +12,9 @@ from mikas.client import Ecu, Reading
 from mikas.client.parameters.polling import FixedMethod, check_rate, next_due
 from mikas.commands import Datum
 from mikas.errors import LineNotQuiet
-from mikas.sampling.derived import DerivedValue
-from mikas.sampling.events import PlanChanged, Sampled
+from mikas.sampling.alarms import Alarms
+from mikas.sampling.derived import DerivedChannels, numbers_of
+from mikas.sampling.events import AlarmChanged, PlanChanged, Sampled
 from mikas.sampling.jobs import JobQueue
 from mikas.sampling.plan import Plan, Selection
 from mikas.sampling.running.method_knowledge import MethodKnowledge
@@ -70,14 +72,21 @@ class SamplingContext:
         """Names of parameters that the unit has answered."""
         self.due = -inf
         """The beginning of the next cycle, with a rate or in a cycle without requests."""
-        self.derive: Callable[[Mapping[str, Reading], float], Mapping[str, DerivedValue]]
-        """Returns the derived channels of a sample."""
-        self.derive = lambda *_: {}
+        self.pending_alarms: deque[AlarmChanged] = deque()
+        """Those of the latest sample that are still to be yielded."""
         self._last: dict[str, Reading] = {}
+        self._selection = request.selection  # of the plan reported last
+        self.forget_totals()
 
     def start_run(self) -> None:
         """Forget what the run before has reported."""
         self.stopped = self.has_sampled = self.is_reported = False
+        self.pending_alarms.clear()
+
+    def forget_totals(self) -> None:
+        """Begin derived channels and alarms anew: those before are another car's."""
+        self._derived = DerivedChannels(self._selection.catalog, self._selection.derived)
+        self._alarms = Alarms(self._selection.catalog)
 
     def forget_unit(self) -> None:
         """Forget methods, refusals and values of the unit."""
@@ -103,15 +112,31 @@ class SamplingContext:
         """Whether `request` is the latest request, without `stop` or `relearn`."""
         return self.request is self.latest and not self.relearn and not self.stopped
 
-    def report_plan(self, plan: Plan, time: float) -> Iterator[PlanChanged]:
+    def report_plan(self, plan: Plan, time: float) -> Iterator[PlanChanged | AlarmChanged]:
         """Report `plan`, unless it was reported for the request."""
         if not self.is_reported or self.plan != plan:
             self.is_reported, self.plan = True, plan
             self._forget_values_outside(plan)
+            ended = self._adopt_selection(time)
             yield PlanChanged(time, plan, self.request.selection.catalog.version)
+            yield from ended
 
-    def sampled(self, fresh: dict[str, Reading]) -> Iterator[Sampled]:
-        """Yield the sample of `fresh` readings, the latest of the others as stale.
+    def _adopt_selection(self, time: float) -> list[AlarmChanged]:
+        """Compute the channels of the request; return the alarms that another catalog ends."""
+        selection, before = self.request.selection, self._selection
+        if before is selection:
+            return []
+        self._selection, derived, alarms = selection, self._derived, self._alarms
+        self._derived = DerivedChannels(selection.catalog, selection.derived)
+        requested = [planned.parameter.name for planned in selection.parameters]
+        self._derived.continue_from(derived, requested)
+        if before.catalog is selection.catalog:
+            return []
+        self._alarms = Alarms(selection.catalog)
+        return self._alarms.continue_from(alarms, time)
+
+    def sampled(self, fresh: dict[str, Reading]) -> Iterator[Sampled | AlarmChanged]:
+        """Yield the sample of `fresh` readings, the latest of the others as stale; then its alarms.
 
         None without readings, or before the requested rate allows one.
         """
@@ -126,7 +151,14 @@ class SamplingContext:
             return
         if rate:
             self._schedule_after(time, 1 / rate)
-        yield Sampled(time, fresh, stale, self.derive(fresh, time))
+        numbers = numbers_of(fresh)
+        derived = self._derived.update(fresh, time, numbers)
+        # Values of this cycle are fresh, however long it lasts; only the others have an age.
+        changed = self._alarms.update({**stale, **numbers, **derived}, time)
+        self.pending_alarms.extend(changed)
+        yield Sampled(time, fresh, stale, derived)
+        while self.pending_alarms:
+            yield self.pending_alarms.popleft()
 
     def schedule_empty_cycle(self, time: float, length: float) -> None:
         """End a cycle without requests by the rate, else after `length` seconds."""
