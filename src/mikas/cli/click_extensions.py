@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import fields
+from dataclasses import field, fields
 from functools import wraps
 from importlib import import_module
 from typing import Any, TypeVar
@@ -17,6 +17,8 @@ from mikas.cli.render.terminal import write_error
 from mikas.i18n import Text
 
 F = TypeVar("F", bound=Callable[..., Any])
+T = TypeVar("T")
+_OPTION = "option"  # key of a field's metadata
 
 
 def option(*names: str, en: str, ru: str, **settings: Any) -> Callable[[F], F]:
@@ -24,23 +26,40 @@ def option(*names: str, en: str, ru: str, **settings: Any) -> Callable[[F], F]:
     return click.option(*names, cls=LocalizedOption, en=en, ru=ru, **settings)
 
 
-def grouped(
-    kind: type[Any], *options: Callable[[Callable[..., Any]], Callable[..., Any]]
-) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """Return a decorator that adds `options`; the command gets them as one dataclass `kind`.
+def option_field(default: T, *names: str, en: str, ru: str, **settings: Any) -> T:
+    """Return a field of a dataclass for `grouped`: an option of the field's name."""
+    return field(default=default, metadata={_OPTION: option(*names, en=en, ru=ru, **settings)})
 
-    `kind` has a field for each option; it is the argument after the context, before those of the
-    decorators above.
+
+def optional_field(*names: str, parse: Callable[[str], T], **settings: Any) -> T | None:
+    """As `option_field`, for a text that `parse` reads; None: the option is not given."""
+    return option_field(None, *names, type=parse, **settings)
+
+
+def flag_field(*names: str, en: str, ru: str) -> bool:
+    """As `option_field`, for an option without a value."""
+    return option_field(False, *names, is_flag=True, en=en, ru=ru)
+
+
+def grouped(
+    kind: type[Any], *more: Callable[..., Any]
+) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Return a decorator that adds the options of `kind`, a dataclass, and `more` parameters.
+
+    The command gets an instance of `kind` as the argument after the context, before those of the
+    decorators above. A field without an option is filled by the parameter of its name.
     """
+    options = [each.metadata[_OPTION] for each in fields(kind) if _OPTION in each.metadata]
 
     def decorate(function: Callable[..., Any]) -> Callable[..., Any]:
         @wraps(function)
         def call(context: object, *groups: object, **values: Any) -> Any:  # noqa: ANN401  (as the command)
-            group = kind(**{field.name: values.pop(field.name) for field in fields(kind)})
+            given = {each.name: values.pop(each.name) for each in fields(kind)}
+            group = kind(**{name: value for name, value in given.items() if value is not None})
             return function(context, group, *groups, **values)
 
         command: Callable[..., Any] = call
-        for add in reversed(options):
+        for add in reversed((*options, *more)):
             command = add(command)
         return command
 

@@ -8,7 +8,7 @@ from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from mikas.cli.click_extensions import command, grouped, option
+from mikas.cli.click_extensions import command, flag_field, grouped, option_field, optional_field
 from mikas.cli.context import CommandContext
 from mikas.cli.failures import DONE
 from mikas.cli.language import current_language, tr
@@ -30,79 +30,65 @@ if TYPE_CHECKING:
 class PublishOptions:
     """Which messages are published, and how often."""
 
-    every: float = 1.0
-    each: bool = False
-    samples: bool = False
-    qos: int = 0
-    home_assistant: bool = False
-    discovery_prefix: str | None = None
-    name: str | None = None
-    wait: bool = False
-    remove: bool = False
-
-
-publish_options = grouped(
-    PublishOptions,
-    option(
+    every: float = option_field(
+        1.0,
         "--every",
         type=number(above=0),
-        default="1",
         metavar="S",
         en="seconds between two messages of values (1); --rate is how often the unit is asked",
         ru="секунд между сообщениями со значениями (1); --rate — как часто опрашивать блок",
-    ),
-    option(
+    )
+    each: bool = flag_field(
         "--each",
-        is_flag=True,
         en="each value under a topic of its own, too: TOPIC/value/NAME",
         ru="каждое значение ещё и под своей темой: TOPIC/value/NAME",
-    ),
-    option(
+    )
+    samples: bool = flag_field(
         "--samples",
-        is_flag=True,
         en="every sample, too, several in a message: for a database; kept while the broker is away",
         ru="ещё и все замеры, по нескольку в сообщении: для базы данных; пока брокера нет, "
         "сохраняются",
-    ),
-    option(
+    )
+    qos: int = option_field(
+        0,
         "--qos",
         type=whole(0, 2),
-        default="0",
         metavar="N",
         en="quality of service of the values, 0 to 2 (0); of all others 1",
         ru="качество доставки значений, от 0 до 2 (0); у остального 1",
-    ),
-    option(
+    )
+    home_assistant: bool = flag_field(
         "--home-assistant",
-        is_flag=True,
         en="make the car a device of Home Assistant",
         ru="сделать машину устройством Home Assistant",
-    ),
-    option(
+    )
+    discovery_prefix: str | None = optional_field(
         "--discovery-prefix",
+        parse=str,
         metavar="TOPIC",
         en="where Home Assistant looks for devices (homeassistant)",
         ru="где Home Assistant ищет устройства (homeassistant)",
-    ),
-    option(
+    )
+    name: str | None = optional_field(
         "--name",
+        parse=str,
         metavar="TEXT",
         en="name of that device (the last word of TOPIC)",
         ru="название этого устройства (последнее слово TOPIC)",
-    ),
-    option(
+    )
+    wait: bool = flag_field(
         "--wait",
-        is_flag=True,
         en="wait for broker, adapter and unit at the start, too: for a service",
         ru="ждать брокера, адаптер и блок и при запуске: для службы",
-    ),
-    option(
+    )
+    remove: bool = flag_field(
         "--remove",
-        is_flag=True,
         en="delete the device and all that the broker keeps under TOPIC (needs no port)",
         ru="удалить устройство и всё, что брокер хранит под TOPIC (порт не нужен)",
-    ),
-)
+    )
+
+
+publish_options = grouped(PublishOptions)
 
 
 @command(

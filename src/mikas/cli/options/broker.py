@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from mikas.cli.click_extensions import grouped, option
+from mikas.cli.click_extensions import grouped, optional_field
 from mikas.cli.options.parameter_types import any_file
 from mikas.i18n import Text
 
@@ -24,13 +24,57 @@ class BrokerOptions:
     """The broker's address and its options; None: not given."""
 
     address: str
-    topic: str | None = None
-    user: str | None = None
-    password_file: Path | None = None
-    client_id: str | None = None
-    tls_ca: Path | None = None
-    tls_cert: Path | None = None
-    tls_key: Path | None = None
+    topic: str | None = optional_field(
+        "--topic",
+        parse=str,
+        metavar="TOPIC",
+        en="topic under which all is published (mikas/car); another one for each car",
+        ru="тема, под которой всё публикуется (mikas/car); у каждой машины своя",
+    )
+    user: str | None = optional_field(
+        "--user",
+        parse=str,
+        metavar="NAME",
+        en="user name for the broker (MIKAS_MQTT_USER)",
+        ru="имя на брокере (MIKAS_MQTT_USER)",
+    )
+    password_file: Path | None = optional_field(
+        "--password-file",
+        parse=any_file,
+        metavar="FILE",
+        en="file whose first line is the password (or MIKAS_MQTT_PASSWORD); one in the address "
+        "can be read in the list of processes",
+        ru="файл с паролем в первой строке (или MIKAS_MQTT_PASSWORD); пароль в адресе виден в "
+        "списке процессов",
+    )
+    client_id: str | None = optional_field(
+        "--client-id",
+        parse=str,
+        metavar="NAME",
+        en="name of this client; the broker lets in one of a name (made of TOPIC)",
+        ru="имя клиента; с одним именем брокер пускает только одного (составляется из TOPIC)",
+    )
+    tls_ca: Path | None = optional_field(
+        "--tls-ca",
+        parse=any_file,
+        metavar="FILE",
+        en="certificate of the authority to trust, with mqtts:// (PEM; the system's)",
+        ru="сертификат центра, которому доверять, для mqtts:// (PEM; иначе системные)",
+    )
+    tls_cert: Path | None = optional_field(
+        "--tls-cert",
+        parse=any_file,
+        metavar="FILE",
+        en="certificate of this client, if the broker demands one (PEM)",
+        ru="сертификат этого клиента, если его требует брокер (PEM)",
+    )
+    tls_key: Path | None = optional_field(
+        "--tls-key",
+        parse=any_file,
+        metavar="FILE",
+        en="its private key (PEM)",
+        ru="закрытый ключ к нему (PEM)",
+    )
 
     def destination(self, *, patient: bool = False) -> Destination:
         """Return the destination. Raises `UsageError`."""
@@ -47,56 +91,5 @@ class BrokerOptions:
         return Destination(broker, topics, self.client_id or topics.identifier, patient)
 
 
-broker_options = grouped(
-    BrokerOptions,
-    click.argument("address", metavar="mqtt://HOST"),
-    option(
-        "--topic",
-        metavar="TOPIC",
-        en="topic under which all is published (mikas/car); another one for each car",
-        ru="тема, под которой всё публикуется (mikas/car); у каждой машины своя",
-    ),
-    option(
-        "--user",
-        metavar="NAME",
-        en="user name for the broker (MIKAS_MQTT_USER)",
-        ru="имя на брокере (MIKAS_MQTT_USER)",
-    ),
-    option(
-        "--password-file",
-        type=any_file,
-        metavar="FILE",
-        en="file whose first line is the password (or MIKAS_MQTT_PASSWORD); one in the address "
-        "can be read in the list of processes",
-        ru="файл с паролем в первой строке (или MIKAS_MQTT_PASSWORD); пароль в адресе виден в "
-        "списке процессов",
-    ),
-    option(
-        "--client-id",
-        metavar="NAME",
-        en="name of this client; the broker lets in one of a name (made of TOPIC)",
-        ru="имя клиента; с одним именем брокер пускает только одного (составляется из TOPIC)",
-    ),
-    option(
-        "--tls-ca",
-        type=any_file,
-        metavar="FILE",
-        en="certificate of the authority to trust, with mqtts:// (PEM; the system's)",
-        ru="сертификат центра, которому доверять, для mqtts:// (PEM; иначе системные)",
-    ),
-    option(
-        "--tls-cert",
-        type=any_file,
-        metavar="FILE",
-        en="certificate of this client, if the broker demands one (PEM)",
-        ru="сертификат этого клиента, если его требует брокер (PEM)",
-    ),
-    option(
-        "--tls-key",
-        type=any_file,
-        metavar="FILE",
-        en="its private key (PEM)",
-        ru="закрытый ключ к нему (PEM)",
-    ),
-)
+broker_options = grouped(BrokerOptions, click.argument("address", metavar="mqtt://HOST"))
 """The address of the broker and its options."""

@@ -12,7 +12,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from mikas.cli.click_extensions import grouped, option
+from mikas.cli.click_extensions import grouped, option_field, optional_field
 from mikas.cli.options.parameter_types import whole
 from mikas.errors import UsageError
 
@@ -26,10 +26,34 @@ if TYPE_CHECKING:
 class CarOptions:
     """The options; empty or None: not given."""
 
-    car: str = ""
-    plate: str = ""
-    mileage: int | None = None
-    workshop: str = ""
+    car: str = option_field(
+        "",
+        "--car",
+        metavar="TEXT",
+        en="the car, as “Volga 3110”; kept for this unit",
+        ru="машина, «Волга 3110»; запоминается",
+    )
+    plate: str = option_field(
+        "",
+        "--plate",
+        metavar="TEXT",
+        en="its number plate; kept for this unit",
+        ru="госномер; запоминается",
+    )
+    mileage: int | None = optional_field(
+        "--mileage",
+        parse=whole(0, 9_999_999),
+        metavar="KM",
+        en="its mileage now, in km",
+        ru="пробег сейчас, км",
+    )
+    workshop: str = option_field(
+        "",
+        "--workshop",
+        metavar="TEXT",
+        en="who measures; kept for all cars",
+        ru="кто проводит измерение; запоминается",
+    )
 
     @property
     def details(self) -> CarDetails:
@@ -62,35 +86,5 @@ class CarOptions:
         return note
 
 
-car_options = grouped(
-    CarOptions,
-    option(
-        "--car",
-        default="",
-        metavar="TEXT",
-        en="the car, as “Volga 3110”; kept for this unit",
-        ru="машина, «Волга 3110»; запоминается",
-    ),
-    option(
-        "--plate",
-        default="",
-        metavar="TEXT",
-        en="its number plate; kept for this unit",
-        ru="госномер; запоминается",
-    ),
-    option(
-        "--mileage",
-        type=whole(0, 9_999_999),
-        metavar="KM",
-        en="its mileage now, in km",
-        ru="пробег сейчас, км",
-    ),
-    option(
-        "--workshop",
-        default="",
-        metavar="TEXT",
-        en="who measures; kept for all cars",
-        ru="кто проводит измерение; запоминается",
-    ),
-)
+car_options = grouped(CarOptions)
 """The options that `log` and `report` share."""

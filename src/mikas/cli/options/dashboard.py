@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from mikas.cli.click_extensions import grouped, option
+from mikas.cli.click_extensions import flag_field, grouped, optional_field
 from mikas.cli.options.parameter_types import existing_file, whole
 from mikas.errors import usage_error
 
@@ -17,14 +17,52 @@ class DashboardOptions:
     Raises `UsageError` for a folder that can't be used.
     """
 
-    host_port: int | None = None
-    lan: bool = False
-    lan_control: bool = False
-    no_browser: bool = False
-    record: Path | None = None
-    tls_cert: Path | None = None
-    tls_key: Path | None = None
-    no_tls: bool = False
+    host_port: int | None = optional_field(
+        "--host-port",
+        parse=whole(1, 65535),
+        metavar="N",
+        en="TCP port of the page (8071, or the next free one)",
+        ru="порт TCP для страницы (8071 или следующий свободный)",
+    )
+    lan: bool = flag_field(
+        "--lan",
+        en="allow viewing from the network, encrypted, by a link with a key (also a QR code)",
+        ru="разрешить просмотр из сети, с шифрованием, по ссылке с ключом (есть и QR-код)",
+    )
+    lan_control: bool = flag_field(
+        "--lan-control",
+        en="allow control from the network, not only viewing",
+        ru="разрешить из сети и управление, не только просмотр",
+    )
+    tls_cert: Path | None = optional_field(
+        "--tls-cert",
+        parse=existing_file,
+        metavar="FILE",
+        en="certificate of your own for the network (PEM); otherwise mikas makes one",
+        ru="свой сертификат для доступа из сети (PEM); иначе его сделает mikas",
+    )
+    tls_key: Path | None = optional_field(
+        "--tls-key",
+        parse=existing_file,
+        metavar="FILE",
+        en="its private key (PEM)",
+        ru="закрытый ключ к нему (PEM)",
+    )
+    no_tls: bool = flag_field(
+        "--no-tls",
+        en="do not encrypt in the network: others there can read the key of the link",
+        ru="не шифровать в сети: ключ из ссылки смогут прочитать другие в ней",
+    )
+    no_browser: bool = flag_field(
+        "--no-browser", en="only print the address", ru="только напечатать адрес"
+    )
+    record: Path | None = optional_field(
+        "--record",
+        parse=Path,
+        metavar="DIR",
+        en="folder for recordings and dumps (mikas in your documents)",
+        ru="папка для записей и дампов (mikas в «Документах»)",
+    )
 
     def __post_init__(self) -> None:
         self.lan = self.lan or self.lan_control
@@ -53,54 +91,5 @@ class DashboardOptions:
             )
 
 
-dashboard_options = grouped(
-    DashboardOptions,
-    option(
-        "--host-port",
-        type=whole(1, 65535),
-        metavar="N",
-        en="TCP port of the page (8071, or the next free one)",
-        ru="порт TCP для страницы (8071 или следующий свободный)",
-    ),
-    option(
-        "--lan",
-        is_flag=True,
-        en="allow viewing from the network, encrypted, by a link with a key (also a QR code)",
-        ru="разрешить просмотр из сети, с шифрованием, по ссылке с ключом (есть и QR-код)",
-    ),
-    option(
-        "--lan-control",
-        is_flag=True,
-        en="allow control from the network, not only viewing",
-        ru="разрешить из сети и управление, не только просмотр",
-    ),
-    option(
-        "--tls-cert",
-        type=existing_file,
-        metavar="FILE",
-        en="certificate of your own for the network (PEM); otherwise mikas makes one",
-        ru="свой сертификат для доступа из сети (PEM); иначе его сделает mikas",
-    ),
-    option(
-        "--tls-key",
-        type=existing_file,
-        metavar="FILE",
-        en="its private key (PEM)",
-        ru="закрытый ключ к нему (PEM)",
-    ),
-    option(
-        "--no-tls",
-        is_flag=True,
-        en="do not encrypt in the network: others there can read the key of the link",
-        ru="не шифровать в сети: ключ из ссылки смогут прочитать другие в ней",
-    ),
-    option("--no-browser", is_flag=True, en="only print the address", ru="только напечатать адрес"),
-    option(
-        "--record",
-        type=Path,
-        metavar="DIR",
-        en="folder for recordings and dumps (mikas in your documents)",
-        ru="папка для записей и дампов (mikas в «Документах»)",
-    ),
-)
+dashboard_options = grouped(DashboardOptions)
 """The options that `dash` and `demo` share."""

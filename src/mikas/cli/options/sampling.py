@@ -10,29 +10,11 @@ from dataclasses import dataclass, replace
 
 import click
 
-from mikas.cli.click_extensions import grouped, option
+from mikas.cli.click_extensions import grouped, option_field, optional_field
 from mikas.cli.options.common import RELEARN
 from mikas.cli.options.parameter_types import number, one_of, whole
 
 _DEFAULT = "auto"
-
-
-@dataclass(frozen=True, slots=True)
-class SamplingOptions:
-    """The options of sampling. `count` and `duration` None: until Ctrl-C."""
-
-    names: Sequence[str] = ()
-    method: str = _DEFAULT
-    rate: float | None = None
-    count: int | None = None
-    duration: float | None = None
-
-    def with_count(self) -> SamplingOptions:
-        """Return these with a count, if rate and duration give one: no wait for a late sample."""
-        if self.rate is None or self.duration is None:
-            return self
-        most = int(self.rate * self.duration) + 1
-        return replace(self, count=most if self.count is None else min(most, self.count))
 
 
 def _method(text: str) -> str:
@@ -43,40 +25,52 @@ def _method(text: str) -> str:
     return one_of(METHODS)(text)
 
 
-sampling_options = grouped(
-    SamplingOptions,
-    click.argument("names", metavar="[NAME[/N]]...", nargs=-1),
-    option(
+@dataclass(frozen=True, slots=True)
+class SamplingOptions:
+    """The options of sampling. `count` and `duration` None: until Ctrl-C."""
+
+    names: Sequence[str] = ()
+    method: str = option_field(
+        _DEFAULT,
         "--method",
         type=_method,
         metavar="METHOD",
-        default=_DEFAULT,
         en="sampling method: auto (the fastest that works), single, batch, list, stream, stroke0 "
         "… stroke4",
         ru="способ опроса: auto (самый быстрый из работающих), single, batch, list, stream, "
         "stroke0 … stroke4",
-    ),
-    option(
+    )
+    rate: float | None = optional_field(
         "--rate",
-        type=number(above=0),
+        parse=number(above=0),
         metavar="HZ",
         en="at most this many readings/s",
         ru="опросов в секунду, не больше",
-    ),
-    option(
+    )
+    count: int | None = optional_field(
         "--count",
-        type=whole(1),
+        parse=whole(1),
         metavar="N",
         en="stop after this many samples",
         ru="остановиться после стольких замеров",
-    ),
-    option(
+    )
+    duration: float | None = optional_field(
         "--duration",
-        type=number(above=0),
+        parse=number(above=0),
         metavar="S",
         en="stop after this many seconds",
         ru="остановиться через столько секунд",
-    ),
-    RELEARN,
+    )
+
+    def with_count(self) -> SamplingOptions:
+        """Return these with a count, if rate and duration give one: no wait for a late sample."""
+        if self.rate is None or self.duration is None:
+            return self
+        most = int(self.rate * self.duration) + 1
+        return replace(self, count=most if self.count is None else min(most, self.count))
+
+
+sampling_options = grouped(
+    SamplingOptions, click.argument("names", metavar="[NAME[/N]]...", nargs=-1), RELEARN
 )
 """The options that `watch` and `log` share."""
