@@ -85,7 +85,7 @@ def _session(
             ecu.version_code,
             passport,
             adapter=ecu.tester.link.description,
-            echo=ecu.tester.echoes,
+            echo=ecu.tester.line.echo,
         )
         sink.note(note_of(unit))
         sink.note(catalog_note(unit.time, ecu.catalog.version))

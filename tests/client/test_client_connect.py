@@ -139,16 +139,16 @@ def test_bad_urls_are_usage_errors():
 
 def test_timing_settings_reach_the_tester():
     with connect(SIM, timeout=0.25, inter_byte_timeout=0.05, retries=5) as ecu:
-        assert ecu.tester.timing.response_timeout == 0.25
-        assert ecu.tester.timing.inter_byte_timeout == 0.05
+        assert ecu.tester.line.timing.response_timeout == 0.25
+        assert ecu.tester.line.timing.inter_byte_timeout == 0.05
         assert ecu.tester.retries == 5
 
 
 def test_echo_off_finds_a_unit_behind_an_adapter_that_keeps_it():
     with connect(SIM + "&echo=0", echo="off") as ecu:
-        assert not ecu.tester.echoes
+        assert not ecu.tester.line.echo
     with connect(SIM + "&echo=0") as ecu:
-        assert not ecu.tester.echoes
+        assert not ecu.tester.line.echo
         assert ecu.info().echo is False
 
 

@@ -82,7 +82,7 @@ def test_a_confirmation_waits_while_a_response_may_be_under_way(damage, at_once)
         waited = link.times[first + 1] - link.times[first]
         assert (waited < 0.3) == at_once
         assert at_once or waited >= LATE
-        assert tester.found_again == count
+        assert tester.sync.found_again == count
 
 
 @pytest.mark.parametrize("echo", [True, False])
@@ -94,8 +94,8 @@ def test_only_two_silences_in_a_row_mean_that_no_unit_is_there(echo, between):
     link.answers = iter([SILENCE, SILENCE, between, SILENCE])
     right(tester, 22)
     assert link.sent[-6:] == [REQUEST, *[AVAILABILITY] * 4, REQUEST]
-    assert tester.found_again == 1
-    assert tester.silences == 1
+    assert tester.sync.found_again == 1
+    assert tester.line.silences == 1
 
 
 @pytest.mark.parametrize("after", [OWN, ANOTHERS, b"\x00"], ids=lambda wire: wire.hex())
@@ -122,7 +122,7 @@ def test_after_an_unknown_command_the_next_request_needs_no_other():
     confirmed = unit.heard(b"\x01")
     right(tester)
     assert unit.heard(b"\x01") == confirmed
-    assert tester.found_again == 2
+    assert tester.sync.found_again == 2
 
 
 @each_stream
@@ -134,7 +134,7 @@ def test_after_a_stream_the_next_request_needs_no_confirmation(command):
     confirmed = unit.heard(b"\x01")
     right(tester)
     assert unit.heard(b"\x01") == confirmed
-    assert tester.found_again == 1
+    assert tester.sync.found_again == 1
 
 
 @pytest.mark.parametrize("echo", [True, False])
@@ -193,4 +193,4 @@ def test_an_emulator_that_answers_at_once_only_now_and_then_is_believed_again():
     tester.connect()
     for _ in range(10):
         right(tester)
-    assert (tester.statistics.failed, tester.found_again) == (1, 1)
+    assert (tester.statistics.failed, tester.sync.found_again) == (1, 1)

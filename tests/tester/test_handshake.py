@@ -49,14 +49,14 @@ each_adapter = pytest.mark.parametrize("adapter", ADAPTERS, ids=adapter_name)
 @each_adapter
 def test_connecting_finds_out_whether_the_line_echoes(adapter):
     tester = Watched(adapter=adapter).connected()
-    assert tester.echoes is adapter.echo
+    assert tester.line.echo is adapter.echo
     right(tester)
 
 
 @each_adapter
 def test_connecting_takes_the_echo_mode_that_is_set(adapter):
     tester = Watched(adapter=adapter).connected(echo=Echo.ON if adapter.echo else Echo.OFF)
-    assert tester.echoes is adapter.echo
+    assert tester.line.echo is adapter.echo
     right(tester)
 
 
@@ -176,7 +176,7 @@ def test_an_emulator_without_a_wire_may_answer_before_a_wire_carries_the_request
     for _ in range(10):
         right(tester)
     assert tester.statistics.failed == 0
-    assert not tester.echoes
+    assert not tester.line.echo
 
 
 @pytest.mark.parametrize(
@@ -204,7 +204,7 @@ def test_connecting_survives_one_line_fault(line_fault, adapter):
         with case(healthy):
             fates = [(None, 0.0)] * healthy + [(line_fault, 0.7)]
             tester = Watched(fault_injector=Fate(fates), adapter=adapter).connected()
-            assert tester.echoes is adapter.echo
+            assert tester.line.echo is adapter.echo
             right(tester)
 
 
@@ -254,7 +254,7 @@ def test_a_late_answer_to_an_earlier_program_is_no_version_code(datum, adapter):
             unit.bus.unit.transmit(encode(datum), after)
             tester = unit.tester()
             assert tester.connect() == 0x0A
-            assert tester.echoes is adapter.echo
+            assert tester.line.echo is adapter.echo
             right(tester)
 
 
@@ -321,9 +321,9 @@ def test_a_stream_left_over_from_an_earlier_session_is_ended(end, adapter, rpm):
             unit.link.read(0.3)
             tester = unit.tester()
             assert tester.connect() == 0x0A
-            assert tester.echoes is adapter.echo
+            assert tester.line.echo is adapter.echo
             assert unit.count_of("stream-end") == 1
-            assert (tester.breaks > 0) >= (end is StreamEnd.BREAK)
+            assert (tester.sync.breaks > 0) >= (end is StreamEnd.BREAK)
             right(tester)
             assert unit.link.now() < 12
 
@@ -405,7 +405,7 @@ def test_connecting_again_that_is_interrupted_leaves_nothing_to_trust():
         with pytest.raises(KeyboardInterrupt):
             tester.connect()
         right(tester)
-        assert tester.found_again == 1
+        assert tester.sync.found_again == 1
 
 
 def test_closing_closes_the_link_twice_over():

@@ -123,7 +123,7 @@ def test_without_an_echo_a_response_before_the_requests_end_is_none():
         tester.request(read(22))
     assert (caught.value.request, caught.value.received) == (REQUEST, RESPONSE)
     right(tester, 22)
-    assert tester.found_again == 1
+    assert tester.sync.found_again == 1
 
 
 def test_a_responses_time_is_never_before_its_requests_end():
@@ -148,18 +148,18 @@ def test_two_answers_while_the_echo_is_timed_are_not_trusted():
     link.next_time((0.005, OWN + OWN))
     tester.time_echo(b"\x01")
     right(tester, 22)
-    assert tester.found_again == 1
+    assert tester.sync.found_again == 1
 
 
 def test_an_echo_is_timed_whatever_the_unit_answers():
     link, tester = connected()
     tester.time_echo(b"\x01")
     right(tester, 22)
-    assert tester.found_again == 0  # it was answered
+    assert tester.sync.found_again == 0  # it was answered
     link.next_time()
     assert tester.time_echo(b"\x01") == pytest.approx(3 * link.byte_time)
     right(tester, 22)
-    assert tester.found_again == 1
+    assert tester.sync.found_again == 1
 
 
 def test_two_requests_in_a_row_without_a_byte_are_a_silence():
@@ -169,14 +169,14 @@ def test_two_requests_in_a_row_without_a_byte_are_a_silence():
         link.next_time()
         with pytest.raises(NoResponse):
             tester.request(read(22))
-    assert tester.silences == 0
+    assert tester.line.silences == 0
     usual = link.answer
     for count, echo in ((1, True), (2, False)):
         link.answer, link.echo = (lambda _: []), echo
         for _ in range(3):
             with pytest.raises(MikasError):
                 tester.request(read(22))
-        assert tester.silences == count
+        assert tester.line.silences == count
         link.answer, link.echo = usual, True
         right(tester, 22)
 

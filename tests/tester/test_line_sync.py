@@ -145,7 +145,7 @@ def test_eight_hours_of_driving_with_a_thousand_line_faults():
     assert unit.fault_injector.count > 1000
     assert results["right"] > 5950
     assert tester.statistics.failed > 500
-    assert tester.found_again > 500
+    assert tester.sync.found_again > 500
     right(tester)
 
 
@@ -163,7 +163,7 @@ def test_what_came_unasked_is_found_at_the_next_request():
     asked = unit.heard(b"\x01")
     right(tester)
     assert unit.heard(b"\x01") == asked + 1
-    assert tester.found_again == 1
+    assert tester.sync.found_again == 1
 
 
 def test_waiting_ends_on_time_and_keeps_the_synchronization_of_a_quiet_line():
@@ -174,7 +174,7 @@ def test_waiting_ends_on_time_and_keeps_the_synchronization_of_a_quiet_line():
         tester.wait(until)
         assert unit.link.now() == until
     right(tester)
-    assert tester.found_again == 0
+    assert tester.sync.found_again == 0
 
 
 def test_no_confirmation_is_sent_on_a_healthy_line():
@@ -184,7 +184,7 @@ def test_no_confirmation_is_sent_on_a_healthy_line():
     for _ in range(20):
         right(tester)
     assert unit.heard(b"\x01") == asked
-    assert tester.found_again == 0
+    assert tester.sync.found_again == 0
 
 
 def test_after_silence_the_confirmation_comes_when_nothing_can_be_under_way_any_more():

@@ -91,7 +91,7 @@ def test_another_request_awaits_and_drops_its_response():
     right(tester, 16)
     pair = bodies(16, 17)
     assert list(heard) == [*pair, *bodies(22), *pair, b"\x01", *pair, *pair, *bodies(16)]
-    assert tester.found_again == 0
+    assert tester.sync.found_again == 0
     assert tester.statistics.failed == 0
 
 
@@ -176,7 +176,7 @@ def test_a_response_of_another_length_is_awaited_before_the_line_is_trusted_agai
     with pytest.raises(WrongLength):
         tester.request(read(16))
     assert tester.request(read(17)) == (b"\x09",)
-    assert tester.found_again == 1
+    assert tester.sync.found_again == 1
 
 
 def test_an_adapter_that_goes_away_with_it_is_reported_once():

@@ -41,7 +41,7 @@ def test_the_01_waits_for_the_end_of_a_response(phase, end):
         stream.read(start + phase * unit.link.byte_time / 2)
         sent = sent_by(unit)
     assert sent == [AVAILABILITY, AVAILABILITY]  # the second one confirms
-    assert tester.breaks == 0
+    assert tester.sync.breaks == 0
     right(tester)
 
 
@@ -54,7 +54,7 @@ def test_a_unit_that_ignores_the_01_gets_one_break_a_stream(command):
         sent = sent_by(unit)
         with tester.stream(command) as stream:
             next(stream)
-        assert tester.breaks == unit.count_of("stream-end") == count
+        assert tester.sync.breaks == unit.count_of("stream-end") == count
         assert 3 <= sent.count(AVAILABILITY) <= 12
         right(tester)
 
@@ -68,7 +68,7 @@ def test_a_unit_that_may_not_have_heard_the_01_gets_a_break(command, end):
     with tester.stream(command) as stream:
         next(stream)
         unit.car.rpm = 0.0
-    assert tester.breaks == (command.parameters == ONE or end not in ENDING_BY_01)
+    assert tester.sync.breaks == (command.parameters == ONE or end not in ENDING_BY_01)
     unit.car.rpm = 850.0
     right(tester)
     assert unit.count_of("stream-end") == 1
@@ -82,7 +82,7 @@ def test_a_last_response_that_looks_like_the_answer_to_01_is_not_taken_for_it(co
     with tester.stream(command) as stream:
         next(stream)
         stream.read(unit.car.next_stroke(0, unit.link.now()) - 0.05)
-    assert tester.breaks == 1
+    assert tester.sync.breaks == 1
     assert unit.count_of("stream-end") == 1
     unit.car.rpm = 850.0
     right(tester)
@@ -98,7 +98,7 @@ def test_a_stream_that_failed_to_start_is_ended_though_the_engine_stands(command
     with pytest.raises(MikasError):
         tester.stream(command)
     right(tester)
-    assert tester.breaks == 1
+    assert tester.sync.breaks == 1
     unit.car.rpm = 850.0
     right(tester)
     assert unit.count_of("stream-end") == unit.count_of("stream") == 1
@@ -123,5 +123,5 @@ def test_an_answer_to_01_is_not_the_end_of_a_stream_by_strokes():
     tester.connect()
     with tester.stream(OF_SEVERAL) as stream:
         assert next(stream).body == b"abcd"
-    assert link.breaks == tester.breaks == 1
+    assert link.breaks == tester.sync.breaks == 1
     assert link.read(link.now() + 1).data == b""

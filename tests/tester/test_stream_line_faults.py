@@ -101,7 +101,8 @@ def test_only_the_one_response_01_is_a_refusal(parameters, sent, given):
     tester.connect()
     with tester.stream(command) as stream:
         assert [next(stream).body for _ in given] == given
-    assert stream.foreign == len(sent) - len(given)
+    failures = [failure.code for failure in tester.statistics.failures]
+    assert failures == ["WrongLength"] * (len(sent) - len(given))
 
 
 @each_end
@@ -192,7 +193,7 @@ def test_without_a_break_a_deaf_unit_is_reported(command):
     tester = unit.connected(BreaklessLink(unit.bus))
     with pytest.raises(LineNotQuiet), tester.stream(command) as stream:
         next(stream)
-    assert tester.breaks
+    assert tester.sync.breaks
     with pytest.raises(LineNotQuiet):
         tester.request(read(16))
     assert tester.link.now() < 40

@@ -21,7 +21,7 @@ def test_the_first_interruption_may_collide(phase, adapter, monkeypatch):
     with tester.stream(c.StreamCyclic(SEVERAL)) as stream:
         for _ in range(3):
             next(stream)
-        sync, in_a_gap = tester._sync, tester._sync._wait_for_gap  # noqa: SLF001
+        sync, in_a_gap = tester.sync, tester.sync._wait_for_gap  # noqa: SLF001
 
         def late():
             unit.link.read(unit.link.now() + phase * unit.link.byte_time / 2)

@@ -203,7 +203,7 @@ def error_of(request: bytes, answer: bytes, command: c.Command, **settings: obje
         tester.request(command)
     assert caught.value.request == encode(request)
     assert tester.request(c.Availability()) == 0x0A
-    assert tester.found_again == 1
+    assert tester.sync.found_again == 1
     return caught.value
 
 
@@ -255,7 +255,7 @@ def test_a_refused_write_is_an_error_and_leaves_the_tester_in_sync(command):
     with pytest.raises(WriteRefused):
         tester.request(command)
     assert tester.request(c.Availability()) == 0x0A
-    assert tester.found_again == 0
+    assert tester.sync.found_again == 0
 
 
 @pytest.mark.parametrize(
@@ -297,7 +297,7 @@ def test_a_checksum_may_come_raw_or_stuffed(datum):
         tester = make(answering({b"\x61\x16": encode(datum, raw_checksum=raw)}), retries=0)
         tester.connect()
         assert tester.request(read(22)) == (datum,)
-        assert tester.found_again == 0
+        assert tester.sync.found_again == 0
 
 
 # D10 and D9

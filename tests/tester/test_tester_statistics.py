@@ -42,7 +42,7 @@ def test_an_answer_to_what_was_sent_raw_needs_no_confirmation():
     heard = unit.heard(b"\x01")
     assert tester.raw(b"\x61\x16") == DATA[22]
     right(tester, 22)
-    assert (unit.heard(b"\x01"), tester.found_again) == (heard, 0)
+    assert (unit.heard(b"\x01"), tester.sync.found_again) == (heard, 0)
 
 
 def test_a_failed_handshake_is_a_failure():

@@ -137,7 +137,7 @@ class CommandContext:
         ):
             self.output.detail(
                 tr("port", "порт"), port,
-                tr("echo", "эхо"), tr("yes", "есть") if ecu.tester.echoes else tr("no", "нет"),
+                tr("echo", "эхо"), tr("yes", "есть") if ecu.tester.line.echo else tr("no", "нет"),
             )  # fmt: skip
             if self.relearn:
                 ecu.forget_limits()

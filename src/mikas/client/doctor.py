@@ -92,11 +92,11 @@ def _on_the_line(ecu: Ecu) -> Iterator[Step]:
         of_echo = isinstance(error, NoEcho | EchoDiffers | NotAKLineAdapter)
         yield _failed("echo" if of_echo else "ecu", error)
         return
-    yield Step("echo", True, _ECHO if tester.echoes else _NO_ECHO)
+    yield Step("echo", True, _ECHO if tester.line.echo else _NO_ECHO)
     name = "baud"
     try:
         rate = float(tester.link.baud)
-        if tester.echoes:
+        if tester.line.echo:
             measured = _measured_baud(tester)
             yield _baud(measured, tester.link.baud)
             rate = min(rate, measured) if isinstance(measured, float) else rate

@@ -103,7 +103,7 @@ class Ecu:
             version_code=self.version_code,
             passport=self.passport(),
             parameter_count=count_parameters(self.tester),
-            echo=self.tester.echoes,
+            echo=self.tester.line.echo,
             limits=self.limits(),
         )
 

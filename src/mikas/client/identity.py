@@ -110,7 +110,7 @@ class PassportReader:
         self._valid_for = self._unit()
 
     def _unit(self) -> tuple[int | None, int]:
-        return self._tester.version_code, self._tester.silences
+        return self._tester.version_code, self._tester.line.silences
 
     @property
     def so_far(self) -> Passport:

@@ -168,7 +168,7 @@ class _Trials:
         with self._tester.stream(command) as responses:
             seconds = responses.silence
             if rpm:  # a cycle is two turns
-                cycles = max(self._tester.timing.response_timeout, _CYCLES * 120 / rpm)
+                cycles = max(self._tester.line.timing.response_timeout, _CYCLES * 120 / rpm)
                 seconds = min(seconds, cycles)
             response = responses.read(self._tester.link.now() + seconds)
         if response is None and not (rpm and self._rpm()):

@@ -321,6 +321,6 @@ def _found(ecu: Ecu, unit: UnitIdentity, *, another: bool) -> UnitFound:
         ecu.model.text,
         adapter=link.description,
         baud=link.baud,
-        echo=ecu.tester.echoes,
+        echo=ecu.tester.line.echo,
         catalog=ecu.catalog.version,
     )

@@ -54,7 +54,7 @@ class RequestAhead:
             return
         body = command.body()
         self._sync.mark_lost()
-        self._sent = _Sent(body, self._line.interject(body))
+        self._sent = _Sent(body, self._line.send(body))
         self._sync.keep()
 
     def claim(self, body: bytes) -> bytes | None:
@@ -81,7 +81,8 @@ class RequestAhead:
         sent, self._sent = self._sent, None
         self._statistics.requests += 1
         try:
-            self._line.finish(sent.wire)
+            self._line.await_echo(sent.wire)
+            self._line.receive(sent.wire)
         except MikasError as error:  # the next request meets it
             self._sync.mark_lost(error)
             return

@@ -103,7 +103,7 @@ def _find_echo(line: Line, expected: Echo, received_before: bytes) -> bool:
 def _send_availability(line: Line) -> tuple[bytes, bytes]:
     """Send `01`; return its frame and all bytes received."""
     link, timing = line.link, line.timing
-    request = line.interject(AVAILABILITY)
+    request = line.send(AVAILABILITY)
     deadline = line.sent_until + timing.response_timeout
     last = deadline + timing.max_busy_time
     received = bytearray()
@@ -121,7 +121,7 @@ def late_answer(line: Line, sync: LineSync) -> float | None:
     For a handshake that failed because responses did not fit their requests. None: not so.
     """
     sync.silence(patient=True)
-    line.interject(AVAILABILITY)
+    line.send(AVAILABILITY)
     deadline, decoder = line.sent_until + _SLOWEST, line.decoder()
     frames: list[tuple[Frame | Damage, float]] = []
     while len(frames) <= line.echo and (chunk := line.link.read(deadline)).data:

@@ -9,6 +9,8 @@ The logger `mikas.tester` gets at DEBUG every frame sent (`>`) or received (`<`)
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from math import inf
 from typing import TYPE_CHECKING
 
@@ -31,10 +33,9 @@ if TYPE_CHECKING:
 
 _DEBUG = 10  # logging.DEBUG; the module is imported when a line is opened
 WRONG_CHECKSUM = Text("the checksum is wrong", "неверна контрольная сумма")
-_TOO_LONG = DamageReason.TOO_LONG
 _DAMAGE = {
     DamageReason.CHECKSUM: WRONG_CHECKSUM,
-    _TOO_LONG: Text("it has no end", "у него нет конца"),
+    DamageReason.TOO_LONG: Text("it has no end", "у него нет конца"),
     DamageReason.IRREGULAR_ESCAPE: Text("an escape is wrong", "неверна замена байта"),
 }
 _LONGER = 1.2  # times the link's granularity: more than the longest pause that is none on the wire
@@ -48,6 +49,27 @@ _NOTHING = Chunk(b"", 0.0)
 _CUT = Text("it ends in the middle", "он обрывается на середине")
 _TOO_SOON = Text("it began while the request was being sent", "он начался, пока посылался запрос")
 _DOUBLED = Text("more than one response came", "пришло больше одного ответа")
+
+
+def _logger() -> Logger:
+    from logging import NullHandler, getLogger
+
+    logger = getLogger("mikas.tester")
+    if not logger.handlers:
+        logger.addHandler(NullHandler())
+    return logger
+
+
+@contextmanager
+def _logged_errors() -> Iterator[None]:
+    try:
+        yield
+    except MikasError as error:
+        log = _logger()
+        if log.isEnabledFor(_DEBUG):
+            received = f" (received {hex_dump(error.received)})" if error.received else ""
+            log.debug("! %s%s", error.reason.en, received)
+        raise
 
 
 class Line:
@@ -68,7 +90,7 @@ class Line:
         # Responses for which the other end may be an emulator that answers sooner than a wire
         # carries the request.
         self._at_once = 0
-        self.silences = 0  # how often two requests in a row got no byte
+        self.silences = 0  # how often two requests in a row got no byte: the unit was off
         self._unanswered = 0  # requests in a row
         self._ahead = _NOTHING  # received together with the end of an echo
         self._log = _logger()
@@ -78,38 +100,17 @@ class Line:
         """Seconds of silence, as seen through this link, that count as a quiet line (D13, D14)."""
         return max(self.timing.idle_time, _LONGER * self.link.granularity)
 
-    def exchange(
-        self, body: bytes, *, of_many: bool = False, min_length: int = 0, confirms: bool = False
-    ) -> Reply:
+    def exchange(self, body: bytes, *, of_many: bool = False, confirms: bool = False) -> Reply:
         """Send `body`; return its only response, or the first one with `of_many`.
 
-        `min_length`: bytes of the response's shortest possible body; the line is not read before
-        so many can have arrived. `confirms`: a `01` that confirms the synchronization (D13). Raises
-        `NoEcho` or a `LineError`.
+        `confirms`: a `01` that confirms the synchronization (D13). Raises `NoEcho` or a
+        `LineError`.
         """
-        return self.finish(
-            self.interject(body), of_many=of_many, min_length=min_length, confirms=confirms
-        )
+        wire = self.send(body)
+        self.await_echo(wire)
+        return self.receive(wire, of_many=of_many, confirms=confirms)
 
-    def finish(
-        self, wire: bytes, *, of_many: bool = False, min_length: int = 0, confirms: bool = False
-    ) -> Reply:
-        """As `exchange`, for the request `wire`, which `interject` has sent."""
-        self._await_echo(wire)
-        return self.receive(
-            wire, self.sent_until, of_many=of_many, min_length=min_length, confirms=confirms
-        )
-
-    def send(self, body: bytes, *, hasty: bool = False) -> tuple[bytes, float]:
-        """Send `body` and check the echo; return the wire form and the last byte's time.
-
-        `hasty`: read the echo as it arrives, even before the wire can have carried it.
-        """
-        wire = self.interject(body)
-        self._await_echo(wire, hasty=hasty)
-        return wire, self.sent_until
-
-    def interject(self, body: bytes) -> bytes:
+    def send(self, body: bytes) -> bytes:
         """Send `body` without waiting for the echo; return the wire form."""
         wire = encode(body, raw_checksum=self.raw_checksum)
         self._ahead = _NOTHING
@@ -118,16 +119,17 @@ class Line:
         self.link.write(wire)
         return wire
 
-    def _await_echo(self, wire: bytes, *, hasty: bool = False) -> None:
+    @_logged_errors()
+    def await_echo(self, wire: bytes, *, hasty: bool = False) -> None:
+        """Check the echo of `wire`, which `send` has sent.
+
+        `hasty`: read the echo as it arrives, even before the wire can have carried it.
+        """
         if not self.echo:
             return
         if not hasty:  # the whole echo, a little late: the response is later
             self.link.gather(self.sent_until + self.link.byte_time / 2)
-        try:
-            self.echo_heard = self._check_echo(wire, self.sent_until + self.timing.response_timeout)
-        except MikasError as error:
-            self._log_error(error)
-            raise
+        self.echo_heard = self._check_echo(wire, self.sent_until + self.timing.response_timeout)
         self.sent_until = max(self.sent_until, self.echo_heard)
 
     def _check_echo(self, wire: bytes, deadline: float) -> float:
@@ -147,33 +149,18 @@ class Line:
         self._ahead = Chunk(extra, chunk.time)
         return chunk.time - len(extra) * self.link.byte_time
 
+    @_logged_errors()
     def receive(
-        self,
-        wire: bytes,
-        sent_at: float,
-        *,
-        of_many: bool = False,
-        min_length: int = 0,
-        confirms: bool = False,
+        self, wire: bytes, *, of_many: bool = False, min_length: int = 0, confirms: bool = False
     ) -> Reply:
-        """Return the only response to the request `wire`, whose last byte was sent at `sent_at`.
+        """Return the only response to the request `wire`, the latest that was sent.
 
         `of_many`: the first of a stream's responses; more may have arrived with it. `min_length`:
-        as for `exchange`. The first byte is read at its arrival, so `began` is exact.
+        bytes of the response's shortest possible body; the line is not read before so many can have
+        arrived. `confirms`: as for `exchange`. The first byte is read at its arrival, so `began` is
+        exact.
         """
-        try:
-            reply = self._receive(
-                wire, sent_at, of_many=of_many, min_length=min_length, confirms=confirms
-            )
-        except MikasError as error:
-            self._log_error(error)
-            raise
-        self._log_frame("<", reply.wire)
-        return reply
-
-    def _receive(
-        self, wire: bytes, sent_at: float, *, of_many: bool, min_length: int, confirms: bool
-    ) -> Reply:
+        sent_at = self.sent_until
         decoder = self.decoder()
         received = bytearray()
         deadline = sent_at + self.timing.response_timeout
@@ -186,13 +173,13 @@ class Line:
                 raise self._nothing_more(wire, bytes(received), chunk.time)
             if not received:
                 if not self.echo:
-                    self._check_not_too_soon(wire, sent_at, chunk, confirms=confirms)
+                    self._check_not_too_soon(wire, chunk, confirms=confirms)
                 self._unanswered = 0
             received += chunk.data
             deadline = chunk.time + self._pause()
             events = decoder.feed(chunk)
             if not events and chunk.time > last:
-                raise self._damaged(wire, bytes(received), chunk.time, _DAMAGE[_TOO_LONG])
+                raise damaged(wire, bytes(received), chunk.time, DamageReason.TOO_LONG)
             if not events:
                 # At most half of the longest pause inside a response (D14), which bounds the delay
                 # of its detection.
@@ -201,33 +188,27 @@ class Line:
                 continue
             first, began = events[0]
             if isinstance(first, Damage):
-                raise self._damaged(wire, bytes(received), chunk.time, _DAMAGE[first.reason])
+                raise damaged(wire, bytes(received), chunk.time, first.reason)
             if not of_many and (len(events) > 1 or decoder.pending):
                 # One of them answers an earlier request; which one is unknown (D13).
-                raise self._damaged(wire, bytes(received), chunk.time, _DOUBLED)
+                raise damaged(wire, bytes(received), chunk.time, _DOUBLED)
+            self._log_frame("<", first.wire)
             began = min(max(sent_at, began), chunk.time)
             return Reply(first.body, first.wire, began, chunk.time)
 
-    def _check_not_too_soon(
-        self, wire: bytes, sent_at: float, chunk: Chunk, *, confirms: bool
-    ) -> None:
+    def _check_not_too_soon(self, wire: bytes, chunk: Chunk, *, confirms: bool) -> None:
         """Raise for a response before the end of its request, unless an emulator answers at once.
 
         No echo shows the collision (D2), and two mixed frames may look valid. An emulator without a
         wire shows itself by the answer to a `01` that `confirms` the synchronization (D13): no
         other response is due then, and none follows.
         """
-        if chunk.time >= sent_at + self.link.byte_time / 2:
+        if chunk.time >= self.sent_until + self.link.byte_time / 2:
             self._at_once = max(0, self._at_once - 1)
         elif self._at_once or confirms:
             self._at_once = _AT_ONCE
         else:
-            raise self._damaged(wire, chunk.data, chunk.time, _TOO_SOON)
-
-    def _log_error(self, error: MikasError) -> None:
-        if self._log.isEnabledFor(_DEBUG):
-            received = f" (received {hex_dump(error.received)})" if error.received else ""
-            self._log.debug("! %s%s", error.reason.en, received)
+            raise damaged(wire, chunk.data, chunk.time, _TOO_SOON)
 
     def _log_frame(self, direction: str, wire: bytes) -> None:
         if self._log.isEnabledFor(_DEBUG):
@@ -261,19 +242,10 @@ class Line:
 
     def _nothing_more(self, wire: bytes, received: bytes, time: float) -> Exception:
         if received:
-            return self._damaged(wire, received, time, _CUT)
+            return damaged(wire, received, time, _CUT)
         return NoResponse(
             seconds=self.timing.response_timeout, request=wire, received=received, time=time
         )
-
-    @staticmethod
-    def damaged(wire: bytes, event: Damage, time: float) -> DamagedResponse:
-        """Return the error for a response to `wire` that was decoded as `event`."""
-        return Line._damaged(wire, event.data, time, _DAMAGE[event.reason])
-
-    @staticmethod
-    def _damaged(wire: bytes, received: bytes, time: float, damage: Text) -> DamagedResponse:
-        return DamagedResponse(damage=damage, request=wire, received=received, time=time)
 
     def arrived(self) -> bytes:
         """Return bytes that no request caused, without waiting (D2)."""
@@ -326,10 +298,10 @@ class Line:
                 return events
 
 
-def _logger() -> Logger:
-    from logging import NullHandler, getLogger
-
-    logger = getLogger("mikas.tester")
-    if not logger.handlers:
-        logger.addHandler(NullHandler())
-    return logger
+def damaged(
+    wire: bytes, received: bytes, time: float, damage: Text | DamageReason
+) -> DamagedResponse:
+    """Return the error for a damaged response to the request `wire`."""
+    if isinstance(damage, DamageReason):
+        damage = _DAMAGE[damage]
+    return DamagedResponse(damage=damage, request=wire, received=received, time=time)

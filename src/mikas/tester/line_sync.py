@@ -36,8 +36,8 @@ class LineSync:
     def __init__(self, line: Line) -> None:
         self.line = line
         self.lost = False
-        self.found_again = 0
-        self.breaks = 0
+        self.found_again = 0  # resynchronizations (D13)
+        self.breaks = 0  # without which a stream would not have ended (D12)
         # A stream may be running: its pause looks like a quiet line, its response like one to `01`.
         self.streaming = False
         self._awaited = True  # the latest request's response may still arrive
@@ -146,7 +146,7 @@ class LineSync:
         for attempt in range(_INTERRUPTIONS + 1):
             if attempt < _INTERRUPTIONS:
                 self._wait_for_gap()
-                self.line.interject(AVAILABILITY)
+                self.line.send(AVAILABILITY)
             else:
                 self._break()
             try:

@@ -11,7 +11,7 @@ from mikas import commands as c
 from mikas.commands.base import lengths_in_words
 from mikas.errors import LineError, MikasError, NoConnection, NoResponse, NotSupported, WrongLength
 from mikas.framing import Frame
-from mikas.tester.line import Line
+from mikas.tester.line import Line, damaged
 
 _STANDING_ENGINE = 2.0  # s without a stroke (D15): an engine below 60 rpm counts as standing
 
@@ -30,20 +30,22 @@ class Stream:
 
     Iterating raises `NoResponse` after `silence` seconds without a response (2 s by strokes, else
     `response_timeout`), `LinkLost` if the adapter is gone. A damaged response, or one
-    of a wrong length, is counted, passed to `on_error` and left out.
+    of a wrong length, is passed to `on_error` and left out.
+
+    `request`: the wire form of `command`, sent. `running`: not closed.
     """
 
     def __init__(
         self,
         line: Line,
         command: c.StreamCyclic | c.StreamAtStroke,
+        request: bytes,
         *,
         end: Callable[[], None],
         on_error: Callable[[LineError], None],
     ) -> None:
         self.command = command
-        self.damaged = 0
-        self.foreign = 0
+        self.running = True
         by_strokes = isinstance(command, c.StreamAtStroke)
         self.silence = _STANDING_ENGINE if by_strokes else line.timing.response_timeout
         self._line = line
@@ -54,17 +56,8 @@ class Stream:
         self._items: deque[StreamItem | LineError] = deque()
         self._held: StreamItem | None = None
         self._count = 0
-        self._open = True
-        self._request = b""
-
-    @property
-    def running(self) -> bool:
-        """Whether the stream is not closed."""
-        return self._open
-
-    def start(self) -> None:
-        """Send the request and check its echo; called by the tester."""
-        self._request, self._heard = self._line.send(self.command.body())
+        self._request = request
+        self._heard = line.sent_until
 
     def read(self, deadline: float, *, raise_errors: bool = False) -> StreamItem | None:
         """Return the next response; None at `deadline` of the link's clock.
@@ -72,7 +65,7 @@ class Stream:
         Raises `NotSupported` if the unit answers `01`: it does not know the command (D10).
         `raise_errors`: also raises the `LineError` of each response that is left out.
         """
-        while self._open:
+        while self.running:
             while self._items:
                 item = self._items.popleft()
                 if isinstance(item, StreamItem):
@@ -89,8 +82,7 @@ class Stream:
                 if isinstance(event, Frame):
                     self._take(event.body, time)
                 else:
-                    self.damaged += 1
-                    self._leave_out(self._line.damaged(self._request, event, time))
+                    self._leave_out(damaged(self._request, event.data, time, event.reason))
         return None
 
     def _leave_out(self, error: LineError) -> None:
@@ -102,7 +94,6 @@ class Stream:
         if len(body) not in self.command.response_lengths():
             if body == b"\x01" and self._count == 1:
                 raise self._unknown(body)
-            self.foreign += 1
             self._leave_out(
                 WrongLength(
                     length=len(body),
@@ -130,7 +121,7 @@ class Stream:
         item = self.read(max(self._heard, self._line.link.now()) + self.silence)
         if item is not None:
             return item
-        if not self._open:
+        if not self.running:
             raise StopIteration
         raise self.fallen_silent()
 
@@ -150,8 +141,8 @@ class Stream:
 
         Raises `LineNotQuiet` if the unit does not stop.
         """
-        if self._open:
-            self._open = False
+        if self.running:
+            self.running = False
             self._end()
 
     def __enter__(self) -> Self:

@@ -43,6 +43,7 @@ _STREAM_CODES = frozenset(c.StreamCyclic.CODES + c.StreamAtStroke.CODES)
 class Tester:
     """Exchanges requests with one ECU over `link`, after `connect()`.
 
+    `line` has the time-outs and whether there is an echo, `sync` whether a stream may be running.
     `retries`: how often a failed exchange of a repeatable command is repeated.
     """
 
@@ -61,43 +62,13 @@ class Tester:
         self.retries = retries
         self.version_code: int | None = None
         self.statistics = Statistics()
-        self._line = Line(link, timing or Timing(), raw_checksum=raw_checksum, strict=strict)
-        self._sync = LineSync(self._line)
+        self.line = Line(link, timing or Timing(), raw_checksum=raw_checksum, strict=strict)
+        self.sync = LineSync(self.line)
         self._lock = threading.Lock()
         self._stream: Stream | None = None
         self._stream_thread: int | None = None
-        self._ahead = RequestAhead(self._line, self._sync, self.statistics)
+        self._ahead = RequestAhead(self.line, self.sync, self.statistics)
         self._known: set[int] = set()  # command codes that this unit has answered
-
-    @property
-    def echoes(self) -> bool:
-        """Whether the line returns the sent bytes, as found by `connect`."""
-        return self._line.echo
-
-    @property
-    def timing(self) -> Timing:
-        """The time-outs (D14)."""
-        return self._line.timing
-
-    @property
-    def is_streaming(self) -> bool:
-        """Whether the unit may be sending a stream: one was requested and has not ended (D12)."""
-        return self._sync.streaming
-
-    @property
-    def found_again(self) -> int:
-        """The number of resynchronizations (D13)."""
-        return self._sync.found_again
-
-    @property
-    def silences(self) -> int:
-        """How often two requests in a row got no response: the unit was off for a second."""
-        return self._line.silences
-
-    @property
-    def breaks(self) -> int:
-        """How often only a line break could end a stream (D12)."""
-        return self._sync.breaks
 
     def connect(self, *, listening_since: float = inf) -> int:
         """Detect the echo and the unit; return its version code.
@@ -111,11 +82,11 @@ class Tester:
         with self._holding():
             self._ahead.forget()
             for attempt in range(self.retries + 1):
-                self._sync.mark_lost()
+                self.sync.mark_lost()
                 try:
                     self.version_code = handshake(
-                        self._line,
-                        self._sync,
+                        self.line,
+                        self.sync,
                         self.echo,
                         listening_since=listening_since,
                         again=attempt > 0,
@@ -127,7 +98,7 @@ class Tester:
                     if attempt == self.retries:
                         self._check_time_out(error)
                         raise
-            self._sync.keep()
+            self.sync.keep()
             assert self.version_code is not None
             self._known.update(c.Availability.CODES)
             return self.version_code
@@ -138,11 +109,11 @@ class Tester:
             return
         seconds = None
         with suppress(LineError):
-            seconds = late_answer(self._line, self._sync)
+            seconds = late_answer(self.line, self.sync)
         if seconds is not None:
             raise AnswersLate(
                 seconds=seconds,
-                limit=self.timing.response_timeout,
+                limit=self.line.timing.response_timeout,
                 wanted=ceil(2.4 * seconds) / 2,
                 request=error.request,
                 received=error.received,
@@ -245,25 +216,26 @@ class Tester:
     def _once(self, command: c.Command[T], wire: bytes | None) -> tuple[T, Reply]:
         """Exchange `command` once; `wire`: it was sent ahead."""
         self.statistics.requests += 1
-        self._sync.mark_lost()  # until the exchange has succeeded; Ctrl-C may end it
+        self.sync.mark_lost()  # until the exchange has succeeded; Ctrl-C may end it
         try:
             shortest = min(command.response_lengths(), default=0)
             if wire is None:
-                wire = self._line.interject(command.body())
-            reply = self._line.finish(wire, min_length=shortest)
+                wire = self.line.send(command.body())
+            self.line.await_echo(wire)
+            reply = self.line.receive(wire, min_length=shortest)
             try:
                 value = command.read(reply.body)
             except MikasError as error:
-                error.request = encode(command.body(), raw_checksum=self._line.raw_checksum)
+                error.request = encode(command.body(), raw_checksum=self.line.raw_checksum)
                 error.received, error.time = reply.wire, reply.ended
                 raise
         except LineError as error:
-            self._sync.mark_lost(error)
+            self.sync.mark_lost(error)
             raise
         except EcuRefused:
-            self._sync.keep()
+            self.sync.keep()
             raise
-        self._sync.keep()
+        self.sync.keep()
         if command.repeatable:
             self._ahead.send()
         self._known.add(command.code)
@@ -290,13 +262,14 @@ class Tester:
         """
         with self._holding():
             self._ensure_in_sync()
-            self._sync.mark_lost()
+            self.sync.mark_lost()
             began = self.link.now()
-            wire, ended = self._line.send(body, hasty=True)
+            wire = self.line.send(body)
+            self.line.await_echo(wire, hasty=True)
             with suppress(LineError):
-                self._line.receive(wire, ended)
-                self._sync.keep()
-            return self._line.echo_heard - began
+                self.line.receive(wire)
+                self.sync.keep()
+            return self.line.echo_heard - began
 
     def raw(self, body: bytes) -> bytes | None:
         """Send any body once; return the response's body, None for silence.
@@ -306,14 +279,14 @@ class Tester:
         with self._holding():
             self._ensure_in_sync()
             self.statistics.requests += 1
-            self._sync.mark_lost()
-            self._sync.streaming = not _STREAM_CODES.isdisjoint(body[:1])
+            self.sync.mark_lost()
+            self.sync.streaming = not _STREAM_CODES.isdisjoint(body[:1])
             try:
-                reply = self._line.exchange(body, of_many=self._sync.streaming)
+                reply = self.line.exchange(body, of_many=self.sync.streaming)
             except NoResponse:
                 return None
-            if not self._sync.streaming:
-                self._sync.keep()
+            if not self.sync.streaming:
+                self.sync.keep()
             return reply.body
 
     def stream(self, command: c.StreamCyclic | c.StreamAtStroke) -> Stream:
@@ -325,15 +298,13 @@ class Tester:
         try:
             self._ensure_in_sync()
             self.statistics.requests += 1
-            self._sync.mark_lost()
-            self._sync.streaming = True
+            self.sync.mark_lost()
+            self.sync.streaming = True
+            request = self.line.send(command.body())
+            self.line.await_echo(request)
             stream = Stream(
-                self._line,
-                command,
-                end=self._end_stream,
-                on_error=self.statistics.fail,
+                self.line, command, request, end=self._end_stream, on_error=self.statistics.fail
             )
-            stream.start()
         except BaseException:
             self._lock.release()
             raise
@@ -345,7 +316,7 @@ class Tester:
         assert self.version_code is not None
         command = self._stream.command
         try:
-            self._sync.end_stream(
+            self.sync.end_stream(
                 self.version_code,
                 by_strokes=isinstance(command, c.StreamAtStroke),
                 bytes_each=command.response_lengths()[0],
@@ -363,13 +334,13 @@ class Tester:
             with self._holding():
                 self._ahead.settle()
                 if self.link.read(min(until, now + _TURN)).data:
-                    self._sync.mark_lost()
+                    self.sync.mark_lost()
 
     def _ensure_in_sync(self) -> None:
         if self.version_code is None:
             raise usage_error("connect() comes first", "сначала нужен connect()")
         self._ahead.settle()
-        self._sync.resynchronize(self.version_code)
+        self.sync.resynchronize(self.version_code)
 
     @contextmanager
     def _holding(self) -> Iterator[None]:

@@ -139,7 +139,7 @@ def test_all_values_are_read_over_a_pty_with_echo_and_pacing(pinned, tmp_path):
             server.url, confirm=lambda _: True, journal=tmp_path / "journal", state=tmp_path
         ) as ecu,
     ):
-        assert ecu.tester.echoes
+        assert ecu.tester.line.echo
         info = ecu.info()
         assert info.version_code == 0x0A
         assert info.parameter_count == SIMULATED

@@ -125,7 +125,7 @@ class SamplingThread(threading.Thread):
         """Stop sampling and close the port; may take seconds. A second call does nothing."""
         self._stoppable.stopping.set()
         self.acquisition.stop()
-        if (ecu := self.ecu) is not None and ecu.tester.is_streaming:
+        if (ecu := self.ecu) is not None and ecu.tester.sync.streaming:
             self.join(_END)  # it ends the stream, without which the unit would go on (D12)
         self._stoppable.close()
         if self.is_alive():

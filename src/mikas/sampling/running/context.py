@@ -207,11 +207,11 @@ class IdentityCheck:
     def confirm(self, ecu: Ecu) -> None:
         """Note that the unit of `ecu` was identified just now."""
         self._suspected = False
-        self._silences = ecu.tester.silences
+        self._silences = ecu.tester.line.silences
 
     def check(self, ecu: Ecu, pause: Callable[[], None]) -> None:
         """Compare if another unit may answer; `pause` leaves the line quiet before."""
-        if self._suspected or ecu.tester.silences != self._silences:
+        if self._suspected or ecu.tester.line.silences != self._silences:
             pause()
             self.compare(ecu)
             self.confirm(ecu)

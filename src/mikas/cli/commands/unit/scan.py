@@ -86,7 +86,7 @@ def _check_writable(out: Path, *, overwrite: bool) -> None:
 
 def _silence(ecu: Ecu) -> float:
     """Return the seconds that a silent code takes: its requests, each with D13's wait and `01`."""
-    return (1 + min(1, ecu.tester.retries)) * (ecu.tester.timing.late + 0.15)
+    return (1 + min(1, ecu.tester.retries)) * (ecu.tester.line.timing.late + 0.15)
 
 
 def _request_all(ecu: Ecu, found: dict[int, ScannedCode]) -> None:

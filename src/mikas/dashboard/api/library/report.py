@@ -151,7 +151,7 @@ def _of_connection(dashboard: Dashboard) -> Findings:
             date=date_of(measured.began),
             port=port.url if port else "",
             adapter=thread.adapter if thread else "",
-            echo=ecu.tester.echoes if ecu else None,
+            echo=ecu.tester.line.echo if ecu else None,
             method=method,
             interruptions=tuple(_pauses(events, measured.began)),
             errors=errors_,
