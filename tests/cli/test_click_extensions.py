@@ -7,6 +7,7 @@ import re
 import shlex
 import subprocess
 import sys
+from pathlib import Path
 
 import click
 import pytest
@@ -31,6 +32,7 @@ def commands(group: click.Group = cli, path: tuple[str, ...] = ()):
 
 
 ALL = list(commands())
+ROOT = Path(__file__).parents[2]
 
 
 @pytest.mark.parametrize(("path", "command"), ALL, ids=[" ".join(p) or "mikas" for p, _ in ALL])
@@ -52,6 +54,15 @@ def test_help_has_examples_is_in_both_languages_and_fits_80_columns(mikas, path,
     head, _, examples = russian.out.partition("Примеры:")
     assert examples == english.out.partition("Examples:")[2]
     is_russian(head, names=(*path, *names(command)))
+
+
+@pytest.mark.parametrize("page", ["docs/reference/cli.md", "docs/ru/reference/cli.md"])
+@pytest.mark.parametrize(("path", "command"), ALL, ids=[" ".join(p) or "mikas" for p, _ in ALL])
+def test_each_option_stands_on_the_page_of_the_command_line(path, command, page):
+    named = set(re.findall(r"(?<![\w-])--?[a-z][a-z-]*", (ROOT / page).read_text(encoding="utf-8")))
+    options = [each for each in command.params if isinstance(each, click.Option)]
+    missing = [each.opts for each in options if not named & {*each.opts, *each.secondary_opts}]
+    assert not missing, f"{page} does not name these options of `{' '.join(('mikas', *path))}`"
 
 
 def names(command: click.Command):
