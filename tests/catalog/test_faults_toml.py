@@ -49,6 +49,14 @@ def test_every_fault_is_complete() -> None:
         assert len(fault.sources) >= (2 if fault.confidence is Confidence.CONFIRMED else 0)
 
 
+def test_a_fault_of_a_sensors_circuit_names_the_channels_that_may_be_substitutes() -> None:
+    """Without `sensor`, a substitute value is rated as if it were measured."""
+    of_sensors = {code for code, fault in shipped().faults.items() if "датчик" in fault.text.ru}
+    assert len(of_sensors) > 10
+    without = {code for code in of_sensors if not shipped().fault(code).sensor}
+    assert without == {15, 16}, "these have no channel; any other names its channels in `sensor`"
+
+
 @pytest.mark.parametrize("code", sorted(ORDER_UNKNOWN))
 def test_where_the_order_is_unknown_the_text_says_so(code: int) -> None:
     text = shipped().fault(code).text
