@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import asyncio
 import re
-from collections.abc import AsyncIterator, Coroutine
+from collections.abc import AsyncIterator, Callable, Coroutine
 from typing import Annotated, Any, TypeVar
 from urllib.parse import unquote
 
@@ -25,6 +25,7 @@ from mikas.cleaning import clean_line, clean_text
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.error_responses import status_of
 from mikas.dashboard.errors import BadRequest, NotAllowed, OnlyHere
+from mikas.dashboard.library.folder import RecordingFile
 from mikas.dashboard.library.service import RecordingService
 from mikas.dashboard.security.access import PortPolicy
 from mikas.dashboard.security.control import Client
@@ -99,11 +100,33 @@ def _viewer(request: Request, client_id: ClientId = None, client_name: ClientNam
 
 
 class Requester:
-    """The client that waits for long work."""
+    """The client that waits for work on the library's recordings, in its lanes."""
 
     def __init__(self, request: Request) -> None:
         self._request = request
+        self.library = _library(request)
         self.address = address_of(request)
+
+    async def view(
+        self, identity: str, look: Callable[[RecordingFile], T], *, virtual: bool = False
+    ) -> T:
+        """Return `look(file)`, called in a thread. Raises `NotFound`, `Busy`, `TookTooLong`.
+
+        `virtual`: also of a recording of the virtual car.
+        """
+        library = self.library
+
+        def work() -> T:
+            return look(library.of_any(identity) if virtual else library.folder.one(identity))
+
+        with library.views.place(self.address):
+            return await self.awaits(library.views.run(work, key=identity, address=self.address))
+
+    async def make(self, key: str, work: Callable[[], T]) -> T:
+        """Return the result of `work`, which takes long. Raises `Busy`, `TookTooLong`."""
+        files = self.library.files
+        with files.place(self.address):
+            return await self.awaits(files.run(work, key=key, address=self.address))
 
     async def awaits(self, work: Coroutine[Any, Any, T]) -> T:
         """Return the result of `work`, which is cancelled when the client disconnects."""

@@ -12,13 +12,7 @@ from pydantic import AfterValidator, BaseModel, Field
 
 from mikas.catalog.formula_syntax import LONGEST
 from mikas.catalog.lookup import is_corrected
-from mikas.dashboard.api.dependencies import (
-    KnownClient,
-    Line,
-    TheDashboard,
-    TheLibrary,
-    TheRequester,
-)
+from mikas.dashboard.api.dependencies import KnownClient, Line, TheDashboard, TheRequester
 from mikas.dashboard.api.errors import Described, errors, made_of
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.library.folder import RecordingFile
@@ -92,15 +86,16 @@ def find_live(
 
 @router.get("/recordings/{identity}/find", responses=errors(404, 409, 504))
 async def find_recorded(
-    library: TheLibrary, requester: TheRequester, identity: str, expression: Expression
+    requester: TheRequester, identity: str, expression: Expression
 ) -> FoundResponse:
     """Return the moments of a recording at which `expression` holds."""
+    library = requester.library
     condition = SearchCondition(library.catalog, expression)
 
     def look(file: RecordingFile) -> FoundResponse:
         return _found(condition, search(library.opened(file), condition))
 
-    return await requester.awaits(library.view(identity, look, requester.address))
+    return await requester.view(identity, look)
 
 
 @router.get("/searches", responses=errors())

@@ -15,7 +15,7 @@ import threading
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import Final, NamedTuple, TypeVar
+from typing import Final, NamedTuple
 
 from mikas.catalog import Catalog
 from mikas.client.connecting import ConnectionOptions
@@ -26,8 +26,6 @@ from mikas.dashboard.library.references import References
 from mikas.i18n import Text
 from mikas.recording.recording import Recording
 from mikas.recording.summary import Summary, summarise
-
-T = TypeVar("T")
 
 _MAX_OPEN: Final = 2
 _GROWING: Final = 10.0  # s until the recording in progress is read again
@@ -107,28 +105,12 @@ class RecordingService:
         """Whether the recording is in progress."""
         return self.in_progress() == file.id
 
-    async def view(
-        self, identity: str, look: Callable[[RecordingFile], T], address: str | None
-    ) -> T:
-        """Return `look(file)`, called in a thread. Raises `NotFound`, `Busy`, `TookTooLong`."""
-        with self.views.place(address):
-            return await self.views.run(
-                lambda: look(self.folder.one(identity)), key=identity, address=address
-            )
-
-    async def view_any(
-        self, identity: str, look: Callable[[RecordingFile], T], address: str | None
-    ) -> T:
-        """Return `look(file)` as `view` does, also of a recording of the virtual car."""
-        with self.views.place(address):
-            return await self.views.run(
-                lambda: look(self.references.virtual(identity) or self.folder.one(identity)),
-                key=identity,
-                address=address,
-            )
+    def of_any(self, identity: str) -> RecordingFile:
+        """Return a recording of the folder, or of the virtual car. Raises `NotFound`."""
+        return self.references.virtual(identity) or self.folder.one(identity)
 
     async def all(self, address: str | None) -> tuple[list[Listed], list[LeftOut]]:
-        """Return the recordings, the latest first, and the files left out; raises as `view`.
+        """Return the recordings, the latest first, and the files left out. Raises `Busy`.
 
         A summary that takes too long has a `problem`; the next call continues with the others.
         """

@@ -199,7 +199,7 @@ async def _moments(
         rows, _ = opened.window(end - _REACH, end + _ROUNDED, 20_000, wanted)
         return _last_values(rows, end)
 
-    return await requester.awaits(library.view(recording, look, requester.address))
+    return await requester.view(recording, look)
 
 
 def _live(dashboard: Dashboard, names: Sequence[str], at: float | None) -> Moments:

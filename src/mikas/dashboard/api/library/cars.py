@@ -9,13 +9,7 @@ from fastapi import APIRouter
 from pydantic import BaseModel, Field
 
 from mikas.client.cars import LONGEST, MOST_MILEAGE, CarDetails, car_details
-from mikas.dashboard.api.dependencies import (
-    KnownClient,
-    Line,
-    TheDashboard,
-    TheLibrary,
-    TheRequester,
-)
+from mikas.dashboard.api.dependencies import KnownClient, Line, TheDashboard, TheRequester
 from mikas.dashboard.api.errors import Described, errors
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.errors import NotConnected
@@ -91,7 +85,6 @@ def write_car(dashboard: TheDashboard, _: KnownClient, body: CarRequest) -> CarR
 @router.put("/recordings/{identity}/car", responses=errors(404, 409, 504))
 async def write_recording_car(
     dashboard: TheDashboard,
-    library: TheLibrary,
     requester: TheRequester,
     _: KnownClient,
     identity: str,
@@ -105,6 +98,7 @@ async def write_recording_car(
     note = car_note(dashboard.connection.now(), details)
 
     def write(file: RecordingFile) -> CarInfo:
+        library = requester.library
         _keep_unknown(dashboard, library.summary(file).unit, details)
         if library.is_growing(file):
             dashboard.recorder.recorder.describe(note)
@@ -112,7 +106,7 @@ async def write_recording_car(
             append_note(file.path, note)
         return CarInfo(**asdict(details))
 
-    return await requester.awaits(library.view(identity, write, requester.address))
+    return await requester.view(identity, write)
 
 
 def _keep_unknown(dashboard: Dashboard, recorded: RecordedUnit | None, details: CarDetails) -> None:

@@ -64,7 +64,6 @@ def file(library: TheLibrary, identity: str) -> Response:
 
 @router.get("/{identity}/export", response_class=Response, responses=errors(404, 409, 504) | _FILE)
 async def export(
-    library: TheLibrary,
     requester: TheRequester,
     identity: str,
     *,
@@ -74,6 +73,7 @@ async def export(
     lang: Language = "en",
 ) -> Response:
     """Return the recording as a table for other programs."""
+    library = requester.library
     source = await asyncio.to_thread(library.folder.one, identity)
     wanted = tuple(split_names(names) or ())
     kind = "-excel" if (format, dialect) == ("csv", "excel") else ""

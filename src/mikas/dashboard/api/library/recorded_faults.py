@@ -11,7 +11,7 @@ from fastapi import APIRouter
 from pydantic import BaseModel, Field
 
 from mikas.catalog import Catalog
-from mikas.dashboard.api.dependencies import TheLibrary, TheRequester
+from mikas.dashboard.api.dependencies import TheRequester
 from mikas.dashboard.api.errors import errors
 from mikas.dashboard.api.freeze_frames import FreezeFrameInfo, frame_info
 from mikas.dashboard.api.unit import StoredFault, fault_info
@@ -42,16 +42,14 @@ class RecordedFaultsResponse(BaseModel):
 
 
 @router.get("/recordings/{identity}/faults", responses=errors(404, 409, 504))
-async def recorded_faults(
-    library: TheLibrary, requester: TheRequester, identity: str
-) -> RecordedFaultsResponse:
+async def recorded_faults(requester: TheRequester, identity: str) -> RecordedFaultsResponse:
     """Return the faults in a recording, and the values of the moments at which they appeared."""
 
     def look(file: RecordingFile) -> RecordedFaultsResponse:
-        recording = library.opened(file)
+        recording = requester.library.opened(file)
         return _response(faults_in(recording), recording)
 
-    return await requester.awaits(library.view_any(identity, look, requester.address))
+    return await requester.view(identity, look, virtual=True)
 
 
 def _response(found: RecordedFaults, recording: Recording) -> RecordedFaultsResponse:

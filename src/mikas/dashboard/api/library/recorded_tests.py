@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 from fastapi import APIRouter, Path
 from pydantic import BaseModel
 
-from mikas.dashboard.api.dependencies import TheDashboard, TheLibrary, TheRequester
+from mikas.dashboard.api.dependencies import TheDashboard, TheRequester
 from mikas.dashboard.api.errors import TwoTexts, errors, two
 from mikas.dashboard.api.guided_tests import TestVerdict, verdict_of
 from mikas.dashboard.errors import NotFound
@@ -37,7 +37,6 @@ class RecordedTest(BaseModel):
 @router.get("/recordings/{identity}/tests/{name}", responses=errors(404, 409, 504))
 async def recorded_test(
     dashboard: TheDashboard,
-    library: TheLibrary,
     requester: TheRequester,
     identity: str,
     name: Annotated[str, Path(max_length=80)],
@@ -50,17 +49,13 @@ async def recorded_test(
         test = dashboard.guided.available().tests.get(name)
         if test is None:
             raise NotFound(name=name)
-        file = library.references.virtual(identity) or library.folder.one(identity)
+        library = requester.library
         by_hand = [step for step in test.steps if step.by_hand]
-        recording = library.opened(file, latest=True)
+        recording = library.opened(library.of_any(identity), latest=True)
         found = run_over(test, recording, [step.name for step in by_hand])
         return _answer(found, [two(step.text) for step in by_hand])
 
-    async def in_lane() -> RecordedTest:
-        with library.files.place(requester.address):
-            return await library.files.run(work, key=identity, address=requester.address)
-
-    return await requester.awaits(in_lane())
+    return await requester.make(identity, work)
 
 
 def _answer(found: TestResult | NotJudged, left_out: list[TwoTexts]) -> RecordedTest:

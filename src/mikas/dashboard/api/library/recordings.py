@@ -7,7 +7,7 @@ read in the lane of views: a report or an export that takes long holds up none o
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Collection
+from collections.abc import Collection
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Query
@@ -19,8 +19,8 @@ from mikas.dashboard.api.dependencies import (
     KnownClient,
     Line,
     Names,
+    Requester,
     TheDashboard,
-    TheLibrary,
     TheRequester,
     Words,
     split_names,
@@ -201,8 +201,9 @@ def note(dashboard: TheDashboard, _: Controller, body: NoteRequest) -> NoteRespo
 
 
 @router.get("/recordings", responses=errors(409, 504), response_model=RecordingsResponse)
-async def recordings(library: TheLibrary, requester: TheRequester) -> Response:
+async def recordings(requester: TheRequester) -> Response:
     """Return all recordings in the folder, the latest first."""
+    library = requester.library
     listed, left = await requester.awaits(library.all(requester.address))
 
     def described() -> Response:
@@ -219,22 +220,22 @@ async def recordings(library: TheLibrary, requester: TheRequester) -> Response:
 @router.get(
     "/recordings/{identity}", responses=errors(404, 409, 504), response_model=RecordingDetail
 )
-async def recording(library: TheLibrary, requester: TheRequester, identity: str) -> Response:
+async def recording(requester: TheRequester, identity: str) -> Response:
     """Return one recording, with its channels and its events."""
 
     def look(file: RecordingFile) -> Response:
+        library = requester.library
         summary = library.summary(file)
         recording = library.opened(file) if summary.problem is None else None
         return JSONResponse(_detail(library, file, summary, recording) | {"id": identity})
 
-    return await requester.awaits(library.view_any(identity, look, requester.address))
+    return await requester.view(identity, look, virtual=True)
 
 
 @router.get(
     "/recordings/{identity}/rows", responses=errors(404, 409, 504), response_model=RowsResponse
 )
 async def rows(
-    library: TheLibrary,
     requester: TheRequester,
     identity: str,
     *,
@@ -246,16 +247,16 @@ async def rows(
     """Return the rows between `from` and `to`, decimated with spikes kept if they are too many."""
 
     def look(file: RecordingFile) -> Response:
-        window, decimated = library.opened(file).window(begin, end, points, split_names(names))
+        opened = requester.library.opened(file)
+        window, decimated = opened.window(begin, end, points, split_names(names))
         return JSONResponse(json_columns(window) | {"decimated": decimated})
 
-    return await requester.awaits(library.view_any(identity, look, requester.address))
+    return await requester.view(identity, look, virtual=True)
 
 
 @router.put("/recordings/{identity}/note", responses=errors(404, 409, 504))
 async def comment(
     dashboard: TheDashboard,
-    library: TheLibrary,
     requester: TheRequester,
     _: KnownClient,
     identity: str,
@@ -265,17 +266,17 @@ async def comment(
     note = comment_note(dashboard.connection.now(), body.text)
 
     def write(file: RecordingFile) -> RecordingInfo:
-        _append(dashboard, library, file, note)
+        library = requester.library
+        _append(dashboard, file, note)
         written = library.folder.one(identity)
         return _info(library, written, library.summary(written))
 
-    return await requester.awaits(library.view(identity, write, requester.address))
+    return await requester.view(identity, write)
 
 
 @router.put("/recordings/{identity}/marker", responses=errors(404, 409, 504))
 async def name_recorded_marker(
     dashboard: TheDashboard,
-    library: TheLibrary,
     requester: TheRequester,
     _: KnownClient,
     identity: str,
@@ -286,41 +287,36 @@ async def name_recorded_marker(
     A removed marker comes back.
     """
     marker = Marker(body.time, body.label, renamed=True)
-    change = _marker_changed(dashboard, library, marker)
-    return await requester.awaits(library.view(identity, change, requester.address))
+    return await _change_marker(dashboard, requester, identity, marker)
 
 
 @router.delete("/recordings/{identity}/marker", responses=errors(404, 409, 504))
 async def remove_recorded_marker(
     dashboard: TheDashboard,
-    library: TheLibrary,
     requester: TheRequester,
     _: KnownClient,
     identity: str,
     time: MarkerTime,
 ) -> MarkerResponse:
     """Remove a marker of a recording: a note of it is appended to its file."""
-    change = _marker_changed(dashboard, library, Marker(time, removed=True))
-    return await requester.awaits(library.view(identity, change, requester.address))
+    return await _change_marker(dashboard, requester, identity, Marker(time, removed=True))
 
 
-def _marker_changed(
-    dashboard: Dashboard, library: RecordingService, marker: Marker
-) -> Callable[[RecordingFile], MarkerResponse]:
+async def _change_marker(
+    dashboard: Dashboard, requester: Requester, identity: str, marker: Marker
+) -> MarkerResponse:
     def write(file: RecordingFile) -> MarkerResponse:
         if not had_marker(CaptureReader(file.path).notes(), marker.time):
             raise NotFound(name=file.id)
-        _append(dashboard, library, file, note_of(marker))
+        _append(dashboard, file, note_of(marker))
         return MarkerResponse(time=marker.time)
 
-    return write
+    return await requester.view(identity, write)
 
 
-def _append(
-    dashboard: Dashboard, library: RecordingService, file: RecordingFile, note: Note
-) -> None:
+def _append(dashboard: Dashboard, file: RecordingFile, note: Note) -> None:
     """Write a note into a recording, which may be in progress."""
-    if library.is_growing(file):
+    if dashboard.library.is_growing(file):
         dashboard.recorder.recorder.note(note)
     else:
         append_note(file.path, note)

@@ -50,16 +50,12 @@ def references(library: TheLibrary) -> ReferencesResponse:
 
 @router.put("/recordings/{identity}/reference", responses=errors(404, 409, 504))
 async def mark(
-    library: TheLibrary,
-    requester: TheRequester,
-    _: KnownClient,
-    identity: str,
-    body: ReferenceRequest,
+    requester: TheRequester, _: KnownClient, identity: str, body: ReferenceRequest
 ) -> ReferencesResponse:
     """Mark a recording as a reference, or remove its mark."""
 
     def write(file: RecordingFile) -> ReferencesResponse:
-        library.references.mark(file.id, on=body.on)
-        return references(library)
+        requester.library.references.mark(file.id, on=body.on)
+        return references(requester.library)
 
-    return await requester.awaits(library.view(identity, write, requester.address))
+    return await requester.view(identity, write)

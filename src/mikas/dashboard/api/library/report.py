@@ -16,7 +16,7 @@ from fastapi import APIRouter
 from fastapi.responses import Response
 
 from mikas.catalog.lookup import is_corrected
-from mikas.dashboard.api.dependencies import Requester, TheDashboard, TheLibrary, TheRequester
+from mikas.dashboard.api.dependencies import Requester, TheDashboard, TheRequester
 from mikas.dashboard.api.errors import content, errors
 from mikas.dashboard.api.library.cars import car_of_connection
 from mikas.dashboard.api.library.downloads import attachment
@@ -29,7 +29,6 @@ from mikas.sampling.events import Event, Gap, UnitFound
 if TYPE_CHECKING:
     from mikas.catalog import Catalog
     from mikas.dashboard.dashboard import Dashboard
-    from mikas.dashboard.library.service import RecordingService
     from mikas.report.findings import Findings
     from mikas.report.subject import ReportedUnit
 
@@ -42,17 +41,10 @@ _PAGE: Final = content("text/html", "the page")
 
 @router.get("/report", response_class=Response, responses=errors(409, 503, 504) | _PAGE)
 async def report(
-    dashboard: TheDashboard,
-    library: TheLibrary,
-    requester: TheRequester,
-    *,
-    lang: Language = "en",
-    inline: bool = False,
+    dashboard: TheDashboard, requester: TheRequester, *, lang: Language = "en", inline: bool = False
 ) -> Response:
     """Return a page on the connected car, made of the last quarter of an hour."""
-    page = await requester.awaits(
-        _made(library, requester, _LIVE, lambda: _of_connection(dashboard), lang)
-    )
+    page = await _made(requester, _LIVE, lambda: _of_connection(dashboard), lang)
     return _response(page, "mikas.html", inline=inline)
 
 
@@ -62,14 +54,10 @@ async def report(
     responses=errors(404, 409, 504) | _PAGE,
 )
 async def recording_report(
-    library: TheLibrary,
-    requester: TheRequester,
-    identity: str,
-    *,
-    lang: Language = "en",
-    inline: bool = False,
+    requester: TheRequester, identity: str, *, lang: Language = "en", inline: bool = False
 ) -> Response:
     """Return a page on the car, made of the recording; to be saved, or `inline` to be viewed."""
+    library = requester.library
     file = await asyncio.to_thread(library.folder.one, identity)
 
     def findings() -> Findings:
@@ -77,24 +65,19 @@ async def recording_report(
 
         return find_in_recording(library.opened(file, latest=True))
 
-    page = await requester.awaits(_made(library, requester, file.id, findings, lang))
+    page = await _made(requester, file.id, findings, lang)
     return _response(page, f"{file.path.stem}.html", inline=inline)
 
 
 async def _made(
-    library: RecordingService,
-    requester: Requester,
-    key: str,
-    findings: Callable[[], Findings],
-    language: Language,
+    requester: Requester, key: str, findings: Callable[[], Findings], language: Language
 ) -> str:
     def page() -> str:
         from mikas.report.page import render
 
         return render(findings(), language)
 
-    with library.files.place(requester.address):
-        return await library.files.run(page, key=key, address=requester.address)
+    return await requester.make(key, page)
 
 
 def _response(page: str, name: str, *, inline: bool) -> Response:
