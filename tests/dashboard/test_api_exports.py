@@ -18,7 +18,7 @@ import mikas
 from csv_columns import columns_of
 from dashboard.recordings_rig import record
 from dashboard.rig import ME, OTHER, rig
-from mikas.dashboard.api.library import exports
+from mikas.dashboard.api.library import files
 from mikas.dashboard.library.lanes import Lane
 from mikas.errors import ExportError
 from mikas.i18n import Text
@@ -200,8 +200,8 @@ def test_nothing_is_left_after_the_client_has_gone(temporary) -> None:
     folder = Path(tempfile.mkdtemp())
     (folder / "a.csv").write_text("x" * 1000)
     resources = AsyncExitStack()
-    resources.push_async_callback(exports._delete, folder)  # noqa: SLF001
-    answer = exports._Temporary(folder / "a.csv", resources, filename="a.csv")  # noqa: SLF001
+    resources.push_async_callback(files._delete, folder)  # noqa: SLF001
+    answer = files._Temporary(folder / "a.csv", resources, filename="a.csv")  # noqa: SLF001
 
     async def gone(_) -> None:
         raise OSError("the other side is gone")

@@ -14,7 +14,7 @@ import pytest
 from dashboard.dumps_rig import ended
 from dashboard.rig import ME, rig
 from mikas.client.memory.dumps import Manifest, manifest_path
-from mikas.dashboard.api.library import downloads
+from mikas.dashboard.api.library import files
 from mikas.dashboard.library import folder as library_folder
 from mikas.dashboard.library.folder import RecordingFolder, files_in
 from mikas.dashboard.session import dump_jobs
@@ -165,7 +165,7 @@ def test_a_download_gives_no_other_file_whatever_replaces_it_meanwhile(
     def cut() -> None:
         os.truncate(file, 100)
 
-    find, send = RecordingFolder.one, downloads.OpenFile.stream_response
+    find, send = RecordingFolder.one, files.OpenFile.stream_response
     with rig(tmp_path, None) as it:
         for act, status, early, late in (
             (file.unlink, 404, None, content),
@@ -196,7 +196,7 @@ def test_a_download_gives_no_other_file_whatever_replaces_it_meanwhile(
             with monkeypatch.context() as patch:
                 file.unlink(missing_ok=True)
                 file.write_bytes(content)
-                patch.setattr(downloads.OpenFile, "stream_response", stream)
+                patch.setattr(files.OpenFile, "stream_response", stream)
                 assert download(it, "/recordings/a.pcapng/file") == (200, len(content), late), act
     assert not [each for each in caplog.records if each.exc_info]
 

@@ -10,8 +10,7 @@ import pytest
 
 from mikas.cancellation import Cancelled, check_cancelled
 from mikas.dashboard.errors import Busy, TookTooLong
-from mikas.dashboard.library.lanes import Lane, LaneLimits
-from mikas.dashboard.library.work_thread import WorkThread
+from mikas.dashboard.library.lanes import Lane, LaneLimits, WorkThread
 
 LIMITS = LaneLimits(slots=3, deadline=3600, places=4, per_address=2)
 PHONE, TABLET = "192.168.0.7", "192.168.0.8"

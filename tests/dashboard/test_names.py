@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mikas.cleaning import clean_line
-from mikas.dashboard.library.names import file_stem, is_file_name
+from mikas.dashboard.library.folder import file_stem, is_file_name
 
 SUFFIX = ".pcapng"
 PARTS = st.sampled_from(

@@ -11,7 +11,7 @@ import pytest
 
 from mikas.browser.suspension import get_ident, yield_turn
 from mikas.cancellation import check_cancelled
-from mikas.dashboard.library.work_thread import WorkThread
+from mikas.dashboard.library.lanes import WorkThread
 
 from .threads_rig import LONG, SHORT, run
 

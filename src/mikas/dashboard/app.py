@@ -22,7 +22,6 @@ from mikas.dashboard.api import (
     connection,
     diagnosis,
     errors,
-    freeze_frames,
     guided_tests,
     live,
     memory,
@@ -34,10 +33,8 @@ from mikas.dashboard.api.channels import editing, values
 from mikas.dashboard.api.library import (
     cars,
     dumps,
-    exports,
-    foreign,
-    recorded_faults,
-    recorded_tests,
+    files,
+    recorded,
     recordings,
     references,
     report,
@@ -61,9 +58,8 @@ Live data: WebSocket `/api/live?client=…`, described in docs/reference/api.md.
 """
 
 _PARTS = (catalog, editing, values, connection, diagnosis, live, network, unit,
-          freeze_frames, guided_tests, memory, dumps, changes, recordings,
-          foreign, references, cars, exports, recorded_faults, recorded_tests, report,
-          search)  # fmt: skip
+          guided_tests, memory, dumps, changes, recordings, files, references, cars, recorded,
+          report, search)  # fmt: skip
 
 # Of all applications of the process: FastAPI analyses the routes of a router when it is first asked
 # for one, which takes longer than any request.

@@ -11,7 +11,7 @@ Some places are kept for this computer, and each address in the network has a li
     the client takes none of what was sent           30 s, in each of these
 
 `sweep` ends what has waited too long; the server calls it every second. What a connection waits for
-comes from `phases`. All of it runs in the event loop. `clock`: seconds that never
+comes from `server.PhaseReports`. All of it runs in the event loop. `clock`: seconds that never
 run back.
 """
 

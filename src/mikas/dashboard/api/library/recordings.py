@@ -27,7 +27,7 @@ from mikas.dashboard.api.dependencies import (
 )
 from mikas.dashboard.api.errors import TwoTexts, errors, made_of, two, two_or_none
 from mikas.dashboard.api.library.cars import CarInfo
-from mikas.dashboard.api.library.downloads import LeftOutFile, left_out
+from mikas.dashboard.api.library.files import LeftOutFile, left_out
 from mikas.dashboard.api.messages import LiveRows, RecordedEvent
 from mikas.dashboard.api.state import State, state_of
 from mikas.dashboard.dashboard import Dashboard

@@ -19,7 +19,7 @@ from mikas.catalog.lookup import is_corrected
 from mikas.dashboard.api.dependencies import Requester, TheDashboard, TheRequester
 from mikas.dashboard.api.errors import content, errors
 from mikas.dashboard.api.library.cars import car_of_connection
-from mikas.dashboard.api.library.downloads import attachment
+from mikas.dashboard.api.library.files import attachment
 from mikas.dashboard.errors import NotConnected
 from mikas.i18n import Language
 from mikas.recording.freeze_frames import AppearedFault, new_faults

@@ -1,25 +1,33 @@
-"""The route of the faults in a recording, with their freeze frames.
+"""Routes of what a recording shows: its faults with their freeze frames, a guided test over it.
 
-The rows around a frame's moment are those of `GET /recordings/ID/rows`.
+The rows around a frame's moment are those of `GET /recordings/ID/rows`. A test reads a whole file,
+as a report does, so it is work in the lane of files. Nothing is kept.
 """
 
 from __future__ import annotations
 
 from math import inf
+from typing import TYPE_CHECKING, Annotated
 
-from fastapi import APIRouter
+from fastapi import APIRouter, Path
 from pydantic import BaseModel, Field
 
 from mikas.catalog import Catalog
-from mikas.dashboard.api.dependencies import TheRequester
-from mikas.dashboard.api.errors import errors
-from mikas.dashboard.api.freeze_frames import FreezeFrameInfo, frame_info
-from mikas.dashboard.api.unit import StoredFault, fault_info
+from mikas.dashboard.api.dependencies import TheDashboard, TheRequester
+from mikas.dashboard.api.errors import TwoTexts, errors, two
+from mikas.dashboard.api.guided_tests import TestVerdict, verdict_of
+from mikas.dashboard.api.unit import FreezeFrameInfo, StoredFault, fault_info, frame_info
+from mikas.dashboard.errors import NotFound
 from mikas.dashboard.library.folder import RecordingFile
+from mikas.dashboard.session.guided_tests import KeptResult
 from mikas.recording.capture.notes import Kind
 from mikas.recording.freeze_frames import first_seen
 from mikas.recording.recorded_faults import RecordedFaults, faults_in
 from mikas.recording.recording import Recording
+
+if TYPE_CHECKING:
+    from mikas.guided.recorded import NotJudged
+    from mikas.guided.result import TestResult
 
 router = APIRouter(tags=["recordings"])
 
@@ -74,3 +82,46 @@ def _fault(code: int, found: RecordedFaults, catalog: Catalog, began: float) -> 
         **fault_info(catalog.fault(code), first, frame.id if frame else None).model_dump(),
         stored_before=first <= max(began, found.readings[0].time),
     )
+
+
+class RecordedTest(BaseModel):
+    """A test over a recording. `result` null: there is none, for the reason `why`.
+
+    `left_out`: the steps that no values show, so the test was done without them.
+    """
+
+    result: TestVerdict | None
+    why: TwoTexts | None
+    left_out: list[TwoTexts]
+
+
+@router.get("/recordings/{identity}/tests/{name}", responses=errors(404, 409, 504))
+async def recorded_test(
+    dashboard: TheDashboard,
+    requester: TheRequester,
+    identity: str,
+    name: Annotated[str, Path(max_length=80)],
+) -> RecordedTest:
+    """Return the verdict of a test over a recording, or why the recording gives none."""
+
+    def work() -> RecordedTest:
+        from mikas.guided.recorded import run_over
+
+        test = dashboard.guided.available().tests.get(name)
+        if test is None:
+            raise NotFound(name=name)
+        library = requester.library
+        by_hand = [step for step in test.steps if step.by_hand]
+        recording = library.opened(library.of_any(identity), latest=True)
+        found = run_over(test, recording, [step.name for step in by_hand])
+        return _answer(found, [two(step.text) for step in by_hand])
+
+    return await requester.make(identity, work)
+
+
+def _answer(found: TestResult | NotJudged, left_out: list[TwoTexts]) -> RecordedTest:
+    from mikas.guided.recorded import NotJudged
+
+    if isinstance(found, NotJudged):
+        return RecordedTest(result=None, why=two(found.text), left_out=left_out)
+    return RecordedTest(result=verdict_of(KeptResult("", found)), why=None, left_out=left_out)
