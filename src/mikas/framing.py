@@ -104,8 +104,8 @@ class Decoder:
     """Decodes chunks of bytes into frames and damage, independent of the chunks' sizes.
 
     `limit`: bytes of the longest frame on the wire without terminator; a longer one is damage, so
-    memory is bounded. `strict`: an irregular escape (D4) is damage. `noise` counts bare terminators
-    (D5), `discarded` the dropped bytes of over-long frames.
+    memory is bounded. `strict`: an irregular escape (D4) is damage. Bare terminators (D5) are
+    skipped.
     """
 
     def __init__(self, *, limit: int = 4096, strict: bool = False) -> None:
@@ -113,8 +113,6 @@ class Decoder:
             raise ValueError("limit must be at least 1 byte")
         self.limit = limit
         self.strict = strict
-        self.noise = 0
-        self.discarded = 0
         self._buffer = bytearray()
         self._searched = 0  # no terminator before this index: feeding single bytes stays linear
         self._offset = 0  # of the buffer's first byte in the stream
@@ -150,18 +148,14 @@ class Decoder:
         while (end := self._buffer.find(TERMINATOR, self._searched)) >= 0:
             if self._overflowed:
                 self._overflowed = False
-                self.discarded += end  # only at the start of the buffer
                 start = self._searched = end + 1
                 continue
             part = bytes(self._buffer[start:end])
             total = sum(part) & 0xFF
             next_start = end + 1
             if len(part) > self.limit:
-                self.discarded += len(part) - self.limit
                 events.append(self._too_long(start))
-            elif not part:
-                self.noise += 1
-            elif total == 0:
+            elif part and total == 0:
                 events.append(self._frame(part, start))
             elif total == _RAW_TERMINATOR_SUM and next_start == len(self._buffer):
                 self._searched = end  # the next byte decides
@@ -169,7 +163,7 @@ class Decoder:
             elif total == _RAW_TERMINATOR_SUM and self._buffer[next_start] == TERMINATOR:
                 events.append(self._frame_with_raw_terminator(part, start))
                 next_start += 1
-            else:
+            elif part:  # else a bare terminator, D5
                 events.append(Damage(DamageReason.CHECKSUM, part, self._offset + start))
             start = self._searched = next_start
         else:
@@ -208,11 +202,9 @@ class Decoder:
         """Keep the buffer within the limit; report a longer frame once."""
         # A terminator that waits for its successor (D3) does not count.
         if self._overflowed:
-            self.discarded += len(self._buffer)
             self._drop(len(self._buffer))
         elif self._searched > self.limit:
             events.append(self._too_long(0))
-            self.discarded += len(self._buffer) - self.limit
             self._drop(len(self._buffer))
             self._overflowed = True
 

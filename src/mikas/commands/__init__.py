@@ -4,86 +4,43 @@ from __future__ import annotations
 
 from typing import Any
 
-from mikas.commands.base import Command, MalformedRequest, Safety, SizeOf, Space
-from mikas.commands.memory import (
-    LARGEST_BLOCK,
-    ReadCodeBlock,
-    ReadCodeByte,
-    ReadRamBlock,
-    ReadRamByte,
-    ReadSfr,
-    ReadXramBlock,
-    ReadXramByte,
-    WriteCodeBlock,
-    WriteCodeByte,
-    WriteRamBlock,
-    WriteRamByte,
-    WriteSfr,
-    WriteXramBlock,
-    WriteXramByte,
-)
-from mikas.commands.parameters import (
-    ERASE_FAULTS,
-    CountParameters,
-    Data,
-    Datum,
-    ReadList,
-    ReadParameters,
-    ReadUnknownSize,
-    StreamAtStroke,
-    StreamCyclic,
-    WriteList,
-    WriteParameter,
-)
-from mikas.commands.unit import (
-    Availability,
-    GoTo,
-    ReadDataPassport,
-    ReadFaults,
-    ReadProgramPassport,
-)
+from mikas.commands.base import Command as Command
+from mikas.commands.base import MalformedRequest as MalformedRequest
+from mikas.commands.base import Safety as Safety
+from mikas.commands.base import SizeOf
+from mikas.commands.base import Space as Space
+from mikas.commands.memory import LARGEST_BLOCK as LARGEST_BLOCK
+from mikas.commands.memory import ReadCodeBlock as ReadCodeBlock
+from mikas.commands.memory import ReadCodeByte as ReadCodeByte
+from mikas.commands.memory import ReadRamBlock as ReadRamBlock
+from mikas.commands.memory import ReadRamByte as ReadRamByte
+from mikas.commands.memory import ReadSfr as ReadSfr
+from mikas.commands.memory import ReadXramBlock as ReadXramBlock
+from mikas.commands.memory import ReadXramByte as ReadXramByte
+from mikas.commands.memory import WriteCodeBlock as WriteCodeBlock
+from mikas.commands.memory import WriteCodeByte as WriteCodeByte
+from mikas.commands.memory import WriteRamBlock as WriteRamBlock
+from mikas.commands.memory import WriteRamByte as WriteRamByte
+from mikas.commands.memory import WriteSfr as WriteSfr
+from mikas.commands.memory import WriteXramBlock as WriteXramBlock
+from mikas.commands.memory import WriteXramByte as WriteXramByte
+from mikas.commands.parameters import ERASE_FAULTS as ERASE_FAULTS
+from mikas.commands.parameters import CountParameters as CountParameters
+from mikas.commands.parameters import Data as Data
+from mikas.commands.parameters import Datum as Datum
+from mikas.commands.parameters import ReadList as ReadList
+from mikas.commands.parameters import ReadParameters as ReadParameters
+from mikas.commands.parameters import ReadUnknownSize as ReadUnknownSize
+from mikas.commands.parameters import StreamAtStroke as StreamAtStroke
+from mikas.commands.parameters import StreamCyclic as StreamCyclic
+from mikas.commands.parameters import WriteList as WriteList
+from mikas.commands.parameters import WriteParameter as WriteParameter
+from mikas.commands.unit import Availability as Availability
+from mikas.commands.unit import GoTo as GoTo
+from mikas.commands.unit import ReadDataPassport as ReadDataPassport
+from mikas.commands.unit import ReadFaults as ReadFaults
+from mikas.commands.unit import ReadProgramPassport as ReadProgramPassport
 from mikas.errors import UsageError
-
-__all__ = [
-    "ALL_COMMANDS",
-    "COMMANDS_BY_CODE",
-    "ERASE_FAULTS",
-    "LARGEST_BLOCK",
-    "Availability",
-    "Command",
-    "CountParameters",
-    "Data",
-    "Datum",
-    "GoTo",
-    "MalformedRequest",
-    "ReadCodeBlock",
-    "ReadCodeByte",
-    "ReadDataPassport",
-    "ReadFaults",
-    "ReadList",
-    "ReadParameters",
-    "ReadProgramPassport",
-    "ReadRamBlock",
-    "ReadRamByte",
-    "ReadSfr",
-    "ReadUnknownSize",
-    "ReadXramBlock",
-    "ReadXramByte",
-    "Safety",
-    "Space",
-    "StreamAtStroke",
-    "StreamCyclic",
-    "WriteCodeBlock",
-    "WriteCodeByte",
-    "WriteList",
-    "WriteParameter",
-    "WriteRamBlock",
-    "WriteRamByte",
-    "WriteSfr",
-    "WriteXramBlock",
-    "WriteXramByte",
-    "parse",
-]
 
 ALL_COMMANDS: tuple[type[Command[Any]], ...] = (
     Availability,
