@@ -40,7 +40,6 @@ export const icons = {
   refresh: "M19 8a8 8 0 1 0 1 6M20 3v5h-5",
   search: "M10.5 4a6.5 6.5 0 1 0 0 13 6.5 6.5 0 0 0 0-13ZM15.5 15.5 21 21",
   download: "M12 4v11M7 11l5 5 5-5M4 20h16",
-  upload: "M12 16V5M7 9l5-5 5 5M4 20h16",
   copy: "M9 9h11v11H9ZM15 9V4H4v11h5",
   star: "M12 3.5l2.6 5.6 6.1.7-4.5 4.2 1.2 6L12 17l-5.4 3 1.2-6-4.5-4.2 6.1-.7Z",
   trash: "M4 7h16M9 7V4h6v3M6 7l1 13h10l1-13M10 11v5M14 11v5",

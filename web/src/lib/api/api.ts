@@ -12,6 +12,9 @@ export function createApi(host: Transport) {
   const get = <T>(path: string, query?: Query, signal?: AbortSignal) => json<T>("GET", path, { query, signal });
   const post = <T>(path: string, body: unknown = {}, query?: Query) => json<T>("POST", path, { body, query });
   const put = <T>(path: string, body: unknown) => json<T>("PUT", path, { body });
+  const remove = <T>(path: string, query?: Query) => json<T>("DELETE", path, { query });
+  /** The folder of a recording, or what stands for the connected unit (null). */
+  const of = (recording: string | null, connected: string) => (recording === null ? connected : `/recordings/${part(recording)}`);
 
   return {
     /** Fetch a file of the API by its address, so that an error can be shown instead of being saved as a file. */
@@ -20,14 +23,12 @@ export function createApi(host: Transport) {
     state: () => get<Api.State>("/state"),
     about: () => get<Api.About>("/about"),
     takeControl: (force = false) => post<Api.State>("/control/take", { force }),
-    releaseControl: () => post<Api.State>("/control/release"),
 
     catalog: () => get<Api.Catalog>("/catalog"),
     changeKeys: (name: string, keys: Api.ChannelKeys) => put<Api.Catalog>(`/channels/${part(name)}/keys`, keys),
-    resetKeys: (name: string, keys: string[], version: string) =>
-      json<Api.Catalog>("DELETE", `/channels/${part(name)}/keys`, { query: { keys, version } }),
+    resetKeys: (name: string, keys: string[], version: string) => remove<Api.Catalog>(`/channels/${part(name)}/keys`, { keys, version }),
     changeChannel: (name: string, channel: Api.NewChannel) => put<Api.Catalog>(`/channels/${part(name)}`, channel),
-    deleteChannel: (name: string, version: string) => json<Api.Catalog>("DELETE", `/channels/${part(name)}`, { query: { version } }),
+    deleteChannel: (name: string, version: string) => remove<Api.Catalog>(`/channels/${part(name)}`, { version }),
     tryFormula: (trial: Api.Trial) => post<Api.TrialResult>("/channels/try", trial),
     channelValue: (name: string, recording: string | null, at: number | null) =>
       get<Api.ChannelValue>(`/channels/${part(name)}/value`, { recording, at }),
@@ -36,8 +37,7 @@ export function createApi(host: Transport) {
     history: (seconds: number, points: number, names?: string[]) => get<Api.History>("/history", { seconds, points, names }),
 
     /** Moments at which a condition holds: in a recording, or in the live values (null). */
-    find: (recording: string | null, expression: string) =>
-      get<Api.Found>(recording === null ? "/history/find" : `/recordings/${part(recording)}/find`, { expression }),
+    find: (recording: string | null, expression: string) => get<Api.Found>(`${of(recording, "/history")}/find`, { expression }),
     searches: () => get<Api.Searches>("/searches"),
     saveSearches: (searches: Api.KeptSearch[]) => put<Api.Searches>("/searches", { searches }),
 
@@ -68,7 +68,7 @@ export function createApi(host: Transport) {
     networkQr: () => address("/about/qr.svg"),
     freezeFrames: () => get<Api.FreezeFrames>("/freeze-frames"),
     freezeFrame: (id: string) => get<Api.Rows>(`/freeze-frames/${part(id)}`),
-    deleteFreezeFrame: (id: string) => json<Api.FreezeFrames>("DELETE", `/freeze-frames/${part(id)}`),
+    deleteFreezeFrame: (id: string) => remove<Api.FreezeFrames>(`/freeze-frames/${part(id)}`),
     faults: () => get<Api.Faults>("/faults"),
     lastFaults: () => get<Api.Faults>("/faults", { last: true }),
     passport: () => get<Api.Passport>("/passport"),
@@ -83,8 +83,6 @@ export function createApi(host: Transport) {
     pauseDump: (id: string) => post<Api.Dump>(`/dumps/${part(id)}/pause`),
     resumeDump: (id: string) => post<Api.Dump>(`/dumps/${part(id)}/resume`),
     dumpFile: (id: string) => address(`/dumps/${part(id)}/file`),
-    compareDump: (id: string, other: BodyInit, first: number) =>
-      json<Api.Differences>("POST", `/dumps/${part(id)}/compare`, { bytes: other, query: { first } }),
 
     unlock: (minutes = 5) => post<Api.State>("/unlock", { minutes }),
     lock: () => post<Api.State>("/lock"),
@@ -95,8 +93,9 @@ export function createApi(host: Transport) {
     startRecording: (name: string | null = null) => post<Api.State>("/recording/start", { name }),
     stopRecording: () => post<Api.State>("/recording/stop"),
     marker: (label: string) => post<Api.Marker>("/recording/marker", { label }),
-    nameMarker: (time: number, label: string) => put<Api.Marker>("/recording/marker", { time, label }),
-    removeMarker: (time: number) => json<Api.Marker>("DELETE", "/recording/marker", { query: { time } }),
+    nameMarker: (recording: string | null, time: number, label: string) =>
+      put<Api.Marker>(`${of(recording, "/recording")}/marker`, { time, label }),
+    removeMarker: (recording: string | null, time: number) => remove<Api.Marker>(`${of(recording, "/recording")}/marker`, { time }),
     note: (text: string) => post<unknown>("/recording/note", { text }),
     recordings: () => get<Api.Recordings>("/recordings"),
     addRecording: (name: string, file: Blob) => json<Api.AddedRecording>("POST", "/recordings", { query: { name }, bytes: file }),
@@ -104,18 +103,14 @@ export function createApi(host: Transport) {
     rows: (id: string, query: { from: number | null; to: number | null; points: number; names?: string[] }, signal?: AbortSignal) =>
       get<Api.RecordingRows>(`/recordings/${part(id)}/rows`, query, signal),
     recordedFaults: (id: string) => get<Api.RecordedFaults>(`/recordings/${part(id)}/faults`),
-    nameRecordedMarker: (id: string, time: number, label: string) => put<Api.Marker>(`/recordings/${part(id)}/marker`, { time, label }),
-    removeRecordedMarker: (id: string, time: number) => json<Api.Marker>("DELETE", `/recordings/${part(id)}/marker`, { query: { time } }),
     noteRecording: (id: string, text: string) => put<unknown>(`/recordings/${part(id)}/note`, { text }),
     car: () => get<Api.UnitCar>("/car"),
-    writeCar: (car: Api.Car) => put<Api.UnitCar>("/car", car),
-    writeRecordingCar: (id: string, car: Api.Car) => put<Api.Car>(`/recordings/${part(id)}/car`, car),
+    writeCar: (recording: string | null, car: Api.Car) => put<Api.Car>(`${of(recording, "")}/car`, car),
     references: () => get<Api.References>("/references"),
     markReference: (id: string, on: boolean) => put<Api.References>(`/recordings/${part(id)}/reference`, { on }),
     recordingFile: (id: string) => address(`/recordings/${part(id)}/file`),
     exportFile: (id: string, format: Api.ExportFormat, names?: string[]) => address(`/recordings/${part(id)}/export`, { format, names }),
-    recordingReport: (id: string, lang: string, inline = false) =>
-      address(`/recordings/${part(id)}/report`, { lang, inline: inline ? 1 : null }),
-    report: (lang: string, inline = false) => address("/report", { lang, inline: inline ? 1 : null }),
+    report: (recording: string | null, lang: string, inline = false) =>
+      address(`${of(recording, "")}/report`, { lang, inline: inline ? 1 : null }),
   };
 }

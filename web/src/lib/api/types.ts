@@ -9,13 +9,10 @@ export type ErrorBody = Schemas["ErrorBody"];
 
 export type State = Schemas["State"];
 export type Line = State["line"];
-export type Rights = State["rights"];
 export type Alarm = Schemas["ActiveAlarm"];
 export type Level = Alarm["level"];
-export type Plan = Schemas["PlanInfo"];
-export type Method = Plan["method"];
+export type Method = Schemas["PlanInfo"]["method"];
 export type Wanted = Schemas["PlannedChannel"];
-export type RecordingNow = Schemas["RunningRecording"];
 export type About = Schemas["AboutResponse"];
 
 export type Catalog = Schemas["CatalogResponse"];
@@ -26,7 +23,6 @@ export type NewChannel = Schemas["ChannelRequest"];
 export type ChannelValue = Schemas["ChannelValue"];
 export type Trial = Schemas["TrialRequest"];
 export type TrialResult = Schemas["TrialResponse"];
-export type KnownFault = Schemas["KnownFault"];
 export type Limits = Schemas["ChannelLimits"];
 export type Preset = Schemas["Preset"];
 export type Presets = Schemas["PresetList"];
@@ -58,7 +54,6 @@ export type Space = MemoryRead["space"];
 export type Dump = Schemas["DumpResponse"];
 export type Dumps = Schemas["DumpsResponse"];
 export type LeftOutFile = Schemas["LeftOutFile"];
-export type Differences = Schemas["DifferencesResponse"];
 
 export type Change =
   | Schemas["EraseFaultsRequest"]

@@ -29,9 +29,7 @@ export class CarDetails {
   /** Edit the car of the connected unit. */
   async editConnected(onsaved?: () => void): Promise<void> {
     const kept = await this.app.toasts.attempt(() => this.app.api.car());
-    if (!kept) return;
-    const { car, plate, workshop } = kept;
-    this.editing = { recording: null, details: { car, plate, workshop, mileage: null }, offered: kept.mileage, onsaved };
+    if (kept) this.editing = { recording: null, details: offeredOf(kept), offered: kept.mileage, onsaved };
   }
 
   /** Edit the car of a recording; the program keeps it for the connected unit too, if that is recorded and has none. */
@@ -39,18 +37,15 @@ export class CarDetails {
     this.editing = { recording: recording.id, details: recording.car, offered: null, onsaved };
   }
 
-  async save(details: Car): Promise<boolean> {
+  async save(details: Car): Promise<void> {
     const edit = this.editing;
-    if (!edit) return false;
+    if (!edit) return;
     const { recording } = edit;
-    const saved = await this.app.toasts.attempt<Car>(() =>
-      recording === null ? this.app.api.writeCar(details) : this.app.api.writeRecordingCar(recording, details),
-    );
-    if (!saved) return false;
+    const saved = await this.app.toasts.attempt(() => this.app.api.writeCar(recording, details));
+    if (!saved) return;
     if (recording !== null) this.app.player.described(recording, saved);
     edit.onsaved?.();
     this.editing = null;
-    return true;
   }
 
   close(): void {
@@ -62,8 +57,7 @@ export class CarDetails {
     const kept = await this.firstTime();
     if (!kept) return;
     if (document.querySelector("dialog[open]")) return this.offer(); // what the user opened meanwhile
-    const { car, plate, workshop } = kept;
-    this.editing = { recording: null, details: { car, plate, workshop, mileage: null }, offered: kept.mileage, asked: true, onsaved };
+    this.editing = { recording: null, details: offeredOf(kept), offered: kept.mileage, asked: true, onsaved };
   }
 
   /** The same at its first recording, beside the screen: what is measured has to be seen, and the next key may set a marker. */
@@ -84,8 +78,10 @@ export class CarDetails {
     if (this.app.live.state?.port?.startsWith("sim:")) return null;
     const kept = await this.app.api.car().catch(() => null);
     if (!kept?.unit || kept.asked) return null;
-    const { car, plate, workshop } = kept;
-    await this.app.api.writeCar({ car, plate, workshop, mileage: null }).catch(() => null);
+    await this.app.api.writeCar(null, offeredOf(kept)).catch(() => null);
     return kept;
   }
 }
+
+/** What of a kept car is still so at the next recording. */
+const offeredOf = ({ car, plate, workshop }: Car): Car => ({ car, plate, workshop, mileage: null });

@@ -27,18 +27,18 @@ export class Naming {
   constructor(private readonly app: Pick<Stores, "api" | "player" | "toasts">) {}
 
   /** Give a marker of live data, or of the recording `id`, another name; a removed one comes back. Returns whether that succeeded. */
-  async name(time: number, label: string, id: string | null): Promise<boolean> {
-    if (id === null) return (await this.app.toasts.attempt(() => this.app.api.nameMarker(time, label))) !== undefined;
-    if ((await this.app.toasts.attempt(() => this.app.api.nameRecordedMarker(id, time, label))) === undefined) return false;
-    this.app.player.marked(id, time, label);
-    return true;
+  name(time: number, label: string, id: string | null): Promise<boolean> {
+    return this.mark(time, label, id, () => this.app.api.nameMarker(id, time, label));
   }
 
   /** Remove a marker of live data, or of the recording `id`. Returns whether that succeeded. */
-  async remove(time: number, id: string | null): Promise<boolean> {
-    if (id === null) return (await this.app.toasts.attempt(() => this.app.api.removeMarker(time))) !== undefined;
-    if ((await this.app.toasts.attempt(() => this.app.api.removeRecordedMarker(id, time))) === undefined) return false;
-    this.app.player.marked(id, time, null);
+  remove(time: number, id: string | null): Promise<boolean> {
+    return this.mark(time, null, id, () => this.app.api.removeMarker(id, time));
+  }
+
+  private async mark(time: number, label: string | null, id: string | null, change: () => Promise<unknown>): Promise<boolean> {
+    if ((await this.app.toasts.attempt(change)) === undefined) return false;
+    if (id !== null) this.app.player.marked(id, time, label);
     return true;
   }
 }

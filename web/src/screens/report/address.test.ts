@@ -1,13 +1,13 @@
 import { expect, it } from "vitest";
-import { LIVE, mayFrame, reportAddress, reportFile, reportSource } from "./address";
+import { LIVE, mayFrame, reportFile, reportSource } from "./address";
 import { served } from "../../lib/platform/host";
 import { Stores } from "../../stores";
 
 const { api } = new Stores(served);
 
 it("the address contains recording and language", () => {
-  expect(reportAddress(api, null, "ru", true)).toBe("api/report?lang=ru&inline=1");
-  expect(reportAddress(api, "a b.pcapng", "en", false)).toBe("api/recordings/a%20b.pcapng/report?lang=en");
+  expect(api.report(null, "ru", true)).toBe("api/report?lang=ru&inline=1");
+  expect(api.report("a b.pcapng", "en")).toBe("api/recordings/a%20b.pcapng/report?lang=en");
   expect(reportFile("a b.pcapng", "en")).toBe("a b-report-en.html");
 });
 

@@ -1,5 +1,4 @@
-// The address of a report, of the session or of a recording.
-import type { ApiClient } from "../../lib/api/api";
+// Whose report is shown, of the session or of a recording, and its file.
 import { recordingName } from "../../lib/recording/recordingData.svelte";
 
 /** In the screen's address: the connected car. No recording has this name. */
@@ -12,10 +11,6 @@ export const LIVE = "live";
 export function reportSource(asked: string | undefined, open: string | null): string | null {
   if (asked === undefined) return open;
   return asked === LIVE ? null : asked;
-}
-
-export function reportAddress(api: ApiClient, recording: string | null, lang: string, inline: boolean): string {
-  return recording === null ? api.report(lang, inline) : api.recordingReport(recording, lang, inline);
 }
 
 export function reportFile(recording: string | null, lang: string): string {

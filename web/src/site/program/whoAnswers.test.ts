@@ -16,7 +16,7 @@ it("the reader answers what only reads recordings", () => {
     "api/channels/FREQ/value?recording=a&at=1",
     api.recordingFile("a b"),
     api.exportFile("a", "csv"),
-    api.recordingReport("a", "ru", true),
+    api.report("a", "ru", true),
   ];
   for (const address of read) expect([address, whoAnswers("GET", address)]).toEqual([address, "reader"]);
   expect(whoAnswers("POST", "api/channels/try", '{"recording":"a"}')).toBe("reader");
