@@ -3,7 +3,7 @@ import { useStores } from "../../stores";
 import { frameClock } from "../platform/frameClock.svelte";
 import type { DisplayValue } from "./displayValue";
 import { number, localized } from "../i18n";
-import type { Extremes } from "../display/source.svelte";
+import type { Extremes } from "../series/columns";
 import { widestText } from "./textWidth";
 import { valueText, wordsOf } from "./valueText";
 import type { Channel, Level } from "../api/types";

@@ -1,6 +1,7 @@
 // Moments found somewhere (a cell of a table, points of a cloud), marked in the time chart; one of them is the current one. They belong to the
 // source in which they were found.
 import type { Stretch } from "../pairs/stretches";
+import { countWhile } from "../series/columns";
 import type { Cursors } from "./cursors.svelte";
 
 export class Moments {
@@ -59,23 +60,11 @@ export class Moments {
 /** The moments from `from` to `to`, neighbours closer than `least` seconds joined, so that there are never more bands than pixels. */
 export function bandsOf(list: readonly Stretch[], from: number, to: number, least: number): Stretch[] {
   const bands: Stretch[] = [];
-  for (let at = firstEndingAt(list, from); at < list.length && list[at]!.from <= to; at += 1) {
+  for (let at = countWhile(list.length, (before) => list[before]!.to < from); at < list.length && list[at]!.from <= to; at += 1) {
     const one = list[at]!;
     const last = bands[bands.length - 1];
     if (last && one.from - last.to < least) last.to = one.to;
     else bands.push({ ...one });
   }
   return bands;
-}
-
-/** The first moment that ends at `time` or later. */
-function firstEndingAt(list: readonly Stretch[], time: number): number {
-  let low = 0;
-  let high = list.length;
-  while (low < high) {
-    const middle = (low + high) >> 1;
-    if (list[middle]!.to < time) low = middle + 1;
-    else high = middle;
-  }
-  return low;
 }

@@ -1,14 +1,9 @@
 // What Live and Chart display: live data or a recording, behind one interface.
 import { displayValueOf, isInGap, NONE, type DisplayValue } from "../channels/displayValue";
 import { frameClock } from "../platform/frameClock.svelte";
-import type { Columns } from "../series/columns";
+import type { Columns, Extremes } from "../series/columns";
 import type { Latest, Live } from "../live/live.svelte";
 import type { LineEvent } from "../api/types";
-
-export interface Extremes {
-  min: number;
-  max: number;
-}
 
 export interface Source {
   readonly kind: "live" | "recording";

@@ -3,7 +3,7 @@
 import { address } from "../api/http";
 import { frameClock } from "../platform/frameClock.svelte";
 import { clientId, clientName, controlLease, pageId } from "../api/client";
-import { Columns } from "../series/columns";
+import { Columns, type Extremes } from "../series/columns";
 import { EventLog } from "./eventLog";
 import { answering } from "./lineState";
 import type { LineEvent, LiveMessage, Rows, State } from "../api/types";
@@ -46,7 +46,7 @@ export class Live {
   decimatedUntil = $state(-Infinity);
   readonly latest = new Map<string, Latest>();
   /** Minimum and maximum of each channel since `extremesFrom`, history included. */
-  readonly extremes = new Map<string, { min: number; max: number }>();
+  readonly extremes = new Map<string, Extremes>();
   /** The program's time of the first value in `extremes`, or of the last reset; null before both. */
   extremesFrom = $state<number | null>(null);
   /** Older values stay out of `extremes`. */

@@ -1,6 +1,7 @@
 // The edges of a table's rows and columns. A bin holds the values from its lower edge to below its upper one; the last bin also its upper edge.
 import type { Channel } from "../api/types";
 import { parsedNumber } from "../i18n";
+import { countWhile, type Extremes } from "../series/columns";
 
 export const MOST_BINS = 32;
 /** Bins that a default has about. */
@@ -10,14 +11,12 @@ const DEFAULT_BINS = 16;
 export function binOf(edges: readonly number[], value: number): number {
   const count = edges.length - 1;
   if (!(value >= edges[0]!) || !(value <= edges[count]!)) return -1;
-  let low = 0;
-  let high = count - 1;
-  while (low < high) {
-    const middle = (low + high + 1) >> 1;
-    if (edges[middle]! <= value) low = middle;
-    else high = middle - 1;
-  }
-  return low;
+  return (
+    Math.min(
+      count,
+      countWhile(edges.length, (at) => edges[at]! <= value),
+    ) - 1
+  );
 }
 
 /** A step of 1, 2, 2.5 or 5 times a power of ten by which `extent` has at most `most` parts, or one more where the ends are not at steps. */
@@ -63,14 +62,14 @@ export function typedEdges(text: string): number[] | null {
 }
 
 /** The edges for a channel: of its gauge, else of its range; `extremes`: of the data, where the catalog has neither. */
-export function defaultEdges(channel: Channel | undefined, extremes: { min: number; max: number } | undefined): number[] {
+export function defaultEdges(channel: Channel | undefined, extremes: Extremes | undefined): number[] {
   if (channel?.flag) return [-0.5, 0.5, 1.5];
   const [low, high] = channel?.gauge ?? channel?.range ?? (extremes ? [extremes.min, extremes.max] : [0, 100]);
   return multiples(low, high, niceStep(high - low, DEFAULT_BINS));
 }
 
 /** Edges that cover the data. */
-export function fittedEdges(channel: Channel | undefined, extremes: { min: number; max: number }): number[] {
+export function fittedEdges(channel: Channel | undefined, extremes: Extremes): number[] {
   if (channel?.flag) return [-0.5, 0.5, 1.5];
   const least = 10 ** -(channel?.decimals ?? 3);
   const extent = Math.max(extremes.max - extremes.min, least);

@@ -1,6 +1,6 @@
 // Values of different channels that belong together. Each measured value of the first channel counts once; the others come from the same row,
 // or are their last values if these are not older than `age` seconds and no gap lies between. Nothing is interpolated.
-import type { Columns } from "../series/columns";
+import { countWhile, enlarged, type Columns } from "../series/columns";
 
 /** Another channel of each pair. `needed`: without a value of it the pair is left out. */
 export interface Partner {
@@ -73,7 +73,7 @@ export class Pairs {
     const own = columns.column(this.plan.name);
     const others = partners.map(({ name }) => columns.column(name));
     this.reserve(to - first);
-    let gap = countBelow(gaps, times[first]!);
+    let gap = countWhile(gaps.length, (at) => gaps[at]! < times[first]!);
     for (let row = first; row < to; row += 1) {
       const time = times[row]!;
       while (gap < gaps.length && gaps[gap]! < time) gap += 1;
@@ -117,24 +117,7 @@ export class Pairs {
   private reserve(more: number): void {
     if (this.length + more <= this.times.length) return;
     const size = Math.max(this.times.length * 2, this.length + more);
-    const enlarged = (array: Float64Array) => {
-      const bigger = new Float64Array(size);
-      bigger.set(array);
-      return bigger;
-    };
-    this.times = enlarged(this.times);
-    this.values.forEach((array, index) => (this.values[index] = enlarged(array)));
+    this.times = enlarged(this.times, size);
+    this.values.forEach((array, index) => (this.values[index] = enlarged(array, size)));
   }
-}
-
-/** How many of the ascending numbers are below `limit`. */
-function countBelow(numbers: readonly number[], limit: number): number {
-  let low = 0;
-  let high = numbers.length;
-  while (low < high) {
-    const middle = (low + high) >> 1;
-    if (numbers[middle]! < limit) low = middle + 1;
-    else high = middle;
-  }
-  return low;
 }

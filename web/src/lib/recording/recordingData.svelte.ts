@@ -2,8 +2,7 @@
 import type { ApiClient } from "../api/api";
 import { ApiError } from "../api/http";
 import { frameClock } from "../platform/frameClock.svelte";
-import { Columns } from "../series/columns";
-import type { Extremes } from "../display/source.svelte";
+import { Columns, extremesOf, type Extremes } from "../series/columns";
 import type { Car, LineEvent, RecordingDetail } from "../api/types";
 
 /** Rows of a part, and of the overview. */
@@ -61,7 +60,7 @@ export class RecordingData {
       this.found.clear();
       this.foundAt = this.tick;
     }
-    if (!this.found.has(name)) this.found.set(name, extremesOf(this.columns.column(name)));
+    if (!this.found.has(name)) this.found.set(name, extremesOf(this.columns.column(name) ?? []));
     return this.found.get(name);
   }
 
@@ -169,17 +168,6 @@ async function unlessAborted<T>(signal: AbortSignal, job: () => Promise<T>): Pro
 const spanOf = ({ first, last }: RecordingDetail) => ({ first: first ?? 0, last: last ?? 0 });
 
 const columnsOf = (rows: number): Columns => new Columns(Math.max(16, Math.ceil(rows * 1.1) + 16));
-
-function extremesOf(column: Float64Array | undefined): Extremes | undefined {
-  if (!column) return undefined;
-  let min = Infinity;
-  let max = -Infinity;
-  for (const value of column) {
-    if (value < min) min = value;
-    if (value > max) max = value;
-  }
-  return min <= max ? { min, max } : undefined;
-}
 
 /** The events with a marker at this time, in the place of one that is there already; `label` null: without one. */
 export function withMarker(events: RecordingDetail["events"], time: number, label: string | null): RecordingDetail["events"] {

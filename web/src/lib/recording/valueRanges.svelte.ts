@@ -2,6 +2,7 @@
 // on an engine and is named so where it is shown.
 import type { Stores } from "../../stores";
 import { Resource } from "../api/resource.svelte";
+import type { RecordingRows } from "../api/types";
 
 export type Band = readonly [low: number, high: number];
 type Bands = ReadonlyMap<string, Band>;
@@ -37,13 +38,7 @@ export class ValueRanges extends Resource<readonly [id: string, model: string, v
   }
 }
 
-export function bandsOf({
-  names,
-  values,
-}: {
-  names: readonly string[];
-  values: readonly (readonly (number | null)[])[];
-}): Map<string, Band> {
+export function bandsOf({ names, values }: Pick<RecordingRows, "names" | "values">): Map<string, Band> {
   const bands = new Map<string, Band>();
   names.forEach((name, index) => {
     const found = (values[index] ?? []).filter((value) => value !== null);

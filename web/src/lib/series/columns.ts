@@ -81,14 +81,7 @@ export class Columns {
 
   /** The last row not later than `time`; -1 if all are later. */
   rowAt(time: number): number {
-    let low = 0;
-    let high = this.length;
-    while (low < high) {
-      const middle = (low + high) >> 1;
-      if (this.time[middle]! <= time) low = middle + 1;
-      else high = middle;
-    }
-    return low - 1;
+    return countWhile(this.length, (row) => this.time[row]! <= time) - 1;
   }
 
   /** The first row not earlier than `time`; `length` if all are earlier. */
@@ -144,9 +137,38 @@ export class Columns {
   }
 }
 
+/** Of `length` ascending things the first ones that are so, by halving: those that are so come before all others. */
+export function countWhile(length: number, isSo: (at: number) => boolean): number {
+  let low = 0;
+  let high = length;
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (isSo(middle)) low = middle + 1;
+    else high = middle;
+  }
+  return low;
+}
+
+export interface Extremes {
+  min: number;
+  max: number;
+}
+
+/** The lowest and the highest of the numbers; NaN is none. */
+export function extremesOf(numbers: Iterable<number>): Extremes | undefined {
+  let min = Infinity;
+  let max = -Infinity;
+  for (const value of numbers) {
+    if (value < min) min = value;
+    if (value > max) max = value;
+  }
+  return min <= max ? { min, max } : undefined;
+}
+
 const numeric = (cell: Cell | undefined): number => (cell === null || cell === undefined ? NaN : Number(cell));
 
-function enlarged(column: Float64Array, allocated: number): Float64Array {
+/** The same numbers in an array with room for `allocated`. */
+export function enlarged(column: Float64Array, allocated: number): Float64Array<ArrayBuffer> {
   const bigger = new Float64Array(allocated);
   bigger.set(column);
   return bigger;

@@ -1,7 +1,7 @@
 // Lines of the last seconds on a canvas that moves to the left: sparklines and strips. What is drawn already is shifted by whole pixels and
 // only the new piece is added, because stroking all points of a dozen canvases several times a second costs more than the rest of the page.
 // All of it is drawn again when a scale, the size, a colour or the data changes.
-import type { Columns } from "./columns";
+import type { Columns, Extremes } from "./columns";
 import { drawTrace } from "./sparkline";
 
 export interface Line {
@@ -101,7 +101,7 @@ export class RollingTraces {
  */
 export function steadyScale(
   before: { low: number; high: number } | undefined,
-  seen: { min: number; max: number },
+  seen: Extremes,
   least: number,
 ): { low: number; high: number } {
   const needed = Math.max(seen.max - seen.min, least);

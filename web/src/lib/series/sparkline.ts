@@ -1,6 +1,6 @@
 // The path of a line on a canvas: sparklines and strips. Minimum and maximum of each pixel, so that spikes stay visible.
 import { gapThreshold } from "./gapThreshold";
-import type { Columns } from "./columns";
+import { extremesOf, type Columns, type Extremes } from "./columns";
 
 export interface Frame {
   from: number;
@@ -10,18 +10,8 @@ export interface Frame {
 }
 
 /** Minimum and maximum between two times; undefined without values. */
-export function extremesBetween(columns: Columns, name: string, from: number, to: number): { min: number; max: number } | undefined {
-  const first = columns.rowAt(from) + 1;
-  const last = columns.rowAt(to) + 1;
-  const column = columns.column(name, first, last);
-  if (!column) return undefined;
-  let min = Infinity;
-  let max = -Infinity;
-  for (const value of column) {
-    if (value < min) min = value;
-    if (value > max) max = value;
-  }
-  return min <= max ? { min, max } : undefined;
+export function extremesBetween(columns: Columns, name: string, from: number, to: number): Extremes | undefined {
+  return extremesOf(columns.column(name, columns.rowAt(from) + 1, columns.rowAt(to) + 1) ?? []);
 }
 
 /** Add the line of `name` to the context's path, in pixels; the caller strokes it. `after`: the line is drawn already up to this time. */

@@ -2,6 +2,7 @@
 // catalog's least span, so that noise does not fill it, and does not go below 0 for a channel that can't. Constant lines never cover
 // each other: the axes have their middles at different heights.
 import type { Channel } from "../api/types";
+import type { Extremes } from "./columns";
 import type { Decimated } from "./decimate";
 
 export interface Axis {
@@ -16,7 +17,7 @@ export interface Line {
   name: string;
   channel: Channel | undefined;
   /** Its extremes in the window; null: no value there. */
-  seen: { min: number; max: number } | null;
+  seen: Extremes | null;
   /** Its drawn points, if lines of one time line are compared. */
   cells?: Decimated["values"][number];
   /** A range that is shown behind it: the axis contains it. */
@@ -48,15 +49,13 @@ export function neverNegative(channel: Channel | undefined): boolean {
   return lowest === undefined || lowest >= 0;
 }
 
-interface Wanted {
-  min: number;
-  max: number;
+interface Wanted extends Extremes {
   least: number;
   floor: boolean;
 }
 
 /** The axis of a channel that is drawn alone. */
-export function axisAlone(channel: Channel | undefined, { min, max }: { min: number; max: number }): Pick<Axis, "low" | "high"> {
+export function axisAlone(channel: Channel | undefined, { min, max }: Extremes): Pick<Axis, "low" | "high"> {
   if (channel?.flag) return { low: -0.2, high: 1.2 };
   return fitted({ min, max, least: leastSpan(channel), floor: neverNegative(channel) });
 }

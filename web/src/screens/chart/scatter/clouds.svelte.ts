@@ -1,6 +1,7 @@
 // The cloud of the displayed source and, behind it, that of the second recording, at one scale: which points, which ranges are visible.
 import { Cloud, type Frame } from "../../../lib/pairs/cloud";
 import type { PairPlan } from "../../../lib/pairs/pairs";
+import { countWhile } from "../../../lib/series/columns";
 import { axisAlone } from "../../../lib/series/valueAxis";
 import { useStores } from "../../../stores";
 import type { Data } from "../paired/data.svelte";
@@ -88,14 +89,8 @@ export class Clouds {
   pairAt(time: number): number {
     const { pairs } = this.first;
     if (!pairs) return -1;
-    let low = 0;
-    let high = pairs.length;
-    while (low < high) {
-      const middle = (low + high) >> 1;
-      if (pairs.times[middle]! <= time) low = middle + 1;
-      else high = middle;
-    }
-    return low > 0 && time - pairs.times[low - 1]! <= 1 ? low - 1 : -1;
+    const last = countWhile(pairs.length, (at) => pairs.times[at]! <= time) - 1;
+    return last >= 0 && time - pairs.times[last]! <= 1 ? last : -1;
   }
 
   /** The ranges with all points. Before they are counted: those of the whole source, so that the picture does not grow meanwhile. */

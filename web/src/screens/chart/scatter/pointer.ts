@@ -97,21 +97,15 @@ export function pointing(area: HTMLElement, act: Pointing): () => void {
     act.zoom(Math.exp((event.deltaY || event.deltaX) * WHEEL), placeOf(event));
   }
 
-  const leave = () => act.hover(null);
-  area.addEventListener("pointerdown", down);
-  area.addEventListener("pointermove", move);
-  area.addEventListener("pointerup", up);
-  area.addEventListener("pointercancel", cancel);
-  area.addEventListener("pointerleave", leave);
-  area.addEventListener("wheel", wheel, { passive: false });
-  return () => {
-    area.removeEventListener("pointerdown", down);
-    area.removeEventListener("pointermove", move);
-    area.removeEventListener("pointerup", up);
-    area.removeEventListener("pointercancel", cancel);
-    area.removeEventListener("pointerleave", leave);
-    area.removeEventListener("wheel", wheel);
-  };
+  const over = new AbortController();
+  const { signal } = over;
+  area.addEventListener("pointerdown", down, { signal });
+  area.addEventListener("pointermove", move, { signal });
+  area.addEventListener("pointerup", up, { signal });
+  area.addEventListener("pointercancel", cancel, { signal });
+  area.addEventListener("pointerleave", () => act.hover(null), { signal });
+  area.addEventListener("wheel", wheel, { passive: false, signal });
+  return () => over.abort();
 }
 
 const isFar = (one: readonly [number, number], other: readonly [number, number]) =>

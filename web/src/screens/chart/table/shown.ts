@@ -1,5 +1,6 @@
 // What a table shows: a statistic of one recording, of the reference, or the difference.
 import type { Cells, Statistic } from "../../../lib/pairs/cells";
+import { extremesOf } from "../../../lib/series/columns";
 
 export type Side = "first" | "second" | "difference";
 
@@ -19,15 +20,10 @@ export function countOf(cell: number, first: Cells, second: Cells | null, side: 
 
 /** The lowest and highest of the values; of differences: the same to both sides of 0. Null: there are none. */
 export function rangeOf(values: readonly number[], side: Side): [number, number] | null {
-  let low = Infinity;
-  let high = -Infinity;
-  for (const value of values) {
-    if (value < low) low = value;
-    if (value > high) high = value;
-  }
-  if (low > high) return null;
-  const most = Math.max(Math.abs(low), Math.abs(high));
-  return side === "difference" ? [-most, most] : [low, high];
+  const found = extremesOf(values);
+  if (!found) return null;
+  const most = Math.max(Math.abs(found.min), Math.abs(found.max));
+  return side === "difference" ? [-most, most] : [found.min, found.max];
 }
 
 /** The columns and rows (from, to before) from the first to the last one with readings; null: there are none. */

@@ -98,18 +98,13 @@ export function gestures(area: HTMLElement, act: Actions): () => void {
     if (plotAt(event)) act.fit();
   }
 
-  area.addEventListener("pointerdown", down);
-  area.addEventListener("pointermove", move);
-  area.addEventListener("pointerup", up);
-  area.addEventListener("pointercancel", cancel);
-  area.addEventListener("wheel", wheel, { passive: false });
-  area.addEventListener("dblclick", double);
-  return () => {
-    area.removeEventListener("pointerdown", down);
-    area.removeEventListener("pointermove", move);
-    area.removeEventListener("pointerup", up);
-    area.removeEventListener("pointercancel", cancel);
-    area.removeEventListener("wheel", wheel);
-    area.removeEventListener("dblclick", double);
-  };
+  const over = new AbortController();
+  const { signal } = over;
+  area.addEventListener("pointerdown", down, { signal });
+  area.addEventListener("pointermove", move, { signal });
+  area.addEventListener("pointerup", up, { signal });
+  area.addEventListener("pointercancel", cancel, { signal });
+  area.addEventListener("wheel", wheel, { passive: false, signal });
+  area.addEventListener("dblclick", double, { signal });
+  return () => over.abort();
 }

@@ -1,6 +1,6 @@
 // What one pane draws: its traces, those of the second recording on the same time line, and where each line is interrupted.
 import { decimate, findHoles, mergeTimelines, type Cells, type Decimated } from "../../../../lib/series/decimate";
-import type { Columns } from "../../../../lib/series/columns";
+import type { Columns, Extremes } from "../../../../lib/series/columns";
 import { gapThreshold } from "../../../../lib/series/gapThreshold";
 
 export interface Drawing {
@@ -36,7 +36,7 @@ export function drawing(
 }
 
 /** The extremes of the points in the window; if it has none, of those beside it, between which the line passes. */
-export function seenIn(times: readonly number[], cells: Cells, from: number, to: number): { min: number; max: number } | null {
+export function seenIn(times: readonly number[], cells: Cells, from: number, to: number): Extremes | null {
   let min = Infinity;
   let max = -Infinity;
   for (let row = 0; row < cells.length; row += 1) {
