@@ -24,7 +24,7 @@ export class CatalogStore {
     insists: true,
   });
 
-  constructor(private readonly app: Pick<Stores, "api" | "live">) {}
+  constructor(private readonly app: Pick<Stores, "api" | "live" | "toasts">) {}
 
   /** For the frame: follow the program's catalog. */
   follow(): void {
@@ -37,6 +37,15 @@ export class CatalogStore {
     this.loaded = next;
     const names = before ? recomputed(before, next) : [];
     if (names.length > 0) this.onrecomputed(names);
+  }
+
+  /** Make a change that returns the catalog, and use that. Returns whether it succeeded; a toast has said so (`done`), or why not. */
+  async change(make: () => Promise<Catalog>, done: () => string): Promise<boolean> {
+    const next = await this.app.toasts.attempt(make);
+    if (!next) return false;
+    this.use(next);
+    this.app.toasts.success(done);
+    return true;
   }
 
   get(name: string): Channel | undefined {

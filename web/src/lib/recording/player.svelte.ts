@@ -21,6 +21,9 @@ export class Player extends RecordingData implements Source {
   speed = $state<number>(1);
   loop = $state.raw<{ from: number; to: number } | null>(null);
 
+  /** The recording that Live, Chart and Faults show; null: live data. */
+  readonly shown = $derived.by(() => (this.display.source === this ? this.detail : null));
+
   private frame = 0;
   private before = 0;
 

@@ -1,5 +1,5 @@
 // Search in what the chart shows: the server computes the condition; the moments are marked in the chart. Conditions are kept by the server.
-import { ApiError } from "../../../../lib/api/http";
+import { ApiRequest } from "../../../../lib/api/request.svelte";
 import { number } from "../../../../lib/i18n";
 import type { Found, KeptSearch } from "../../../../lib/api/types";
 import { t } from "./messages";
@@ -8,18 +8,17 @@ import type { Stores } from "../../../../stores";
 export class Find {
   open = $state(false);
   expression = $state("");
-  busy = $state(false);
-  /** Why the condition is none. */
-  error = $state.raw<ApiError | null>(null);
+  /** Its error says why the condition is none. */
+  readonly search = new ApiRequest<Found>();
   /** The condition that holds at no moment. */
   nowhere = $state("");
   kept = $state.raw<readonly KeptSearch[]>([]);
 
-  constructor(private readonly app: Pick<Stores, "api" | "player" | "moments" | "display" | "toasts">) {}
+  constructor(private readonly app: Pick<Stores, "api" | "player" | "moments" | "toasts">) {}
 
   /** For the sheet that opens: the kept conditions, and nothing of what was found in another source. */
   async begin(): Promise<void> {
-    this.error = null;
+    this.search.error = null;
     this.nowhere = "";
     await this.load();
   }
@@ -32,35 +31,26 @@ export class Find {
 
   /** Find and mark; the sheet closes if there is a moment. */
   async run(expression: string): Promise<void> {
-    if (this.busy) return;
-    this.expression = expression.trim();
-    this.error = null;
+    if (this.search.busy) return;
+    const condition = (this.expression = expression.trim());
+    this.search.error = null;
     this.nowhere = "";
-    if (!this.expression) return;
-    this.busy = true;
-    const { source } = this.app.display;
-    const recording = source.kind === "recording" ? (this.app.player.detail?.id ?? null) : null;
-    try {
-      const found = await this.app.api.find(recording, this.expression);
-      // Another source is shown meanwhile: its moments are others.
-      if (this.app.display.source !== source || (recording !== null && this.app.player.detail?.id !== recording)) return;
-      if (found.hits.length === 0) {
-        this.app.moments.clear();
-        this.nowhere = this.expression;
-        return;
-      }
-      const { expression } = this;
-      this.app.moments.mark(
-        () => titleOf(expression, found),
-        found.hits.map(({ begin, end }) => ({ from: begin, to: end })),
-      );
-      this.open = false;
-    } catch (error) {
-      if (!(error instanceof ApiError)) throw error;
-      this.error = error;
-    } finally {
-      this.busy = false;
+    if (!condition) return;
+    const { moments, player } = this.app;
+    const recording = player.shown?.id ?? null;
+    const found = await this.search.run(() => this.app.api.find(recording, condition));
+    // Another source is shown meanwhile: its moments are others.
+    if (!found || (player.shown?.id ?? null) !== recording) return;
+    if (found.hits.length === 0) {
+      moments.clear();
+      this.nowhere = condition;
+      return;
     }
+    moments.mark(
+      () => titleOf(condition, found),
+      found.hits.map(({ begin, end }) => ({ from: begin, to: end })),
+    );
+    this.open = false;
   }
 
   isKept(expression: string): boolean {

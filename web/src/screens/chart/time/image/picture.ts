@@ -51,9 +51,8 @@ export function pictureOf(stores: Stores): Picture {
  * Of a recording its car with the plate, and its name; of live values that they are (their car is not known here). Then the date. Below, the
  * unit and the times of the window.
  */
-function titlesOf({ comparison, display, live, player, reference }: Stores, from: number, to: number): Pick<Picture, "title" | "subtitle"> {
-  const { detail } = player;
-  const recorded = display.source.kind === "recording" ? detail : null;
+function titlesOf({ comparison, live, player, reference }: Stores, from: number, to: number): Pick<Picture, "title" | "subtitle"> {
+  const recorded = player.shown;
   const date = recorded ? recorded.date : from;
   const other = recorded && comparison.active && comparison.detail ? `– – ${comparison.detail.id}` : "";
   const title = [recorded ? carName(recorded.car) : "", recorded?.id ?? t("liveValues"), other, date === null ? "" : dateAndTime(date)];
