@@ -71,12 +71,12 @@ COMMANDS: dict[str, tuple[str, Text]] = {
         "отчёт о машине: по записи или по измерению сейчас",
     ),
     "wireshark": _command(
-        "recordings.wireshark",
+        "recordings.decoders",
         "a plugin that shows recordings in Wireshark (needs no port)",
         "плагин Wireshark: записи по кадрам (порт не нужен)",
     ),
     "sigrok": _command(
-        "recordings.sigrok",
+        "recordings.decoders",
         "the decoder for sigrok and PulseView (needs no port)",
         "декодер для sigrok и PulseView (порт не нужен)",
     ),
