@@ -92,10 +92,12 @@ def test_without_a_console_the_icon_starts_the_same(monkeypatch):
         started.append(argv)
         sys.stdout.close()
         sys.stderr.close()
+        return 0
 
-    monkeypatch.setattr("mikas.cli.main.main", run)
+    monkeypatch.setattr("mikas.cli.main.run", run)
     monkeypatch.setattr("sys.argv", ["mikas-dashboard", "--lan"])
     monkeypatch.setattr("sys.stdout", None)
     monkeypatch.setattr("sys.stderr", None)
-    desktop_main()
+    with pytest.raises(SystemExit):
+        desktop_main()
     assert started == [["dash", "--desktop", "--lan"]]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from contextlib import nullcontext
 from dataclasses import field, fields
 from functools import wraps
 from importlib import import_module
@@ -92,12 +93,13 @@ OVERWRITE = option(
 
 
 class LocalizedCommand(click.Command):
-    """A command whose help is in both languages, followed by examples."""
+    """A command with the common options; its help, in both languages, ends with examples."""
 
     def __init__(
         self, *args: Any, en: str, ru: str, examples: tuple[str, ...] = (), **kwargs: Any
     ) -> None:
         super().__init__(*args, **kwargs)
+        self.params.extend(common_options())
         self.text = Text(en, ru)
         self.examples = examples
 
@@ -123,13 +125,8 @@ class LocalizedCommand(click.Command):
         return option
 
     def collect_usage_pieces(self, ctx: click.Context) -> list[str]:
-        arguments = [
-            piece
-            for parameter in self.get_params(ctx)
-            if isinstance(parameter, click.Argument)
-            for piece in parameter.get_usage_pieces(ctx)
-        ]
-        return [tr("[OPTIONS]", "[КЛЮЧИ]"), *arguments]
+        self.options_metavar = tr("[OPTIONS]", "[КЛЮЧИ]")
+        return super().collect_usage_pieces(ctx)
 
     def format_usage(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         pieces = " ".join(self.collect_usage_pieces(ctx))
@@ -167,7 +164,7 @@ class LocalizedGroup(LocalizedCommand, click.Group):
     """
 
     def __init__(self, *args: Any, homes: Mapping[str, tuple[str, Text]], **kwargs: Any) -> None:
-        super().__init__(*args, **kwargs)
+        super().__init__(*args, invoke_without_command=True, callback=_require_command, **kwargs)
         self.homes = homes
 
     def list_commands(self, ctx: click.Context) -> list[str]:
@@ -180,9 +177,7 @@ class LocalizedGroup(LocalizedCommand, click.Group):
         return command
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        if not args and ctx.find_root().ensure_object(dict).get("json"):
-            raise _command_missing(ctx)
-        if not args:
+        if not args and not ctx.find_root().ensure_object(dict).get("json"):
             write_error(f"{ctx.get_help()}\n")
             ctx.exit(2)
         return super().parse_args(ctx, args)
@@ -205,18 +200,9 @@ class LocalizedGroup(LocalizedCommand, click.Group):
             return f"{problem} {tr(f'Did you mean {listed}?', f'Может быть, {listed}?')}"
         return f"{problem} {tr(f'There are {listed}.', f'Есть {listed}.')}"
 
-    def invoke(self, ctx: click.Context) -> Any:  # noqa: ANN401  (as the command)
-        # click 8.2 renamed the attribute and warns about the old name.
-        first = "_protected_args" if hasattr(ctx, "_protected_args") else "protected_args"
-        if not getattr(ctx, first) and not ctx.args:
-            raise _command_missing(ctx)
-        return super().invoke(ctx)
-
     def collect_usage_pieces(self, ctx: click.Context) -> list[str]:
-        return [
-            *LocalizedCommand.collect_usage_pieces(self, ctx),
-            tr("COMMAND [ARGUMENTS]...", "КОМАНДА [АРГУМЕНТЫ]..."),
-        ]
+        self.subcommand_metavar = tr("COMMAND [ARGUMENTS]...", "КОМАНДА [АРГУМЕНТЫ]...")
+        return super().collect_usage_pieces(ctx)
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         LocalizedCommand.format_options(self, ctx, formatter)
@@ -224,8 +210,10 @@ class LocalizedGroup(LocalizedCommand, click.Group):
             formatter.write_dl([(name, localized(text)) for name, (_, text) in self.homes.items()])
 
 
-def _command_missing(ctx: click.Context) -> click.UsageError:
-    return click.UsageError(tr("A command is missing.", "Не указана команда."), ctx)
+@click.pass_context
+def _require_command(ctx: click.Context) -> None:
+    if ctx.invoked_subcommand is None:
+        raise click.UsageError(tr("A command is missing.", "Не указана команда."), ctx)
 
 
 def command(
@@ -237,11 +225,9 @@ def command(
     """
 
     def decorate(function: Callable[..., Any]) -> LocalizedCommand:
-        new = click.command(name, cls=LocalizedCommand, en=en, ru=ru, **settings)(
+        return click.command(name, cls=LocalizedCommand, en=en, ru=ru, **settings)(
             click.pass_context(_with_run(function))
         )
-        new.params.extend(common_options())
-        return new
 
     return decorate
 
@@ -250,13 +236,10 @@ def _with_run(function: Callable[..., Any]) -> Callable[..., Any]:
     @wraps(function)
     def call(ctx: click.Context, *args: Any, **kwargs: Any) -> Any:  # noqa: ANN401  (the command's)
         from mikas.cli.context import CommandContext
-
-        context = CommandContext.from_options(ctx.find_root().ensure_object(dict))
-        if not context.logs:
-            return function(context, *args, **kwargs)
         from mikas.cli.render.output import log_to_stderr
 
-        with log_to_stderr():
+        context = CommandContext.from_options(ctx.find_root().ensure_object(dict))
+        with log_to_stderr() if context.logs else nullcontext():
             return function(context, *args, **kwargs)
 
     return call

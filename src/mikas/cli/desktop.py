@@ -7,9 +7,6 @@ browser in a sandbox can't read the files of this program.
 
 from __future__ import annotations
 
-import os
-import sys
-from pathlib import Path
 from typing import Final
 
 from mikas.cli.language import tr
@@ -25,13 +22,6 @@ _PAGE: Final = """\
 color-scheme: light dark }} pre {{ font-size: 0.8rem; overflow: auto }}</style></head>
 <body><h1>{title}</h1><p>{text}</p><pre>{details}</pre></body></html>
 """
-
-
-def open_streams() -> None:
-    """Open stdout and stderr on nothing where they are absent: on Windows without a console."""
-    for name in ("stdout", "stderr"):
-        if getattr(sys, name) is None:
-            setattr(sys, name, Path(os.devnull).open("w", encoding="utf-8"))  # noqa: SIM115  (as long as the process)
 
 
 def open_page(url: str) -> bool:

@@ -22,6 +22,7 @@ from mikas.errors import (
     UsageError,
     reason_of,
 )
+from mikas.json_values import picked
 
 DONE, BUG, USAGE, NO_CONNECTION, LINE, REFUSED, NOT_CONFIRMED = range(7)
 INTERRUPTED = 130
@@ -41,14 +42,7 @@ class FailureReport:
 
     def as_json(self) -> dict[str, object]:
         """Return `{"error": {"code", "message", "sent", "received", "advice"}}`."""
-        error = {
-            "code": self.code,
-            "message": self.message,
-            "sent": self.sent,
-            "received": self.received,
-            "advice": self.advice,
-        }
-        return {"error": error}
+        return {"error": picked(self, "code", "message", "sent", "received", "advice")}
 
 
 def failure_of(error: Exception) -> FailureReport:

@@ -17,7 +17,7 @@ from mikas.cli.click_extensions import LocalizedGroup
 from mikas.cli.commands import COMMANDS
 from mikas.cli.failures import BUG, DONE, INTERRUPTED, failure_of
 from mikas.cli.language import detect_language, set_language
-from mikas.cli.options.common import LocalizedOption, common_options
+from mikas.cli.options.common import LocalizedOption
 from mikas.cli.render.terminal import (
     OutputError,
     cell_text,
@@ -50,7 +50,6 @@ cli = LocalizedGroup(
     "Нет кабеля под рукой? Попробуйте: mikas demo",
     examples=("mikas doctor", "mikas read TWAT FREQ", "mikas watch --port sim:"),
     params=[
-        *common_options(),
         LocalizedOption(
             ["--version"],
             is_flag=True,
@@ -68,23 +67,17 @@ def main(argv: Sequence[str] | None = None) -> None:
     """Run the `mikas` command and end the process with the status of docs/reference/cli.md."""
     gc.set_threshold(_OBJECTS_BEFORE_COLLECTION)
     make_writable()
-    with escaping():
-        sys.exit(run(sys.argv[1:] if argv is None else list(argv)))
+    sys.exit(run(sys.argv[1:] if argv is None else list(argv)))
 
 
 def desktop_main() -> None:
     """Run `mikas dash --desktop` with the arguments of this process, as `mikas-dashboard`."""
-    desktop.open_streams()
     main(["dash", desktop.FLAG, *sys.argv[1:]])
 
 
+@escaping()
 def run(argv: list[str]) -> int:
     """Run one command line; return the exit status."""
-    with escaping():
-        return _run(argv)
-
-
-def _run(argv: list[str]) -> int:
     try:
         set_language(detect_language(argv))
         # `cli.main` would end the process when a pipe's reader is gone. click empties the list.

@@ -43,22 +43,14 @@ class _Stream:
 
     def write(self, text: str) -> int:
         """Write `text`, escaped; return the length of `text`."""
-        try:
+        with _output_errors():
             self.raw.write(self._make_safe(text))
-        except BrokenPipeError:
-            raise
-        except OSError as error:
-            raise OutputError(error.errno, error.strerror) from error
         return len(text)
 
     def flush(self) -> None:
         """Pass on what was written so far."""
-        try:
+        with _output_errors():
             self.raw.flush()
-        except BrokenPipeError:
-            raise
-        except OSError as error:
-            raise OutputError(error.errno, error.strerror) from error
 
     def writelines(self, lines: Iterable[str]) -> None:
         """Write each of `lines`."""
@@ -74,6 +66,16 @@ class EscapingStream(_Stream):
 
     def __init__(self, raw: TextIO) -> None:
         super().__init__(raw, terminal_text)
+
+
+@contextmanager
+def _output_errors() -> Iterator[None]:
+    try:
+        yield
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        raise OutputError(error.errno, error.strerror) from error
 
 
 def drawing_stream(stream: TextIO) -> TextIO:
@@ -160,7 +162,10 @@ def flush_out() -> None:
 
 
 def make_writable() -> None:
-    """Replace closed streams; replace characters that a stream can't encode."""
+    """Replace absent streams; replace characters that a stream can't encode.
+
+    They are absent if they were closed, and on Windows without a console.
+    """
     for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
         if getattr(sys, name) is None:
             nowhere = Path(os.devnull).open(mode, encoding="utf-8")  # noqa: SIM115  (open for good)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from mikas.cli.click_extensions import LocalizedGroup
 from mikas.cli.commands import FLEET_COMMANDS
-from mikas.cli.options.common import common_options
 
 fleet = LocalizedGroup(
     "fleet",
@@ -18,5 +17,4 @@ fleet = LocalizedGroup(
         "mikas fleet sql dataset 'SELECT car, count(*) FROM drives GROUP BY car'",
         "mikas fleet report dataset -o fleet.html",
     ),
-    params=list(common_options()),
 )

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from mikas.cli.click_extensions import LocalizedGroup
 from mikas.cli.commands import MEMORY_COMMANDS
-from mikas.cli.options.common import common_options
 
 mem = LocalizedGroup(
     "mem",
@@ -14,5 +13,4 @@ mem = LocalizedGroup(
     ru="Память блока: RAM, XRAM, CODE и SFR. Читать её разрешает не каждый блок; на всех блоках "
     "эти команды не проверялись.",
     examples=("mikas mem read ram 40 16", "mikas mem dump code -o code.bin --verify"),
-    params=list(common_options()),
 )

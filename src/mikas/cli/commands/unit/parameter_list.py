@@ -9,7 +9,7 @@ from mikas.cli.commands import LIST_COMMANDS
 from mikas.cli.commands.unit.parameters import show_readings
 from mikas.cli.context import CommandContext
 from mikas.cli.language import tr
-from mikas.cli.options.common import RELEARN, common_options
+from mikas.cli.options.common import RELEARN
 from mikas.errors import NoList
 from mikas.i18n import Text
 
@@ -28,7 +28,6 @@ list = LocalizedGroup(  # noqa: A001  (the command's name)
     ru="Список в самом блоке: `set` задаёт его параметры, `read` читает их все одним коротким "
     "запросом. При отключении питания блок его забывает.",
     examples=("mikas list set FREQ TWAT INJ", "mikas list read"),
-    params=common_options(),
 )
 
 
