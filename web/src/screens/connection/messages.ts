@@ -107,7 +107,7 @@ export const t = dictionary({
   step_unsure: { en: "could be better", ru: "можно лучше" },
   step_running: { en: "running", ru: "идёт" },
   step_todo: { en: "pending", ru: "впереди" },
-  step_not_reached: { en: "not checked", ru: "не проверялось" },
+  step_skipped: { en: "not checked", ru: "не проверялось" },
   n_port: { en: "Port", ru: "Порт" },
   n_echo: { en: "Echo", ru: "Эхо" },
   n_baud: { en: "Speed", ru: "Скорость" },

@@ -1,5 +1,4 @@
 // The ports found and the connection check; both continue while another screen is shown.
-import { ApiError } from "../../lib/api/http";
 import { Resource } from "../../lib/api/resource.svelte";
 import { ApiRequest } from "../../lib/api/request.svelte";
 import type { About, DoctorStep, State } from "../../lib/api/types";
@@ -23,19 +22,16 @@ export class ConnectionStore {
   readonly connecting = new ApiRequest<State>();
   /** The port being connected to; "" for the most likely one. */
   wanted = $state<string | null>(null);
-  /** Class of the last error of a connect request. */
-  code = $state<string | null>(null);
   /** Disconnecting or connecting elsewhere would end this recording and has to be confirmed. Without `port`: disconnect. */
   leaving = $state.raw<{ file: string; port?: string | null } | null>(null);
 
   steps = $state.raw<DoctorStep[]>([]);
-  examining = $state(false);
+  readonly check = new ApiRequest<void>();
+  readonly stopping = new ApiRequest<State>();
   /** The port that a check was requested of; null: left to the program. */
   examined = $state<string | null>(null);
   /** When the check began, in seconds of this computer. */
   checkedAt = $state(0);
-  error = $state.raw<ApiError | null>(null);
-  readonly stopping = new ApiRequest<State>();
 
   constructor(private readonly app: Pick<Stores, "api" | "host" | "live" | "recordingControl">) {}
 
@@ -77,17 +73,11 @@ export class ConnectionStore {
     await this.connect(port);
   }
 
-  /** Connect; while recording to another port, ask first, because the recording would end. */
-  async connect(port: string | null): Promise<void> {
+  /** Connect, or disconnect without a port. A recording of another port would end: ask first. */
+  async connect(port?: string | null): Promise<void> {
     const file = this.recorded;
     if (file && port !== this.app.live.state?.port) this.leaving = { file, port };
-    else await this.connectNow(port);
-  }
-
-  async disconnect(): Promise<void> {
-    const file = this.recorded;
-    if (file) this.leaving = { file };
-    else await this.disconnectNow();
+    else await this.turnTo(port);
   }
 
   /** The confirmation was given. */
@@ -95,46 +85,32 @@ export class ConnectionStore {
     const left = this.leaving;
     if (!left) return;
     this.leaving = null;
-    const ended = left.port === undefined ? await this.disconnectNow() : await this.connectNow(left.port);
-    if (ended) this.app.recordingControl.announceSaved(left.file);
+    if (await this.turnTo(left.port)) this.app.recordingControl.announceSaved(left.file);
   }
 
-  private async connectNow(port: string | null): Promise<boolean> {
-    this.wanted = port ?? "";
-    const state = await this.connecting.run(() => this.app.api.connect(port));
+  private async turnTo(port?: string | null): Promise<boolean> {
+    const { api, live } = this.app;
+    this.wanted = port === undefined ? null : (port ?? "");
+    const state = await this.connecting.run(() => (port === undefined ? api.disconnect() : api.connect(port)));
     this.wanted = null;
-    this.code = this.connecting.error?.code ?? null;
-    if (state) this.app.live.use(state);
-    return state !== undefined;
-  }
-
-  private async disconnectNow(): Promise<boolean> {
-    const state = await this.connecting.run(() => this.app.api.disconnect());
-    this.code = null;
-    if (state) this.app.live.use(state);
+    if (state) live.use(state);
     return state !== undefined;
   }
 
   async examine(port: string | null): Promise<void> {
+    const { api, live } = this.app;
     this.steps = [];
-    this.error = null;
+    this.check.reset();
     this.stopping.reset();
-    this.examining = true;
     this.examined = port;
     this.checkedAt = Date.now() / 1000;
-    try {
-      await this.app.api.doctor(port, (step) => (this.steps = [...this.steps, step]));
-    } catch (error) {
-      if (!(error instanceof ApiError)) throw error;
-      this.error = error;
-    } finally {
-      // Else the last message would still say that the check has the port.
-      await this.app.api.state().then(
-        (state) => this.app.live.use(state),
+    // With the state after it: else the last message would still say that the check has the port.
+    const state = () =>
+      api.state().then(
+        (it) => live.use(it),
         () => undefined,
       );
-      this.examining = false;
-    }
+    await this.check.run(() => api.doctor(port, (step) => (this.steps = [...this.steps, step])).finally(state));
   }
 
   /** Stop the check; the server releases the port and ends the steps. */
