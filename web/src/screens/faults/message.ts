@@ -1,29 +1,17 @@
-// The faults as plain text for a message: texts, confidence, what to check, and the ECU. The labels are passed in, in the reader's
-// language.
+// The faults as plain text for a message: texts, confidence, what to check, and the ECU.
+import type { Faults } from "../../lib/api/types";
+import { localized } from "../../lib/i18n";
+import { t } from "./messages";
 
-import type { Fault, Faults } from "../../lib/api/types";
-
-export interface Labels {
-  title: string;
-  none: string;
-  unknown: string;
-  check: string;
-  now: string;
-  sure: (confidence: string) => string;
-  text: (of: Fault) => string;
-  check_text: (of: Fault) => string;
-  reading: (name: string) => string | null;
-}
-
-export function faultsText(faults: Faults, about: readonly string[], labels: Labels): string {
-  const lines = [labels.title, ...about.filter(Boolean), ""];
-  if (faults.faults.length === 0) lines.push(labels.none);
-  for (const fault of faults.faults) {
-    lines.push(`${fault.code}: ${labels.text(fault) || labels.unknown} (${labels.sure(fault.confidence)})`);
-    const check = labels.check_text(fault);
-    if (check) lines.push(`   ${labels.check}: ${check}`);
-    const readings = fault.related.map(labels.reading).filter((it) => it !== null);
-    if (readings.length > 0) lines.push(`   ${labels.now}: ${readings.join(", ")}`);
+/** `reading`: the present value of a channel; null: there is none. */
+export function faultsText({ faults }: Faults, about: readonly string[], reading: (name: string) => string | null): string {
+  const lines = [t("message_title"), ...about.filter(Boolean), ""];
+  if (faults.length === 0) lines.push(t("message_none"));
+  for (const { code, text, confidence, check, related } of faults) {
+    lines.push(`${code}: ${localized(text) || t("unknown")} (${t(`sure_${confidence}`)})`);
+    if (localized(check)) lines.push(`   ${t("check")}: ${localized(check)}`);
+    const readings = related.map(reading).filter((it) => it !== null);
+    if (readings.length > 0) lines.push(`   ${t("related")}: ${readings.join(", ")}`);
   }
   return `${lines.join("\n")}\n`;
 }

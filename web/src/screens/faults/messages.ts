@@ -88,11 +88,3 @@ export const t = dictionary({
   state_started: { en: "result unknown", ru: "результат неизвестен" },
   state_interrupted: { en: "interrupted", ru: "прервано" },
 });
-
-const SURE = ["confirmed", "reported", "unconfirmed", "unknown"] as const;
-
-/** The confidence of a fault's text, as a sentence. */
-export function sure(confidence: string): string {
-  const known = SURE.find((it) => it === confidence);
-  return t(`sure_${known ?? "unknown"}`);
-}
