@@ -41,6 +41,7 @@ describe("errors and their positions", () => {
     ["b $ 2", "sign", 2],
     ["alert", "name", 0],
     ["constructor", "name", 0],
+    ["b constructor 2", "sign", 2],
     ["b b", "sign", 2],
     ["b".repeat(81), "long", 80],
     ["*", "sign", 0],

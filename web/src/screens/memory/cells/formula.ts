@@ -46,22 +46,26 @@ interface Token {
 }
 
 function tokens(text: string): Token[] {
-  const found: Token[] = [];
-  const pattern = /\s*(0x[0-9a-f]+|\d+(?:[.,]\d+)?|[a-zA-Z_]\w*|[-+*/&()−·×])/giy;
-  let at = 0;
-  while (at < text.length) {
-    if (!text.slice(at).trim()) break;
-    pattern.lastIndex = at;
-    const match = pattern.exec(text);
-    if (!match?.[1]) {
-      const skipped = at + (text.slice(at).length - text.slice(at).trimStart().length);
-      throw new FormulaProblem("sign", skipped, text.charAt(skipped));
-    }
-    found.push({ text: match[1], at: pattern.lastIndex - match[1].length });
-    at = pattern.lastIndex;
-  }
-  return found;
+  const found = [...text.matchAll(/0x[0-9a-f]+|\d+(?:[.,]\d+)?|[a-z_]\w*|\S/gi)];
+  return found.map(({ 0: text, index: at }) => {
+    if (!/^[\w\-+*/&()−·×]/.test(text)) throw new FormulaProblem("sign", at, text);
+    return { text, at };
+  });
 }
+
+interface Operator {
+  /** From 0, which binds weakest. */
+  level: number;
+  of: (a: number, b: number) => number;
+}
+
+const OPERATORS = new Map<string, Operator>([
+  ["&", { level: 0, of: (a, b) => a & b }],
+  ["+", { level: 1, of: (a, b) => a + b }],
+  ...["-", "−"].map((sign): [string, Operator] => [sign, { level: 1, of: (a, b) => a - b }]),
+  ...["*", "·", "×"].map((sign): [string, Operator] => [sign, { level: 2, of: (a, b) => a * b }]),
+  ["/", { level: 2, of: (a, b) => a / b }],
+]);
 
 class Parser {
   #next = 0;
@@ -73,7 +77,7 @@ class Parser {
   ) {}
 
   whole(): Node {
-    const node = this.masked();
+    const node = this.operation();
     const rest = this.tokens[this.#next];
     if (rest) throw new FormulaProblem("sign", rest.at, rest.text);
     return node;
@@ -83,38 +87,17 @@ class Parser {
     return this.tokens[this.#next]?.text;
   }
 
-  private masked(): Node {
-    let left = this.sum();
-    while (this.peek() === "&") {
-      this.#next++;
-      const a = left;
-      const b = this.sum();
-      left = (d) => a(d) & b(d);
-    }
-    return left;
-  }
-
-  private sum(): Node {
-    let left = this.product();
+  /** Operands of this level and all that bind stronger, from left to right. */
+  private operation(level = 0): Node {
+    if (level > 2) return this.unary();
+    let left = this.operation(level + 1);
     for (;;) {
-      const sign = this.peek();
-      if (sign !== "+" && sign !== "-" && sign !== "−") return left;
+      const operator = OPERATORS.get(this.peek() ?? "");
+      if (operator?.level !== level) return left;
       this.#next++;
       const a = left;
-      const b = this.product();
-      left = sign === "+" ? (d) => a(d) + b(d) : (d) => a(d) - b(d);
-    }
-  }
-
-  private product(): Node {
-    let left = this.unary();
-    for (;;) {
-      const sign = this.peek();
-      if (sign !== "*" && sign !== "·" && sign !== "×" && sign !== "/") return left;
-      this.#next++;
-      const a = left;
-      const b = this.unary();
-      left = sign === "/" ? (d) => a(d) / b(d) : (d) => a(d) * b(d);
+      const b = this.operation(level + 1);
+      left = (d) => operator.of(a(d), b(d));
     }
   }
 
@@ -132,7 +115,7 @@ class Parser {
     if (!token) throw new FormulaProblem("end", this.text.length, "");
     this.#next++;
     if (token.text === "(") {
-      const inner = this.masked();
+      const inner = this.operation();
       const closing = this.tokens[this.#next];
       if (closing?.text !== ")") {
         throw new FormulaProblem("end", closing?.at ?? this.text.length, closing?.text ?? "");
