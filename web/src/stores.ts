@@ -39,7 +39,6 @@ import { Presets } from "./screens/live/presets.svelte";
 import { MemoryStore } from "./screens/memory/store.svelte";
 import { PassportStore } from "./screens/passport/store.svelte";
 import { Comparing } from "./screens/recordings/compare/comparing.svelte";
-import { Opener } from "./screens/recordings/player/opening.svelte";
 import { RecordingStore } from "./screens/recordings/store.svelte";
 import { RecordedTests } from "./screens/tests/recorded.svelte";
 import { Tests } from "./screens/tests/store.svelte";
@@ -93,7 +92,6 @@ export class Stores extends OnHost {
   readonly passports = new PassportStore(this);
   readonly memory = new MemoryStore(this.api);
   readonly recordings = new RecordingStore(this);
-  readonly opener = new Opener(this);
   readonly comparing = new Comparing(this);
   readonly connection = new ConnectionStore(this);
 

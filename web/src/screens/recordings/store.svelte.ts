@@ -1,4 +1,5 @@
 // The list of recordings; kept while another screen is shown, refreshed when it is opened.
+import { ApiRequest } from "../../lib/api/request.svelte";
 import { Resource } from "../../lib/api/resource.svelte";
 import { t } from "./messages";
 import type { LeftOutFile, Recording, Text } from "../../lib/api/types";
@@ -26,8 +27,11 @@ export class RecordingStore {
   /** Why the folder can't store recordings. */
   problem = $state.raw<Text | null>(null);
   leftOut = $state.raw<readonly LeftOutFile[]>([]);
+  readonly opening = new ApiRequest<void>();
+  /** The recording that is being opened, or was. */
+  opened = $state("");
 
-  constructor(private readonly app: Pick<Stores, "api" | "live" | "toasts">) {}
+  constructor(private readonly app: Pick<Stores, "api" | "live" | "player" | "route" | "toasts">) {}
 
   private get open(): true | null {
     return this.app.live.link === "open" || null;
@@ -50,6 +54,15 @@ export class RecordingStore {
     await this.refresh();
   }
 
+  /** Show a recording in place of the live data. */
+  async show(id: string): Promise<void> {
+    const { player, route } = this.app;
+    this.opened = id;
+    this.opening.reset();
+    await this.opening.run(() => player.open(id));
+    if (!this.opening.error && player.detail?.id === id) route.go("live");
+  }
+
   /** Mark a recording as a reference, or remove its mark. */
   async mark(id: string, on: boolean): Promise<void> {
     const answer = await this.app.toasts.attempt(() => this.app.api.markReference(id, on));
@@ -58,12 +71,8 @@ export class RecordingStore {
     this.update(id, { reference: on });
   }
 
-  /** Update a saved note without loading the list again. */
-  noted(id: string, note: string): void {
-    this.update(id, { note });
-  }
-
-  private update(id: string, changed: Partial<Recording>): void {
+  /** Show what was saved without loading the list again. */
+  update(id: string, changed: Partial<Recording>): void {
     this.list.value = this.list.value?.map((it) => (it.id === id ? { ...it, ...changed } : it)) ?? null;
   }
 }

@@ -75,6 +75,20 @@ it("a loop has a beginning, then an end; then it can be removed", async () => {
   expect(player.loop).toBeNull();
 });
 
+it("a loop has its marks in either order, and none between one moment and itself", async () => {
+  const { player } = await playing();
+  player.seek(107);
+  await fireEvent.click(button("Loop from here"));
+  player.seek(103);
+  await fireEvent.click(button("Loop to here"));
+  expect(player.loop).toEqual({ from: 103, to: 107 });
+  await fireEvent.click(button("End the loop"));
+  await fireEvent.click(button("Loop from here"));
+  await fireEvent.click(button("Loop to here"));
+  expect(player.loop).toBeNull();
+  expect(button("Loop from here")).toBeTruthy();
+});
+
 it("two cursors are the loop", async () => {
   const { cursors, player } = await playing();
   cursors.a = 107;

@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import { language } from "../../../lib/i18n";
-import { faster, keyStep, nextLoop, precise, share, slower } from "./scrub";
+import { faster, keyStep, precise, share, slower } from "./scrub";
 
 describe("the player bar", () => {
   it("steps through the speeds and stops at the ends", () => {
@@ -9,17 +9,10 @@ describe("the player bar", () => {
   it("maps a time to a share", () => {
     expect([share(5, 0, 10), share(-1, 0, 10), share(11, 0, 10), share(1, 1, 1)]).toEqual([0.5, 0, 1, 0]);
   });
-  it("loops between two marks in either order and ends with the third", () => {
-    const one = nextLoop(null, 7);
-    const two = nextLoop(one.loop, 3);
-    expect(two.whole).toEqual({ from: 3, to: 7 });
-    expect(nextLoop(two.loop, 5)).toEqual({ loop: null, whole: null });
-    expect(nextLoop({ from: 3 }, 3)).toEqual({ loop: null, whole: null });
-  });
   it("maps keys to steps", () => {
     expect(keyStep("ArrowLeft", false)).toBe(-1);
     expect(keyStep("ArrowRight", true)).toBe(10);
-    expect(keyStep("Home", false)).toBe("first");
+    expect(keyStep("Home", false)).toBe(-Infinity);
     expect(keyStep("a", false)).toBeNull();
   });
   it("never shows sixty seconds", () => {

@@ -1,12 +1,7 @@
-// The player's slider: positions and times, speeds, and the loop between two marks.
+// The player's slider: positions and times, keys, speeds.
 
 import { clock, point } from "../../../lib/i18n";
 import { SPEEDS } from "../../../lib/recording/player.svelte";
-
-export interface Loop {
-  from: number;
-  to: number;
-}
 
 export function faster(speed: number): number {
   return SPEEDS.find((it) => it > speed) ?? SPEEDS[SPEEDS.length - 1]!;
@@ -22,37 +17,14 @@ export function share(time: number, first: number, last: number): number {
   return Math.min(1, Math.max(0, (time - first) / (last - first)));
 }
 
-/** The first press marks the start of the loop, the second its end, the third removes it. */
-export function nextLoop(loop: Partial<Loop> | null, time: number): { loop: Partial<Loop> | null; whole: Loop | null } {
-  if (loop?.from === undefined) return { loop: { from: time }, whole: null };
-  if (loop.to === undefined) {
-    if (time === loop.from) return { loop: null, whole: null };
-    const whole = { from: Math.min(loop.from, time), to: Math.max(loop.from, time) };
-    return { loop: whole, whole };
-  }
-  return { loop: null, whole: null };
-}
+const STEPS: Readonly<Record<string, number>> = { ArrowLeft: -1, ArrowDown: -1, ArrowRight: 1, ArrowUp: 1 };
+const LEAPS: Readonly<Record<string, number>> = { PageDown: -30, PageUp: 30, Home: -Infinity, End: Infinity };
 
-/** Seconds for an arrow key on the slider: one, ten with Shift or Page keys; null: another key. */
-export function keyStep(key: string, shift: boolean): number | "first" | "last" | null {
-  switch (key) {
-    case "ArrowLeft":
-    case "ArrowDown":
-      return shift ? -10 : -1;
-    case "ArrowRight":
-    case "ArrowUp":
-      return shift ? 10 : 1;
-    case "PageDown":
-      return -30;
-    case "PageUp":
-      return 30;
-    case "Home":
-      return "first";
-    case "End":
-      return "last";
-    default:
-      return null;
-  }
+/** Seconds for a key on the slider; an arrow moves by one, with Shift by ten; null: another key. */
+export function keyStep(key: string, shift: boolean): number | null {
+  const step = STEPS[key];
+  if (step !== undefined) return shift ? 10 * step : step;
+  return LEAPS[key] ?? null;
 }
 
 /** Format 65.25 as `1:05.3`, with two decimals `1:05.25`: samples can be hundredths apart. */
