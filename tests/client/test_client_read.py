@@ -219,7 +219,7 @@ def test_when_every_code_is_refused_it_is_an_error_and_not_an_empty_result():
     ecu = ecu_on(it)
     assert list(ecu.read()) == ["FREQ"]
     it.car.__init__({0x99: b"\x01"})
-    ecu._limits.limits().refused.append(0x29)  # noqa: SLF001
+    ecu.limits_cache.limits().refused.append(0x29)
     with pytest.raises(NotSupported):
         ecu.read()
 

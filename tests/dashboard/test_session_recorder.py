@@ -9,8 +9,8 @@ import pytest
 
 import mikas
 from dashboard.rig import ADAPTER, ME, OTHER, Cars, rig
+from mikas.client.identity import PassportReader
 from mikas.dashboard.session.connection import Connection
-from mikas.sampling import supervisor
 from recording.recorder_harness import SmallDisk
 
 
@@ -245,14 +245,14 @@ def test_while_the_port_is_being_opened_it_begins_with_the_connection(tmp_path, 
 
 
 def test_while_values_come_and_the_unit_is_not_known_it_begins_when_it_is(tmp_path, monkeypatch):
-    held, in_steps = Held(monkeypatch), supervisor.passport_in_steps
+    held, in_steps = Held(monkeypatch), PassportReader.steps
 
-    def steps(ecu):
+    def steps(passports):
         yield
         held.wait()
-        return (yield from in_steps(ecu))
+        return (yield from in_steps(passports))
 
-    monkeypatch.setattr(supervisor, "passport_in_steps", steps)
+    monkeypatch.setattr(PassportReader, "steps", steps)
     with rig(tmp_path) as it:
         it.until(lambda message: message["state"]["line"] == "sampling")
         begins_early(it, held)

@@ -6,14 +6,14 @@ threads may use one `Ecu`.
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterator, Mapping, Sequence
+from collections.abc import Generator, Iterator, Mapping
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Self
 
 from mikas import commands as c
-from mikas.catalog import Catalog, Fault, Model, Parameter
+from mikas.catalog import Catalog, Fault, Model
 from mikas.catalog.model import check_interpretation
 from mikas.client.gate import Change, Confirm, Gate, Journal, journal_hex
 from mikas.client.identity import (
@@ -26,7 +26,7 @@ from mikas.client.limits import Limits, LimitsCache, LimitsStore, MethodTiming
 from mikas.client.memory import Memory
 from mikas.client.parameters.data import COMMON, DataReader
 from mikas.client.parameters.parameters import Parameters, Reading, Sample, WrittenParameter
-from mikas.client.parameters.polling import FixedMethod, Method, Poller, create_poller, fixed_method
+from mikas.client.parameters.polling import Method, fixed_method
 from mikas.client.parameters.unit_list import KeptLists, UnitList
 from mikas.client.parameters.watching import Watcher
 from mikas.client.scanning import Scan, ScannedCode
@@ -51,7 +51,10 @@ def erasing(count: int) -> Text:
 
 
 class Ecu:
-    """A connected unit, created by `connect`. Close it, or use it in a `with` statement."""
+    """A connected unit, created by `connect`. Close it, or use it in a `with` statement.
+
+    The sampler works with its parts: `tester`, `parameters`, `passports`, `limits_cache`.
+    """
 
     def __init__(
         self,
@@ -67,21 +70,20 @@ class Ecu:
         check_interpretation(interpretation)
         self.tester = tester
         self.catalog = catalog
-        self._passport: Passport | None = None
-        self._passport_reader = PassportReader(tester)
-        self._limits = LimitsCache(store, self._identify)
+        self.limits_cache = LimitsCache(store, self._identify)
+        self.passports = PassportReader(tester, on_other=self.limits_cache.reset)
         self._gate = Gate(tester, self._whose, confirm, journal)
-        data = DataReader(tester, self._limits)
+        data = DataReader(tester, self.limits_cache)
         unit_list = UnitList(tester, self._gate, KeptLists(lists, self._identify))
-        self._parameters = Parameters(
+        self.parameters = Parameters(
             tester, catalog, self._gate, data, unit_list, interpretation=interpretation
         )
-        self.memory = Memory(tester, self._gate, self._limits)
+        self.memory = Memory(tester, self._gate, self.limits_cache)
 
     def use_catalog(self, catalog: Catalog) -> None:
         """Name and decode by another catalog from here on."""
         self.catalog = catalog
-        self._parameters.catalog = catalog
+        self.parameters.catalog = catalog
 
     @property
     def version_code(self) -> int:
@@ -113,19 +115,10 @@ class Ecu:
         `again`: read once more, for another unit may answer after a pause. A piece that was read
         before and is missing now was lost on the line; the earlier value stays.
         """
-        if not again and self._passport is not None:
-            return self._passport
-        self._passport_reader.restart()
-        return read_passport(self)
-
-    def _passport_in_steps(self) -> Generator[None, None, Passport]:
-        before, found = self._passport, (yield from self._passport_reader.steps())
-        if before is not None and before.may_be(found):
-            found = found.filled_from(before)
-        self._passport = found
-        if before is not None and before != found:
-            self._limits.reset()
-        return found
+        if not again and self.passports.latest is not None:
+            return self.passports.latest
+        self.passports.restart()
+        return self.passports.read()
 
     def supported(self) -> Iterator[Support]:
         """Try every command once that changes nothing but the unit's list (64); yield the results.
@@ -133,7 +126,7 @@ class Ecu:
         The streams by strokes are tried with the engine turning only. Takes a second for each
         command without a response, and two for each stream.
         """
-        return try_commands(self._parameters)
+        return try_commands(self.parameters)
 
     # Parameters
 
@@ -143,7 +136,7 @@ class Ecu:
         A raw code is written `0x1A`, or `0x3F:2`. Raises `UnknownParameter`, `NotSupported` if the
         unit does not know a named parameter or knows none, `LineError`, `NoConnection`.
         """
-        return self._parameters.read(names)
+        return self.parameters.read(names)
 
     def watch(
         self,
@@ -164,7 +157,7 @@ class Ecu:
         is closed or has yielded `count` samples. `mikas.sampling` measures the fastest method.
         """
         fixed = fixed_method(method) or "batch"
-        return Watcher(self._parameters, names, fixed, rate).samples(count)
+        return Watcher(self.parameters, names, fixed, rate).samples(count)
 
     def stream(
         self, *names: str, stroke: int | None = None
@@ -173,7 +166,7 @@ class Ecu:
 
         `stroke`: 0 … 4 for one response an engine cycle (D15).
         """
-        return self._parameters.stream(names, stroke=stroke)
+        return self.parameters.stream(names, stroke=stroke)
 
     def set_list(self, *names: str) -> tuple[str, ...]:
         """Set the list that `read_list` reads (64); return the names in it.
@@ -181,7 +174,7 @@ class Ecu:
         The names are kept for later sessions with this unit. Raises `UnknownParameter`,
         `NotConfirmed`, `WriteRefused`, `NotSupported`.
         """
-        return self._parameters.set_list(names)
+        return self.parameters.set_list(names)
 
     def read_list(self, *names: str) -> dict[str, Reading]:
         """Read each parameter of the list once (63): of `names`, or as mikas has set it last.
@@ -190,11 +183,11 @@ class Ecu:
         Raises `NoList` without a `set_list`, also after a failure, `ListLost` for a refusal (the
         unit has lost its list), `WrongLength` for another list, `NoResponse`.
         """
-        return self._parameters.read_list(names)
+        return self.parameters.read_list(names)
 
     def forget_list(self) -> None:
         """Treat the unit's list as lost, as after a power cycle: it has to be set again."""
-        self._parameters.forget_list()
+        self.parameters.forget_list()
 
     def scan(self) -> Generator[ScannedCode, None, None]:
         """Request every code 00–FF by 61; yield the answer to each, the catalog's codes first.
@@ -212,7 +205,7 @@ class Ecu:
 
         Raises `ValueDoesNotFit`, `NotConfirmed`, `WriteRefused`, `ReadBackDiffers`.
         """
-        return self._parameters.write(name, value, raw)
+        return self.parameters.write(name, value, raw)
 
     # Faults
 
@@ -286,15 +279,15 @@ class Ecu:
 
     def limits(self) -> Limits:
         """Return a copy of the learnt limits. May read the unit's passport and raise its errors."""
-        return self._limits.limits().copy()
+        return self.limits_cache.limits().copy()
 
     def keep_timings(self, adapter: str, timings: Mapping[str, MethodTiming]) -> None:
         """Save the speed of each sampling method with this kind of adapter."""
-        self._limits.keep_timings(adapter, timings)
+        self.limits_cache.keep_timings(adapter, timings)
 
     def forget_limits(self) -> None:
         """Delete the learnt limits of this unit, the saved ones too."""
-        self._limits.forget()
+        self.limits_cache.forget()
 
     def _identify(self) -> tuple[int, tuple[str, ...]]:
         return self.version_code, self.passport().pieces
@@ -311,53 +304,3 @@ class Ecu:
 
     def __exit__(self, *_: object) -> None:
         self.close()
-
-
-# For the sampler; not in the public interface of the class above.
-
-
-def poller_of(
-    ecu: Ecu, method: FixedMethod, streamed: Sequence[Parameter] = (), *, again: bool = False
-) -> Poller:
-    """Create a poller of `ecu` by `method`; `streamed`: the parameters of a stream.
-
-    `again`: also request parameters that the unit has refused before.
-    """
-    return create_poller(ecu._parameters, method, streamed, again=again)  # noqa: SLF001
-
-
-def read_at_once(ecu: Ecu, parameters: Sequence[Parameter]) -> dict[str, Reading]:
-    """Read `parameters` by one request that is not repeated, whatever the unit's limits are.
-
-    The result lacks an ambiguous 01. Raises as `Tester.exchange`.
-    """
-    return ecu._parameters.at_once(parameters)  # noqa: SLF001
-
-
-def may_be_limited(ecu: Ecu) -> bool:
-    """Return whether limits of lists or parameters were saved for any unit: it may be this one."""
-    return ecu._limits.any_saved  # noqa: SLF001
-
-
-def passport_in_steps(ecu: Ecu) -> Generator[None, None, Passport]:
-    """Read the passports as `Ecu.passport(again=True)`; yield after each request.
-
-    After a `LineError` the next call continues: between both, requests are sent all the time.
-    """
-    return ecu._passport_in_steps()  # noqa: SLF001
-
-
-def passport_so_far(ecu: Ecu) -> Passport:
-    """Return the pieces that `passport_in_steps` has read by now; the others are missing."""
-    return ecu._passport_reader.so_far  # noqa: SLF001
-
-
-def read_passport(ecu: Ecu) -> Passport:
-    """Do all steps of `passport_in_steps`."""
-    steps = passport_in_steps(ecu)
-    while True:
-        try:
-            next(steps)
-        except StopIteration as end:
-            passport: Passport = end.value
-            return passport

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator
+from collections.abc import Callable, Generator
 from dataclasses import dataclass
 from itertools import zip_longest
 from typing import NamedTuple, TypeVar
@@ -101,11 +101,14 @@ class Info:
 class PassportReader:
     """Reads the passports; after a `LineError`, only those that are still missing.
 
-    All of them after a silence of a second, after which another unit may answer (D13).
+    All of them after a silence of a second, after which another unit may answer (D13). `latest`: as
+    read last; `on_other` is called when they are no longer those of before.
     """
 
-    def __init__(self, tester: Tester) -> None:
+    def __init__(self, tester: Tester, on_other: Callable[[], None]) -> None:
+        self.latest: Passport | None = None
         self._tester = tester
+        self._on_other = on_other
         self._pieces: dict[int, str | None] = {}  # by command code
         self._valid_for = self._unit()
 
@@ -122,11 +125,20 @@ class PassportReader:
         """Read all again: since the latest step there may have been a pause without requests."""
         self._pieces.clear()
 
+    def read(self) -> Passport:
+        """Do all `steps`."""
+        for _ in self.steps():
+            pass
+        assert self.latest is not None
+        return self.latest
+
     def steps(self) -> Generator[None, None, Passport]:
         """Send eight requests, fewer if the unit refuses the first of a kind; yield after each.
 
-        The line is free then. A piece lost on the line is requested again after the others. Raises
-        the third `LineError` in a row, `SyncLost`, or a `NoConnection`.
+        The line is free then. A piece lost on the line is requested again after the others; one
+        that was read before and is missing in the end was lost too, and keeps its earlier value.
+        After a `LineError` the next call continues: between both, requests are sent all the time.
+        Raises the third `LineError` in a row, `SyncLost`, or a `NoConnection`.
         """
         pieces, code, failures = self._pieces, 0, 0
         while missing := self._missing():
@@ -149,7 +161,13 @@ class PassportReader:
             yield
         program, data = (tuple(pieces[code] for code in kind.CODES) for kind in _KINDS)
         pieces.clear()
-        return Passport(program, data)
+        before, found = self.latest, Passport(program, data)
+        if before is not None and before.may_be(found):
+            found = found.filled_from(before)
+        self.latest = found
+        if before is not None and before != found:
+            self._on_other()
+        return found
 
     def _missing(self) -> list[c.ReadProgramPassport | c.ReadDataPassport]:
         """Return the requests to come; forget pieces that may be another unit's."""

@@ -11,13 +11,6 @@ from math import inf
 from typing import NamedTuple
 
 from mikas.client import Ecu, Reading
-from mikas.client.ecu import (
-    may_be_limited,
-    passport_in_steps,
-    passport_so_far,
-    read_at_once,
-    read_passport,
-)
 from mikas.client.identity import UnitIdentity
 from mikas.commands import Availability
 from mikas.errors import (
@@ -206,7 +199,7 @@ class ConnectionSupervisor:
         self.ecu = ecu
         yield from self.process(LineTrigger.IDENTIFIED, ecu.tester.link.now())
         first_values = FirstValues(self._context, ecu, works=self._before is None)
-        steps = passport_in_steps(ecu)
+        steps = ecu.passports.steps()
         while not self._context.stopped:
             if fresh := first_values.read():
                 self._note_unnamed(ecu)
@@ -224,7 +217,7 @@ class ConnectionSupervisor:
         return None
 
     def _note_unnamed(self, ecu: Ecu) -> None:
-        identity = UnitIdentity(ecu.version_code, passport_so_far(ecu))
+        identity = UnitIdentity(ecu.version_code, ecu.passports.so_far)
         self._unnamed = _Unnamed(identity, ecu.tester.link.now())
 
     def _is_another(self, unit: UnitIdentity) -> bool:
@@ -245,9 +238,9 @@ class ConnectionSupervisor:
 
     def _identify(self, ecu: Ecu) -> UnitIdentity:
         """Read the identity; a different one is read twice, as a part may have been lost."""
-        unit = UnitIdentity(ecu.version_code, read_passport(ecu))
+        unit = UnitIdentity(ecu.version_code, ecu.passports.read())
         if self._is_another(unit):
-            once, unit = unit, UnitIdentity(ecu.version_code, read_passport(ecu))
+            once, unit = unit, UnitIdentity(ecu.version_code, ecu.passports.read())
             if not once.may_be(unit):
                 raise SyncLost(time=ecu.tester.link.now())
             return unit
@@ -290,7 +283,7 @@ class FirstValues:
         self.plan = Plan(request.selection.parameters, max_list=context.knowledge.max_list)
         self._context = context
         self._ecu = ecu
-        self._works = works and request.method in (None, "batch") and not may_be_limited(ecu)
+        self._works = works and request.method in (None, "batch") and not ecu.limits_cache.any_saved
         self._due = -inf
 
     def read(self) -> dict[str, Reading]:
@@ -303,7 +296,7 @@ class FirstValues:
             return {}
         parameters = [planned.parameter for planned in self.plan.parameters]
         try:
-            fresh = read_at_once(self._ecu, parameters)
+            fresh = self._ecu.parameters.at_once(parameters)
         except (EcuRefused, NoResponse, WrongLength, SyncLost):
             fresh, self._works = {}, False
         except LineError:  # damage is no refusal

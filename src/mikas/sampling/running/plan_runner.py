@@ -8,8 +8,7 @@ from typing import NamedTuple
 
 from mikas.catalog import Parameter
 from mikas.client import Ecu, Reading
-from mikas.client.ecu import poller_of
-from mikas.client.parameters.polling import STREAMS, Turn
+from mikas.client.parameters.polling import STREAMS, Turn, create_poller
 from mikas.commands import Datum
 from mikas.errors import (
     EcuRefused,
@@ -54,7 +53,7 @@ class PlanCycles:
             if parameter not in sharing:
                 sharing.append(parameter)
         self._streams = plan.method in STREAMS
-        self.poller = poller_of(ecu, plan.method, self._named(plan.fast))
+        self.poller = create_poller(ecu.parameters, plan.method, self._named(plan.fast))
         self._cycles: dict[int, _Turns] = {}  # by number within the plan's period
         if plan.method == "list":
             ecu.forget_list()  # the unit may have lost its supply since

@@ -17,9 +17,8 @@ from enum import Enum
 from math import inf
 
 from mikas.client import Ecu
-from mikas.client.ecu import poller_of
 from mikas.client.parameters.data import COMMON, refused
-from mikas.client.parameters.polling import STREAMS
+from mikas.client.parameters.polling import STREAMS, create_poller
 from mikas.client.parameters.silence import SilenceCheck
 from mikas.commands import Datum, ReadParameters
 from mikas.errors import (
@@ -87,7 +86,7 @@ class UnsupportedParameters:
         parameters = [planned.parameter for planned in plan.parameters]
         requested = self._context.request
         again = requested.selection.explicit and requested is not self._retried
-        poller = poller_of(ecu, "batch", again=again or self._again)
+        poller = create_poller(ecu.parameters, "batch", again=again or self._again)
         fresh = poller.cycle([poller.turn(parameters)])
         self._retried, self._again = requested, False
         self._context.knowledge.max_list = ecu.limits().max_list
@@ -174,7 +173,7 @@ class UnsupportedParameters:
         parameters = [p.parameter for p in plan.parameters if datum_of(p.parameter) in answered]
         if not parameters:
             return
-        poller = poller_of(ecu, "batch")
+        poller = create_poller(ecu.parameters, "batch")
         fresh = poller.cycle([poller.turn(parameters)])
         if fresh:
             self._context.identity_check.check(ecu, lambda: None)
