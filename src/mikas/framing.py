@@ -161,7 +161,7 @@ class Decoder:
                 self._searched = end  # the next byte decides
                 break
             elif total == _RAW_TERMINATOR_SUM and self._buffer[next_start] == TERMINATOR:
-                events.append(self._frame_with_raw_terminator(part, start))
+                events.append(self._frame(part, start, raw_terminator=True))
                 next_start += 1
             elif part:  # else a bare terminator, D5
                 events.append(Damage(DamageReason.CHECKSUM, part, self._offset + start))
@@ -172,27 +172,20 @@ class Decoder:
         self._bound(events)
         return events
 
-    def _frame(self, part: bytes, start: int) -> Event:
+    def _frame(self, part: bytes, start: int, *, raw_terminator: bool = False) -> Event:
+        """`raw_terminator`: the checksum was a raw 0D, so that `part` is the body."""
+        offset = self._offset + start
         plain, irregular = unstuff(part)
-        # A lone 40 at the end is a raw checksum, and no other irregularity; in `40 40` the first
-        # escapes the second.
-        raw = part[-1] == ESCAPE and plain[-1] == ESCAPE
-        if raw:
-            irregular = unstuff(part[:-1])[1]
-        return self._checked(
-            Frame(plain[:-1], part + b"\x0d", self._offset + start, raw, irregular), part
-        )
-
-    def _frame_with_raw_terminator(self, part: bytes, start: int) -> Event:
-        body, irregular = unstuff(part)
-        return self._checked(
-            Frame(body, part + b"\x0d\x0d", self._offset + start, True, irregular), part
-        )
-
-    def _checked(self, frame: Frame, part: bytes) -> Event:
-        if frame.irregular and self.strict:
-            return Damage(DamageReason.IRREGULAR_ESCAPE, part, frame.offset)
-        return frame
+        raw = raw_terminator
+        if not raw_terminator and part[-1] == plain[-1] == ESCAPE:
+            # A lone 40 at the end is a raw checksum, and no other irregularity; in `40 40` the
+            # first escapes the second.
+            raw, irregular = True, unstuff(part[:-1])[1]
+        if irregular and self.strict:
+            return Damage(DamageReason.IRREGULAR_ESCAPE, part, offset)
+        if raw_terminator:
+            return Frame(plain, part + b"\x0d\x0d", offset, raw, irregular)
+        return Frame(plain[:-1], part + b"\x0d", offset, raw, irregular)
 
     def _too_long(self, start: int) -> Damage:
         data = bytes(self._buffer[start : start + self.limit])
