@@ -10,7 +10,7 @@ import json
 import threading
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -54,6 +54,7 @@ _NO_OUTCOME = Text(
 )
 
 
+@dataclass(slots=True, eq=False)
 class Gate:
     """Confirms, makes and journals changes.
 
@@ -61,18 +62,11 @@ class Gate:
     already. `whose` returns the journal's description of the unit.
     """
 
-    def __init__(
-        self,
-        tester: Tester,
-        whose: Callable[[], dict[str, object]],
-        confirm: Confirm | None,
-        journal: Journal | None,
-    ) -> None:
-        self._tester = tester
-        self._whose = whose
-        self._confirm = confirm
-        self._journal = journal
-        self._one_at_a_time = threading.RLock()
+    _tester: Tester
+    _whose: Callable[[], dict[str, object]]
+    _confirm: Confirm | None
+    _journal: Journal | None
+    _one_at_a_time: threading.RLock = field(init=False, default_factory=threading.RLock)
 
     def make(
         self,
@@ -163,6 +157,7 @@ def journal_hex(data: bytes | None) -> str | None:
     return None if data is None else data.hex(" ").upper()
 
 
+@dataclass(frozen=True, slots=True)
 class Journal:
     """A file of changes, one line of JSON each, only appended to.
 
@@ -170,8 +165,7 @@ class Journal:
     changes with an unknown outcome (cable unplugged, process killed, power failed).
     """
 
-    def __init__(self, path: Path) -> None:
-        self.path = path
+    path: Path
 
     def write(self, entry: dict[str, Any]) -> None:
         """Append `entry`. Raises `JournalError`; a change without an entry is not made."""

@@ -92,9 +92,9 @@ class MemorySpace:
         self._longest = 1  # block that this unit has returned
         self._lacks_bytes = False  # it refuses single bytes and returns a block of one
         self._writer = SpaceWriter(
-            tester,
-            self._commands.write,
-            self._commands.write_block,
+            tester=tester,
+            byte=self._commands.write,
+            block=self._commands.write_block,
             read_block=self.read_block,
             largest=lambda: cache.limits().block(name),
         )

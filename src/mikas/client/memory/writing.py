@@ -55,6 +55,7 @@ class Attempts:
         return ", ".join(dict.fromkeys(c.SOURCE_NAME for c in self.accepted or self.sent))
 
 
+@dataclass(slots=True, eq=False, kw_only=True)
 class SpaceWriter:
     """Writes to one space; remembers the form that this unit accepts.
 
@@ -62,23 +63,14 @@ class SpaceWriter:
     that the unit can send (D11).
     """
 
-    def __init__(
-        self,
-        tester: Tester,
-        byte: type[WriteByte],
-        block: type[WriteBlock] | None,
-        *,
-        read_block: Callable[[int, int], bytes],
-        largest: Callable[[], int],
-    ) -> None:
-        self._tester = tester
-        self._byte = byte
-        self._block = block
-        self._read_block = read_block
-        self._largest = largest
-        self._longest = 0  # block that this unit has accepted
-        self._most = c.LARGEST_BLOCK  # a longer one was refused
-        self._without_blocks = 0  # writes that took single bytes after a block was refused
+    tester: Tester
+    byte: type[WriteByte]
+    block: type[WriteBlock] | None
+    read_block: Callable[[int, int], bytes]
+    largest: Callable[[], int]
+    _longest: int = 0  # block that this unit has accepted
+    _most: int = c.LARGEST_BLOCK  # a longer one was refused
+    _without_blocks: int = 0  # writes that took single bytes after a block was refused
 
     def planned(self, address: int, data: bytes) -> str:
         """Return the source's name of the command that `write` sends first."""
@@ -97,7 +89,7 @@ class SpaceWriter:
             done += self._some(address + done, data[done:], before[done:], attempts)
 
     def _count(self, data: bytes) -> int:
-        return min(len(data), self._most, self._largest())
+        return min(len(data), self._most, self.largest())
 
     def _some(self, address: int, data: bytes, before: bytes, attempts: Attempts) -> int:
         """Write the first bytes of `data` in one exchange; return how many."""
@@ -126,14 +118,14 @@ class SpaceWriter:
 
     def _ways(self, address: int, data: bytes) -> Iterator[WriteByte | WriteBlock]:
         """Yield the commands that write all of `data`, or its first byte; the best one first."""
-        byte = self._byte(address, data[0])
-        if self._block is None:
+        byte = self.byte(address, data[0])
+        if self.block is None:
             yield byte
             return
         if len(data) > 1:
-            yield self._block(address, data)
-        block = self._block(address, data[:1])
-        lacks_bytes = self._longest and not self._tester.has_answered(byte.code)
+            yield self.block(address, data)
+        block = self.block(address, data[:1])
+        lacks_bytes = self._longest and not self.tester.has_answered(byte.code)
         yield from (block, byte) if lacks_bytes else (byte, block)
 
     def _may_be_too_long(self, command: WriteByte | WriteBlock) -> bool:
@@ -152,12 +144,12 @@ class SpaceWriter:
             except (LineError, NotSupported) as error:
                 if isinstance(error, NotSupported) and error.received:
                     raise  # refused by 01 (D10)
-                known = self._tester.has_answered(command.code)
+                known = self.tester.has_answered(command.code)
                 now = self._stored(command.address, len(wanted))
                 if now == wanted and (known or wanted != before):
                     return  # only the answer was lost
                 again = known and now == before and not self._may_be_too_long(command)
-                if self._block is None or not again or repetitions == self._tester.retries:
+                if self.block is None or not again or repetitions == self.tester.retries:
                     raise  # an SFR is never written twice: that may act twice
                 repetitions += 1
             else:
@@ -172,17 +164,17 @@ class SpaceWriter:
     def _request(self, command: WriteByte | WriteBlock) -> int | None:
         """Send `command`; return the byte that its answer repeats, None for a block."""
         if isinstance(command, WriteBlock):
-            self._tester.request(command)
+            self.tester.request(command)
             return None
-        return self._tester.request(command)
+        return self.tester.request(command)
 
     def _stored(self, address: int, count: int) -> bytes | None:
         with suppress(MikasError):
-            return self._read_block(address, count)
+            return self.read_block(address, count)
         return None
 
     def _advice(self, refused: list[WriteByte | WriteBlock]) -> Text:
-        if self._block is None:
+        if self.block is None:
             return _SFR_ONLY
         names = ", ".join(dict.fromkeys(command.name for command in refused))
         return Text(f"Tried without success: {names}.", f"Безуспешно испробованы: {names}.")
