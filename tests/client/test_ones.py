@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from mikas.client import Limits
 from mikas.client.parameters.data import COMMON
-from mikas.client.parameters.polling import create_poller
+from mikas.client.parameters.polling import Turn, create_poller
 from mikas.errors import LineError, NoConnection, NotSupported
 from mikas.virtual.fault_injector import LineFault
 from virtual_harness import DATA
@@ -27,11 +27,11 @@ def parameters(ecu, *names):
 def fetch(ecu, *names, method="single"):
     """One cycle, without a second request for what was refused."""
     poller = create_poller(ecu.parameters, method)
-    return poller.cycle([poller.turn(parameters(ecu, *names))])
+    return poller.cycle([Turn(ecu.parameters.wanted(parameters(ecu, *names)))])
 
 
 def is_refused(ecu, *names):
-    return create_poller(ecu.parameters, "single").refuses(parameters(ecu, *names))
+    return ecu.parameters.refuses(parameters(ecu, *names))
 
 
 @pytest.mark.parametrize("before", [b"\x7d", b"\x01"])

@@ -75,9 +75,7 @@ class Ecu:
         self._gate = Gate(tester, self._whose, confirm, journal)
         data = DataReader(tester, self.limits_cache)
         unit_list = UnitList(tester, self._gate, KeptLists(lists, self._identify))
-        self.parameters = Parameters(
-            tester, catalog, self._gate, data, unit_list, interpretation=interpretation
-        )
+        self.parameters = Parameters(tester, catalog, interpretation, self._gate, data, unit_list)
         self.memory = Memory(tester, self._gate, self.limits_cache)
 
     def use_catalog(self, catalog: Catalog) -> None:

@@ -133,25 +133,16 @@ class WrittenParameter:
     after: Reading | None
 
 
+@dataclass(slots=True, eq=False)
 class Parameters:
     """Reads and writes parameters by name; the unit knows codes and bytes."""
 
-    def __init__(
-        self,
-        tester: Tester,
-        catalog: Catalog,
-        gate: Gate,
-        data: DataReader,
-        unit_list: UnitList,
-        *,
-        interpretation: str,
-    ) -> None:
-        self.tester = tester
-        self.catalog = catalog
-        self._gate = gate
-        self._data = data
-        self._interpretation = interpretation
-        self._list = unit_list
+    tester: Tester
+    catalog: Catalog
+    _interpretation: str
+    _gate: Gate
+    _data: DataReader
+    _list: UnitList
 
     def named(self, names: Sequence[str]) -> tuple[Parameter, ...]:
         """Return the parameters of these names; without names, all of the catalog."""
@@ -186,14 +177,14 @@ class Parameters:
         read = self._data.single if method == "single" else self._data.batch
         return read(wanted.data, again=again)
 
-    def announce(self, wanted: Wanted) -> None:
-        """Announce (`Tester.announce`) the request that reads `wanted`, if it takes one."""
-        if (command := self._data.request_for(wanted.data)) is not None:
-            self.tester.announce(command)
+    def announce(self, wanted: Wanted, *, listed: bool) -> None:
+        """Announce (`Tester.announce`) the request that reads `wanted`, if it takes one.
 
-    def announce_list(self, wanted: Wanted) -> None:
-        """Announce the request that reads the unit's list, if it is set to `wanted`."""
-        if self._list.current == wanted.parameters:
+        `listed`: the one that reads the unit's list, if it is set to `wanted`.
+        """
+        if not listed and (command := self._data.request_for(wanted.data)) is not None:
+            self.tester.announce(command)
+        if listed and self._list.current == wanted.parameters:
             self.tester.announce(c.ReadList(list_of(wanted.parameters)))
 
     def at_once(self, parameters: Sequence[Parameter]) -> dict[str, Reading]:

@@ -13,6 +13,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from contextlib import suppress
+from dataclasses import dataclass
 from math import inf
 from typing import Literal, NamedTuple, get_args
 
@@ -48,7 +49,10 @@ _SLICE = 0.1  # s that a cycle waits for a silent stream
 
 
 class Turn(NamedTuple):
-    """One request of a cycle: its parameters, by 61, or by 63 if they are `listed`."""
+    """One request of a cycle: its parameters, by 61, or by 63 if they are `listed`.
+
+    It may be used in many cycles.
+    """
 
     wanted: Wanted
     listed: bool = False
@@ -77,9 +81,6 @@ class Poller(ABC):
     Between two cycles the line is free, except under a stream, which `close` ends (D12).
     """
 
-    def __init__(self, parameters: Parameters) -> None:
-        self._parameters = parameters
-
     @abstractmethod
     def cycle(self, turns: Sequence[Turn] = (), then: Turn | None = None) -> dict[str, Reading]:
         """Run one cycle of `turns`; return its readings by name.
@@ -88,14 +89,6 @@ class Poller(ABC):
         stream ignores both and returns its next response, or nothing yet. Raises a `LineError`, a
         `NoConnection`, or an `EcuRefused` if the unit refuses the method.
         """
-
-    def turn(self, parameters: Sequence[Parameter], *, listed: bool = False) -> Turn:
-        """Return a turn that reads `parameters`; it may be used in many cycles."""
-        return Turn(self._parameters.wanted(parameters), listed)
-
-    def refuses(self, parameters: Sequence[Parameter]) -> bool:
-        """Whether the unit is known to refuse every one of `parameters`."""
-        return self._parameters.refuses(parameters)
 
     @abstractmethod
     def is_refusal(self, error: MikasError) -> bool:
@@ -106,30 +99,22 @@ class Poller(ABC):
         """Leave the line quiet; `cycle` may be called again. May raise a `LineError`."""
 
 
+@dataclass(slots=True, eq=False)
 class RequestPoller(Poller):
     """61, 63 and 64. `again`: the first cycle also requests parameters refused before."""
 
-    def __init__(
-        self, parameters: Parameters, *, single: bool = False, again: bool = False
-    ) -> None:
-        super().__init__(parameters)
-        self._method = "single" if single else "batch"
-        self._again = again
+    _parameters: Parameters
+    _method: FixedMethod
+    _again: bool = False
 
     def cycle(self, turns: Sequence[Turn] = (), then: Turn | None = None) -> dict[str, Reading]:
         readings: dict[str, Reading] = {}
         for turn, following in zip(turns, [*turns[1:], then], strict=True):
             if following is not None and not self._again:
-                self._announce(following)
+                self._parameters.announce(following.wanted, listed=following.listed)
             readings |= self._read(turn)
         self._again = False
         return readings
-
-    def _announce(self, turn: Turn) -> None:
-        if turn.listed:
-            self._parameters.announce_list(turn.wanted)
-        else:
-            self._parameters.announce(turn.wanted)
 
     def _read(self, turn: Turn) -> dict[str, Reading]:
         if turn.listed:
@@ -153,7 +138,7 @@ class StreamPoller(Poller):
     def __init__(
         self, parameters: Parameters, wanted: Sequence[Parameter], stroke: int | None
     ) -> None:
-        super().__init__(parameters)
+        self._parameters = parameters
         self._tester = parameters.tester
         self._wanted = parameters.wanted(wanted)
         self._stroke = stroke
@@ -278,4 +263,4 @@ def create_poller(
     if method in STREAMS:
         stroke = int(method[-1]) if method.startswith("stroke") else None
         return StreamPoller(parameters, streamed, stroke)
-    return RequestPoller(parameters, single=method == "single", again=again)
+    return RequestPoller(parameters, method, again)

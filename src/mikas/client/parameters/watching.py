@@ -10,6 +10,7 @@ from mikas.client.parameters.parameters import Parameters, Reading, Sample
 from mikas.client.parameters.polling import (
     STREAMS,
     FixedMethod,
+    Turn,
     check_rate,
     create_poller,
     next_due,
@@ -33,7 +34,7 @@ class Watcher:
         self._wanted = parameters.named(names)
         self._method = method
         self._poller = create_poller(parameters, method, self._wanted, again=bool(names))
-        self._turns = [self._poller.turn(self._wanted, listed=method == "list")]
+        self._turns = [Turn(parameters.wanted(self._wanted), method == "list")]
         self._period = 1 / rate if rate else 0.0
         self._due: float | None = None
         self._worked = False
@@ -76,7 +77,7 @@ class Watcher:
             return readings if times and self._is_due(min(times)) else {}
         self._wait()
         readings = self._poller.cycle(self._turns)
-        if self._method != "list" and not readings and self._poller.refuses(self._wanted):
+        if self._method != "list" and not readings and self._parameters.refuses(self._wanted):
             # Every request would be skipped, and a log would stay empty without an error.
             raise refused(self._wanted[0].name, self._wanted[0].code)
         return readings

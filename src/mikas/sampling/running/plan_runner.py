@@ -89,9 +89,10 @@ class PlanCycles:
         if place not in self._cycles:
             if len(self._cycles) == _MOST_CYCLES:
                 self._cycles.clear()
-            turns = [self.poller.turn(self._named(it)) for it in self.plan.requests(number)]
+            wanted = self.ecu.parameters.wanted
+            turns = [Turn(wanted(self._named(it))) for it in self.plan.requests(number)]
             if listed := self.plan.reads_list(number):
-                turns.append(self.poller.turn(self._named(self.plan.fast), listed=True))
+                turns.append(Turn(wanted(self._named(self.plan.fast)), listed=True))
             expected = 0  # a stream's response has all readings, or is damaged
             if not self._streams:
                 counted = turns[-1:] if listed else turns if self.plan.method != "list" else []
@@ -202,7 +203,8 @@ class PlanRunner:
             self._worked = True
             yield from self._context.sampled(fresh)
         if len(fresh) < cycles.expected(number):
-            self._over |= any(cycles.poller.refuses([p.parameter]) for p in self._plan.parameters)
+            refuses = cycles.ecu.parameters.refuses
+            self._over |= any(refuses([p.parameter]) for p in self._plan.parameters)
 
     def _handle_failure(self, error: MikasError, cycles: PlanCycles) -> Iterator[Event]:
         """Find whether the line, a parameter or the method causes `error`."""

@@ -18,7 +18,7 @@ from math import inf
 
 from mikas.client import Ecu
 from mikas.client.parameters.data import COMMON, refused
-from mikas.client.parameters.polling import STREAMS, create_poller
+from mikas.client.parameters.polling import STREAMS, Turn, create_poller
 from mikas.client.parameters.silence import SilenceCheck
 from mikas.commands import Datum, ReadParameters
 from mikas.errors import (
@@ -87,13 +87,13 @@ class UnsupportedParameters:
         requested = self._context.request
         again = requested.selection.explicit and requested is not self._retried
         poller = create_poller(ecu.parameters, "batch", again=again or self._again)
-        fresh = poller.cycle([poller.turn(parameters)])
+        fresh = poller.cycle([Turn(ecu.parameters.wanted(parameters))])
         self._retried, self._again = requested, False
         self._context.knowledge.max_list = ecu.limits().max_list
         for name in self._context.dropped.intersection(fresh):
             self._context.dropped.discard(name)
             yield ParameterReturned(ecu.tester.link.now(), name, ecu.limits())
-        refusing = {datum_of(p) for p in parameters if poller.refuses([p])}
+        refusing = {datum_of(p) for p in parameters if ecu.parameters.refuses([p])}
         yield from self._drop(ecu, plan, refusing)
 
     def _remaining(self) -> Plan | None:
@@ -174,7 +174,7 @@ class UnsupportedParameters:
         if not parameters:
             return
         poller = create_poller(ecu.parameters, "batch")
-        fresh = poller.cycle([poller.turn(parameters)])
+        fresh = poller.cycle([Turn(ecu.parameters.wanted(parameters))])
         if fresh:
             self._context.identity_check.check(ecu, lambda: None)
             yield from self._context.sampled(fresh)
