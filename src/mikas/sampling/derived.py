@@ -7,7 +7,7 @@ A derived channel has no value where an input is missing in the sample, or where
 none (a division by zero).
 
 An accumulating channel integrates its formula, which is per second, by the trapezoidal rule. A gap
-adds nothing and is counted: a pause longer than `longest`, a time in which the inputs were not
+adds nothing and is counted: a pause of more than two seconds, a time in which the inputs were not
 requested, or a clock set back. A sample without the inputs (a repeated request) is no gap, nor is
 a pause like both before it: slow channels have such pauses.
 """
@@ -15,7 +15,7 @@ a pause like both before it: slow channels have such pauses.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import isfinite, nan
 from typing import TYPE_CHECKING, Protocol, TypeAlias
 
@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 
     Column: TypeAlias = NDArray[np.float64]
 
+_LONGEST = 2.0  # s; a longer step is a gap, unless such steps are usual
 _ALIKE = 2.5  # times the shorter of the two steps before: still a usual step
 
 
@@ -70,39 +71,20 @@ class DerivedValue:
         return f"{self.name} {self.value:.{self.channel.decimals}f} {self.unit}".rstrip()
 
 
-@dataclass(frozen=True, slots=True)
-class Accumulated:
-    """The total of an accumulating channel, its beginning (None: no value yet) and its gaps.
-
-    After an overflow the total stays NaN.
-    """
-
-    total: float = 0.0
-    since: float | None = None
-    gaps: int = 0
-
-
 class DerivedChannels:
     """The derived channels `names`, and the derived channels among their inputs.
 
-    A step longer than `longest` seconds is a gap, unless such steps are usual. Raises
-    `UnknownParameter`, and `UsageError` for a name that is not a derived channel's.
+    Raises `UnknownParameter`, and `UsageError` for a name that is not a derived channel's.
     """
 
-    def __init__(self, catalog: Catalog, names: Iterable[str], *, longest: float = 2.0) -> None:
+    def __init__(self, catalog: Catalog, names: Iterable[str]) -> None:
         named = (_derived(catalog, name) for name in names)
         self.channels = tuple({channel.name: channel for channel in named}.values())
         self._catalog = catalog
         self._steps = _steps(catalog, [channel.name for channel in self.channels])
-        self._integrals = {
-            each.name: _Integral(longest) for each, _ in self._steps if each.accumulates
-        }
+        self.totals = {each.name: Integral() for each, _ in self._steps if each.accumulates}
+        """That of each accumulating channel, also while it has no value."""
         self.requires = _required(catalog, [channel.name for channel in self.channels])
-
-    @property
-    def accumulated(self) -> dict[str, Accumulated]:
-        """The total of each accumulating channel, also while it has no value."""
-        return {name: integral.state for name, integral in self._integrals.items()}
 
     def continue_from(self, before: DerivedChannels, requested: Iterable[str]) -> None:
         """Take over the totals of `before`, also those of channels that are not requested now.
@@ -113,16 +95,16 @@ class DerivedChannels:
         requested = set(requested)
         kept = {
             name: integral
-            for name, integral in before._integrals.items()
+            for name, integral in before.totals.items()
             if self._catalog is before._catalog
             or self._catalog.gives_same_values(name, before._catalog)
         }
-        self._integrals |= kept
+        self.totals |= kept
         for name, integral in kept.items():
             if not requested.issuperset(_required(self._catalog, [name])):
                 integral.interrupt()
         names = [channel.name for channel in self.channels]
-        self._steps = _steps(self._catalog, dict.fromkeys([*names, *self._integrals]))
+        self._steps = _steps(self._catalog, dict.fromkeys([*names, *self.totals]))
 
     def update(
         self,
@@ -154,12 +136,13 @@ class DerivedChannels:
         inputs = {name: values[name] for name in channel.inputs if name in values}
         if len(inputs) < len(channel.inputs):
             return None
-        value, state = calculation.number(numbers), Accumulated()
-        if isfinite(value) and (integral := self._integrals.get(channel.name)):
-            value, state = integral.add(time, value), integral.state
+        value, since, gaps = calculation.number(numbers), None, 0
+        if isfinite(value) and (integral := self.totals.get(channel.name)):
+            value = integral.add(time, value)
+            since, gaps = integral.since, integral.gaps
         if not isfinite(value):
             return None
-        return DerivedValue(channel, value, channel.unit, time, inputs, state.since, state.gaps)
+        return DerivedValue(channel, value, channel.unit, time, inputs, since, gaps)
 
     def columns(self, rows: SampleRows) -> dict[str, Column]:
         """Return the columns for rows of samples, each value as `update` gives it; NaN is missing.
@@ -173,18 +156,22 @@ class DerivedChannels:
         values = {name: rows.values.get(name, missing) for name in inputs}
         for channel, calculation in self._steps:
             column = calculation.column(values)
-            if integral := self._integrals.get(channel.name):
+            if integral := self.totals.get(channel.name):
                 column = integral.add_column(rows.times, column)
             values[channel.name] = column
         return {channel.name: values[channel.name] for channel in self.channels}
 
 
-class _Integral:
-    """The total of one accumulating channel, and the state for its next step."""
+class Integral:
+    """The `total` of one accumulating channel `since` its beginning, and its gaps.
 
-    def __init__(self, longest: float) -> None:
-        self.state = Accumulated()
-        self._longest = longest
+    After an overflow the total stays NaN.
+    """
+
+    def __init__(self) -> None:
+        self.total = 0.0
+        self.since: float | None = None
+        self.gaps = 0
         self._last: tuple[float, float] | None = None  # time and rate; None after a gap
         self._steps = 0.0, 0.0  # s, the last two, latest second; 0: unknown
 
@@ -192,23 +179,21 @@ class _Integral:
         """Count a gap: the inputs are not requested any more."""
         if self._last is not None:
             self._last, self._steps = None, (0.0, 0.0)
-            self.state = replace(self.state, gaps=self.state.gaps + 1)
+            self.gaps += 1
 
     def add(self, time: float, rate: float) -> float:
         """Add the step to `time`; return the total."""
-        total, gaps = self.state.total, self.state.gaps
         if self._last is not None:
             before, rate_before = self._last
             step = time - before
-            if 0 <= step <= max(self._longest, _ALIKE * min(self._steps)):
-                total = _finite(total + (rate_before * 0.5 + rate * 0.5) * step)
+            if 0 <= step <= max(_LONGEST, _ALIKE * min(self._steps)):
+                self.total = _finite(self.total + (rate_before * 0.5 + rate * 0.5) * step)
             else:
-                gaps += 1
+                self.gaps += 1
             self._steps = self._steps[1], step
-        since = time if self.state.since is None else self.state.since
-        self.state = Accumulated(total, since, gaps)
+        self.since = time if self.since is None else self.since
         self._last = time, rate
-        return total
+        return self.total
 
     def add_column(self, times: Column, rates: Column) -> Column:
         """Return the total at each row, NaN where `rates` is NaN.
@@ -225,15 +210,15 @@ class _Integral:
             with np.errstate(all="ignore"):
                 steps = np.diff(at)
                 known = np.concatenate([self._steps, steps])
-                longest = np.maximum(self._longest, _ALIKE * np.minimum(known[:-2], known[1:-1]))
+                longest = np.maximum(_LONGEST, _ALIKE * np.minimum(known[:-2], known[1:-1]))
                 joined = (steps >= 0) & (steps <= longest)
                 self._steps = float(known[-2]), float(known[-1])
                 added = np.where(joined, (rate[:-1] * 0.5 + rate[1:] * 0.5) * steps, 0.0)
-                running = np.add.accumulate(np.insert(added, 0, self.state.total))
+                running = np.add.accumulate(np.insert(added, 0, self.total))
             totals[rows] = running[len(running) - len(rows) :]
-            since = float(at[0]) if self.state.since is None else self.state.since
-            gaps = self.state.gaps + int(np.count_nonzero(~joined))
-            self.state = Accumulated(_finite(float(running[-1])), since, gaps)
+            self.total = _finite(float(running[-1]))
+            self.since = float(at[0]) if self.since is None else self.since
+            self.gaps += int(np.count_nonzero(~joined))
             self._last = float(at[-1]), float(rate[-1])
         return np.where(np.isfinite(totals), totals, nan)
 

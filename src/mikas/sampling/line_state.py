@@ -19,7 +19,7 @@ from collections.abc import Mapping
 from enum import Enum
 from typing import Final
 
-from mikas.errors import EchoOnly, LineError, MikasError, NoConnection
+from mikas.errors import EchoOnly, LineError, NoConnection
 from mikas.sampling.events import LineState
 
 
@@ -48,73 +48,38 @@ class ImpossibleTransition(RuntimeError):
         self.event = event
 
 
-TRANSITIONS: Final[Mapping[LineState | None, Mapping[LineTrigger, LineState | None]]] = {
-    None: {  # not running
-        LineTrigger.PORT_MISSING: LineState.NO_PORT,
-        LineTrigger.PORT_LOST: LineState.NO_PORT,
-        LineTrigger.ECHO_MISSING: LineState.NO_ECHO,
-        LineTrigger.SILENT: LineState.ECHO_ONLY,
-        LineTrigger.SPOILT: LineState.ECHO_ONLY,
-        LineTrigger.IDENTIFIED: LineState.ECU_ALIVE,
-        LineTrigger.ENDED: None,
-    },
-    LineState.NO_PORT: {
-        LineTrigger.PORT_MISSING: LineState.NO_PORT,
-        LineTrigger.PORT_LOST: LineState.NO_PORT,  # the port opened, and failed at its first use
-        LineTrigger.ECHO_MISSING: LineState.NO_ECHO,
-        LineTrigger.SILENT: LineState.ECHO_ONLY,
-        LineTrigger.SPOILT: LineState.ECHO_ONLY,
-        LineTrigger.IDENTIFIED: LineState.ECU_ALIVE,
-        LineTrigger.ENDED: None,
-    },
-    LineState.NO_ECHO: {
-        LineTrigger.PORT_LOST: LineState.NO_PORT,
-        LineTrigger.ECHO_MISSING: LineState.NO_ECHO,
-        LineTrigger.SILENT: LineState.ECHO_ONLY,
-        LineTrigger.SPOILT: LineState.ECHO_ONLY,
-        LineTrigger.IDENTIFIED: LineState.ECU_ALIVE,
-        LineTrigger.ENDED: None,
-    },
-    LineState.ECHO_ONLY: {
-        LineTrigger.PORT_LOST: LineState.NO_PORT,
-        LineTrigger.ECHO_MISSING: LineState.NO_ECHO,
-        LineTrigger.SILENT: LineState.ECHO_ONLY,
-        LineTrigger.SPOILT: LineState.ECHO_ONLY,
-        LineTrigger.IDENTIFIED: LineState.ECU_ALIVE,
-        LineTrigger.ENDED: None,
-    },
-    LineState.ECU_ALIVE: {
-        LineTrigger.PORT_LOST: LineState.NO_PORT,
-        LineTrigger.ECHO_MISSING: LineState.NO_ECHO,
-        LineTrigger.SILENT: LineState.ECHO_ONLY,
-        LineTrigger.SPOILT: LineState.ECHO_ONLY,
-        LineTrigger.IDENTIFIED: LineState.ECU_ALIVE,  # another unit
-        LineTrigger.ACCEPTED: LineState.SAMPLING,
-        LineTrigger.REFUSED: LineState.ECU_ALIVE,
-        LineTrigger.ENDED: None,
-    },
-    LineState.SAMPLING: {
-        LineTrigger.PORT_LOST: LineState.NO_PORT,
-        LineTrigger.ECHO_MISSING: LineState.NO_ECHO,
-        LineTrigger.SILENT: LineState.ECHO_ONLY,
-        LineTrigger.SPOILT: LineState.ECHO_ONLY,
-        LineTrigger.ACCEPTED: LineState.SAMPLING,  # another plan
-        LineTrigger.REFUSED: LineState.ECU_ALIVE,
-        LineTrigger.ENDED: None,
-    },
+_ALWAYS: Final[Mapping[LineTrigger, LineState | None]] = {
+    LineTrigger.PORT_LOST: LineState.NO_PORT,  # also of a port that failed at its first use
+    LineTrigger.ECHO_MISSING: LineState.NO_ECHO,
+    LineTrigger.SILENT: LineState.ECHO_ONLY,
+    LineTrigger.SPOILT: LineState.ECHO_ONLY,
+    LineTrigger.ENDED: None,
 }
-
-FAILURES: Final[tuple[tuple[type[MikasError], LineTrigger], ...]] = (
-    (EchoOnly, LineTrigger.SILENT),
-    (NoConnection, LineTrigger.ECHO_MISSING),
-    (LineError, LineTrigger.SPOILT),
-)
-"""The event of a failed request, by the first class that matches; a lost port is not here."""
+_UNOPENED: Final = {LineTrigger.PORT_MISSING: LineState.NO_PORT}
+_UNSAMPLED: Final = {LineTrigger.IDENTIFIED: LineState.ECU_ALIVE}
+_ANSWERING: Final = {
+    LineTrigger.ACCEPTED: LineState.SAMPLING,  # while sampling: another plan
+    LineTrigger.REFUSED: LineState.ECU_ALIVE,
+}
+TRANSITIONS: Final[Mapping[LineState | None, Mapping[LineTrigger, LineState | None]]] = {
+    None: {**_ALWAYS, **_UNOPENED, **_UNSAMPLED},  # not running
+    LineState.NO_PORT: {**_ALWAYS, **_UNOPENED, **_UNSAMPLED},
+    LineState.NO_ECHO: {**_ALWAYS, **_UNSAMPLED},
+    LineState.ECHO_ONLY: {**_ALWAYS, **_UNSAMPLED},
+    LineState.ECU_ALIVE: {**_ALWAYS, **_UNSAMPLED, **_ANSWERING},  # identified: another unit
+    LineState.SAMPLING: {**_ALWAYS, **_ANSWERING},
+}
 
 
 def trigger_of(error: NoConnection | LineError) -> LineTrigger:
-    """Return the event of a request that failed with `error`."""
-    return next(event for kind, event in FAILURES if isinstance(error, kind))
+    """Return the event of a request that failed with `error`; a lost port is none."""
+    match error:
+        case EchoOnly():
+            return LineTrigger.SILENT
+        case NoConnection():
+            return LineTrigger.ECHO_MISSING
+        case LineError():
+            return LineTrigger.SPOILT
 
 
 class LineStateMachine:
