@@ -6,7 +6,7 @@ written as `%2F`, so that two names never share a topic.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, fields
 from typing import Final
 from urllib.parse import quote
 
@@ -22,54 +22,29 @@ class Topics:
     """All topics below `base`. Raises `UsageError` for a base that no topic can begin with."""
 
     base: str = DEFAULT_BASE
+    availability: str = field(init=False)
+    """`online`; `offline` after the end, or as the last will."""
+    state: str = field(init=False)
+    """The state of the line to the unit."""
+    channels: str = field(init=False)
+    """Name, unit and text of each published channel."""
+    unit: str = field(init=False)
+    """Model and passports of the unit."""
+    values: str = field(init=False)
+    """The latest values."""
+    samples: str = field(init=False)
+    """Every sample, several in a message."""
+    faults: str = field(init=False)
+    """The stored faults."""
+    alarms: str = field(init=False)
+    """The present alarms."""
+    event: str = field(init=False)
+    """What happened, one message each."""
 
     def __post_init__(self) -> None:
         check_topic(self.base)
-
-    @property
-    def availability(self) -> str:
-        """`online`; `offline` after the end, or as the last will."""
-        return f"{self.base}/availability"
-
-    @property
-    def state(self) -> str:
-        """The state of the line to the unit."""
-        return f"{self.base}/state"
-
-    @property
-    def channels(self) -> str:
-        """Name, unit and text of each published channel."""
-        return f"{self.base}/channels"
-
-    @property
-    def unit(self) -> str:
-        """Model and passports of the unit."""
-        return f"{self.base}/unit"
-
-    @property
-    def values(self) -> str:
-        """The latest values."""
-        return f"{self.base}/values"
-
-    @property
-    def samples(self) -> str:
-        """Every sample, several in a message."""
-        return f"{self.base}/samples"
-
-    @property
-    def faults(self) -> str:
-        """The stored faults."""
-        return f"{self.base}/faults"
-
-    @property
-    def alarms(self) -> str:
-        """The present alarms."""
-        return f"{self.base}/alarms"
-
-    @property
-    def event(self) -> str:
-        """What happened, one message each."""
-        return f"{self.base}/event"
+        for topic in fields(self)[1:]:
+            object.__setattr__(self, topic.name, f"{self.base}/{topic.name}")
 
     @property
     def retained(self) -> tuple[str, ...]:
