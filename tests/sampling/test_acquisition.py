@@ -45,10 +45,10 @@ def acquisition(plug: SimulatedPlug, *names: str, **settings: object) -> Acquisi
 def test_the_plan_is_reported_once_before_the_first_sample():
     made = acquisition(SimulatedPlug(make_bus()), "FREQ", "FUEL_FLOW", "TWAT/10")
     assert [c.name for c in made.channels] == ["FREQ", "FUEL_FLOW", "TWAT"]
-    assert (made.plan, made.state, made.ecu, made.method) == (None, None, None, None)
+    assert (made.plan, made.ecu, made.method) == (None, None, None)
     with closing(made.run()) as events:
         reported = take(events, enough)
-        assert made.state is LineState.SAMPLING
+        assert of(StateChanged, reported)[-1].state is LineState.SAMPLING
         assert made.ecu.model.text.en
         assert made.ecu.tester.statistics.requests > 40
     (plan,) = of(PlanChanged, reported)

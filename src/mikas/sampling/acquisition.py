@@ -16,7 +16,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import Future
-from functools import partial
 from typing import TypeVar
 
 from mikas.catalog import Catalog, Derived, Parameter
@@ -35,7 +34,7 @@ from mikas.errors import (
 from mikas.link import Link
 from mikas.link.base import WireCount
 from mikas.link.reconnecting import ReconnectingPort
-from mikas.sampling.events import Event, LineState, MethodChosen
+from mikas.sampling.events import Event, MethodChosen
 from mikas.sampling.jobs import JobQueue
 from mikas.sampling.line_state import LineTrigger
 from mikas.sampling.plan import Plan, Price, select
@@ -80,9 +79,8 @@ class Acquisition:
         before: UnitIdentity | None = None,
     ) -> None:
         self._catalog = catalog
-        self._jobs = JobQueue(port.url)
         request = self._request(names, method, rate)
-        self._context = SamplingContext(request, self._jobs, strict=strict)
+        self._context = SamplingContext(request, JobQueue(port.url), strict=strict)
         self._make_ecu = make_ecu
         self._port = port
         self._supervisor = ConnectionSupervisor(port, self._create_ecu, self._context, before)
@@ -102,11 +100,6 @@ class Acquisition:
     def channels(self) -> tuple[Parameter | Derived, ...]:
         """The requested channels, in the requested order."""
         return self._context.latest.selection.channels
-
-    @property
-    def state(self) -> LineState | None:
-        """The line's state; None before the start."""
-        return self._supervisor.state
 
     @property
     def ecu(self) -> Ecu | None:
@@ -145,7 +138,7 @@ class Acquisition:
         `NoConnection` or `LineError` of the next attempt; after the end of `run` with `LinkLost`.
         No cycle runs during a job: split long work into many jobs.
         """
-        return self._jobs.submit(job)
+        return self._context.jobs.submit(job)
 
     def reconfigure(
         self,
@@ -209,7 +202,7 @@ class Acquisition:
         first sample, `RecordingOver` at the end of a replay, and the obstacles with `strict`.
         """
         self._context.start_run()
-        self._jobs.open()
+        self._context.jobs.open()
         failure: MikasError | None = None
         try:
             while not self._context.stopped:
@@ -221,7 +214,7 @@ class Acquisition:
             raise
         finally:
             self._supervisor.end_run()
-            self._jobs.close(failure)
+            self._context.jobs.close(failure)
 
     def _use_link(self, link: Link) -> Iterator[Event]:
         with link:
@@ -271,27 +264,9 @@ class Acquisition:
             if method is None:
                 yield from self._idle(ecu, _SHORT)
                 continue
-            yield from self._run(ecu, plan.with_method(method))
-
-    def _run(self, ecu: Ecu, whole: Plan) -> Iterator[Event]:
-        """Run `whole`, and once more when others come first, without a request in between."""
-        context, replaced = self._context, True
-        preferring = partial(self._preferring, ecu, whole)
-        while replaced:
-            first = context.first
-            plan = preferring(first)
-            yield from context.report_plan(plan, ecu.tester.link.now())
-            runner = PlanRunner(ecu, plan, context, self._unsupported)
-            replaced = yield from runner.events(first, preferring)
-
-    def _preferring(self, ecu: Ecu, plan: Plan, first: frozenset[str]) -> Plan:
-        """Return `plan` with `first` preferred, unless all reach the requested rate anyway."""
-        rate, baud = self._context.request.rate, ecu.tester.link.baud
-        if rate is not None:
-            known = self._context.knowledge.rates(plan, baud)
-            if known.get(plan.method, plan.price(baud=baud).rate) >= rate:
-                return plan
-        return plan.preferring(first)
+            whole, replaced = plan.with_method(method), True
+            while replaced:  # without a request in between
+                replaced = yield from PlanRunner(ecu, whole, context, self._unsupported).events()
 
     def _method(self, ecu: Ecu, plan: Plan) -> Generator[Event, None, FixedMethod | None]:
         """Return the requested method, or the fastest, measured if necessary; None: none works."""
@@ -307,7 +282,7 @@ class Acquisition:
             if not measured:
                 yield from context.report_plan(plan, ecu.tester.link.now())  # the method follows
             measured = True
-            self._jobs.run(ecu)
+            self._context.jobs.run(ecu)
             yield from method_trial.learn(context, ecu, plan.with_method(trial))
         if measured:
             knowledge.save()
@@ -324,4 +299,4 @@ class Acquisition:
         context, due = self._context, ecu.tester.link.now() + seconds
         yield from self._supervisor.process(LineTrigger.REFUSED, ecu.tester.link.now())
         while context.is_current and not context.wait_until_due(ecu, due):
-            self._jobs.run(ecu)
+            self._context.jobs.run(ecu)

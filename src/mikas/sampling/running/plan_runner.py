@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Iterator
+from collections.abc import Generator, Iterator
 from contextlib import suppress
 from typing import NamedTuple
 
@@ -102,15 +102,17 @@ class PlanCycles:
 
 
 class PlanRunner:
-    """Runs `plan`, the plan of the context's request."""
+    """Runs `whole`, the plan of the context's request, with those preferred that come first."""
 
     def __init__(
-        self, ecu: Ecu, plan: Plan, context: SamplingContext, unsupported: UnsupportedParameters
+        self, ecu: Ecu, whole: Plan, context: SamplingContext, unsupported: UnsupportedParameters
     ) -> None:
         self._ecu = ecu
-        self._plan = plan
+        self._whole = whole
         self._context = context
         self._unsupported = unsupported
+        self._first = context.first
+        self._plan = plan = self._preferring_first()
         self._now = ecu.tester.link.now
         self._cycles = self._between = PlanCycles(ecu, plan, context.identity_check)
         self._streams = plan.method in STREAMS
@@ -124,25 +126,29 @@ class PlanRunner:
         self._worked = False
         self._over = False
 
-    def events(
-        self,
-        first: frozenset[str] = frozenset(),
-        preferring: Callable[[frozenset[str]], Plan] | None = None,
-    ) -> Generator[Event, None, bool]:
-        """Yield events until the plan ends; return whether others come first, by another plan.
+    def _preferring_first(self) -> Plan:
+        """Return the plan with those preferred, unless all reach the requested rate anyway."""
+        whole, rate, baud = self._whole, self._context.request.rate, self._ecu.tester.link.baud
+        if rate is not None:
+            known = self._context.knowledge.rates(whole, baud)
+            if known.get(whole.method, whole.price(baud=baud).rate) >= rate:
+                return whole
+        return whole.preferring(self._first)
 
-        `first`: those that came first when the plan was made by `preferring`.
+    def events(self) -> Generator[Event, None, bool]:
+        """Yield events until the plan ends; return whether others come first, by another plan.
 
         Raises `NoConnection` and `SyncLost`; with `strict` also the requested method's refusal.
         """
         number, goes_on = 0, False
+        yield from self._context.report_plan(self._plan, self._now())
         self._context.unended = None
         try:
             while not self._is_over():
-                others = preferring is not None and self._context.first is not first
-                if preferring is not None and others and not goes_on:  # else a cycle has begun
-                    first = self._context.first
-                    if preferring(first) != self._plan:
+                others = self._context.first is not self._first
+                if others and not goes_on:  # else a cycle has begun
+                    self._first = self._context.first
+                    if self._preferring_first() != self._plan:
                         return True
                 cycles = self._cycles
                 if self._context.jobs:
