@@ -24,7 +24,7 @@ from mikas.dashboard.session.event_log import page_json
 from mikas.dashboard.session.history import History
 from mikas.dashboard.session.monitor import ConnectionMonitor
 from mikas.link.reconnecting import ReconnectingPort
-from mikas.publish.publication import Publication, PublicationOptions
+from mikas.publish.publication import Publication
 from mikas.publish.topics import Topics
 from mikas.recording.recorder import Recorder
 from mikas.recording.recording import Recording
@@ -57,9 +57,7 @@ class Consumers:
             rate=5.0,
         )
         self.monitor = ConnectionMonitor(History(), self.session)
-        publication = Publication(
-            TOPICS, CATALOG, acquisition.channels, PublicationOptions(samples=True)
-        )
+        publication = Publication(TOPICS, CATALOG, acquisition.channels, samples=True)
         self.sentences: list[str] = []
         shown = SimpleNamespace(
             options=SamplingOptions(),

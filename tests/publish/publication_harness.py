@@ -11,7 +11,7 @@ from mikas.catalog import shipped
 from mikas.client.connecting import ConnectionOptions
 from mikas.link.reconnecting import ReconnectingPort
 from mikas.publish.message import Message
-from mikas.publish.publication import Publication, PublicationOptions
+from mikas.publish.publication import Publication
 from mikas.publish.topics import Topics
 from mikas.sampling.acquisition import Acquisition
 from mikas.sampling.events import Event
@@ -24,7 +24,7 @@ TOPICS = Topics("garage/volga")
 def publication(*names: str, **options: object) -> Publication:
     """Return a publication of these channels."""
     channels = [CATALOG.channel(name) for name in names]
-    return Publication(TOPICS, CATALOG, channels, PublicationOptions(**options))
+    return Publication(TOPICS, CATALOG, channels, **options)
 
 
 def drive(

@@ -5,7 +5,8 @@ from __future__ import annotations
 import codecs
 import os
 import ssl
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Final
@@ -175,31 +176,25 @@ def with_tls(
             "--tls-cert and --tls-key belong together; name both files",
             "--tls-cert и --tls-key нужны вместе; укажите оба файла",
         )
-    context = _context(ca)
+    with _reading(ca, f"{ca} holds no certificate (PEM)", f"в {ca} нет сертификата (PEM)"):
+        context = ssl.create_default_context(cafile=ca)
     if cert is not None and key is not None:
-        _load_pair(context, cert, key)
+        with _reading(
+            cert,
+            f"{cert} and {key} are no certificate and its unlocked private key (PEM)",
+            f"{cert} и {key} — не сертификат и незащищённый паролем ключ к нему (PEM)",
+        ):
+            context.load_cert_chain(cert, key, password="")
     return replace(broker, tls=context)
 
 
-def _context(ca: Path | None) -> ssl.SSLContext:
+@contextmanager
+def _reading(file: Path | None, en: str, ru: str) -> Iterator[None]:
+    """Raise `UsageError` for a file that can't be read, or by `en` and `ru` for a wrong one."""
     try:
-        return ssl.create_default_context(cafile=ca)
+        yield
     except ssl.SSLError as error:
-        raise usage_error(
-            f"{ca} holds no certificate (PEM)", f"в {ca} нет сертификата (PEM)"
-        ) from error
+        raise usage_error(en, ru) from error
     except OSError as error:
-        assert ca is not None
-        raise UsageError(problem=reason_at(ca, error)) from error
-
-
-def _load_pair(context: ssl.SSLContext, cert: Path, key: Path) -> None:
-    try:
-        context.load_cert_chain(cert, key, password="")
-    except ssl.SSLError as error:
-        raise usage_error(
-            f"{cert} and {key} are no certificate and its unlocked private key (PEM)",
-            f"{cert} и {key} — не сертификат и незащищённый паролем ключ к нему (PEM)",
-        ) from error
-    except OSError as error:
-        raise UsageError(problem=reason_at(cert, error)) from error
+        assert file is not None
+        raise UsageError(problem=reason_at(file, error)) from error

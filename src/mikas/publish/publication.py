@@ -15,9 +15,8 @@ from mikas.catalog import Catalog, Derived, Parameter
 from mikas.client.parameters.polling import next_due
 from mikas.i18n import Text
 from mikas.publish.message import Message, MessageKind, compact, json_payload, rounded
-from mikas.publish.samples import SampleBatch
 from mikas.publish.topics import Topics
-from mikas.publish.values import LatestValues, plain_values, unit_of
+from mikas.publish.values import LatestValues, SampleBatch, plain_values, unit_of
 from mikas.sampling.events import (
     AdapterMoved,
     AlarmChanged,
@@ -40,38 +39,28 @@ STATES: Final = {"starting": _STARTING, "stopped": _STOPPED}
 """The states before the first one of the line and after the last."""
 
 
-@dataclass(frozen=True, slots=True)
-class PublicationOptions:
-    """`every`: seconds between two messages of values. `qos`: of values.
+@dataclass(eq=False)
+class Publication:
+    """Makes the messages of one session of `channels` under `topics`.
 
-    `each`: each value under a topic of its own, too. `samples`: every sample, too.
-    `interpretation`: by which the values are decoded.
+    `every`: seconds between two messages of values. `qos`: of values. `each`: each value under a
+    topic of its own, too. `samples`: every sample, too. `interpretation`: by which the values are
+    decoded.
     """
 
+    topics: Topics
+    catalog: Catalog
+    channels: Sequence[Parameter | Derived]
     every: float = 1.0
     qos: int = 0
     each: bool = False
     samples: bool = False
     interpretation: str = "corrected"
 
-
-class Publication:
-    """Makes the messages of one session of `channels` under `topics`."""
-
-    def __init__(
-        self,
-        topics: Topics,
-        catalog: Catalog,
-        channels: Sequence[Parameter | Derived],
-        options: PublicationOptions = PublicationOptions(),
-    ) -> None:
-        names = [channel.name for channel in channels]
-        self._channels = tuple(channels)
-        self._topics = topics
-        self._catalog = catalog
-        self._options = options
+    def __post_init__(self) -> None:
+        names = [channel.name for channel in self.channels]
         self._latest = LatestValues(names)
-        self._batch = SampleBatch(topics.samples, names, max(1, options.qos))
+        self._batch = SampleBatch(self.topics.samples, names, max(1, self.qos))
         self._gaps: list[Gap] = []  # those that the next event begins or ends
         self._due: float | None = None  # of the next values
         self._reason: Text | None = None  # of the latest failed cycle
@@ -109,7 +98,7 @@ class Publication:
             case Sampled():
                 values = plain_values(event)
                 self._latest.add_sample(event.time, values)
-                if self._options.samples:
+                if self.samples:
                     self._batch.add_row(event.time, values)
                 if not self._answers:
                     self._answers, self._due = True, None
@@ -150,7 +139,7 @@ class Publication:
     def _unit_found(self, event: UnitFound) -> Iterator[Message]:
         unit = event.as_json() | {"time": rounded(event.time)}
         del unit["kind"]
-        yield self._message(self._topics.unit, unit, event.time)
+        yield self._message(self.topics.unit, unit, event.time)
         if event.another:
             self._latest.clear()
             self._alarms.clear()
@@ -162,19 +151,19 @@ class Publication:
     def _state_message(self, time: float | None, state: dict[str, Any]) -> Message:
         whole = {"time": rounded(time), "reason": None, "code": None}
         whole |= {key: value for key, value in state.items() if key != "time"}
-        return self._message(self._topics.state, whole, time)
+        return self._message(self.topics.state, whole, time)
 
     def _channel_message(self) -> Message:
         channels = [
             {
                 "name": channel.name,
-                "unit": unit_of(channel, self._options.interpretation)[0],
+                "unit": unit_of(channel, self.interpretation)[0],
                 "text": channel.text._asdict(),
                 "flag": channel.is_flag,
             }
-            for channel in self._channels
+            for channel in self.channels
         ]
-        return self._message(self._topics.channels, {"channels": channels}, None)
+        return self._message(self.topics.channels, {"channels": channels}, None)
 
     def _fault_message(self, time: float | None) -> Message:
         codes = None if self._faults is None else self._faults.codes
@@ -184,9 +173,9 @@ class Publication:
             "count": None if codes is None else len(codes),
             "faults": None
             if codes is None
-            else [self._catalog.fault(code).as_json() for code in codes],
+            else [self.catalog.fault(code).as_json() for code in codes],
         }
-        return self._message(self._topics.faults, content, time)
+        return self._message(self.topics.faults, content, time)
 
     def _alarm_message(self, time: float | None) -> Message:
         present = [
@@ -206,7 +195,7 @@ class Publication:
             "count": len(present),
             "alarms": present,
         }
-        return self._message(self._topics.alarms, content, time)
+        return self._message(self.topics.alarms, content, time)
 
     def _message(self, topic: str, content: dict[str, Any], time: float | None) -> Message:
         return Message(topic, json_payload(content), MessageKind.RETAINED, time=time)
@@ -220,11 +209,7 @@ class Publication:
             case FaultReading(codes=codes):
                 if codes != self._told:
                     before, self._told = self._told, codes
-                    new = (
-                        None
-                        if before is None
-                        else tuple(each for each in codes if each not in before)
-                    )
+                    new = None if before is None else tuple(it for it in codes if it not in before)
                     happened.append(replace(event, added=new))
             case StateChanged() | UnitFound() | AdapterMoved() | MethodChosen():
                 happened.append(event)
@@ -235,7 +220,7 @@ class Publication:
             if isinstance(each, MethodChosen):
                 content["rates"] = {name: round(rate, 2) for name, rate in each.rates.items()}
             yield Message(
-                self._topics.event, json_payload(content), MessageKind.EVENT, time=each.time
+                self.topics.event, json_payload(content), MessageKind.EVENT, time=each.time
             )
 
     # Values
@@ -246,16 +231,14 @@ class Publication:
             return
         time = event.time
         if self._due is None or time >= self._due:
-            self._due = next_due(
-                time if self._due is None else self._due, time, self._options.every
-            )
+            self._due = next_due(time if self._due is None else self._due, time, self.every)
             yield from self._latest_values(time)
             yield from self._batch.messages()
         elif self._batch.is_full:
             yield from self._batch.messages()
 
     def _latest_values(self, time: float) -> Iterator[Message]:
-        latest, qos = self._latest.at(time), self._options.qos
+        latest, qos = self._latest.at(time), self.qos
         content: dict[str, Any] = {
             "time": rounded(time),
             "values": latest.values,
@@ -264,7 +247,7 @@ class Publication:
         }
         if latest.is_gap and self._reason is not None:
             content["reason"] = self._reason._asdict()
-        yield Message(self._topics.values, json_payload(content), MessageKind.LIVE, qos, time)
-        if self._options.each:
+        yield Message(self.topics.values, json_payload(content), MessageKind.LIVE, qos, time)
+        if self.each:
             for name, value in latest.values.items():
-                yield Message(self._topics.value(name), compact(value), MessageKind.LIVE, qos, time)
+                yield Message(self.topics.value(name), compact(value), MessageKind.LIVE, qos, time)

@@ -1,4 +1,4 @@
-"""The latest value of each channel, for as long as it may pass for the present one.
+"""The values: the latest of each channel, for as long as it may pass for the present one, or all.
 
 A channel's value holds for a second after its reading, or for three of the channel's usual
 intervals if these are longer (`NAME/10`, a slow method). After that, and at once when the line
@@ -7,19 +7,21 @@ breaks, the channel has no value: None, never the last number.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from math import isfinite
 from typing import Final, NamedTuple, TypeAlias
 
 from mikas.catalog import Derived, Parameter
 from mikas.client import Reading
 from mikas.i18n import Text
+from mikas.publish.message import Message, MessageKind, json_payload, rounded
 from mikas.sampling.derived import DerivedValue
 from mikas.sampling.events import Sampled
 from mikas.sampling.gaps import Arrivals
 
 Plain: TypeAlias = float | int | bool | None
 
+_MOST_ROWS: Final = 1000  # in one message, however long the interval
 _NEW: Final = 1.0  # s; a value that is older has its age in the message
 
 
@@ -81,3 +83,51 @@ def plain_values(sample: Sampled) -> dict[str, Plain]:
     """Return the values read in this cycle as JSON has them; a number that is none is None."""
     fresh: dict[str, Reading | DerivedValue] = {**sample.fresh, **sample.derived}
     return {name: each.value if isfinite(each.value) else None for name, each in fresh.items()}
+
+
+class SampleBatch:
+    """Collects every sample as rows for `topic`, several in a message; `qos`: of the messages.
+
+    For a database, not for a display. Each row is the time and a value for each name; a value that
+    was not read in that cycle is None. Rows are counted from 0: a reader sees by `first` what it
+    has not got.
+    """
+
+    def __init__(self, topic: str, names: Sequence[str], qos: int) -> None:
+        self._topic = topic
+        self._names = tuple(names)
+        self._qos = qos
+        self._rows: list[list[Plain]] = []
+        self._count = 0  # of all rows before these
+        self._since = self._time = 0.0  # of the first row and of the last one
+        self._session: float | None = None
+
+    def add_row(self, time: float, values: Mapping[str, Plain]) -> None:
+        """Add the row of the cycle of `time`, with its `plain_values`."""
+        if self._session is None:
+            self._session = rounded(time)
+        if not self._rows:
+            self._since = time
+        self._rows.append([rounded(time), *map(values.get, self._names)])
+        self._time = time
+
+    @property
+    def is_full(self) -> bool:
+        """Whether the rows are to be sent before their interval is over."""
+        return len(self._rows) >= _MOST_ROWS
+
+    def messages(self) -> Iterator[Message]:
+        """Yield the message of the rows so far, and begin the next one; none without rows."""
+        if not self._rows:
+            return
+        rows, self._rows = self._rows, []
+        first, self._count = self._count, self._count + len(rows)
+        payload = json_payload(
+            {"session": self._session, "first": first, "names": self._names, "samples": rows}
+        )
+        yield Message(
+            *(self._topic, payload, MessageKind.SAMPLES, self._qos),
+            time=self._time,
+            rows=len(rows),
+            since=self._since,
+        )

@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from mikas.cli.sampling_run import SamplingRun
     from mikas.link.ahead import PortAhead
     from mikas.publish.home_assistant import HomeAssistant
-    from mikas.publish.publication import Publication
     from mikas.publish.session import Destination
 
 
@@ -150,6 +149,7 @@ def _publish(
     from mikas.cli.render.notices import Notices
     from mikas.cli.render.publishing import PublishingReport
     from mikas.cli.sampling_run import sampling_session
+    from mikas.publish.publication import Publication
     from mikas.publish.session import Publisher
     from mikas.sampling.fault_watch import IN_STREAMS
 
@@ -162,9 +162,17 @@ def _publish(
         run.session.wants_faults = lambda: True
         topics = destination.topics
         report = PublishingReport(context.output, run, destination.broker.url, topics.base)
+        publication = Publication(
+            *(topics, context.options.catalog, run.channels),
+            every=options.every,
+            qos=options.qos,
+            each=options.each,
+            samples=options.samples,
+            interpretation=context.options.interpretation,
+        )
         publisher = Publisher(
             destination,
-            _publication(context, run, options, destination),
+            publication,
             _home_assistant(context, run, options, destination),
             report.broker_changed,
         )
@@ -179,21 +187,6 @@ def _publish(
             finally:
                 report.print_last_line()
     return DONE
-
-
-def _publication(
-    context: CommandContext, run: SamplingRun, options: PublishOptions, destination: Destination
-) -> Publication:
-    from mikas.publish.publication import Publication, PublicationOptions
-
-    wanted = PublicationOptions(
-        options.every,
-        options.qos,
-        options.each,
-        options.samples,
-        context.options.interpretation,
-    )
-    return Publication(destination.topics, context.options.catalog, run.channels, wanted)
 
 
 def _home_assistant(
