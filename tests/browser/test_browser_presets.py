@@ -62,7 +62,8 @@ def test_a_preset_is_made_kept_and_deleted(dash, visitor):
 
 
 def test_damaged_presets_are_reported(own, visitor):
-    own.dashboard.settings.presets.parent.mkdir(exist_ok=True)
-    own.dashboard.settings.presets.write_text("[[", "utf-8")
+    presets = own.dashboard.settings.in_state("presets.json")
+    presets.parent.mkdir(exist_ok=True)
+    presets.write_text("[[", "utf-8")
     tab = visitor(own.url).show("live")
     tab.says("presets.json: the content is damaged, nothing of it is used")

@@ -42,7 +42,7 @@ def test_a_dangerous_change_without_confirmation_does_not_reach_the_unit(idle):
     """Whoever asks for it inside the program; changes are locked, and no client has confirmed."""
 
     def ask(job):
-        return idle.dashboard.connection.thread.call(job).result(60)
+        return idle.dashboard.connection.thread.acquisition.call(job).result(60)
 
     before = ask(lambda ecu: ecu.memory.code.read(0x9000))
     with pytest.raises(NotConfirmed):

@@ -140,7 +140,7 @@ def kept_results(folder, unit, *, virtual_units=True):
     file.write_text(json.dumps(kept), "utf-8")
     settings = SimpleNamespace(test_results=folder, virtual_units=virtual_units)
     monitor = SimpleNamespace(unit=unit)
-    tests = GuidedTests(settings, None, monitor, None, recorder=None, catalog=None)
+    tests = GuidedTests(settings, None, monitor, None, None, None)
     return tests, file
 
 

@@ -13,7 +13,7 @@ import pytest
 
 from mikas.client.connecting import ConnectionOptions
 from mikas.dashboard.errors import Busy
-from mikas.dashboard.session.connection import Connection, SamplingPlanner, run_in_turn
+from mikas.dashboard.session.connection import Connection, SamplingPlanner, result_in_turn
 from mikas.dashboard.session.history import History
 from mikas.dashboard.session.monitor import ConnectionMonitor
 from mikas.dashboard.settings import PlanSettings, Settings
@@ -47,36 +47,26 @@ class UnderWay(Future):
         return taken_back
 
 
-class Running:
-    """A session that runs a job before any thread waits for it."""
-
-    def __init__(self, future):
-        self.future = future
-
-    def call(self, job):
-        return self.future
-
-
 def test_a_job_whose_turn_did_not_come_is_never_done():
     session, done = Waiting(), []
     with pytest.raises(Busy) as refused:
-        asyncio.run(run_in_turn(session, done.append, 0.0))
+        asyncio.run(result_in_turn(session.call(done.append), 0.0))
     assert refused.value.status == 409
     session.jobs.run(None)
     assert done == []
 
 
 def test_a_started_job_is_waited_for_and_its_end_reported():
-    assert asyncio.run(run_in_turn(Running(UnderWay()), lambda _: None, 0.0)) == "written"
+    assert asyncio.run(result_in_turn(UnderWay(), 0.0)) == "written"
     with pytest.raises(ZeroDivisionError):
-        asyncio.run(run_in_turn(Running(UnderWay(ZeroDivisionError())), lambda _: None, 0.0))
+        asyncio.run(result_in_turn(UnderWay(ZeroDivisionError()), 0.0))
 
 
 def test_who_has_gone_leaves_no_job_behind():
     session, done = Waiting(), []
 
     async def ask_and_go():
-        asking = asyncio.create_task(run_in_turn(session, done.append, 60.0))
+        asking = asyncio.create_task(result_in_turn(session.call(done.append), 60.0))
         while not session.jobs:
             await asyncio.sleep(0)
         asking.cancel()

@@ -11,7 +11,6 @@ from crafted_harness import counted
 
 import mikas
 from mikas.catalog import shipped
-from mikas.client.connecting import ConnectionOptions
 from mikas.dashboard.library.folder import RecordingFolder
 from mikas.dashboard.library.references import References
 from mikas.dashboard.library.service import RecordingService
@@ -82,7 +81,7 @@ def test_the_file_is_opened_and_read_once(drive, tmp_path, consumer, times):
 def test_the_dashboard_makes_everything_of_the_recording_that_it_has_opened(drive, tmp_path):
     references = References(tmp_path / "marks", tmp_path / "virtual")
     library = RecordingService(
-        RecordingFolder(drive.parent), ConnectionOptions(), references,
+        RecordingFolder(drive.parent), references, shipped(), "corrected",
         clock=lambda: 0.0, in_progress=lambda: None,
     )  # fmt: skip
     file = library.folder.one(drive.name)

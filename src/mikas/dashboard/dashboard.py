@@ -82,28 +82,28 @@ class Dashboard:
         self.connection = Connection(
             settings,
             self.monitor,
+            self._create_thread,
+            self._on_request_end,
             PortSettings(port, options.echo) if port else None,
-            create=self._create_thread,
-            on_end=self._on_request_end,
         )
         self.plan = SamplingPlanner(self.connection, self.monitor, options)
         folder = RecordingFolder(settings.recordings)
-        self.cars = CarBook(settings.cars, virtual_units=settings.virtual_units)
+        self.cars = CarBook(settings.in_state("cars.json"), virtual_units=settings.virtual_units)
         self.car_now: tuple[UnitIdentity, CarDetails] | None = None
         """The details as last given since the start, with the unit."""
         self.freeze_frames = FreezeFrameStore(
-            settings.freeze_frames,
+            settings.in_state("freeze-frames"),
             self.history,
             self.connection.now,
-            virtual_units=settings.virtual_units,
+            settings.virtual_units,
         )
         self.recorder = SessionRecorder(
             self.connection,
             self.monitor,
             self.fault_history,
             folder,
+            self.cars,
             options.interpretation,
-            cars=self.cars,
         )
         self.session.recorder = self.recorder
         self.guided = GuidedTests(
@@ -111,19 +111,26 @@ class Dashboard:
             self.connection,
             self.monitor,
             self.plan,
-            recorder=self.recorder.recorder,
-            catalog=lambda: self.catalog,
+            self.recorder.recorder,
+            self.catalogs,
         )
         self.library = RecordingService(
             folder,
-            options,
-            References(settings.references, settings.virtual_recordings),
+            References(settings.in_state("references.json"), settings.virtual_recordings),
+            options.catalog,
+            options.interpretation,
             clock=clock,
             in_progress=lambda: self.recorder.file_name,
         )
         self.dump_jobs = DumpJobs(self.connection, settings.dumps, clock)
         self._approval = WriteApproval()
-        self.changes = UnitChanges(self.connection, self.fault_history, self._approval, options)
+        self.changes = UnitChanges(
+            self.connection,
+            self.fault_history,
+            self._approval,
+            options.interpretation,
+            options.catalog,
+        )
         self.diagnosis: Diagnosis | None = None
         """The diagnosis that has the port."""
         self.info: Info | None = None

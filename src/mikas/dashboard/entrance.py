@@ -14,6 +14,7 @@ import socket
 import ssl
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass, field
 from typing import Final
 from weakref import WeakSet
 
@@ -33,35 +34,32 @@ _AT_ONCE: Final = 64  # connections that are accepted before others get a turn
 _log = logging.getLogger("mikas.dashboard")
 
 
+@dataclass(eq=False)
 class Entrance:
     """Accepts connections on `own`, a listening socket, and gives each a protocol of `create`.
 
     `context`: how the network is served; None: closed to it. `plain`: everyone gets plain HTTP.
     """
 
-    def __init__(
-        self,
-        own: socket.socket,
-        create: Callable[[], asyncio.Protocol],
-        guard: TcpConnections,
-        context: ssl.SSLContext | None,
-        *,
-        plain: bool = False,
-    ) -> None:
-        self._own, self._create, self._guard = own, create, guard
-        self._context, self._plain = context, plain
+    own: socket.socket
+    create: Callable[[], asyncio.Protocol]
+    guard: TcpConnections
+    context: ssl.SSLContext | None
+    plain: bool = field(default=False, kw_only=True)
+
+    def __post_init__(self) -> None:
         self._again: asyncio.TimerHandle | None = None
         self._tasks: set[asyncio.Task[None]] = set()
         self._network: WeakSet[asyncio.Transport] = WeakSet()
 
     def open(self) -> None:
         """Begin to accept; in the event loop."""
-        self._own.setblocking(False)
-        asyncio.get_running_loop().add_reader(self._own, self._accept)
+        self.own.setblocking(False)
+        asyncio.get_running_loop().add_reader(self.own, self._accept)
 
     def admit_network(self, context: ssl.SSLContext | None) -> None:
         """Serve the network by `context`; None: close its connections, and refuse new ones."""
-        self._context = context
+        self.context = context
         if context is None:
             for task in self._tasks:
                 task.cancel()  # handshakes; a connection of this computer takes none
@@ -70,7 +68,7 @@ class Entrance:
 
     async def close(self) -> None:
         """Accept no more, and end the handshakes; connections stay."""
-        asyncio.get_running_loop().remove_reader(self._own)
+        asyncio.get_running_loop().remove_reader(self.own)
         if self._again is not None:
             self._again.cancel()
         for task in self._tasks:
@@ -83,7 +81,7 @@ class Entrance:
         loop = asyncio.get_running_loop()
         try:
             for _ in range(_AT_ONCE):
-                task = loop.create_task(self._admit(self._guard.accept(self._own)))
+                task = loop.create_task(self._admit(self.guard.accept(self.own)))
                 self._tasks.add(task)
                 task.add_done_callback(self._tasks.discard)
         except (BlockingIOError, InterruptedError, ConnectionAbortedError):
@@ -91,19 +89,19 @@ class Entrance:
         except OSError as error:
             if is_exhausted(error):
                 _log.warning("no more connections: the system has no files left; trying again")
-            loop.remove_reader(self._own)
+            loop.remove_reader(self.own)
             self._again = loop.call_later(_OUT_OF_DESCRIPTORS, self.open)
 
     async def _admit(self, accepted: AcceptedSocket) -> None:
         loop = asyncio.get_running_loop()
         with _closed_on_error(accepted):
-            context = self._context
-            is_plain = self._plain or accepted.getsockname()[0] == PLAIN
+            context = self.context
+            is_plain = self.plain or accepted.getsockname()[0] == PLAIN
             if not is_plain and context is None:  # closed to the network
                 accepted.close()
                 return
             transport, protocol = await loop.connect_accepted_socket(
-                self._create,
+                self.create,
                 accepted,
                 ssl=None if is_plain else context,
                 ssl_handshake_timeout=None if is_plain else HEAD_SECONDS,
@@ -113,7 +111,7 @@ class Entrance:
             if is_plain:
                 return
             self._network.add(transport)
-            if self._context is not context:  # closed, or opened again, during the handshake
+            if self.context is not context:  # closed, or opened again, during the handshake
                 transport.abort()
 
 

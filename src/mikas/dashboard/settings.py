@@ -116,20 +116,9 @@ class Settings:
         """The folder of learnt limits, a file per unit; None as in `ConnectionOptions.state`."""
         return None if self.state is None else self.state / "units"
 
-    @property
-    def presets(self) -> Path:
-        """The file of the user's presets."""
-        return self._state / "presets.json"
-
-    @property
-    def searches(self) -> Path:
-        """The file of the conditions that the user searches for."""
-        return self._state / "searches.json"
-
-    @property
-    def references(self) -> Path:
-        """The file of the recordings that are marked as references."""
-        return self._state / "references.json"
+    def in_state(self, name: str) -> Path:
+        """Return the file or folder of that name in the folder of the state."""
+        return self._state / name
 
     @property
     def virtual_recordings(self) -> Path:
@@ -137,26 +126,11 @@ class Settings:
         return (self.made_again or self._state) / "virtual"
 
     @property
-    def test_results(self) -> Path:
-        """The folder of the results of guided tests, a file per unit."""
-        return self._state / "tests"
-
-    @property
     def virtual_units(self) -> bool:
         """Whether data of virtual units are kept."""
         if (chosen := self.connection.virtual_units) is not None:
             return chosen
         return self.state is not None or bool(os.environ.get(STATE_VARIABLE))
-
-    @property
-    def cars(self) -> Path:
-        """The file of the cars' details."""
-        return self._state / "cars.json"
-
-    @property
-    def freeze_frames(self) -> Path:
-        """The folder of the freeze frames, a folder per unit."""
-        return self._state / "freeze-frames"
 
     @property
     def certificate(self) -> Path:

@@ -194,7 +194,7 @@ def write_presets(dashboard: TheDashboard, _: KnownClient, body: PresetList) -> 
 
 
 def _preset_file(dashboard: Dashboard) -> KeptFile[PresetList]:
-    path = dashboard.settings.presets
+    path = dashboard.settings.in_state("presets.json")
     return KeptFile(path, _MOST_BYTES, lambda stored: PresetList(presets=stored))
 
 

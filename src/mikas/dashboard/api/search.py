@@ -116,7 +116,7 @@ def write_searches(dashboard: TheDashboard, _: KnownClient, body: SearchList) ->
 
 def search_file(dashboard: Dashboard) -> KeptFile[SearchList]:
     """Return the file of the user's conditions."""
-    path = dashboard.settings.searches
+    path = dashboard.settings.in_state("searches.json")
     return KeptFile(path, _MOST_BYTES, lambda stored: SearchList(searches=stored))
 
 

@@ -135,11 +135,11 @@ def _entries(folder: Path, suffix: str) -> Iterator[os.DirEntry[str]]:
         return
 
 
+@dataclass(frozen=True, slots=True)
 class RecordingFolder:
     """The recordings in `folder`, which need not exist. Any thread may call."""
 
-    def __init__(self, folder: Path) -> None:
-        self.folder = folder
+    folder: Path
 
     def all(self) -> Listing:
         """Return the latest recordings, the latest first."""

@@ -18,7 +18,6 @@ from dataclasses import dataclass
 from typing import Final, NamedTuple
 
 from mikas.catalog import Catalog
-from mikas.client.connecting import ConnectionOptions
 from mikas.dashboard.errors import TookTooLong
 from mikas.dashboard.library.folder import LeftOut, RecordingFile, RecordingFolder
 from mikas.dashboard.library.lanes import Lane, LaneLimits
@@ -68,6 +67,7 @@ class _Kept:
     until: float | None = None
 
 
+@dataclass(eq=False)
 class RecordingService:
     """`in_progress`: the file name of the recording in progress; None: there is none.
 
@@ -75,22 +75,15 @@ class RecordingService:
     on this computer.
     """
 
-    def __init__(
-        self,
-        folder: RecordingFolder,
-        options: ConnectionOptions,
-        references: References,
-        *,
-        clock: Callable[[], float],
-        in_progress: Callable[[], str | None],
-    ) -> None:
-        self.folder = folder
-        self.references = references
-        self.catalog: Catalog = options.catalog
-        self.interpretation = options.interpretation
+    folder: RecordingFolder
+    references: References
+    catalog: Catalog
+    interpretation: str
+    clock: Callable[[], float]
+    in_progress: Callable[[], str | None]
+
+    def __post_init__(self) -> None:
         self.views, self.files = Lane(VIEWS), Lane(FILES)
-        self._clock = clock
-        self.in_progress = in_progress
         self._summaries: dict[str, _Kept] = {}
         self._open: dict[str, _Open] = {}  # the latest used last
         self._changing = threading.Lock()  # of `_open`
@@ -114,7 +107,7 @@ class RecordingService:
 
         A summary that takes too long has a `problem`; the next call continues with the others.
         """
-        end = self._clock() + _LIST_TIME
+        end = self.clock() + _LIST_TIME
         listed = []
         with self.views.place(address):
             files, left_out = await self.views.run(self.folder.all, key="", address=address)
@@ -123,7 +116,7 @@ class RecordingService:
             for file in files:
                 summary = self._kept(file)
                 if summary is None:
-                    left = min(_SUMMARY_TIME, end - self._clock())
+                    left = min(_SUMMARY_TIME, end - self.clock())
                     summary = await self._read_for_list(file, left, address)
                 listed.append(Listed(file, summary))
         return listed, left_out
@@ -145,7 +138,7 @@ class RecordingService:
             kept = self._open.pop(file.id, None)
         if kept is None or not self._is_current(kept, file, latest=latest):
             recording = Recording(file.path, self.catalog, self.interpretation)
-            kept = _Open(file.stamp, self._clock(), recording)
+            kept = _Open(file.stamp, self.clock(), recording)
         with self._changing:
             self._open[file.id] = kept
             if len(self._open) > _MAX_OPEN:
@@ -160,7 +153,7 @@ class RecordingService:
         kept = self._summaries.get(file.id)
         if kept is None or kept.stamp != file.stamp:
             return None
-        return kept.summary if kept.until is None or self._clock() < kept.until else None
+        return kept.summary if kept.until is None or self.clock() < kept.until else None
 
     async def _read_for_list(
         self, file: RecordingFile, seconds: float, address: str | None
@@ -173,7 +166,7 @@ class RecordingService:
         if seconds < _SUMMARY_TIME:
             return Summary(file.path, file.bytes, problem=_NOT_YET)
         slow = Summary(file.path, file.bytes, problem=_SLOW)
-        self._summaries[file.id] = _Kept(file.stamp, slow, self._clock() + _TRY_AGAIN)
+        self._summaries[file.id] = _Kept(file.stamp, slow, self.clock() + _TRY_AGAIN)
         return slow
 
     def _is_current(self, kept: _Open, file: RecordingFile, *, latest: bool) -> bool:
@@ -182,4 +175,4 @@ class RecordingService:
         if kept.stamp == file.stamp or latest:
             return kept.stamp == file.stamp
         same_file = kept.stamp[2] == file.stamp[2]
-        return self.is_growing(file) and same_file and self._clock() - kept.at < _GROWING
+        return self.is_growing(file) and same_file and self.clock() - kept.at < _GROWING

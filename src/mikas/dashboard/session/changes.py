@@ -5,9 +5,10 @@ The client library's gate asks at the last moment (`WriteApproval`), journals, a
 
 from __future__ import annotations
 
-from mikas.catalog import Parameter
+from dataclasses import dataclass
+
+from mikas.catalog import Catalog, Parameter
 from mikas.client import Ecu, Reading
-from mikas.client.connecting import ConnectionOptions
 from mikas.client.ecu import erasing
 from mikas.client.gate import journal_hex
 from mikas.client.memory import writing
@@ -37,19 +38,15 @@ _WORKING = Text(
 )
 
 
+@dataclass(slots=True)
 class UnitChanges:
-    """Prepares the changes of the unit on `connection`."""
+    """Prepares the changes of the unit on the connection."""
 
-    def __init__(
-        self,
-        connection: Connection,
-        fault_history: FaultHistory,
-        approval: WriteApproval,
-        options: ConnectionOptions,
-    ) -> None:
-        self._connection, self._fault_history = connection, fault_history
-        self._approval, self.catalog = approval, options.catalog
-        self._interpretation = options.interpretation
+    _connection: Connection
+    _fault_history: FaultHistory
+    _approval: WriteApproval
+    _interpretation: str
+    catalog: Catalog
 
     async def erase_faults(self) -> PendingChange:
         """Prepare erasing the stored faults."""

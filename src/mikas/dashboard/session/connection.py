@@ -11,8 +11,9 @@ import asyncio
 import threading
 import time
 from collections.abc import AsyncIterator, Callable, Sequence
+from concurrent.futures import Future
 from contextlib import asynccontextmanager
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import lcm
 from typing import TypeVar
@@ -51,13 +52,12 @@ CHANGING = Text("the connection is being changed", "соединение как 
 _LINE_BUSY = Text("the line is busy; the request was cancelled", "линия занята; запрос отменён")
 
 
-async def run_in_turn(thread: SamplingThread, job: Callable[[Ecu], T], seconds: float) -> T:
-    """Return the result of `job`, run between two cycles of `thread`. Raises what `job` raises.
+async def result_in_turn(future: Future[T], seconds: float) -> T:
+    """Return the result of a job that runs between two cycles. Raises what the job raises.
 
     Raises `Busy` if its turn does not come within `seconds`; it is then never run. A job that has
     started is waited for: it may have changed something, and its result has to be reported.
     """
-    future = thread.call(job)
     wrapped = asyncio.wrap_future(future)
     try:
         done, _ = await asyncio.wait({wrapped}, timeout=seconds)
@@ -71,6 +71,7 @@ async def run_in_turn(thread: SamplingThread, job: Callable[[Ecu], T], seconds: 
     return wrapped.result()
 
 
+@dataclass(eq=False)
 class Connection:
     """`port` and `thread`: None while not connected; any thread may read them.
 
@@ -79,19 +80,14 @@ class Connection:
     request, and the reason.
     """
 
-    def __init__(
-        self,
-        settings: Settings,
-        monitor: ConnectionMonitor,
-        port: PortSettings | None = None,
-        *,
-        create: Callable[[PortSettings], SamplingThread],
-        on_end: Callable[[SamplingThread, Text], None],
-    ) -> None:
-        self.port = port
-        self.thread: SamplingThread | None = None
-        self._settings, self._monitor = settings, monitor
-        self._create, self._on_end = create, on_end
+    _settings: Settings
+    _monitor: ConnectionMonitor
+    create: Callable[[PortSettings], SamplingThread]
+    on_end: Callable[[SamplingThread, Text], None]
+    port: PortSettings | None = None
+    thread: SamplingThread | None = field(default=None, init=False)
+
+    def __post_init__(self) -> None:
         self._changing = asyncio.Lock()
         self._first_state = asyncio.Event()
         self._loop: asyncio.AbstractEventLoop | None = None  # None: the server does not run yet
@@ -163,7 +159,7 @@ class Connection:
         thread, self.thread = self.thread, None
         if thread is not None:
             await asyncio.to_thread(thread.stop)
-            self._on_end(thread, why)
+            self.on_end(thread, why)
 
     def likely(self) -> str:
         """Return the URL of the one likely adapter. Raises as `only_likely`."""
@@ -193,7 +189,7 @@ class Connection:
             self._monitor.busy()
             return job(ecu)
 
-        return await run_in_turn(thread, in_turn, seconds)
+        return await result_in_turn(thread.acquisition.call(in_turn), seconds)
 
     def now(self) -> float:
         """Return the time of the link's clock; without a link, the computer's."""
@@ -219,7 +215,7 @@ class Connection:
 
     def _open(self, port: PortSettings, adapter: KnownAdapter | None = None) -> None:
         self._first_state.clear()
-        thread = self._create(port)
+        thread = self.create(port)
         thread.port.adapter = adapter
         self.thread = thread
         thread.start()

@@ -12,6 +12,7 @@ import json
 import threading
 from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
@@ -36,22 +37,19 @@ _MOST_BYTES: Final = 4 << 20
 _LATER: Final = 0.5  # s after the last row that is wanted
 
 
+@dataclass(eq=False)
 class FreezeFrameStore:
     """Frames by id, those of the unit of the latest `begin_unit`. Any thread may call.
 
-    `virtual_units`: whether those of virtual units are kept in the folder as well.
+    `_virtual_units`: whether those of virtual units are kept in the folder as well.
     """
 
-    def __init__(
-        self,
-        folder: Path,
-        history: History,
-        now: Callable[[], float],
-        *,
-        virtual_units: bool = True,
-    ) -> None:
-        self._virtual_units = virtual_units
-        self._folder, self._history, self._now = folder, history, now
+    _folder: Path
+    _history: History
+    _now: Callable[[], float]
+    _virtual_units: bool = True
+
+    def __post_init__(self) -> None:
         self._lock = threading.Lock()  # held briefly: the sampling thread takes it
         self._disk = threading.Lock()  # held while a file is written or deleted; before `_lock`
         self._own: Path | None = None  # the folder of the unit

@@ -9,15 +9,14 @@ be distinguished: results of such a unit are in memory only, until another unit 
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
-from mikas.catalog import Catalog
 from mikas.cleaning import clean_line
 from mikas.client.limits import unit_file
 from mikas.dashboard.errors import Busy, NotFound
+from mikas.dashboard.session.catalog_in_use import CatalogInUse
 from mikas.dashboard.session.connection import Connection, SamplingPlanner
 from mikas.dashboard.session.monitor import ConnectionMonitor
 from mikas.dashboard.settings import PlanSettings, Settings
@@ -61,21 +60,18 @@ class _Run:
     identity: str = ""  # of the result
 
 
+@dataclass(eq=False)
 class GuidedTests:
     """Runs one test at a time. Any thread may call."""
 
-    def __init__(
-        self,
-        settings: Settings,
-        connection: Connection,
-        monitor: ConnectionMonitor,
-        plan: SamplingPlanner,
-        *,
-        recorder: Recorder,
-        catalog: Callable[[], Catalog],
-    ) -> None:
-        self._settings, self._connection, self._monitor = settings, connection, monitor
-        self._plan, self._recorder, self._catalog = plan, recorder, catalog
+    _settings: Settings
+    _connection: Connection
+    _monitor: ConnectionMonitor
+    _plan: SamplingPlanner
+    _recorder: Recorder
+    _catalogs: CatalogInUse
+
+    def __post_init__(self) -> None:
         self._lock = threading.RLock()
         self._saving = threading.Lock()  # before `_lock`
         self._run: _Run | None = None
@@ -85,7 +81,7 @@ class GuidedTests:
         """Return all tests; reads the user's files again."""
         from mikas.guided.loading import load
 
-        return load(self._catalog(), self._settings.tests)
+        return load(self._catalogs.catalog, self._settings.tests)
 
     def start(self, name: str) -> None:
         """Start a test; a finished one is put away. Raises `NotFound`, `Busy`."""
@@ -97,7 +93,7 @@ class GuidedTests:
         with self._lock:
             if self._run is not None and self._run.engine.result is None:
                 raise Busy(problem=_RUNNING)
-            self._run = run = _Run(TestEngine(test, self._catalog()), None, None)
+            self._run = run = _Run(TestEngine(test, self._catalogs.catalog), None, None)
             before = self._plan.request
             every = before.every | dict.fromkeys(test.channels, 1)
             most = max((step.rate for step in test.steps), default=0)
@@ -204,7 +200,8 @@ class GuidedTests:
     @property
     def file(self) -> KeptFile[list[KeptResult]]:
         """The file of this unit's results."""
-        return KeptFile(unit_file(self._settings.test_results, *self._unit), _MOST_BYTES, _read)
+        folder = self._settings.in_state("tests")
+        return KeptFile(unit_file(folder, *self._unit), _MOST_BYTES, _read)
 
     def _keep(self, results: list[KeptResult]) -> None:
         file = self.file

@@ -11,10 +11,8 @@ import asyncio
 import logging
 import threading
 from collections.abc import Callable
-from concurrent.futures import Future
 from contextlib import closing
 from dataclasses import replace
-from typing import TypeVar
 
 from mikas.client import Ecu
 from mikas.client.doctor import Step, examine
@@ -28,8 +26,6 @@ from mikas.link.base import Sink
 from mikas.link.reconnecting import ReconnectingPort
 from mikas.sampling.acquisition import Acquisition
 from mikas.sampling.events import Event
-
-T = TypeVar("T")
 
 _log = logging.getLogger("mikas.dashboard")
 _END = 2.0  # s that the end of a stream may take
@@ -149,10 +145,6 @@ class SamplingThread(threading.Thread):
     def now(self) -> float:
         """Return the time of the clock of the events, also while no link is open."""
         return self.port.now()
-
-    def call(self, job: Callable[[Ecu], T]) -> Future[T]:
-        """Run `job(ecu)` between two cycles, as `Acquisition.call`."""
-        return self.acquisition.call(job)
 
     def run(self) -> None:
         """Sample; in the thread."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import asyncio
 from collections import OrderedDict
-from dataclasses import replace
+from dataclasses import InitVar, dataclass, replace
 from pathlib import Path
 from typing import Final
 
@@ -37,28 +37,24 @@ _MARKER = Text("the marker", "отметка")
 _NONE = Text("nothing is being recorded", "запись не идёт")
 
 
+@dataclass(eq=False)
 class SessionRecorder:
     """The recorder of the connection, with the folder of its files."""
 
-    def __init__(
-        self,
-        connection: Connection,
-        monitor: ConnectionMonitor,
-        faults: FaultHistory,
-        folder: RecordingFolder,
-        interpretation: str,
-        *,
-        cars: CarBook,
-    ) -> None:
-        self._connection, self._monitor = connection, monitor
-        self._faults, self._folder = faults, folder
+    _connection: Connection
+    _monitor: ConnectionMonitor
+    _faults: FaultHistory
+    _folder: RecordingFolder
+    _cars: CarBook
+    interpretation: InitVar[str]
+
+    def __post_init__(self, interpretation: str) -> None:
         self._reported: MikasError | None = None
         self._name: str | None = None
         self.last: RecordingStatus | None = None
         """The recording that the end of the program ended."""
         self._continues = False  # with the next unit that is found
         self._marked: OrderedDict[float, Path] = OrderedDict()  # markers by time: their files
-        self._cars = cars
         self.recorder = Recorder(
             interpretation=interpretation, on_file=self._log_start, car=self._car_note
         )
