@@ -193,9 +193,9 @@ class Broadcaster:
         dashboard.refresh()
         batch = dashboard.monitor.drain()
         events = [page_json(event) for event in batch.events]
-        stated = False
-        if batch.events or dashboard.clock() - self._stated >= STATE_EVERY:
-            stated = self._new_state()
+        stated = bool(batch.events) or dashboard.clock() - self._stated >= STATE_EVERY
+        if stated:
+            self._new_state()
         tails: dict[Fields, str] = {}
         for listener in self.listeners:
             tail = tails.get(listener.fields)
@@ -205,11 +205,10 @@ class Broadcaster:
             if tail or stated or listener.pong is not None:
                 listener.offer(tail)
 
-    def _new_state(self) -> bool:
+    def _new_state(self) -> None:
         self._stated = self._dashboard.clock()
         shared = shared_state(self._dashboard).model_dump(exclude=set(OwnState.model_fields))
         self._state = (self._state[0] + 1, dumps(shared)[1:-1])
-        return True
 
 
 def _tail(batch: Batch, events: Sequence[Mapping[str, Any]], fields: Fields) -> str:

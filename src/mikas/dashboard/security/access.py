@@ -37,9 +37,8 @@ from mikas.link.urls import parse
 
 Rights = Literal["control", "view"]
 _CAR_OPTIONS = {"scenario", "seed", "model", "faults"}
-_SHORT = (
-    8 * 3 - 1
-)  # 8 bytes in pairs of digits: too many to make another certificate with the same ones
+# 8 bytes in pairs of digits: too many to make another certificate with the same ones
+_SHORT = 8 * 3 - 1
 _LOCAL = ("127.0.0.1", "localhost", "[::1]")
 _FORWARDING = ("forwarded", "via", "x-forwarded-for", "x-forwarded-host", "x-real-ip")
 
@@ -115,7 +114,7 @@ class Access:
         if any(name in request.headers for name in _FORWARDING):
             return False
         local = _host(request) in self._addresses(local=True)
-        return local and _is_loopback(request)
+        return local and request.client is not None and is_loopback(request.client.host)
 
     def offers_token(self, scope: Scope) -> bool:
         """Whether the link with the right token is being opened; a cookie is to be set."""
@@ -145,7 +144,8 @@ class Access:
         origin = headers.get("origin")
         if origin is not None:
             scheme, _, address = origin.lower().partition("://")
-            if scheme != _scheme(request.scope) or address not in self._addresses():
+            own = "https" if is_encrypted(request.scope) else "http"
+            if scheme != own or address not in self._addresses():
                 raise Forbidden(
                     problem=Text(f"foreign page {origin}", f"посторонняя страница {origin}")
                 )
@@ -194,16 +194,8 @@ def is_encrypted(scope: Scope) -> bool:
     return scope.get("scheme") in ("https", "wss")
 
 
-def _scheme(scope: Scope) -> str:
-    return "https" if is_encrypted(scope) else "http"
-
-
 def _host(request: HTTPConnection) -> str:
     return request.headers.get("host", "").lower()
-
-
-def _is_loopback(request: HTTPConnection) -> bool:
-    return request.client is not None and is_loopback(request.client.host)
 
 
 def _is_shipped_car(url: str) -> bool:

@@ -8,6 +8,7 @@ that is not in it (the earlier ones stay), and when others could have read the k
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import ipaddress
 import os
@@ -19,7 +20,7 @@ from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, NamedTuple
 
-from mikas.errors import UsageError, reason_of
+from mikas.errors import UnfitFile, UsageError, reason_of
 from mikas.files import read_regular
 from mikas.i18n import Text
 from mikas.saving import save
@@ -122,7 +123,7 @@ def _loaded(file: Path, key: Path, *, is_own: bool) -> Certificate:
         data, secret = (read_regular(each, _LARGEST, follow=True) for each in (file, key))
         certificate = _pair(data, secret)
         context.load_cert_chain(file, key, password="")
-    except (OSError, _Unfit) as error:  # of OpenSSL's, too
+    except OSError as error:  # of OpenSSL's, too
         why = _reason(error)
         raise UsageError(
             problem=Text(
@@ -140,16 +141,8 @@ def _loaded(file: Path, key: Path, *, is_own: bool) -> Certificate:
     return Certificate(context, digest.hex(":").upper(), _names(certificate), is_own)
 
 
-class _Unfit(Exception):
-    """These files are no certificate with its key."""
-
-    def __init__(self, why: Text) -> None:
-        super().__init__(why.en)
-        self.why = why
-
-
 def _pair(data: bytes, secret: bytes) -> x509.Certificate:
-    """Return the certificate in `data`. Raises `_Unfit`, also if `secret` is not its key."""
+    """Return the certificate in `data`. Raises `UnfitFile`, also if `secret` is not its key."""
     from cryptography import x509
     from cryptography.exceptions import UnsupportedAlgorithm
     from cryptography.hazmat.primitives.serialization import load_pem_private_key
@@ -158,23 +151,27 @@ def _pair(data: bytes, secret: bytes) -> x509.Certificate:
         certificate = x509.load_pem_x509_certificate(data)
         public = certificate.public_key()
     except (ValueError, UnsupportedAlgorithm) as error:
-        why = Text("the file holds no certificate in PEM", "в файле нет сертификата PEM")
-        raise _Unfit(why) from error
+        raise _unfit(
+            "the file holds no certificate in PEM", "в файле нет сертификата PEM"
+        ) from error
     try:
         key = load_pem_private_key(secret, None)
     except TypeError as error:
-        raise _Unfit(Text("the key has a password", "ключ защищён паролем")) from error
+        raise _unfit("the key has a password", "ключ защищён паролем") from error
     except (ValueError, UnsupportedAlgorithm) as error:
-        why = Text("the file of the key holds none in PEM", "в файле ключа его нет (PEM)")
-        raise _Unfit(why) from error
+        raise _unfit(
+            "the file of the key holds none in PEM", "в файле ключа его нет (PEM)"
+        ) from error
     if key.public_key() != public:
-        raise _Unfit(Text("the key is of another certificate", "ключ от другого сертификата"))
+        raise _unfit("the key is of another certificate", "ключ от другого сертификата")
     return certificate
 
 
-def _reason(error: OSError | _Unfit) -> Text:
-    if isinstance(error, _Unfit):
-        return error.why
+def _unfit(en: str, ru: str) -> UnfitFile:
+    return UnfitFile(errno.EINVAL, Text(en, ru))
+
+
+def _reason(error: OSError) -> Text:
     if isinstance(error, ssl.SSLError):
         words = (error.reason or str(error)).replace("_", " ").lower()
         return Text(words, words)
@@ -187,7 +184,7 @@ def _kept(file: Path) -> _Kept | None:
         data = read_regular(file, _LARGEST)
         is_private = os.name == "nt" or not file.lstat().st_mode & 0o077
         return _Kept(_pair(data, data), is_private)
-    except (OSError, _Unfit):
+    except OSError:
         return None
 
 
