@@ -138,7 +138,7 @@ def kept_results(folder, unit, *, virtual_units=True):
     file = unit_file(folder, unit.version_code, unit.passport.pieces)
     kept = [{"id": "idle-2000\u202e", "in_report": False} | RESULT.as_json()]
     file.write_text(json.dumps(kept), "utf-8")
-    settings = SimpleNamespace(test_results=folder, virtual_units=virtual_units)
+    settings = SimpleNamespace(in_state=lambda _: folder, virtual_units=virtual_units)
     monitor = SimpleNamespace(unit=unit)
     tests = GuidedTests(settings, None, monitor, None, None, None)
     return tests, file

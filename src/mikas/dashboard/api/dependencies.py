@@ -89,8 +89,11 @@ def _dashboard(request: Request) -> Dashboard:
     return dashboard
 
 
-def _library(request: Request) -> RecordingService:
-    return _dashboard(request).library
+TheDashboard = Annotated[Dashboard, Depends(_dashboard)]
+
+
+def _library(dashboard: TheDashboard) -> RecordingService:
+    return dashboard.library
 
 
 def _viewer(request: Request, client_id: ClientId = None, client_name: ClientName = None) -> Client:
@@ -100,11 +103,11 @@ def _viewer(request: Request, client_id: ClientId = None, client_name: ClientNam
 
 
 class Requester:
-    """The client that waits for work on the library's recordings, in its lanes."""
+    """The client that waits for work on recordings, in the lanes of the dashboard's library."""
 
-    def __init__(self, request: Request) -> None:
+    def __init__(self, request: Request, dashboard: TheDashboard) -> None:
         self._request = request
-        self.library = _library(request)
+        self.dashboard, self.library = dashboard, dashboard.library
         self.address = address_of(request)
 
     async def view(
@@ -148,7 +151,6 @@ class Requester:
             pass
 
 
-TheDashboard = Annotated[Dashboard, Depends(_dashboard)]
 TheLibrary = Annotated[RecordingService, Depends(_library)]
 TheRequester = Annotated[Requester, Depends(Requester)]
 Viewer = Annotated[Client, Depends(_viewer)]

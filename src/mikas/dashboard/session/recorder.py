@@ -158,18 +158,22 @@ class SessionRecorder:
         if not any(isinstance(it, Marker) and it.time == marker.time for it in events):
             raise NotFound(name=_MARKER)
         self._monitor.log(marker)
-        status = self.recorder.status
-        path = self._marked.get(marker.time)
-        if status is not None and status.failure is None and status.path == path:
-            self.recorder.note(note_of(marker))
-        elif path is not None:  # the recording has ended since
-            append_note(path, note_of(marker))
+        if (path := self._marked.get(marker.time)) is not None:
+            self.append_note(path, note_of(marker))  # the recording may have ended since
 
     def write_text(self, text: str) -> None:
         """Write a note into the recording. Raises `Busy` if there is none."""
         if self.recorder.status is None:
             raise Busy(problem=_NONE)
         self.recorder.text(text=text)
+
+    def append_note(self, path: Path, note: Note) -> None:
+        """Write a note into a recording's file, which may be in progress. Raises `CaptureError`."""
+        status = self.recorder.status
+        if status is not None and status.failure is None and status.path == path:
+            self.recorder.note(note)
+        else:
+            append_note(path, note)
 
     def describe(self, details: CarDetails) -> None:
         """Write the details of the car into the recording in progress, if there is one."""

@@ -22,6 +22,7 @@ router = APIRouter(tags=["channels"])
 Name = Annotated[str, Field(min_length=1, max_length=40)]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 Ends = tuple[Finite, Finite]
+OldVersion = Annotated[str | None, Query(max_length=300)]
 Version = Annotated[
     str | None, Field(max_length=300, description="of the catalog that was shown; null: any")
 ]
@@ -95,7 +96,7 @@ def reset_keys(
     _: Controller,
     name: str,
     keys: Annotated[str, Query(max_length=100, description="A,B; all of them if missing")] = "",
-    version: Annotated[str | None, Query(max_length=300)] = None,
+    version: OldVersion = None,
 ) -> CatalogResponse:
     """Make keys of a channel as shipped again."""
     named = [key for key in keys.split(",") if key] or changes.KEYS
@@ -123,10 +124,7 @@ def change_channel(
 
 @router.delete("/channels/{name}", responses=errors(409))
 def delete_channel(
-    dashboard: TheDashboard,
-    _: Controller,
-    name: str,
-    version: Annotated[str | None, Query(max_length=300)] = None,
+    dashboard: TheDashboard, _: Controller, name: str, version: OldVersion = None
 ) -> CatalogResponse:
     """Delete a derived channel from the user's own catalog."""
     dashboard.catalogs.change(version, lambda own, known: changes.remove_channel(own, known, name))

@@ -25,7 +25,6 @@ from mikas.dashboard.api.channels.editing import Finite, FormulaRequest
 from mikas.dashboard.api.dependencies import (
     KnownClient,
     Requester,
-    TheDashboard,
     TheRequester,
 )
 from mikas.dashboard.api.errors import TwoTexts, errors, made_of, two
@@ -96,17 +95,17 @@ class TrialResponse(BaseModel):
 
 @router.get("/channels/{name}/value", responses=errors(404, 409, 504))
 async def value(
-    dashboard: TheDashboard,
     requester: TheRequester,
     name: str,
     recording: Annotated[str | None, Query(max_length=300)] = None,
     at: At = None,
 ) -> ChannelValue:
     """Return a channel's value at a moment with its bytes, live or in a recording."""
+    dashboard = requester.dashboard
     channel = dashboard.catalog.channel(name)
     if recording is None and at is None:
         return _now(dashboard, channel)
-    moments = await _moments(dashboard, requester, [channel.name], recording, at)
+    moments = await _moments(requester, [channel.name], recording, at)
     if (found := moments.get(channel.name)) is None:
         return ChannelValue(name=channel.name)
     time, number = found
@@ -121,11 +120,9 @@ async def value(
 
 
 @router.post("/channels/try", responses=errors(404, 409, 504))
-async def try_formula(
-    dashboard: TheDashboard, requester: TheRequester, _: KnownClient, body: TrialRequest
-) -> TrialResponse:
+async def try_formula(requester: TheRequester, _: KnownClient, body: TrialRequest) -> TrialResponse:
     """Compute a formula at a moment, live or in a recording, without keeping it."""
-    known = dashboard.catalog
+    known = requester.dashboard.catalog
     try:
         parsed = _parsed(known, body)
     except FormulaError as error:
@@ -133,9 +130,9 @@ async def try_formula(
     corrected = [
         name
         for name in parsed.inputs
-        if is_corrected(known.channel(name), dashboard.library.interpretation)
+        if is_corrected(known.channel(name), requester.library.interpretation)
     ]
-    moments = await _moments(dashboard, requester, corrected, body.recording, body.at)
+    moments = await _moments(requester, corrected, body.recording, body.at)
     inputs = {name: moments[name][1] for name in parsed.inputs if name in moments}
     number = Calculation(parsed).number(inputs) if len(inputs) == len(parsed.inputs) else None
     return TrialResponse(
@@ -175,18 +172,13 @@ def _now(dashboard: Dashboard, channel: Parameter | Derived) -> ChannelValue:
 
 
 async def _moments(
-    dashboard: Dashboard,
-    requester: Requester,
-    names: Sequence[str],
-    recording: str | None,
-    at: float | None,
+    requester: Requester, names: Sequence[str], recording: str | None, at: float | None
 ) -> Moments:
     if recording is None:
-        return _live(dashboard, names, at)
-    library = dashboard.library
+        return _live(requester.dashboard, names, at)
 
     def look(file: RecordingFile) -> Moments:
-        opened = library.opened(file)
+        opened = requester.library.opened(file)
         known = {each.name for each in opened.channels}
         wanted = [name for name in names if name in known]
         if not wanted:

@@ -84,21 +84,17 @@ def write_car(dashboard: TheDashboard, _: KnownClient, body: CarRequest) -> CarR
 
 @router.put("/recordings/{identity}/car", responses=errors(404, 409, 504))
 async def write_recording_car(
-    dashboard: TheDashboard,
-    requester: TheRequester,
-    _: KnownClient,
-    identity: str,
-    body: CarRequest,
+    requester: TheRequester, _: KnownClient, identity: str, body: CarRequest
 ) -> CarInfo:
     """Write the details of the car into a recording's file; they replace those before.
 
     If it is of the connected unit, whose car is not known, they are kept for the next ones, too.
     """
+    dashboard, library = requester.dashboard, requester.library
     details = body.details()
     note = car_note(dashboard.connection.now(), details)
 
     def write(file: RecordingFile) -> CarInfo:
-        library = requester.library
         _keep_unknown(dashboard, library.summary(file).unit, details)
         if library.is_growing(file):
             dashboard.recorder.recorder.describe(note)

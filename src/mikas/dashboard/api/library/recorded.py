@@ -13,7 +13,7 @@ from fastapi import APIRouter, Path
 from pydantic import BaseModel, Field
 
 from mikas.catalog import Catalog
-from mikas.dashboard.api.dependencies import TheDashboard, TheRequester
+from mikas.dashboard.api.dependencies import TheRequester
 from mikas.dashboard.api.errors import TwoTexts, errors, two
 from mikas.dashboard.api.guided_tests import TestVerdict, verdict_of
 from mikas.dashboard.api.unit import FreezeFrameInfo, StoredFault, fault_info, frame_info
@@ -97,17 +97,14 @@ class RecordedTest(BaseModel):
 
 @router.get("/recordings/{identity}/tests/{name}", responses=errors(404, 409, 504))
 async def recorded_test(
-    dashboard: TheDashboard,
-    requester: TheRequester,
-    identity: str,
-    name: Annotated[str, Path(max_length=80)],
+    requester: TheRequester, identity: str, name: Annotated[str, Path(max_length=80)]
 ) -> RecordedTest:
     """Return the verdict of a test over a recording, or why the recording gives none."""
 
     def work() -> RecordedTest:
         from mikas.guided.recorded import run_over
 
-        test = dashboard.guided.available().tests.get(name)
+        test = requester.dashboard.guided.available().tests.get(name)
         if test is None:
             raise NotFound(name=name)
         library = requester.library

@@ -30,7 +30,6 @@ from mikas.dashboard.api.library.cars import CarInfo
 from mikas.dashboard.api.library.files import LeftOutFile, left_out
 from mikas.dashboard.api.messages import LiveRows, RecordedEvent
 from mikas.dashboard.api.state import State, state_of
-from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.errors import ADVICE, NotFound
 from mikas.dashboard.library.folder import RecordingFile
 from mikas.dashboard.library.service import RecordingService
@@ -39,9 +38,7 @@ from mikas.dashboard.settings import check_folder
 from mikas.errors import UsageError
 from mikas.recording.annotations.events import comment_note, had_marker, note_of
 from mikas.recording.annotations.fields import LONGEST_COMMENT, LONGEST_LINE, LONGEST_TEXT
-from mikas.recording.capture.notes import Note
 from mikas.recording.capture.reader import CaptureReader
-from mikas.recording.capture.writer import append_note
 from mikas.recording.recording import Recording
 from mikas.recording.summary import Summary
 from mikas.sampling.events import Marker, MethodChosen
@@ -256,18 +253,14 @@ async def rows(
 
 @router.put("/recordings/{identity}/note", responses=errors(404, 409, 504))
 async def comment(
-    dashboard: TheDashboard,
-    requester: TheRequester,
-    _: KnownClient,
-    identity: str,
-    body: RecordingNoteRequest,
+    requester: TheRequester, _: KnownClient, identity: str, body: RecordingNoteRequest
 ) -> RecordingInfo:
     """Write a comment on the recording into its file."""
+    dashboard, library = requester.dashboard, requester.library
     note = comment_note(dashboard.connection.now(), body.text)
 
     def write(file: RecordingFile) -> RecordingInfo:
-        library = requester.library
-        _append(dashboard, file, note)
+        dashboard.recorder.append_note(file.path, note)
         written = library.folder.one(identity)
         return _info(library, written, library.summary(written))
 
@@ -276,50 +269,31 @@ async def comment(
 
 @router.put("/recordings/{identity}/marker", responses=errors(404, 409, 504))
 async def name_recorded_marker(
-    dashboard: TheDashboard,
-    requester: TheRequester,
-    _: KnownClient,
-    identity: str,
-    body: NamedMarker,
+    requester: TheRequester, _: KnownClient, identity: str, body: NamedMarker
 ) -> MarkerResponse:
     """Give a marker of a recording another name, which is appended to its file.
 
     A removed marker comes back.
     """
-    marker = Marker(body.time, body.label, renamed=True)
-    return await _change_marker(dashboard, requester, identity, marker)
+    return await _change_marker(requester, identity, Marker(body.time, body.label, renamed=True))
 
 
 @router.delete("/recordings/{identity}/marker", responses=errors(404, 409, 504))
 async def remove_recorded_marker(
-    dashboard: TheDashboard,
-    requester: TheRequester,
-    _: KnownClient,
-    identity: str,
-    time: MarkerTime,
+    requester: TheRequester, _: KnownClient, identity: str, time: MarkerTime
 ) -> MarkerResponse:
     """Remove a marker of a recording: a note of it is appended to its file."""
-    return await _change_marker(dashboard, requester, identity, Marker(time, removed=True))
+    return await _change_marker(requester, identity, Marker(time, removed=True))
 
 
-async def _change_marker(
-    dashboard: Dashboard, requester: Requester, identity: str, marker: Marker
-) -> MarkerResponse:
+async def _change_marker(requester: Requester, identity: str, marker: Marker) -> MarkerResponse:
     def write(file: RecordingFile) -> MarkerResponse:
         if not had_marker(CaptureReader(file.path).notes(), marker.time):
             raise NotFound(name=file.id)
-        _append(dashboard, file, note_of(marker))
+        requester.dashboard.recorder.append_note(file.path, note_of(marker))
         return MarkerResponse(time=marker.time)
 
     return await requester.view(identity, write)
-
-
-def _append(dashboard: Dashboard, file: RecordingFile, note: Note) -> None:
-    """Write a note into a recording, which may be in progress."""
-    if dashboard.library.is_growing(file):
-        dashboard.recorder.recorder.note(note)
-    else:
-        append_note(file.path, note)
 
 
 def _problem(library: RecordingService) -> TwoTexts | None:
