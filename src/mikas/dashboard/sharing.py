@@ -18,7 +18,7 @@ import socket
 import ssl
 from collections.abc import Callable, Sequence
 from datetime import UTC, datetime
-from typing import Protocol
+from typing import TYPE_CHECKING
 
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.errors import Busy
@@ -27,6 +27,9 @@ from mikas.dashboard.security.access import Access
 from mikas.dashboard.security.certificate import Certificate, own_certificate
 from mikas.errors import reason_of
 from mikas.i18n import Text
+
+if TYPE_CHECKING:
+    from mikas.dashboard.entrance import Entrance
 
 _NO_NETWORK = Text(
     "this computer has no address in a network. Connect it to the Wi-Fi of the phone, or to the "
@@ -38,16 +41,6 @@ _NOT_ENCRYPTED = Text(
     "the program was started with --no-tls. Restart it without that option",
     "программа запущена с --no-tls. Перезапустите её без этого ключа",
 )
-
-
-class NetworkEntrance(Protocol):
-    """A listening socket for the network: `mikas.dashboard.entrance`."""
-
-    def admit_network(self, context: ssl.SSLContext | None) -> None:
-        """Serve the network by `context`; None: close its connections, and refuse new ones."""
-
-    async def close(self) -> None:
-        """Accept no more."""
 
 
 class Sharing:
@@ -63,14 +56,14 @@ class Sharing:
         self._dashboard, self._access, self._certificate = dashboard, access, certificate
         self._plain = access.lan and certificate is None and access.fingerprint is None
         self._lock = asyncio.Lock()
-        self._create: Callable[[socket.socket, ssl.SSLContext], NetworkEntrance] | None = None
-        self._first: Sequence[NetworkEntrance] = ()
-        self._opened: list[tuple[socket.socket, NetworkEntrance]] = []
+        self._create: Callable[[socket.socket, ssl.SSLContext], Entrance] | None = None
+        self._first: Sequence[Entrance] = ()
+        self._opened: list[tuple[socket.socket, Entrance]] = []
 
     def attach(
         self,
-        create: Callable[[socket.socket, ssl.SSLContext], NetworkEntrance],
-        first: Sequence[NetworkEntrance] = (),
+        create: Callable[[socket.socket, ssl.SSLContext], Entrance],
+        first: Sequence[Entrance] = (),
     ) -> None:
         """Set how an entrance is opened, and those of the start; called by the server."""
         self._create, self._first = create, first

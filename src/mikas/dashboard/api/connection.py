@@ -11,11 +11,11 @@ from pydantic import BaseModel, Field
 from mikas.catalog import Catalog
 from mikas.client.parameters.polling import Method
 from mikas.dashboard.api.dependencies import (
-    AllowedPorts,
     Controller,
     KnownClient,
     TheDashboard,
     Viewer,
+    check_port,
 )
 from mikas.dashboard.api.errors import TwoTexts, errors, made_of
 from mikas.dashboard.api.state import PlannedChannel, State, state_of
@@ -112,11 +112,9 @@ def ports(dashboard: TheDashboard) -> PortsResponse:
 
 
 @router.post("/connect", responses=errors(409, 503))
-async def connect(
-    dashboard: TheDashboard, client: Controller, ports: AllowedPorts, body: ConnectRequest
-) -> State:
+async def connect(dashboard: TheDashboard, client: Controller, body: ConnectRequest) -> State:
     """Connect; the state shows the progress."""
-    await asyncio.to_thread(ports.check, body.port)
+    await check_port(dashboard, client, body.port)
     method = None if body.method == "auto" else body.method
     await dashboard.connect(body.port, echo=body.echo, method=method, rate=body.rate)
     return state_of(dashboard, client)

@@ -27,7 +27,7 @@ from mikas.dashboard.error_responses import status_of
 from mikas.dashboard.errors import BadRequest, NotAllowed, OnlyHere
 from mikas.dashboard.library.folder import RecordingFile
 from mikas.dashboard.library.service import RecordingService
-from mikas.dashboard.security.access import PortPolicy
+from mikas.dashboard.security.access import check_from_network
 from mikas.dashboard.security.control import Client
 from mikas.errors import MikasError
 from mikas.i18n import Text
@@ -169,8 +169,8 @@ KnownClient = Annotated[Client, Depends(_known)]
 """A client with control rights and an id, which need not hold the lease."""
 
 
-def _local(client: KnownClient, request: Request) -> Client:
-    if not request.scope["state"]["local"]:
+def _local(client: KnownClient) -> Client:
+    if not client.local:
         raise OnlyHere
     return client
 
@@ -194,9 +194,11 @@ async def _controller(
 Controller = Annotated[Client, Depends(_controller)]
 
 
-def _ports(request: Request, dashboard: TheDashboard) -> PortPolicy:
-    local, port = bool(request.scope["state"]["local"]), dashboard.connection.port
-    return PortPolicy(local, dashboard.settings.find, port.url if port else None)
+async def check_port(dashboard: Dashboard, client: Client, url: str | None) -> None:
+    """Raise `NotFromNetwork`, `BadPortUrl` for a port that the client may not name.
 
-
-AllowedPorts = Annotated[PortPolicy, Depends(_ports)]
+    The port in use, and None, the one likely adapter, are always allowed.
+    """
+    port = dashboard.connection.port
+    if url is not None and not client.local and (port is None or url != port.url):
+        await asyncio.to_thread(check_from_network, url, dashboard.settings.find)

@@ -14,7 +14,7 @@ from fastapi.responses import StreamingResponse
 from pydantic import BaseModel, Field
 
 from mikas.client.doctor import Step
-from mikas.dashboard.api.dependencies import AllowedPorts, Controller, TheDashboard
+from mikas.dashboard.api.dependencies import Controller, TheDashboard, check_port
 from mikas.dashboard.api.errors import TwoTexts, errors, made_of, two_or_none
 from mikas.dashboard.api.state import State, state_of
 from mikas.dashboard.dashboard import Dashboard
@@ -66,10 +66,10 @@ _LINE = {"$ref": "#/components/schemas/DiagnosisStep"}
     responses={**errors(409, 503), 200: {"content": {_NDJSON: {"schema": _LINE}}}},
 )
 async def doctor(
-    dashboard: TheDashboard, _: Controller, ports: AllowedPorts, body: DiagnosisRequest
+    dashboard: TheDashboard, client: Controller, body: DiagnosisRequest
 ) -> StreamingResponse:
     """Run the diagnosis; the response has a line of JSON (`DiagnosisStep`) for each step."""
-    await asyncio.to_thread(ports.check, body.port)
+    await check_port(dashboard, client, body.port)
     port = body.port or (dashboard.connection.port.url if dashboard.connection.port else None)
     if port is None:
         port = await asyncio.to_thread(dashboard.connection.likely)

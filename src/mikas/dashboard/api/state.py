@@ -160,12 +160,12 @@ def shared_state(dashboard: Dashboard) -> State:
         sampling = line == "sampling"
         silent = monitor.silent(now)
         unit = monitor.unit
-        return made_of(
-            State,
-            monitor,
+        return State(
             line=line,
             text=two(text),
             reason=two_or_none(monitor.reason or silent),
+            reason_code=monitor.reason_code,
+            since=monitor.since,
             port=port.url if port else None,
             checking=checking,
             adapter=thread.adapter if thread else "",
@@ -174,6 +174,8 @@ def shared_state(dashboard: Dashboard) -> State:
             passport=[*unit.passport.program, *unit.passport.data]
             if unit and unit.passport
             else None,
+            method=monitor.method,
+            rates=monitor.rates,
             rate=round(monitor.meters.rate(now), 2) if sampling and not silent else 0.0,
             bus_load=round(monitor.meters.load(thread.baud if thread else 9600), 3),
             errors_minute=monitor.meters.errors_minute(now),
@@ -191,6 +193,7 @@ def shared_state(dashboard: Dashboard) -> State:
             dropped_parameters=list(monitor.dropped),
             recording=recording,
             alarms=[_alarm(dashboard, it) for it in monitor.shown_alarms],
+            alarm_count=monitor.alarm_count,
             catalog=dashboard.catalog.version,
             fault_count=len(stored.faults) if stored else None,
             fault_time=stored.time if stored else None,

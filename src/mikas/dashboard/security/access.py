@@ -169,20 +169,10 @@ class Access:
         return hmac.compare_digest(given.encode(), self.token.encode())
 
 
-@dataclass(frozen=True, slots=True)
-class PortPolicy:
-    """`local`: the client is on this computer. `find`: lists the ports; `in_use`: a URL."""
-
-    local: bool
-    find: Callable[[], list[Port]]
-    in_use: str | None
-
-    def check(self, url: str | None) -> None:
-        """Raise `NotFromNetwork`, `BadPortUrl`; None, the one likely adapter, is always allowed."""
-        if url is None or self.local or url == self.in_use:
-            return
-        if not (_is_shipped_car(url) or url in [port.url for port in self.find()]):
-            raise NotFromNetwork(url=url)
+def check_from_network(url: str, find: Callable[[], list[Port]]) -> None:
+    """Raise `NotFromNetwork`, `BadPortUrl` for a port that the network may not name."""
+    if not (_is_shipped_car(url) or url in [port.url for port in find()]):
+        raise NotFromNetwork(url=url)
 
 
 def _new_token() -> str:
