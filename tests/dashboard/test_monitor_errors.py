@@ -5,8 +5,7 @@ from __future__ import annotations
 import pytest
 
 from dashboard.rig import rig
-from mikas.dashboard.session.event_log import ExchangeFailed, page_json
-from mikas.dashboard.session.history import History
+from mikas.dashboard.session.history import ExchangeFailed, History, page_json
 from mikas.dashboard.session.monitor import ConnectionMonitor
 from mikas.errors import LinkLost, NoResponse, NotSupported, PortNotFound
 from mikas.sampling.events import CycleFailed, LineState, Marker, Sampled, StateChanged

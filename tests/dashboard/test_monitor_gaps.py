@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from dashboard.rig import ADAPTER
 from mikas.dashboard.errors import ADVICE
-from mikas.dashboard.session.event_log import reason_of
-from mikas.dashboard.session.history import History
+from mikas.dashboard.session.history import History, reason_of
 from mikas.dashboard.session.monitor import (
     DISCONNECTED,
     OTHER_PLAN,

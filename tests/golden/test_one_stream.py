@@ -20,8 +20,7 @@ from mikas.cli.render.notices import Notices
 from mikas.cli.render.output import Output
 from mikas.cli.render.values import json_line
 from mikas.client.connecting import ConnectionOptions
-from mikas.dashboard.session.event_log import page_json
-from mikas.dashboard.session.history import History
+from mikas.dashboard.session.history import History, page_json
 from mikas.dashboard.session.monitor import ConnectionMonitor
 from mikas.link.reconnecting import ReconnectingPort
 from mikas.publish.publication import Publication

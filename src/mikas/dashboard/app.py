@@ -20,7 +20,6 @@ from mikas.dashboard.api import (
     catalog,
     changes,
     connection,
-    diagnosis,
     errors,
     guided_tests,
     live,
@@ -36,7 +35,6 @@ from mikas.dashboard.api.library import (
     files,
     recorded,
     recordings,
-    references,
     report,
 )
 from mikas.dashboard.api.messages import FieldsMessage, LiveMessage, PingMessage, component_schemas
@@ -57,8 +55,8 @@ the control lease, which the first client gets. Times are UNIX seconds, bytes up
 Live data: WebSocket `/api/live?client=…`, described in docs/reference/api.md.
 """
 
-_PARTS = (catalog, editing, values, connection, diagnosis, live, network, unit,
-          guided_tests, memory, dumps, changes, recordings, files, references, cars, recorded,
+_PARTS = (catalog, editing, values, connection, live, network, unit,
+          guided_tests, memory, dumps, changes, recordings, files, cars, recorded,
           report, search)  # fmt: skip
 
 # Of all applications of the process: FastAPI analyses the routes of a router when it is first asked
@@ -81,7 +79,7 @@ class _Application(FastAPI):
             schemas.pop(name, None)
         schemas.update(
             component_schemas(
-                ErrorResponse, LiveMessage, PingMessage, FieldsMessage, diagnosis.DiagnosisStep
+                ErrorResponse, LiveMessage, PingMessage, FieldsMessage, connection.DiagnosisStep
             )
         )
         described["components"]["schemas"] = dict(sorted(schemas.items()))

@@ -26,8 +26,7 @@ from mikas.dashboard.api.search import search_file
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.errors import NotFound
 from mikas.dashboard.security.access import Access
-from mikas.dashboard.session.event_log import page_json
-from mikas.dashboard.session.history import json_columns
+from mikas.dashboard.session.history import json_columns, page_json
 from mikas.i18n import Text
 from mikas.recording.table.decimation import decimated
 from mikas.saving import KeptFile

@@ -15,7 +15,6 @@ from mikas.dashboard.api.dependencies import Controller, TheDashboard
 from mikas.dashboard.api.errors import TwoTexts, errors, made_of
 from mikas.dashboard.api.memory import Space
 from mikas.dashboard.dashboard import Dashboard
-from mikas.dashboard.library.deletion import recording_deletion
 from mikas.dashboard.security.confirmations import (
     LIFETIME,
     Content,
@@ -25,6 +24,7 @@ from mikas.dashboard.security.confirmations import (
     RecordingShown,
 )
 from mikas.dashboard.security.control import Client
+from mikas.dashboard.session.changes import recording_deletion
 
 router = APIRouter(tags=["changes"])
 

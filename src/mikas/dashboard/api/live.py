@@ -28,8 +28,7 @@ from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.error_responses import json_response
 from mikas.dashboard.errors import ApiRefusal
 from mikas.dashboard.security.control import Client
-from mikas.dashboard.session.event_log import page_json
-from mikas.dashboard.session.history import plain, row_time
+from mikas.dashboard.session.history import page_json, plain, row_time
 from mikas.dashboard.session.monitor import Batch, ConnectionMonitor
 
 _log = logging.getLogger("mikas.dashboard")

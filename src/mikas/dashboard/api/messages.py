@@ -16,7 +16,7 @@ from mikas.catalog import Level
 from mikas.client import Passport
 from mikas.dashboard.api.errors import TwoTexts
 from mikas.dashboard.api.state import State
-from mikas.dashboard.session.event_log import ExchangeFailed, RecordingChanged
+from mikas.dashboard.session.history import ExchangeFailed, RecordingChanged
 from mikas.i18n import Text
 from mikas.sampling.alarms import Side
 from mikas.sampling.events import (

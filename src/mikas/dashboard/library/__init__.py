@@ -1,1 +1,1 @@
-"""The files that are kept: the folder of recordings, open recordings, deletion in two steps."""
+"""The files that are kept: the folder of recordings, open recordings, references."""

@@ -23,9 +23,9 @@ from typing import Literal
 from mikas.client import Ecu
 from mikas.client.memory.dumps import Dump, Manifest, manifest_path, read_manifest
 from mikas.dashboard.errors import Busy, InternalError, NotConnected, NotFound
-from mikas.dashboard.library.deletion import DUMP, Found, deletion
 from mikas.dashboard.library.folder import LeftOut, files_in
 from mikas.dashboard.security.confirmations import DumpShown, PendingChange
+from mikas.dashboard.session.changes import DUMP, Found, deletion
 from mikas.dashboard.session.connection import Connection
 from mikas.dashboard.settings import ensure_folder
 from mikas.errors import LineError, MikasError, NoConnection, UsageError, naming_file, reason_at

@@ -16,8 +16,7 @@ from typing import Final
 from mikas.catalog import Level
 from mikas.client import Reading
 from mikas.dashboard.errors import ADVICE
-from mikas.dashboard.session.event_log import EventLog, ExchangeFailed, reason_of
-from mikas.dashboard.session.history import History
+from mikas.dashboard.session.history import EventLog, ExchangeFailed, History, reason_of
 from mikas.errors import EcuRefused, LineError, MikasError, NoConnection
 from mikas.i18n import Text
 from mikas.sampling.derived import DerivedValue

@@ -17,8 +17,7 @@ from mikas.client.cars import CarBook, CarDetails
 from mikas.dashboard.errors import ADVICE, Busy, NotConnected, NotFound
 from mikas.dashboard.library.folder import RecordingFolder
 from mikas.dashboard.session.connection import Connection
-from mikas.dashboard.session.event_log import RecordingChanged
-from mikas.dashboard.session.history import FaultHistory
+from mikas.dashboard.session.history import FaultHistory, RecordingChanged
 from mikas.dashboard.session.monitor import ConnectionMonitor
 from mikas.dashboard.session.port_threads import SamplingThread
 from mikas.dashboard.settings import ensure_folder

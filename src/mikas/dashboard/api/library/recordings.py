@@ -1,7 +1,10 @@
-"""Routes of recordings: start and stop one, the list, one recording, its rows, its comment.
+"""Routes of recordings: start and stop one, the list, one recording, its rows, comment, mark.
 
 The id of a recording is the name of its file in the folder; no other file is accessible. Files are
 read in the lane of views: a report or an export that takes long holds up none of these.
+
+References are recordings that others are compared with. The user marks them; those of the virtual
+car have ids of their own, by which `/recordings/{id}` and its rows are read like any other.
 """
 
 from __future__ import annotations
@@ -21,6 +24,7 @@ from mikas.dashboard.api.dependencies import (
     Names,
     Requester,
     TheDashboard,
+    TheLibrary,
     TheRequester,
     Words,
     split_names,
@@ -32,6 +36,7 @@ from mikas.dashboard.api.messages import LiveRows, RecordedEvent
 from mikas.dashboard.api.state import State, state_of
 from mikas.dashboard.errors import ADVICE, NotFound
 from mikas.dashboard.library.folder import RecordingFile
+from mikas.dashboard.library.references import VIRTUAL
 from mikas.dashboard.library.service import RecordingService
 from mikas.dashboard.session.history import json_columns
 from mikas.dashboard.settings import check_folder
@@ -355,3 +360,50 @@ def _span(summary: Summary, recording: Recording) -> tuple[float | None, float |
     if summary.recordings == 1 and summary.first is not None and summary.length is not None:
         return summary.first, summary.first + summary.length
     return recording.span or (None, None)
+
+
+# References
+
+
+class VirtualReferenceInfo(BaseModel):
+    """A recording of the virtual car, not measured on an engine. `model`: 7.1, 5.4."""
+
+    id: str
+    model: str
+    text: TwoTexts
+
+
+class ReferencesResponse(BaseModel):
+    """`marked`: ids of recordings, the latest mark first; the file may be gone since."""
+
+    marked: list[str]
+    virtual: list[VirtualReferenceInfo]
+
+
+class ReferenceRequest(BaseModel):
+    """`on`: the recording is a reference."""
+
+    on: bool
+
+
+@router.get("/references", responses=errors())
+def references(library: TheLibrary) -> ReferencesResponse:
+    """Return the marked recordings, and those of the virtual car.
+
+    The latter are made when they are first read, which takes seconds.
+    """
+    virtual = [VirtualReferenceInfo(id=it.id, model=it.model, text=two(it.text)) for it in VIRTUAL]
+    return ReferencesResponse(marked=library.references.marked(), virtual=virtual)
+
+
+@router.put("/recordings/{identity}/reference", responses=errors(404, 409, 504))
+async def mark(
+    requester: TheRequester, _: KnownClient, identity: str, body: ReferenceRequest
+) -> ReferencesResponse:
+    """Mark a recording as a reference, or remove its mark."""
+
+    def write(file: RecordingFile) -> ReferencesResponse:
+        requester.library.references.mark(file.id, on=body.on)
+        return references(requester.library)
+
+    return await requester.view(identity, write)
