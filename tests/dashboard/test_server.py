@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import asyncio
 import socket
 from datetime import UTC, datetime
 
 import pytest
+import uvicorn
+from fastapi import FastAPI
 
 from dashboard.rig import rig
 from mikas.cli.commands.dash import show_dashboard
@@ -14,6 +17,7 @@ from mikas.cli.options.dashboard import DashboardOptions
 from mikas.dashboard.listening import FIRST_PORT, listen, own_addresses
 from mikas.dashboard.page import shape
 from mikas.dashboard.security.certificate import own_certificate
+from mikas.dashboard.server import Server
 from mikas.dashboard.settings import VirtualCars
 from mikas.errors import BadPortUrl, UsageError
 from mikas.link import open_link
@@ -232,3 +236,35 @@ def test_what_makes_no_sense_is_refused_before_anything_is_opened(served, tmp_pa
 
 def test_the_cars_of_the_demo_are_those_of_the_command_line():
     assert type(open_link("sim:")) is type(VirtualCars().open("sim:"))
+
+
+class Made(Exception):
+    """The protocol that uvicorn makes of a connection."""
+
+
+async def both_protocols():
+    """uvicorn's, and that of `Server._protocol` for the same server."""
+
+    def create_server(create, **_):
+        raise Made(create())
+
+    asyncio.get_running_loop().create_server = create_server
+    plain = uvicorn.Server(uvicorn.Config(FastAPI(), http="h11", lifespan="off", log_config=None))
+    with socket.socket() as own, pytest.raises(Made) as made:
+        await plain.serve(sockets=[own])
+    return made.value.args[0], Server._protocol(plain)  # noqa: SLF001
+
+
+def test_uvicorn_makes_a_connection_s_protocol_as_the_server_does():
+    # uvicorn does not document this call, so pyproject.toml caps its version.
+    try:
+        theirs, ours = asyncio.run(both_protocols())
+        assert type(ours) is type(theirs)
+        for given in ("config", "server_state", "app_state"):
+            assert getattr(ours, given) is getattr(theirs, given)
+    except (AttributeError, TypeError) as error:
+        pytest.fail(
+            f"uvicorn {uvicorn.__version__} makes the protocol of a connection otherwise than "
+            f"Server._protocol in mikas.dashboard.server: {error}. Compare it with startup of "
+            "uvicorn.Server, then raise the cap in pyproject.toml"
+        )

@@ -65,8 +65,11 @@ def test_a_started_job_is_waited_for_and_its_end_reported():
 def test_who_has_gone_leaves_no_job_behind():
     session, done = Waiting(), []
 
+    async def ask():
+        await result_in_turn(session.call(done.append), 60.0)
+
     async def ask_and_go():
-        asking = asyncio.create_task(result_in_turn(session.call(done.append), 60.0))
+        asking = asyncio.create_task(ask())
         while not session.jobs:
             await asyncio.sleep(0)
         asking.cancel()
