@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import shlex
 import sys
-import tempfile
 from pathlib import Path
 
 from mikas.cli.advice import ADVICE
@@ -17,6 +16,7 @@ from mikas.i18n import Text
 from mikas.json_values import picked
 from mikas.link import find_ports, udev_rules
 from mikas.link.holders import adapter_without_port
+from mikas.saving import save
 
 _READABLE = 0o644  # by udev and everybody
 
@@ -95,8 +95,6 @@ def _install(context: CommandContext, file: Path, rules: str, *, yes: bool) -> N
         output.line(rules.rstrip("\n"))
     used = next((each for each in (file, udev_rules.PACKAGED) if each.exists()), file)
     written = _present(used) != rules
-    if not written:
-        file = used
     if written:
         _require_root(file)
         what = Text(f"write these rules to {file}", f"записать эти правила в {file}")
@@ -105,6 +103,8 @@ def _install(context: CommandContext, file: Path, rules: str, *, yes: bool) -> N
         )
         require_consent(what, yes=yes)
         _write(file, rules)
+    else:
+        file = used
     if output.json:
         output.data({"rules": rules, "path": str(file), "written": written})
     if written:
@@ -155,12 +155,8 @@ def _write(file: Path, rules: str) -> None:
     """Write the whole file at once, as udev may read it at any moment."""
     try:
         file.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.NamedTemporaryFile(
-            "w", dir=file.parent, suffix=".tmp", encoding="utf-8", delete=False
-        ) as new:
-            new.write(rules)
-        Path(new.name).chmod(_READABLE)
-        Path(new.name).replace(file)
+        save(file, rules)
+        file.chmod(_READABLE)
     except OSError as error:
         why = reason_of(error)
         raise usage_error(

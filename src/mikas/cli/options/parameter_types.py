@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from dataclasses import dataclass
 from math import inf, nan
 from pathlib import Path
@@ -179,11 +180,9 @@ def choices(words: Iterable[str]) -> str:
 
 def any_file(text: str) -> Path:
     """Return a file's path; the file may be absent."""
-    path = Path(text)
-    try:
+    path, is_folder = Path(text), False
+    with suppress(OSError, ValueError):  # an invalid name
         is_folder = path.is_dir()
-    except (OSError, ValueError):  # an invalid name
-        is_folder = False
     if is_folder:
         raise _invalid(
             f"“{text}” is a folder; a file is needed.", f"«{text}» — папка, а нужен файл."
@@ -193,11 +192,9 @@ def any_file(text: str) -> Path:
 
 def existing_file(text: str) -> Path:
     """Return the path of a file that exists."""
-    path = any_file(text)
-    try:
+    path, exists = any_file(text), False
+    with suppress(OSError, ValueError):  # an invalid name
         exists = path.exists()
-    except (OSError, ValueError):  # an invalid name
-        exists = False
     if not exists:
         raise _invalid(f"there is no file “{text}”.", f"файла «{text}» нет.")
     return path

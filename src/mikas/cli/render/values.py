@@ -8,6 +8,7 @@ from mikas.catalog import Derived, Parameter
 from mikas.cli.language import current_language, decimal, tr
 from mikas.cli.render.output import Output
 from mikas.client import Reading
+from mikas.json_values import picked
 from mikas.sampling.derived import DerivedValue
 from mikas.sampling.events import CycleFailed, Sampled
 
@@ -18,12 +19,8 @@ if TYPE_CHECKING:
 
 def reading_json(reading: Reading) -> dict[str, Any]:
     """Return `{"value", "unit", "raw", "time"}`: numbers are numbers, flags true or false."""
-    return {
-        "value": reading.value,
-        "unit": reading.unit,
-        "raw": reading.raw.hex().upper(),
-        "time": round(reading.time, 6),
-    }
+    raw, time = reading.raw.hex().upper(), round(reading.time, 6)
+    return picked(reading, "value", "unit") | {"raw": raw, "time": time}
 
 
 def value_text(reading: Reading | DerivedValue) -> str:

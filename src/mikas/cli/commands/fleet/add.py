@@ -14,6 +14,7 @@ from mikas.cli.language import decimal, localized, tr
 from mikas.cli.options.parameter_types import whole
 from mikas.cli.render.progress import progress
 from mikas.cli.render.terminal import cell_text
+from mikas.json_values import picked
 
 if TYPE_CHECKING:
     from mikas.fleet.adding import Added
@@ -116,9 +117,8 @@ def _tell(context: CommandContext, added: Added, dataset: str) -> None:
     if context.output.json:
         context.output.data(
             {
-                "added": added.added,
-                "skipped": added.skipped,
-                "bad": [{"file": it.file, "reason": it.reason._asdict()} for it in added.bad],
+                **picked(added, "added", "skipped"),
+                "bad": [picked(it, "file", "reason") for it in added.bad],
                 "replaced": added.replaced,
                 "damaged": [{"file": file, "places": count} for file, count in added.damaged],
                 "seconds": round(added.seconds, 3),

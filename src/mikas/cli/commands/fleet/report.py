@@ -91,9 +91,7 @@ def _as_json(car: CarFindings, found: FleetFindings) -> dict[str, object]:
 
     figures = car.figures
     return {
-        "car": figures.car,
-        "name": figures.name,
-        "drives": figures.drives,
+        **picked(figures, "car", "name", "drives"),
         "seconds": round(figures.seconds, 3),
         "found": car.found,
         "texts": [text._asdict() for text in car_sentences(car, found)],
@@ -121,8 +119,7 @@ def _as_json(car: CarFindings, found: FleetFindings) -> dict[str, object]:
         "changes": [
             {
                 "measure": it.measure.key,
-                "first": it.trend.first,
-                "last": it.trend.last,
+                **picked(it.trend, "first", "last"),
                 "drives": it.trend.count,
             }
             for it in car.changes

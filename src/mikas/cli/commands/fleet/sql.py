@@ -91,43 +91,35 @@ def _print_table(context: CommandContext, answer: QueryRows) -> None:
 
 def _cell(value: object) -> str:
     match value:
-        case None:
-            return ""
-        case bool():
-            return "true" if value else "false"
-        case float():
-            return decimal(f"{value:.12g}") if math.isfinite(value) else str(value)
+        case float() if math.isfinite(value):
+            return decimal(f"{value:.12g}")
         case Decimal():
             return decimal(str(value))
         case datetime():
             return value.isoformat(" ")
-        case date():
-            return value.isoformat()
-    return _text(value)
+    return str(_plain(value))
 
 
 def _csv(answer: QueryRows) -> Iterator[str]:
     yield _line(answer.columns)
     for values in answer.rows():
-        yield _line(["" if value is None else _plain(value) for value in values])
+        yield _line(map(_plain, values))
 
 
 def _plain(value: object) -> object:
     match value:
+        case None:
+            return ""
         case bool():
             return "true" if value else "false"
         case datetime():
             return value.isoformat()
         case float() | Decimal():
             return value
-    return _text(value)
-
-
-def _text(value: object) -> str:
-    match value:
-        case list() | tuple() | dict() | bytes():
-            value = _json(value)
-            return value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
+        case bytes():
+            return value.hex()
+        case list() | tuple() | dict():
+            return json.dumps(_json(value), ensure_ascii=False)
     return str(value)
 
 

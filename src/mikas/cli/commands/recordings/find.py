@@ -12,6 +12,7 @@ from mikas.cli.context import CommandContext
 from mikas.cli.language import decimal, tr
 from mikas.cli.options.parameter_types import existing_file
 from mikas.i18n import counted
+from mikas.json_values import picked
 
 if TYPE_CHECKING:
     from mikas.recording.search import Hit, SearchCondition
@@ -49,7 +50,10 @@ def find(context: CommandContext, file: Path, expression: str) -> None:
     if context.output.json:
         context.output.data(
             {
-                "hits": [_json(hit) for hit in found.hits],
+                "hits": [
+                    {"from": hit.begin, "to": hit.end, **picked(hit, "peak", "peak_time", "rows")}
+                    for hit in found.hits
+                ],
                 "peak_of": condition.peak_of or None,
                 "from": found.begin,
                 "to": found.end,
@@ -59,16 +63,6 @@ def find(context: CommandContext, file: Path, expression: str) -> None:
     if found.begin is not None and found.hits:
         _print_table(context, found.hits, condition, found.begin)
     context.output.print_note(_summary(found.hits, condition))
-
-
-def _json(hit: Hit) -> dict[str, float | int | None]:
-    return {
-        "from": hit.begin,
-        "to": hit.end,
-        "peak": hit.peak,
-        "peak_time": hit.peak_time,
-        "rows": hit.rows,
-    }
 
 
 def _print_table(

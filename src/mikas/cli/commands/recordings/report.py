@@ -25,7 +25,6 @@ from mikas.json_values import json_of, picked
 from mikas.sampling.events import UnitFound
 
 if TYPE_CHECKING:
-    from mikas.recording.freeze_frames import FreezeFrame
     from mikas.report.findings import ChannelFinding, Findings
     from mikas.report.measurements.alarms import Alarm
 
@@ -154,7 +153,10 @@ def _print_summary(context: CommandContext, out: Path, found: Findings) -> None:
             "outcome": found.outcome.value,
             "verdict": verdict._asdict(),
             "faults": faults,
-            "freeze_frames": [_frame_as_json(frame) for frame in latest_frames(found)],
+            "freeze_frames": [
+                picked(frame, "code", "without", "seen") | {"values": json_of(frame.then)}
+                for frame in latest_frames(found)
+            ],
             "alarms": [_alarm_as_json(alarm) for alarm in found.alarms],
             "warm_idle_seconds": round(found.measured.idle.seconds, 3),
             "values": {value.channel.name: _as_json(value) for value in found.rated},
@@ -162,15 +164,9 @@ def _print_summary(context: CommandContext, out: Path, found: Findings) -> None:
     )
 
 
-def _frame_as_json(frame: FreezeFrame) -> dict[str, object]:
-    return picked(frame, "code", "without", "seen") | {"values": json_of(frame.then)}
-
-
 def _alarm_as_json(alarm: Alarm) -> dict[str, object]:
     return {
-        "name": alarm.limit.name,
-        "level": alarm.limit.level.value,
-        "side": alarm.limit.side.value,
+        **picked(alarm.limit, "name", "level", "side"),
         "limit": alarm.limit.value,
         "times": alarm.times,
         "seconds": round(alarm.seconds, 3),
