@@ -115,12 +115,12 @@ Suspend = Callable[[Awaitable[Any]], Any]
 class WebSerialLink(Link):
     """A link over the open `port`, which it owns."""
 
-    def __init__(self, url: str, port: Opened, serial: WebSerial, *, baud: int, about: str) -> None:
+    def __init__(self, url: str, port: Opened, *, baud: int, about: str) -> None:
+        serial, self._suspend = _host()
         self.url = url
         self.baud = baud
         self._port = port
-        self._clock = serial.serial.now
-        self._suspend = serial.suspend
+        self._clock = serial.now
         self._about = about
         self._can_break = True
         self._sent_until = 0.0
@@ -188,52 +188,39 @@ class WebSerialLink(Link):
             raise LinkLost(url=self.url, problem=problem, request=request, time=self.now())
 
 
-class WebSerial:
-    """The granted ports, by `serial` of JavaScript."""
-
-    def __init__(self, serial: Serial, suspend: Suspend) -> None:
-        self.serial = serial
-        self.suspend = suspend
-
-    def find(self) -> list[Port]:
-        """Return those that are plugged in, the most likely adapter first."""
-        return by_likelihood(self._granted())
-
-    def open(self, url: str, options: dict[str, str]) -> WebSerialLink:
-        """As `open_web_serial`."""
-        check_names(options, ("baud", "dtr", "rts"))
-        given = OptionParser(options)
-        baud = given.integer("baud", BAUD, lowest=50, highest=4_000_000)
-        lines = given.switch("dtr", default=True), given.switch("rts", default=False)
-        granted = self._granted()
-        port = _chosen(url, by_likelihood(granted))
-        opened = self.suspend(self.serial.open(granted[port], baud, *lines).promise)
-        if hasattr(opened, "refused"):
-            raise _not_opened(url, opened)
-        return WebSerialLink(url, opened, self, baud=baud, about=port.description)
-
-    def _granted(self) -> dict[Port, Granted]:
-        return {_port(it): it for it in self.suspend(self.serial.ports().promise)}
-
-
 def open_web_serial(url: str, options: dict[str, str]) -> Link:
     """Open a granted port: `webserial:0403:6001?baud=9600&dtr=1&rts=0`, options as `open_serial`.
 
     Raises `PortNotFound`, `NoPortGiven`, `PortBusy`, `PortFailed`.
     """
-    return _here().open(url, options)
+    check_names(options, ("baud", "dtr", "rts"))
+    given = OptionParser(options)
+    baud = given.integer("baud", BAUD, lowest=50, highest=4_000_000)
+    lines = given.switch("dtr", default=True), given.switch("rts", default=False)
+    granted = _granted()
+    port = _chosen(url, by_likelihood(granted))
+    serial, suspend = _host()
+    opened = suspend(serial.open(granted[port], baud, *lines).promise)
+    if hasattr(opened, "refused"):
+        raise _not_opened(url, opened)
+    return WebSerialLink(url, opened, baud=baud, about=port.description)
 
 
 def find_web_ports() -> list[Port]:
     """Return the granted ports that are plugged in, the most likely adapter first."""
-    return _here().find()
+    return by_likelihood(_granted())
+
+
+def _granted() -> dict[Port, Granted]:
+    serial, suspend = _host()
+    return {_port(it): it for it in suspend(serial.ports().promise)}
 
 
 @cache
-def _here() -> WebSerial:
+def _host() -> tuple[Serial, Suspend]:
     from mikas.browser.suspension import suspend
 
-    return WebSerial(import_module("mikas_host").serial, suspend)
+    return import_module("mikas_host").serial, suspend
 
 
 def _port(it: Granted) -> Port:

@@ -52,15 +52,12 @@ class ReconnectingPort:
 
         Raises `NoConnection`: `AnotherAdapter` if its name or its kind is another's.
         """
-        link = self._open_adapter() if parse(self.url).is_adapter else self._open_url()
+        link = self._open_adapter() if parse(self.url).is_adapter else self._open_port(self.url)
         if self._link is not None and (lag := self.now() - link.now()) > 0:
             link = _AheadLink(link, lag)
         self._link = link
         self._ahead = link.now() - self._clock()
         return link if self._sink is None else CaptureTee(link, self._sink, self.wire)
-
-    def _open_url(self) -> Link:
-        return self._open_port(self.url)
 
     def _open_adapter(self) -> Link:
         name = parse(self.url).name
@@ -69,7 +66,7 @@ class ReconnectingPort:
         if port is not None and named(name, [port]) is None:
             name = port.url
             self.url = with_name(self.url, name)
-        link = self._open_url()
+        link = self._open_port(self.url)
         present = self._find()
         after = named(name, present)
         if not is_same(port, after):
