@@ -73,7 +73,9 @@ class Plant:
         self._noise = noise_table(seed)
         self.heat = Heat(start, condition)
         self.board = Board(start, condition)
-        self.vehicle = Vehicle(timeline.at(0.0), condition, running=start.running)
+        self.vehicle = Vehicle(
+            (timeline.at(0.0).speed or 0.0) / 3.6, start.running, condition.throttle_stops
+        )
         shown = start.coolant + condition.coolant_sensor
         self.program = Program(NOTHING, shown, self.heat.intake_air, condition)
         self._signals = Signals(shown, self.heat.intake_air)

@@ -65,35 +65,31 @@ class LostSignals:
 NOTHING = LostSignals()
 
 
+@dataclass(slots=True, eq=False)
 class Signals:
     """The true values, as sound sensors give them; the plant updates them."""
 
-    __slots__ = ("air", "coolant", "demand", "intake_air", "rpm", "throttle", "voltage")
-
-    def __init__(self, coolant: float, intake_air: float) -> None:
-        self.rpm = 0.0
-        self.throttle = 0.0  # %
-        self.air = 0.0  # kg/h through the air meter
-        self.demand = 0.0  # kg/h that the cylinders take with the throttle wide open
-        self.coolant = coolant
-        self.intake_air = intake_air
-        self.voltage = 12.6
+    coolant: float
+    intake_air: float
+    rpm: float = 0.0
+    throttle: float = 0.0  # %
+    air: float = 0.0  # kg/h through the air meter
+    demand: float = 0.0  # kg/h that the cylinders take with the throttle wide open
+    voltage: float = 12.6
 
 
+@dataclass(slots=True, eq=False)
 class Sensors:
     """The program's readings, in the same units. `lost`: the signals that faults take away."""
 
-    __slots__ = (
-        "air", "coolant", "idle_co", "intake_air", "lost", "rpm", "throttle", "voltage",
-    )  # fmt: skip
-
-    def __init__(self, lost: LostSignals, coolant: float, intake_air: float) -> None:
-        self.lost = lost
-        self.rpm = self.throttle = self.air = 0.0
-        self.coolant = coolant
-        self.intake_air = intake_air
-        self.voltage = 12.6
-        self.idle_co = IDLE_CO
+    lost: LostSignals
+    coolant: float
+    intake_air: float
+    rpm: float = 0.0
+    throttle: float = 0.0
+    air: float = 0.0
+    voltage: float = 12.6
+    idle_co: float = IDLE_CO
 
     def read(self, signals: Signals, valve: float, air_at_start: float, run_time: float) -> None:
         """Read `signals` for one step. The other parameters serve the substitutes."""

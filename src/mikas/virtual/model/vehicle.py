@@ -11,6 +11,8 @@ road, which holds the speed whatever the engine does.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from mikas.virtual.model import physics as ph
 from mikas.virtual.model.physics import STEP, TO_RADIANS
 from mikas.virtual.scenarios.scenario import Condition, Start
@@ -116,43 +118,25 @@ def resistance(speed: float) -> float:
     return (MASS * 9.81 * 0.014 + 0.5 * speed * speed) if speed > 0 else 0.0
 
 
+@dataclass(slots=True, eq=False)
 class Vehicle:
     """Body, gearbox and driver. `throttle`, `starter`, `load`, `consumers` act on the engine."""
 
-    __slots__ = (
-        "_foot",
-        "_hill",
-        "_rolling_road",
-        "_shifting",
-        "_stalled",
-        "_starting",
-        "_stops",
-        "_was_running",
-        "brake",
-        "consumers",
-        "gear",
-        "load",
-        "speed",
-        "starter",
-        "throttle",
-    )  # fmt: skip
-
-    def __init__(self, first: Inputs, condition: Condition, *, running: bool) -> None:
-        self._stops = condition.throttle_stops  # % between which the throttle can move
-        self.speed = (first.speed or 0.0) / 3.6
-        self.gear = 0
-        self.throttle = 0.0
-        self.starter = False
-        self.load = 0.0
-        self.consumers = 0.0  # A
-        self.brake = 0.0  # N
-        self._foot = 0.0
-        self._hill = 0.0  # m/s², the road's ups and downs
-        self._rolling_road = False
-        self._shifting = 0.0  # s left
-        self._stalled = 0.0  # s that the engine has stood with the key on
-        self._starting = 0.0  # s left of the driver's own attempt to start
-        self._was_running = running
+    speed: float  # m/s
+    _was_running: bool
+    _stops: tuple[float, float]  # % between which the throttle can move
+    gear: int = 0
+    throttle: float = 0.0
+    starter: bool = False
+    load: float = 0.0
+    consumers: float = 0.0  # A
+    brake: float = 0.0  # N
+    _foot: float = 0.0
+    _hill: float = 0.0  # m/s², the road's ups and downs
+    _rolling_road: bool = False
+    _shifting: float = 0.0  # s left
+    _stalled: float = 0.0  # s that the engine has stood with the key on
+    _starting: float = 0.0  # s left of the driver's own attempt to start
 
     def drive(
         self, inputs: Inputs, rpm: float, coolant: float, *, alive: bool, road: float
