@@ -32,7 +32,9 @@ def in_english():
 
 def session(channels=CHANNELS):
     """As much of a session as a table looks at."""
-    return SimpleNamespace(channels=channels, model=CATALOG.model(0x0A), method="stream", errors=3)
+    return SimpleNamespace(
+        channels=channels, model=CATALOG.model(0x0A).text, method="stream", errors=3
+    )
 
 
 def console(width: int, height: int, **settings):

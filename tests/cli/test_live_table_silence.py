@@ -40,7 +40,7 @@ class Drawn:
         self.channels = [CATALOG.parameter(name) for name in names]
         self.screen = console()
         session = SimpleNamespace(
-            channels=self.channels, model=CATALOG.model(0x0A), method="stream", errors=3
+            channels=self.channels, model=CATALOG.model(0x0A).text, method="stream", errors=3
         )
         self.table = LiveTable(session, Output(), self.screen, lambda: self.now)
 

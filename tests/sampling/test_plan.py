@@ -44,10 +44,10 @@ def test_rates_of_the_methods_are_those_of_the_law(method, sets):
 
 def test_one_more_parameter_costs_its_bytes():
     before = plan("FREQ")
-    after = before.with_parameter(PlannedParameter(shipped().parameter("TWAT")))
+    after = plan("FREQ", "TWAT")
     extra = after.price().seconds - before.price().seconds
     assert extra == pytest.approx((1 + 1 + 2 / 256) * 10 / 9600)
-    free = plan("RXX").with_parameter(PlannedParameter(shipped().parameter("RDET")))
+    free = plan("RXX", "RDET")
     assert free.price() == plan("RXX").price()
 
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import closing, contextmanager, suppress
+from dataclasses import dataclass
 from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -35,9 +36,10 @@ from mikas.sampling.session import SamplingSession
 if TYPE_CHECKING:
     from concurrent.futures import Future
 
-    from mikas.catalog import Derived, Model, Parameter
+    from mikas.catalog import Derived, Parameter
     from mikas.cli.options.sampling import SamplingOptions
     from mikas.client import Ecu
+    from mikas.i18n import Text
     from mikas.link.ahead import PortAhead
     from mikas.recording.capture.notes import Note
     from mikas.sampling.events import Event
@@ -47,42 +49,40 @@ _LAST = 1.0  # s of samples that the end of a recording waits for its last readi
 _SEARCH = 3  # failed cycles at the start that are not shown: another method may follow
 
 
+@dataclass(eq=False)
 class SamplingRun:
     """The events of one run, to be iterated once, and its counters."""
 
-    def __init__(
-        self,
-        session: SamplingSession,
-        acquisition: Acquisition,
-        recorder: Recorder,
-        options: SamplingOptions,
-    ) -> None:
-        self.session = session
-        self.acquisition = acquisition
-        self.options = options
-        self.recorder = recorder
-        self.model: Model | None = None
-        self.method: str | None = None
-        self.answered = False  # a unit, at least once
-        self.connected = False  # to a unit that has given values, or that is identified
-        self.waiting: StateChanged | None = None  # the broken state of the line
-        self.samples = 0
-        self.gap_cycles = 0
-        self.seconds = 0.0
-        self.recording_over: RecordingOver | None = None
-        """The end of the played recording, which ended the events."""
-        self._last_reading: Future[None] | None = None  # after Ctrl-C
-        self._began: float | None = None
-        self._ecu: Ecu | None = None
-        self._identified = False
-        self._works = False  # sampled since the unit was identified
-        self._searched = 0  # failed cycles before that
-        self._failed_before = 0  # line errors on links that are gone
+    session: SamplingSession
+    acquisition: Acquisition
+    recorder: Recorder
+    options: SamplingOptions
+    model: Text | None = None
+    answered: bool = False  # a unit, at least once
+    connected: bool = False  # to a unit that has given values, or that is identified
+    waiting: StateChanged | None = None  # the broken state of the line
+    samples: int = 0
+    gap_cycles: int = 0
+    seconds: float = 0.0
+    recording_over: RecordingOver | None = None
+    """The end of the played recording, which ended the events."""
+    _last_reading: Future[None] | None = None  # after Ctrl-C
+    _began: float | None = None
+    _ecu: Ecu | None = None
+    _identified: bool = False
+    _works: bool = False  # sampled since the unit was identified
+    _searched: int = 0  # failed cycles before that
+    _failed_before: int = 0  # line errors on links that are gone
 
     @property
     def channels(self) -> Sequence[Parameter | Derived]:
         """The requested channels, in order."""
         return self.acquisition.channels
+
+    @property
+    def method(self) -> str | None:
+        """The present method."""
+        return self.acquisition.method
 
     @property
     def errors(self) -> int:
@@ -173,13 +173,12 @@ class SamplingRun:
             self._failed_before, self._ecu = self.errors, ecu
         if isinstance(event, UnitFound):
             self.connected = self._identified = True
-            self.model = ecu.model if ecu else self.model
+            self.model = event.model
         if isinstance(event, StateChanged):
             self.waiting = event if event.is_broken else None
             self.answered |= event.state in _ALIVE
             if event.state is LineState.SAMPLING and self._began is None:
                 self._began = event.time
-        self.method = self.acquisition.method
         if isinstance(event, Sampled):
             self.samples += 1
             self.connected = True

@@ -15,7 +15,7 @@ import json
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, Final, NamedTuple
+from typing import Any, Final
 
 from mikas.catalog import Derived, Level, Parameter
 from mikas.cleaning import clean_line
@@ -37,36 +37,21 @@ _KEY: Final = re.compile("[A-Za-z0-9_-]{1,200}")
 _PLATFORMS: Final = ("sensor", "binary_sensor")
 
 
-class _Unit(NamedTuple):
-    """A unit in Home Assistant's spelling, and the class of sensors that have it."""
-
-    spelling: str
-    device_class: str | None = None
-
-
-_UNITS: Final = {
-    "°C": _Unit("°C", "temperature"),
-    "V": _Unit("V", "voltage"),
-    "mV": _Unit("mV", "voltage"),
-    "A": _Unit("A", "current"),
-    "mA": _Unit("mA", "current"),
-    "Hz": _Unit("Hz", "frequency"),
-    "ms": _Unit("ms", "duration"),
-    "s": _Unit("s", "duration"),
-    "h": _Unit("h", "duration"),
-    "Pa": _Unit("Pa", "pressure"),
-    "hPa": _Unit("hPa", "pressure"),
-    "kPa": _Unit("kPa", "pressure"),
-    "mbar": _Unit("mbar", "pressure"),
-    "bar": _Unit("bar", "pressure"),
-    "km/h": _Unit("km/h", "speed"),
-    "km": _Unit("km", "distance"),
-    "kW": _Unit("kW", "power"),
-    "l": _Unit("L", "volume"),
-    "l/h": _Unit("L/h"),  # a flow rate, but for versions before 2025.7
-    "° crank": _Unit("°"),
+_SPELLINGS: Final = {"l": "L", "l/h": "L/h", "° crank": "°"}
+_CLASSES: Final = {
+    "°C": "temperature",
+    **dict.fromkeys(("V", "mV"), "voltage"),
+    **dict.fromkeys(("A", "mA"), "current"),
+    "Hz": "frequency",
+    **dict.fromkeys(("ms", "s", "h"), "duration"),
+    **dict.fromkeys(("Pa", "hPa", "kPa", "mbar", "bar"), "pressure"),
+    "km/h": "speed",
+    "km": "distance",
+    "kW": "power",
+    "l": "volume",
 }
-"""By the catalog's unit. Another unit stays as it is, without a class."""
+"""The class of sensors, by the catalog's unit. Another unit, and for versions before 2025.7 a flow
+rate, has none."""
 
 _SUMS: Final = ("volume", "distance", "duration")  # the classes that a sum may have
 _MOST_NUMBERS: Final = 50  # of faults; a state has room for 255 characters
@@ -200,9 +185,9 @@ class HomeAssistant:
             config["state_class"] = "total_increasing" if sums else "measurement"
         key, text = unit_of(channel, self.interpretation)
         if key:
-            unit = _UNITS.get(key) or _Unit(text.to(self.language))
-            config["unit_of_measurement"] = unit.spelling
-            kind = unit.device_class
+            kind = _CLASSES.get(key)
+            local = key if kind is not None else text.to(self.language)
+            config["unit_of_measurement"] = _SPELLINGS.get(key, local)
             if sums and kind not in _SUMS:
                 kind = None
             elif kind == "volume" and not sums:

@@ -56,35 +56,21 @@ class JobQueue:
         self.fail(self._over)
 
     def fail(self, error: BaseException) -> None:
-        """Fail the jobs that wait now with `error`."""
-        for future, _ in self._take_all():
+        """Fail the jobs that wait now with `error`; in the sampling thread, as `run`."""
+        for _ in range(len(self._waiting)):
+            future, _ = self._waiting.popleft()
             if future.set_running_or_notify_cancel():
                 future.set_exception(error)
 
     def run(self, ecu: Ecu) -> None:
-        """Run the jobs that wait now. Raises the `NoConnection` of one of them."""
-        taken = self._take_all()
-        while taken:
-            future, job = taken.popleft()
+        """Run the jobs that wait now. Raises the `NoConnection` of one of them; the rest waits."""
+        for _ in range(len(self._waiting)):
+            future, job = self._waiting.popleft()
             if not future.set_running_or_notify_cancel():
                 continue
             try:
                 future.set_result(job(ecu))
-            except Exception as error:  # every error goes to the caller
+            except BaseException as error:  # every error goes to the caller, who waits
                 future.set_exception(error)
-                if isinstance(error, NoConnection):
-                    self._put_back(taken)
+                if isinstance(error, NoConnection) or not isinstance(error, Exception):  # Ctrl-C
                     raise
-            except BaseException as error:  # Ctrl-C: the caller must not wait
-                future.set_exception(error)
-                self._put_back(taken)
-                raise
-
-    def _take_all(self) -> deque[_Waiting]:
-        with self._lock:
-            taken, self._waiting = self._waiting, deque()
-        return taken
-
-    def _put_back(self, jobs: deque[_Waiting]) -> None:
-        with self._lock:
-            self._waiting.extendleft(reversed(jobs))

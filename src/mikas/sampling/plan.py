@@ -200,10 +200,6 @@ class Plan:
             ),
         )
 
-    def with_parameter(self, more: PlannedParameter) -> Plan:
-        """Return this plan with one more parameter."""
-        return Plan((*self.parameters, more), self.method, self.max_list)
-
     def with_method(self, method: FixedMethod) -> Plan:
         """Return this plan with another method."""
         return Plan(self.parameters, method, self.max_list)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from mikas.cli.language import decimal, tr
@@ -51,7 +52,7 @@ def _price(plan: Plan, more: Parameter | None) -> dict[str, Any]:
         "one_more": None,
     }
     if more is not None:
-        then = plan.with_parameter(PlannedParameter(more)).price()
+        then = replace(plan, parameters=(*plan.parameters, PlannedParameter(more))).price()
         price_json["one_more"] = {
             "ms": round((then.seconds - price.seconds) * 1000, 1),
             "sets_per_second": round(then.rate, 1),

@@ -178,7 +178,7 @@ class LiveTable:
         )
 
     def _state(self, silence: Silence) -> str:
-        model = localized(self._session.model.text) if self._session.model else "…"
+        model = localized(self._session.model) if self._session.model else "…"
         failed = tr(f"errors {self._session.errors}", f"ошибок {self._session.errors}")
         if self._broken is not None:
             note = tr("waiting, sampling resumes by itself", "ждём, опрос продолжится сам")
@@ -220,12 +220,10 @@ class LiveTable:
 
 
 _LEVELS: dict[str, Text] = {
-    Level.NONE: Text("no alarm", "нет"),
     Level.WARNING: Text("warning", "предупреждение"),
     Level.DANGER: Text("DANGER", "ОПАСНО"),
 }
 _STYLES: dict[str, str] = {
-    Level.NONE: "",
     Level.WARNING: "bold yellow",
     Level.DANGER: "bold white on red",
 }

@@ -185,8 +185,7 @@ class Notices:
                 yield localized(ADVICE.text(event.error))
 
     def _model(self) -> str:
-        model = self._session.model
-        return localized(model.text) if model else "?"
+        return localized(self._session.model) if self._session.model else "?"
 
     def _new_file(self, path: Path) -> None:
         self._show(tr(f"Recording continues in {path}.", f"Запись продолжается в {path}."))
