@@ -18,7 +18,8 @@ from mikas.recording import CaptureWriter
 from mikas.recording.exchanges.columnar import column_exchanges
 from mikas.recording.exchanges.scalar import scalar_exchanges
 from mikas.replay import behaviour as replay_habits
-from mikas.replay.build import ReplayBuilder, build
+from mikas.replay.build import build
+from mikas.replay.builder import ReplayBuilder
 from mikas.replay.model import ChangingValue, Series
 
 FEW = 3  # delays that are enough, so that runs begin early

@@ -12,30 +12,23 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, cast
 
-from mikas import commands as c
 from mikas.catalog import Catalog, shipped
-from mikas.commands.base import ERROR
 from mikas.commands.unit import version_of
 from mikas.errors import CaptureError
 from mikas.i18n import Text
 from mikas.recording.annotations.fields import passport_of
 from mikas.recording.capture.notes import Kind, Note
-from mikas.recording.capture.reader import Problem, Source
+from mikas.recording.capture.reader import Problem
 from mikas.recording.exchanges import read_exchanges
 from mikas.recording.exchanges.result import Column, Exchanges
-from mikas.replay.behaviour import EcuBehaviour
-from mikas.replay.contents import Contents, RecordedPort, Request
+from mikas.replay.builder import ReplayBuilder
+from mikas.replay.contents import RecordedPort, Request
 from mikas.replay.model import ReplayData
-from mikas.replay.outages import AFTER, Outages, Timeline
 
 if TYPE_CHECKING:
     from mikas.recording.exchanges.arrays import ExchangeColumns
     from mikas.replay.routine import Routine
 
-# An `01` to these can only be a refusal (D10); as a cell or a fault it would be invented.
-_REFUSED_BY_01: Final = frozenset(
-    [*c.ReadProgramPassport.CODES, *c.ReadDataPassport.CODES, *c.CountParameters.CODES]
-)
 _Row = tuple[float, int, int, int, int, int]
 _AT_ONCE: Final = 64  # rows that are converted at once
 
@@ -65,87 +58,6 @@ def build(items: Iterable[Exchanges | Problem | Note], catalog: Catalog) -> Repl
     data = builder.finish()
     _add_noted_identity(data, notes)
     return data
-
-
-class ReplayBuilder:
-    """Follows one capture, stretch by stretch."""
-
-    def __init__(self, catalog: Catalog) -> None:
-        self.data = ReplayData()
-        self.outages = Outages()
-        self.timeline = Timeline(self.data, self.outages)
-        self.behaviour = EcuBehaviour()
-        self.contents = Contents(self.data, catalog, self.behaviour)
-        self._ports: dict[Source, RecordedPort] = {}  # of the current recording
-        self._echoes = self._requests = 0
-
-    def enter(self, item: Exchanges) -> RecordedPort:
-        """Begin the next stretch; return its port."""
-        if self.timeline.recording not in (None, item.source.recording):
-            self._end_recording()
-        self.timeline.enter(item)
-        port = self._ports.setdefault(item.source, self.contents.port())
-        self._echoes += item.echoes
-        self._requests += len(item.requests.numbers)
-        self.behaviour.raw_checksum |= item.raw_checksum
-        return port
-
-    def finish(self) -> ReplayData:
-        """Return the complete data."""
-        self._end_recording()
-        data = self.data
-        data.duration = 0.0 if self.timeline.recording is None else self.timeline.latest + AFTER
-        data.echo = self._echoes > 0 or not self._requests
-        for series in self.contents.series:
-            for code, begin, size in series.layout.places:
-                data.places.setdefault(code, []).append((series, begin, size))
-        data.silences, data.holes = self.outages.conclude(self.contents.series)
-        data.answered = self.behaviour.answered_codes
-        data.quirks, data.refusals = self.behaviour.conclude(data.has_supply, data.places)
-        for code in data.unrecorded():
-            data.refusals.setdefault(code, ERROR if code in _REFUSED_BY_01 else None)
-        return data
-
-    def take_request(self, port: RecordedPort, request: Request | None) -> None:
-        """Take a request (None: damaged), which ends the wait for responses to the one before."""
-        before = port.request
-        if before and not before.responded and before.body[0] not in c.GoTo.CODES:
-            self.behaviour.failed(before.time, before.body, None)
-            self.outages.failed(before.time)
-        port.previous, port.request = before, request
-        if request:
-            self.contents.sent(request.body, port)
-
-    def take_response(
-        self, port: RecordedPort, request: Request, body: bytes, began: float, ended: float
-    ) -> None:
-        """Take a response."""
-        request.responded = True
-        self.data.frames += 1
-        answered = self.contents.add_response(request, port, body, began)
-        if answered is None:
-            if body == ERROR:  # a datum or a refusal: the ECU is there
-                self.outages.supplied(request.time)
-            return
-        if not answered:
-            self.behaviour.failed(request.time, request.body, body)
-        else:
-            by_stroke = request.body[0] in c.StreamAtStroke.CODES  # the engine's timing
-            if not request.answered:
-                delay = None if by_stroke else began - request.out
-                self.behaviour.answered(request.body, delay)
-            elif not by_stroke:
-                self.behaviour.streamed(began - request.ended)
-        self.outages.supplied(began if request.answered else request.time)
-        request.answered = answered
-        request.ended = ended
-
-    def _end_recording(self) -> None:
-        self.outages.supplied(self.timeline.latest + AFTER)
-        for port in self._ports.values():
-            port.resolver.conclude()
-        self._ports.clear()
-        self.contents.end_recording(self.timeline.began)
 
 
 class _Stretch:

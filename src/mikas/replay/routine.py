@@ -16,7 +16,7 @@ from mikas.recording.exchanges.arrays import ExchangeColumns, Floats, Index, Mas
 from mikas.recording.exchanges.layouts import STREAMS
 from mikas.recording.exchanges.pieces import joined
 from mikas.recording.exchanges.refusals import is_lone, is_twice
-from mikas.replay.build import ReplayBuilder
+from mikas.replay.builder import ReplayBuilder
 from mikas.replay.contents import ROUNDING, RecordedPort, Request
 from mikas.replay.model import Series
 
