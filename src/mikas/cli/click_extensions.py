@@ -67,26 +67,31 @@ def grouped(
     return decorate
 
 
-YES = option("--yes", is_flag=True, en="do not ask", ru="не спрашивать")
-SURE = option(
+def flag(*names: str, en: str, ru: str) -> Callable[[F], F]:
+    """`option` without a value."""
+    return option(*names, is_flag=True, en=en, ru=ru)
+
+
+def output_option(
+    metavar: str = "OUT",
+    *,
+    required: bool = True,
+    en: str = "output file; required",
+    ru: str = "выходной файл; обязательно",
+) -> Callable[[F], F]:
+    """`option` of the file that the command writes."""
+    return option("-o", "--out", required=required, type=any_file, metavar=metavar, en=en, ru=ru)
+
+
+YES = flag("--yes", en="do not ask", ru="не спрашивать")
+SURE = flag(
     "--i-know-what-this-does",
     "sure",
-    is_flag=True,
     en="required together with --yes for what can leave the unit unable to run",
     ru="обязателен вместе с --yes, если после команды блок может перестать работать",
 )
-OUT = option(
-    "-o",
-    "--out",
-    required=True,
-    type=any_file,
-    metavar="OUT",
-    en="output file; required",
-    ru="выходной файл; обязательно",
-)
-OVERWRITE = option(
+OVERWRITE = flag(
     "--overwrite",
-    is_flag=True,
     en="replace OUT if it exists",
     ru="заменить OUT, если файл есть",
 )

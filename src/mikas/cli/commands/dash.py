@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from urllib.parse import urlencode
 
 from mikas.cli.advice import ADVICE
-from mikas.cli.click_extensions import command, option
+from mikas.cli.click_extensions import command, flag, option
 from mikas.cli.context import CommandContext
 from mikas.cli.desktop import FLAG, open_page
 from mikas.cli.language import localized, requested_language, tr
@@ -53,9 +53,8 @@ class DashStart:
     "«Связь».",
     examples=("mikas dash", "mikas dash --port /dev/ttyUSB0", "mikas dash --lan --no-browser"),
 )
-@option(
+@flag(
     FLAG,
-    is_flag=True,
     en="as its icon starts it: without a terminal. A second start opens the page of the first; "
     "the page ends the program",
     ru="как запускает её значок: без терминала. Второй запуск открывает страницу первого; "

@@ -10,12 +10,12 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from mikas.cli.click_extensions import command, option
+from mikas.cli.click_extensions import command, option, output_option
 from mikas.cli.context import CommandContext
 from mikas.cli.failures import DONE, USAGE
 from mikas.cli.language import capital, decimal, localized, tr
 from mikas.cli.options.car import CarOptions, car_options
-from mikas.cli.options.parameter_types import Portion, any_file, portion
+from mikas.cli.options.parameter_types import Portion, portion
 from mikas.cli.options.sampling import SamplingOptions, sampling_options
 from mikas.cli.render.output import StatusLine
 from mikas.errors import usage_error
@@ -51,12 +51,8 @@ if TYPE_CHECKING:
         "mikas log -o long.pcapng --rotate 1h",
     ),
 )
-@option(
-    "-o",
-    "--out",
-    required=True,
-    type=any_file,
-    metavar="FILE",
+@output_option(
+    "FILE",
     en="file to record to; required",
     ru="файл записи; обязательно",
 )

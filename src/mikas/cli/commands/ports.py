@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 from mikas.cli.advice import ADVICE
-from mikas.cli.click_extensions import YES, command, option
+from mikas.cli.click_extensions import YES, command, flag
 from mikas.cli.context import CommandContext, require_consent
 from mikas.cli.language import localized, tr
 from mikas.errors import UsageError, reason_of, usage_error
@@ -32,9 +32,8 @@ _READABLE = 0o644  # by udev and everybody
     "FT232 отдаёт байты через 1 мс.",
     examples=("mikas ports", "mikas ports --json", "mikas ports --install-rules"),
 )
-@option(
+@flag(
     "--install-rules",
-    is_flag=True,
     en="print and install udev rules for adapters (Linux)",
     ru="напечатать и поставить правила udev для адаптеров (Linux)",
 )

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mikas.cli.click_extensions import command, option
+from mikas.cli.click_extensions import command, flag, option
 from mikas.cli.context import CommandContext
 from mikas.cli.options.parameter_types import any_file, choices, one_of
 from mikas.errors import usage_error
@@ -65,7 +65,7 @@ _LINE_FAULTS = ", ".join(it.value for it in LineFault if it is not LineFault.DAM
     ru="сценарий поездки (warm-idle)",
 )
 @option("--faults", metavar="LIST", en="stored faults: 13,53", ru="ошибки в памяти: 13,53")
-@option("--no-echo", is_flag=True, en="an adapter without echo", ru="адаптер без эха")
+@flag("--no-echo", en="an adapter without echo", ru="адаптер без эха")
 @option(
     "--baud",
     metavar="N",

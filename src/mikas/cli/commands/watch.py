@@ -9,7 +9,7 @@ from contextlib import ExitStack, closing
 from functools import partial
 from typing import TYPE_CHECKING
 
-from mikas.cli.click_extensions import command, option
+from mikas.cli.click_extensions import command, flag
 from mikas.cli.context import CommandContext
 from mikas.cli.options.sampling import SamplingOptions, sampling_options
 
@@ -34,9 +34,8 @@ if TYPE_CHECKING:
         "mikas watch FREQ JAIR TWAT/10 --price",
     ),
 )
-@option(
+@flag(
     "--price",
-    is_flag=True,
     en="only show the time these names take with each method (needs no port)",
     ru="только показать, сколько времени займут эти имена при каждом способе (порт не нужен)",
 )

@@ -7,10 +7,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from mikas.cli.click_extensions import OVERWRITE, command, option
+from mikas.cli.click_extensions import OVERWRITE, command, output_option
 from mikas.cli.context import CommandContext
 from mikas.cli.language import current_language, localized
-from mikas.cli.options.parameter_types import any_file
 from mikas.cli.render.terminal import cell_text
 from mikas.json_values import picked
 
@@ -33,11 +32,8 @@ if TYPE_CHECKING:
     ),
 )
 @click.argument("dataset", metavar="DATASET")
-@option(
-    "-o",
-    "--out",
-    type=any_file,
-    metavar="OUT",
+@output_option(
+    required=False,
     en="the page, an .html file",
     ru="страница, файл .html",
 )

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from mikas.cli.click_extensions import command, option
+from mikas.cli.click_extensions import command, flag
 from mikas.cli.context import CommandContext
 from mikas.cli.language import decimal
 
@@ -42,10 +42,9 @@ MOST = 1000
 )
 @click.argument("dataset", metavar="DATASET")
 @click.argument("sql", metavar="SQL")
-@option(
+@flag(
     "--csv",
     "as_csv",
-    is_flag=True,
     en="print CSV with commas and decimal points",
     ru="вывести CSV (запятые, точка в числах)",
 )

@@ -7,12 +7,12 @@ from pathlib import Path
 
 import click
 
-from mikas.cli.click_extensions import command, option
+from mikas.cli.click_extensions import command, flag, option, output_option
 from mikas.cli.commands.memory.cells import SPACE
 from mikas.cli.context import CommandContext
 from mikas.cli.language import localized, tr
 from mikas.cli.options.common import RELEARN
-from mikas.cli.options.parameter_types import any_file, block_size, existing_file, hex_address
+from mikas.cli.options.parameter_types import block_size, existing_file, hex_address
 from mikas.cli.render.progress import progress
 from mikas.client.memory.dumps import (
     Difference,
@@ -49,12 +49,8 @@ BLOCK = option(
     ),
 )
 @click.argument("space", metavar="SPACE", type=SPACE)
-@option(
-    "-o",
-    "--out",
-    required=True,
-    type=any_file,
-    metavar="FILE",
+@output_option(
+    "FILE",
     en="the file to write; required",
     ru="файл для записи; обязательно",
 )
@@ -76,10 +72,9 @@ BLOCK = option(
     ru="последний адрес, включительно",
 )
 @BLOCK
-@option("--verify", is_flag=True, en="read everything a second time", ru="прочитать всё второй раз")
-@option(
+@flag("--verify", en="read everything a second time", ru="прочитать всё второй раз")
+@flag(
     "--resume",
-    is_flag=True,
     en="continue an interrupted dump",
     ru="продолжить прерванное чтение",
 )

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from mikas.cli.click_extensions import YES, command, option
+from mikas.cli.click_extensions import YES, command, flag, option
 from mikas.cli.commands.memory.cells import SPACE
 from mikas.cli.commands.memory.files import BLOCK, differences_json, show_differences
 from mikas.cli.context import CommandContext
@@ -37,15 +37,13 @@ from mikas.client.memory.restoring import DumpFile, Restore
 )
 @click.argument("space", metavar="SPACE", type=SPACE)
 @click.argument("file", metavar="FILE", type=existing_file)
-@option(
+@flag(
     "--resume",
-    is_flag=True,
     en="go on after an interruption",
     ru="продолжить прерванную запись",
 )
-@option(
+@flag(
     "--ignore-manifest",
-    is_flag=True,
     en="restore FILE to any unit, whatever its manifest says; requires --from",
     ru="записать FILE в любой блок, что бы ни говорило описание; нужен --from",
 )

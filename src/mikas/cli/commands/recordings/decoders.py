@@ -12,7 +12,7 @@ from pathlib import Path
 
 import click
 
-from mikas.cli.click_extensions import command, option
+from mikas.cli.click_extensions import command, flag, option
 from mikas.cli.context import CommandContext
 from mikas.cli.language import current_language
 from mikas.cli.render import terminal
@@ -38,9 +38,8 @@ _EXAMPLE = "sigrok-cli -i line.sr -P uart:baudrate=9600:rx=D0,mikas -A mikas"
         "mikas --catalog mine.toml wireshark --install",
     ),
 )
-@option(
+@flag(
     "--install",
-    is_flag=True,
     en="put it into your folder of Wireshark plugins",
     ru="поставить в вашу папку плагинов Wireshark",
 )
@@ -97,9 +96,8 @@ def wireshark(context: CommandContext, *, install: bool) -> None:
         "mikas sigrok -o decoders",
     ),
 )
-@option(
+@flag(
     "--install",
-    is_flag=True,
     en="install it for you; replaces only its own file",
     ru="поставить для вас; заменяет только свой файл",
 )

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from mikas.cli.click_extensions import OUT, OVERWRITE, command, option
+from mikas.cli.click_extensions import OVERWRITE, command, option, output_option
 from mikas.cli.context import CommandContext
 from mikas.cli.language import current_language, localized
 from mikas.cli.options.parameter_types import choices, existing_file, one_of
@@ -46,7 +46,7 @@ MOST_PROBLEMS = 20
 )
 @click.argument("file", metavar="FILE", type=existing_file)
 @click.argument("names", metavar="[NAME]...", nargs=-1)
-@OUT
+@output_option()
 @option(
     "--dialect",
     type=one_of(DIALECTS),

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from mikas.cli.click_extensions import OUT, OVERWRITE, command, option
+from mikas.cli.click_extensions import OVERWRITE, command, option, output_option
 from mikas.cli.context import CommandContext
 from mikas.cli.language import current_language, decimal, localized, tr
 from mikas.cli.options.car import CarOptions, car_options
@@ -47,7 +47,7 @@ _SECONDS = 30.0
     ),
 )
 @click.argument("file", metavar="[FILE]", required=False, type=existing_file)
-@OUT
+@output_option()
 @option(
     "--duration",
     type=number(above=0),

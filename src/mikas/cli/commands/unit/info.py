@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from mikas.catalog import Catalog
-from mikas.cli.click_extensions import command, option
+from mikas.cli.click_extensions import command, flag
 from mikas.cli.context import CommandContext
 from mikas.cli.language import decimal, localized, tr
 from mikas.cli.options.common import RELEARN
@@ -34,7 +34,7 @@ _BAUD = 9600  # §1
     "записанных запросов.",
     examples=("mikas info", "mikas info --quick", "mikas info --port socket://192.168.1.5:2000"),
 )
-@option("--quick", is_flag=True, en="do not try the commands", ru="не проверять команды")
+@flag("--quick", en="do not try the commands", ru="не проверять команды")
 @RELEARN
 def info(context: CommandContext, *, quick: bool) -> None:
     with context.ecu() as ecu:

@@ -9,11 +9,10 @@ from pathlib import Path
 
 from mikas.catalog import Catalog
 from mikas.catalog.starter import names_of, starter_catalog
-from mikas.cli.click_extensions import OVERWRITE, command, option
+from mikas.cli.click_extensions import OVERWRITE, command, output_option
 from mikas.cli.context import CommandContext
 from mikas.cli.language import current_language, localized, tr
 from mikas.cli.options.common import RELEARN
-from mikas.cli.options.parameter_types import any_file
 from mikas.cli.render.progress import progress
 from mikas.cli.render.values import unit_text, value_text
 from mikas.client import Answer, Ecu, ScannedCode
@@ -39,11 +38,8 @@ _CODES = 0x100
     "В блоке ничего не меняет. Ctrl-C показывает найденное.",
     examples=("mikas scan", "mikas scan -o mine.toml", "mikas scan --retries 0 --json"),
 )
-@option(
-    "-o",
-    "--out",
-    type=any_file,
-    metavar="OUT",
+@output_option(
+    required=False,
     en="write the unknown codes to OUT, a catalog file for --catalog",
     ru="записать неизвестные коды в OUT, файл каталога для --catalog",
 )
