@@ -105,7 +105,7 @@ MEMORY_COMMANDS: dict[str, tuple[str, Text]] = {
     ),
     "dump": _command("memory.files", "save a memory space to a file", "считать дамп в файл"),
     "restore": _command(
-        "memory.restore",
+        "memory.files",
         "write a dump back: only what differs",
         "записать дамп обратно: только отличия",
     ),
