@@ -9,14 +9,17 @@ from __future__ import annotations
 
 import threading
 from math import inf
+from typing import Final
+from weakref import WeakKeyDictionary, ref
 
 from mikas.errors import LinkLost, usage_error
 from mikas.i18n import Text
 from mikas.link.base import Chunk, Link, WallClock
-from mikas.link.follower import follower_of
 from mikas.link.ports import VIRTUAL
 from mikas.link.urls import take_clock
 from mikas.virtual.bus import Bus
+
+_PERIOD: Final = 1.0  # s between two steps of an engine that no request reads
 
 
 class _BusLink(Link):
@@ -91,6 +94,47 @@ class VirtualLink(_BusLink):
         self._check()
         self.bus.send_break(seconds, self._now)
         self._now += seconds
+
+
+class Follower:
+    """A thread that keeps the engine of one bus up with the time, until nothing uses the bus.
+
+    The engine runs when a datum is read, 2 ms for each second that has passed. After 25 minutes
+    without a request (the dashboard is disconnected, a script does something else) the first would
+    wait for 2.5 s. So it runs every second, as `mikas sim` does in its event loop.
+
+    `lock`: held while the bus is used. `clock`: the same for all links of the bus.
+    """
+
+    def __init__(self, bus: Bus) -> None:
+        self.lock = threading.Lock()
+        self.clock = WallClock()
+        self._bus = ref(bus)
+        self.thread = threading.Thread(target=self._run, name="mikas-sim", daemon=True)
+        self.thread.start()
+
+    def _run(self) -> None:
+        pause = threading.Event()
+        while not pause.wait(_PERIOD) and self._step():
+            pass
+
+    def _step(self) -> bool:
+        bus = self._bus()
+        if bus is None:
+            return False
+        with self.lock:
+            bus.ecu.responder.car.engine_speed(self.clock.now())
+        return True
+
+
+_FOLLOWERS: Final[WeakKeyDictionary[Bus, Follower]] = WeakKeyDictionary()
+
+
+def follower_of(bus: Bus) -> Follower:
+    """Return the follower of `bus`, which starts with the first link."""
+    if (follower := _FOLLOWERS.get(bus)) is None:
+        follower = _FOLLOWERS[bus] = Follower(bus)
+    return follower
 
 
 class RealTimeVirtualLink(_BusLink):

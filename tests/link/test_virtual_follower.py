@@ -7,7 +7,7 @@ import threading
 
 import pytest
 
-from mikas.link import follower
+from mikas.link import virtual
 from mikas.link.virtual import RealTimeVirtualLink
 from mikas.virtual.build import build_bus
 
@@ -26,8 +26,8 @@ def seen(monkeypatch):
                 event.set()
             return self.time
 
-    monkeypatch.setattr(follower, "WallClock", Clock)
-    monkeypatch.setattr(follower, "_PERIOD", 0.0)
+    monkeypatch.setattr(virtual, "WallClock", Clock)
+    monkeypatch.setattr(virtual, "_PERIOD", 0.0)
     return event
 
 
