@@ -13,7 +13,7 @@ from mikas.recording.capture import blocks as pcapng
 from mikas.recording.capture.clock import LONGEST, RecordingClock
 from mikas.recording.capture.reader import CaptureReader, Packet, Problem
 from mikas.recording.exchanges.columnar import column_exchanges
-from mikas.recording.exchanges.scalar import scalar_exchanges
+from mikas.recording.exchanges.turns import quick_exchanges
 from mikas.recording.export import SUFFIXES, export
 from mikas.recording.inspect import decode, to_text
 from mikas.recording.summary import summarise
@@ -70,8 +70,8 @@ def test_a_packet_with_an_impossible_time_is_a_problem_that_shows_its_bytes(tmp_
     times = [item.time for item in items if isinstance(item, Packet)]
     assert (len(times), min(times), max(times)) == (10, TODAY, TODAY + 0.41)
 
-    scalar, columns = (list(each(path)) for each in (scalar_exchanges, column_exchanges))
-    assert [it for it in scalar if isinstance(it, Problem)] == problems
+    turns, columns = (list(each(path)) for each in (quick_exchanges, column_exchanges))
+    assert [it for it in turns if isinstance(it, Problem)] == problems
     assert [it for it in columns if isinstance(it, Problem)] == problems
     assert sum(len(it.responses.times) for it in columns if not isinstance(it, Problem)) == 5
     rows = [time for rows in mikas.open(path).rows() for time in rows.times.tolist()]

@@ -30,7 +30,8 @@ from mikas.recording.capture.notes import Kind, index
 from mikas.recording.capture.reader import Blocks, CaptureReader, Packet, reason_of
 from mikas.recording.capture.scan import scan
 from mikas.recording.exchanges import count_responses
-from mikas.recording.exchanges.scalar import ScalarMatcher
+from mikas.recording.exchanges.scalar import DecodedFrame
+from mikas.recording.inspect import decode
 from mikas.recording.table.channels import PLAINLY_UNIX
 from mikas.sampling.events import Gap, Marker, TextNote
 
@@ -201,12 +202,10 @@ def _faults(sections: _Sections) -> tuple[int, ...] | None:
             if is_next or len(exchange) >= _MOST_PACKETS:
                 break
             exchange.append(packet)
-        if not exchange:
-            continue
-        found = ScalarMatcher(exchange[0].source).feed(exchange)
-        for _, _, body in found.answers((b"\x02",)):
-            with suppress(MikasError):
-                return tuple(c.ReadFaults().read(body))
+        for item in decode(exchange):
+            if isinstance(item, DecodedFrame) and item.request == b"\x02":
+                with suppress(MikasError):
+                    return tuple(c.ReadFaults().read(item.frame.body))
     return None
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, cast
+from typing import TYPE_CHECKING, Final
 
 from mikas.catalog import Catalog, shipped
 from mikas.commands.unit import version_of
@@ -19,14 +19,13 @@ from mikas.i18n import Text
 from mikas.recording.annotations.fields import passport_of
 from mikas.recording.capture.notes import Kind, Note
 from mikas.recording.capture.reader import Problem
-from mikas.recording.exchanges import read_exchanges
-from mikas.recording.exchanges.result import Column, Exchanges
+from mikas.recording.exchanges import has_whole_numpy, read_exchanges
+from mikas.recording.exchanges.result import Exchanges
 from mikas.replay.builder import ReplayBuilder
 from mikas.replay.contents import RecordedPort, Request
 from mikas.replay.model import ReplayData
 
 if TYPE_CHECKING:
-    from mikas.recording.exchanges.arrays import ExchangeColumns
     from mikas.replay.routine import Routine
 
 _Row = tuple[float, int, int, int, int, int]
@@ -67,6 +66,7 @@ class _Stretch:
         self._builder = builder
         self._port = port
         self._exchanges = exchanges
+        self._bodies = exchanges.responses.bodies.tobytes()
         self._shift = builder.timeline.shift
         self._byte_time = exchanges.source.byte_time
         self._next_serial = exchanges.requests.first
@@ -78,10 +78,10 @@ class _Stretch:
         """Take all requests and responses in order."""
         requests, responses = self._exchanges.requests, self._exchanges.responses
         routine: Routine | None = None
-        if not isinstance(responses.bodies, bytes):  # arrays
+        if has_whole_numpy():
             from mikas.replay.routine import Routine
 
-            routine = Routine(self._builder, self._port, cast("ExchangeColumns", self._exchanges))
+            routine = Routine(self._builder, self._port, self._exchanges)
         row = first = 0
         rows: list[_Row] = []
         while row < len(responses.times):
@@ -96,10 +96,7 @@ class _Stretch:
 
     def _rows(self, some: slice) -> list[_Row]:
         it = self._exchanges.responses
-        columns: tuple[Column[Any], ...] = (
-            *(it.times, it.requests, it.after),
-            *(it.starts, it.lengths, it.wire_lengths),
-        )
+        columns = (it.times, it.requests, it.after, it.starts, it.lengths, it.wire_lengths)
         return list(zip(*(column[some].tolist() for column in columns), strict=True))
 
     def _take_response(self, row: _Row) -> None:
@@ -109,7 +106,7 @@ class _Stretch:
         for request in (self._port.request, self._port.previous):
             if request and request.serial == serial:
                 began += self._shift
-                body = bytes(self._exchanges.responses.bodies[start : start + length])
+                body = self._bodies[start : start + length]
                 ended = began + wire * self._byte_time
                 self._builder.take_response(self._port, request, body, began, ended)
                 return

@@ -12,10 +12,11 @@ from typing import Final
 import numpy as np
 
 from mikas import commands as c
-from mikas.recording.exchanges.arrays import ExchangeColumns, Floats, Index, Mask
+from mikas.recording.exchanges.arrays import Floats, Index, Mask
 from mikas.recording.exchanges.layouts import STREAMS
 from mikas.recording.exchanges.pieces import joined
 from mikas.recording.exchanges.refusals import is_lone, is_twice
+from mikas.recording.exchanges.result import Exchanges
 from mikas.replay.builder import ReplayBuilder
 from mikas.replay.contents import ROUNDING, RecordedPort, Request
 from mikas.replay.model import Series
@@ -28,15 +29,13 @@ _LOOKED_AT: Final = 256  # rows at first; twice as many after each run without a
 class Routine:
     """The routine exchanges of one stretch."""
 
-    def __init__(
-        self, builder: ReplayBuilder, port: RecordedPort, exchanges: ExchangeColumns
-    ) -> None:
+    def __init__(self, builder: ReplayBuilder, port: RecordedPort, exchanges: Exchanges) -> None:
         self._builder = builder
         self._port = port
         self._exchanges = exchanges
         self._responses = responses = exchanges.responses
         self._usual: Mask = responses.requests == responses.after
-        self._usual &= ~np.isin(responses.requests, np.asarray(exchanges.damaged))
+        self._usual &= ~np.isin(responses.requests, exchanges.damaged)
         self._next_attempt = 0
         self._looked_at = _LOOKED_AT
 

@@ -6,6 +6,7 @@ import numpy as np
 from exchanges_reference import answers
 from hypothesis import given
 from hypothesis import strategies as st
+from scalar_reference import ScalarMatcher
 
 from mikas.framing import encode
 from mikas.i18n import Text
@@ -13,7 +14,6 @@ from mikas.link.base import Direction
 from mikas.recording.capture.reader import Packet, Problem, Source
 from mikas.recording.exchanges.columnar import ColumnarMatcher
 from mikas.recording.exchanges.packets import Packets
-from mikas.recording.exchanges.scalar import ScalarMatcher
 
 SENT, RECEIVED = Direction.SENT, Direction.RECEIVED
 LINE = Source(0, "sim:", baud=9600)

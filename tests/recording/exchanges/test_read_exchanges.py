@@ -1,4 +1,4 @@
-"""One result, whether it comes from arrays or from the reference, which needs no numpy."""
+"""One result, by columns, by turns or frame by frame, and over the arrays of the browser."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import sys
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scalar_reference import scalar_exchanges
 from test_columnar import plain
 from test_refusals import exchange, write
 from test_table_sessions import adapters, record, steps
@@ -17,7 +18,6 @@ from mikas.recording.exchanges.columnar import column_exchanges
 from mikas.recording.exchanges.groups import RefusalColumns, ResponseClassifier
 from mikas.recording.exchanges.layouts import READ_LIST, Layouts
 from mikas.recording.exchanges.refusals import RefusalResolver
-from mikas.recording.exchanges.scalar import scalar_exchanges
 from mikas.recording.exchanges.turns import quick_exchanges
 from mikas.virtual.fault_injector import FaultInjector, LineFault
 
@@ -98,8 +98,7 @@ def refused_in_order(path):
                     listed, setting = None, request
                 sent += 1
             request = item.bodies[responses.numbers[row]]
-            start = responses.starts[row]
-            body = responses.bodies[start : start + responses.lengths[row]]
+            body = responses.body(row)
             if request == setting and body == b"\x00":
                 listed = LAYOUTS.layout_of(request)
             layout = listed if request == READ_LIST else LAYOUTS.layout_of(request)
@@ -119,10 +118,12 @@ def test_the_same_verdicts_on_lone_01s(tmp_path_factory, exchanges, echo):
     assert refused_by_columns(path) == refused_in_order(path)
 
 
-WITHOUT_NUMPY = """
+IN_A_BROWSER = """
 import sys
 
-sys.modules["numpy"] = None
+from mikas.browser.arrays import install
+
+install()
 from mikas.recording.exchanges import read_exchanges
 from mikas.recording.inspect import decode
 from mikas.recording.capture.reader import CaptureReader
@@ -135,9 +136,9 @@ print(load(path).frames)
 """
 
 
-def test_without_numpy_the_reference_is_read(tmp_path):
+def test_over_the_arrays_of_a_browser_it_is_read_by_turns(tmp_path):
     path = tmp_path / "a.pcapng"
     write(path, [("6129", "15"), ("6120", "14"), ("01", "0A")])
-    command = [sys.executable, "-c", WITHOUT_NUMPY, str(path)]
+    command = [sys.executable, "-c", IN_A_BROWSER, str(path)]
     ran = subprocess.run(command, check=False, capture_output=True, text=True, timeout=120)
     assert (ran.returncode, ran.stdout.strip()) == (0, "3"), ran.stderr

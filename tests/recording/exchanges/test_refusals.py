@@ -153,6 +153,6 @@ def test_any_session_however_it_is_cut(tmp_path_factory, exchanges, echo, window
     write(path, exchanges, echo=echo)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(
-            raw_recording, "read_columns", partial(capture.column_exchanges, window=window)
+            raw_recording, "read_exchanges", partial(capture.column_exchanges, window=window)
         )
         assert table_in(path) == expected(path)

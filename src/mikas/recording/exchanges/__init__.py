@@ -1,7 +1,7 @@
 """Recorded exchanges: one interpretation of the traffic in a capture.
 
-All that reads exchanges chooses here, once: arrays (`exchanges.columnar`), or turn by turn
-(`exchanges.turns`) where numpy is missing, or, as in a browser, has not all that is needed.
+All that reads exchanges chooses here, once: array by array (`exchanges.columnar`), or turn by turn
+(`exchanges.turns`) where, as in a browser, numpy has not all that is needed.
 """
 
 from __future__ import annotations
@@ -9,23 +9,18 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from functools import cache
-from typing import TYPE_CHECKING, BinaryIO
+from typing import BinaryIO
 
 from mikas.recording.capture.blocks import Order
 from mikas.recording.capture.notes import Note
 from mikas.recording.capture.reader import Blocks, Problem
 from mikas.recording.exchanges.result import Exchanges
 
-if TYPE_CHECKING:
-    from mikas.recording.exchanges.arrays import ExchangeColumns
-
-_NUMPY = ("numpy", "numpy.lib")
-
 
 def read_exchanges(path: str | os.PathLike[str]) -> Iterator[Exchanges | Problem | Note]:
     """Yield the exchanges of a capture, a stretch of a port at a time, with problems and notes.
 
-    They come as arrays, or without numpy. Raise as `CaptureReader` does.
+    Raise as `CaptureReader` does.
     """
     if has_whole_numpy():
         from mikas.recording.exchanges.columnar import column_exchanges
@@ -34,14 +29,6 @@ def read_exchanges(path: str | os.PathLike[str]) -> Iterator[Exchanges | Problem
     from mikas.recording.exchanges.turns import quick_exchanges
 
     return quick_exchanges(path)
-
-
-def read_columns(path: str | os.PathLike[str]) -> Iterator[ExchangeColumns | Problem | Note]:
-    """Yield the same, always as arrays."""
-    from mikas.recording.exchanges.arrays import as_columns
-
-    for item in read_exchanges(path):
-        yield item if isinstance(item, Problem | Note) else as_columns(item)
 
 
 def count_responses(file: BinaryIO, piece: range, order: Order, blocks: Blocks) -> tuple[int, int]:
@@ -64,7 +51,7 @@ def has_whole_numpy() -> bool:
     try:
         import mikas.recording.exchanges.pieces  # noqa: F401  (whether it can be)
     except ModuleNotFoundError as error:
-        if error.name in _NUMPY:
+        if error.name == "numpy.lib":
             return False
         raise
     return True

@@ -19,13 +19,7 @@ import numpy as np
 from mikas.recording.capture.blocks import Order
 from mikas.recording.capture.notes import Note
 from mikas.recording.capture.reader import Blocks, Problem, Source
-from mikas.recording.exchanges.arrays import (
-    ExchangeColumns,
-    Floats,
-    Index,
-    Mask,
-    ResponseColumns,
-)
+from mikas.recording.exchanges.arrays import Floats, Index, Mask
 from mikas.recording.exchanges.matching import (
     AVAILABILITY,
     NO_REQUEST,
@@ -35,7 +29,7 @@ from mikas.recording.exchanges.matching import (
 )
 from mikas.recording.exchanges.packets import WINDOW, PacketColumns, Packets, Window, read
 from mikas.recording.exchanges.pieces import equal
-from mikas.recording.exchanges.result import GAP, ExchangesOf, Requests, Responses
+from mikas.recording.exchanges.result import GAP, Exchanges, Requests, Responses
 from mikas.recording.exchanges.stream import Events, PacketStream
 
 _ECHO: Final = -2
@@ -47,9 +41,9 @@ _NEVER: Final = np.iinfo(np.int64).max
 
 def column_exchanges(
     path: str | os.PathLike[str], window: int = WINDOW
-) -> Iterator[ExchangeColumns | Problem | Note]:
-    """Yield the exchanges of a capture as arrays. Raise as `CaptureReader` does."""
-    return matched(read(path, window), lambda packets: packets.source, ColumnarMatcher)
+) -> Iterator[Exchanges | Problem | Note]:
+    """Yield the exchanges of a capture. Raise as `CaptureReader` does."""
+    return matched(read(path, window), ColumnarMatcher)
 
 
 def responses_in(file: BinaryIO, piece: range, order: Order, blocks: Blocks) -> tuple[int, int]:
@@ -77,7 +71,7 @@ class ColumnarMatcher:
         self._last: float = np.inf
         self._latest = np.full(2, NO_REQUEST)  # numbers of the last two requests
 
-    def feed(self, packets: Packets) -> ExchangeColumns:
+    def feed(self, packets: Packets) -> Exchanges:
         """Return the exchanges that these packets complete."""
         after_sent = np.concatenate(([self._sent_last], packets.sent[:-1]))
         self._sent_last = bool(packets.sent[-1])
@@ -93,7 +87,7 @@ class ColumnarMatcher:
         after = first - 1 + requests.turns.searchsorted(responses.turns, "right")
         chosen = (answers > _ECHO).nonzero()[0]
         sent_times = self._sent.packet_times(sent, requests.index)
-        return ExchangesOf(
+        return Exchanges(
             source=self._source,
             bodies=self.matching.bodies,
             requests=Requests(first, requests.numbers, sent_times, requests.lengths),
@@ -121,7 +115,7 @@ class ColumnarMatcher:
 
     def _responses(
         self, requests: Events, responses: Events, chosen: Index, answers: Index, after: Index
-    ) -> ResponseColumns:
+    ) -> Responses:
         block, events = responses.block, responses.index[chosen]
         serials = answers[chosen]
         # A response answers one of the last two earlier requests, or one of this stretch.

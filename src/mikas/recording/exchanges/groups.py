@@ -13,13 +13,7 @@ from typing import Final
 import numpy as np
 
 from mikas.commands.base import ERROR
-from mikas.recording.exchanges.arrays import (
-    ExchangeColumns,
-    Index,
-    Mask,
-    ResponseColumns,
-    present,
-)
+from mikas.recording.exchanges.arrays import Index, Mask, present
 from mikas.recording.exchanges.layouts import (
     LIST_IS_SET,
     READ_LIST,
@@ -37,6 +31,7 @@ from mikas.recording.exchanges.refusals import (
     is_twice,
     was_one,
 )
+from mikas.recording.exchanges.result import Exchanges, Responses
 
 _ONE: Final = ERROR[0]
 _NOWHERE: Final = np.empty(0, np.int64)
@@ -70,7 +65,7 @@ class ResponseClassifier:
         self._known = 0  # bodies
         self._list: Layout | None = None
 
-    def groups(self, exchanges: ExchangeColumns) -> Iterator[ResponseGroup]:
+    def groups(self, exchanges: Exchanges) -> Iterator[ResponseGroup]:
         """Yield the groups; every response with a layout is in one of them."""
         responses, bodies = exchanges.responses, exchanges.bodies
         lists = self._lists(exchanges)
@@ -88,7 +83,7 @@ class ResponseClassifier:
             elif layout := self._layouts.layout_of(request):
                 yield _group(number, layout, rows, responses)
 
-    def _lists(self, exchanges: ExchangeColumns) -> list[tuple[int, Layout | None]]:
+    def _lists(self, exchanges: Exchanges) -> list[tuple[int, Layout | None]]:
         """Return the lists with the response from which each holds."""
         requests, responses, bodies = exchanges.requests, exchanges.responses, exchanges.bodies
         lists = [(0, self._list)]
@@ -118,7 +113,7 @@ class ResponseClassifier:
         return lists
 
 
-def _group(number: int, layout: Layout, rows: Index, responses: ResponseColumns) -> ResponseGroup:
+def _group(number: int, layout: Layout, rows: Index, responses: Responses) -> ResponseGroup:
     return ResponseGroup(number, layout, rows, rows[responses.lengths[rows] == layout.length])
 
 
@@ -133,7 +128,7 @@ class RefusalColumns:
         self._codes: dict[int, tuple[LoneResponses, list[Index]]] = {}  # numbers of the doubtful
         self._latest: dict[Layout, tuple[int, bytes]] = {}
 
-    def add_responses(self, groups: list[ResponseGroup], responses: ResponseColumns) -> set[int]:
+    def add_responses(self, groups: list[ResponseGroup], responses: Responses) -> set[int]:
         """Take the next responses; return the codes that have a certain value in them."""
         certain: list[ResponseGroup] = []
         lone: dict[int, ResponseGroup] = {}
@@ -178,7 +173,7 @@ class RefusalColumns:
             refused += [doubtful[start:stop] for start, stop in lone.refused]
         return np.sort(np.concatenate(refused)), believed
 
-    def _beginnings(self, group: ResponseGroup, responses: ResponseColumns) -> Index:
+    def _beginnings(self, group: ResponseGroup, responses: Responses) -> Index:
         """Return the doubtful responses of a stream of one byte."""
         serials = responses.requests[group.rows]
         before = np.concatenate(([self._last_serials.get(group.request, -1)], serials[:-1]))
@@ -193,7 +188,7 @@ class RefusalColumns:
         if code not in self._codes:
             self._codes[code] = LoneResponses(is_sure=was_one(code, self._latest)), []
 
-    def _remember(self, certain: list[ResponseGroup], responses: ResponseColumns) -> None:
+    def _remember(self, certain: list[ResponseGroup], responses: Responses) -> None:
         for group in certain:
             if group.fitting.size:
                 last = int(group.fitting[-1])
@@ -219,7 +214,7 @@ class RefusalColumns:
         self,
         certain: list[ResponseGroup],
         lone: Mapping[int, ResponseGroup],
-        responses: ResponseColumns,
+        responses: Responses,
     ) -> dict[int, _Events]:
         """Return, by followed code, the rows that concern it, and their kinds."""
         events: dict[int, _Events] = {}
@@ -249,6 +244,6 @@ def _in_order(events: _Events) -> tuple[Index, Index]:
     return rows[order], kinds[order]
 
 
-def _is_one(group: ResponseGroup, responses: ResponseColumns) -> Mask:
+def _is_one(group: ResponseGroup, responses: Responses) -> Mask:
     one: Mask = responses.bodies[responses.starts[group.fitting]] == _ONE
     return one

@@ -6,24 +6,24 @@ request, whose response never repeats it, decides whether the line echoes at all
 neither its command nor an identifier: a frame that is no echo counts as the response to the last
 request before it (D13).
 
-`exchanges.scalar` applies these rules to every frame, `exchanges.columnar` only to irregular
-traffic: for regular traffic it computes their outcome in one step.
+`exchanges.scalar` applies these rules to every frame, `exchanges.columnar` and `exchanges.turns`
+only to irregular traffic: for regular traffic they compute their outcome in one step.
 """
 
 from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
-from typing import Final, NamedTuple, Protocol, TypeVar
+from typing import TYPE_CHECKING, Final, NamedTuple, Protocol, TypeVar
 
 from mikas.commands import COMMANDS_BY_CODE, Availability
 from mikas.recording.capture.notes import Note
 from mikas.recording.capture.reader import Problem, Source
+from mikas.recording.exchanges.result import Exchanges
 
-P_contra = TypeVar("P_contra", contravariant=True)
-E_co = TypeVar("E_co", covariant=True)
-P = TypeVar("P")
-E = TypeVar("E")
+if TYPE_CHECKING:
+    from mikas.recording.exchanges.packets import Packets
+    from mikas.recording.exchanges.runs import PacketRun
 
 # s; an unfinished frame is abandoned after such a silence: longer than D14's pause inside a
 # response and a latency timer. If a request was sent in between, the tester has abandoned it.
@@ -133,22 +133,24 @@ class Matching:
         return True
 
 
-class Matcher(Protocol[P_contra, E_co]):
+P = TypeVar("P", bound="Packets | PacketRun")
+P_contra = TypeVar("P_contra", contravariant=True)
+
+
+class Matcher(Protocol[P_contra]):
     """One port of one recording."""
 
     matching: Matching
 
-    def feed(self, packets: P_contra, /) -> E_co:
+    def feed(self, packets: P_contra, /) -> Exchanges:
         """Return the exchanges that these packets complete."""
 
 
 def matched(
-    items: Iterable[P | Problem | Note],
-    source_of: Callable[[P], Source],
-    matcher: Callable[[Source], Matcher[P, E]],
-) -> Iterator[E | Problem | Note]:
+    items: Iterable[P | Problem | Note], matcher: Callable[[Source], Matcher[P]]
+) -> Iterator[Exchanges | Problem | Note]:
     """Yield the exchanges of stretches of packets; each port of a recording has a matcher."""
-    ports: dict[Source, Matcher[P, E]] = {}
+    ports: dict[Source, Matcher[P]] = {}
     for item in items:
         if isinstance(item, Note):
             yield item
@@ -158,7 +160,7 @@ def matched(
                 port.matching.interrupt()
             yield item
             continue
-        source = source_of(item)
+        source = item.source
         if source not in ports:
             if any(other.recording != source.recording for other in ports):
                 ports.clear()

@@ -1,45 +1,31 @@
-"""Recorded exchanges frame by frame: the reference for `exchanges.columnar`, without numpy.
+"""The line frame by frame: what its frames are, and which request each one answers.
 
-Each direction has a decoder of its own (§2); `exchanges.matching` has the rules.
+Each direction has a decoder of its own (§2); `exchanges.matching` has the rules. It is the
+reference for `exchanges.columnar` and `exchanges.turns`, which take what is not regular from here.
 """
 
 from __future__ import annotations
 
-import os
-from array import array
 from collections import deque
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, Final, NamedTuple
+from typing import Final, NamedTuple
 
 from mikas.commands import COMMANDS_BY_CODE
 from mikas.framing import DamageReason, Decoder, Event, Frame
 from mikas.i18n import Text
 from mikas.link.base import Direction
-from mikas.recording.capture.notes import Note
-from mikas.recording.capture.reader import CaptureReader, Packet, Problem, Source
+from mikas.recording.capture.reader import Packet, Source
 from mikas.recording.exchanges.matching import (
-    NO_REQUEST,
     SILENCE,
     SILENCE_AFTER_SENDING,
     UNKNOWN,
     Matching,
     SentRequest,
-    matched,
-)
-from mikas.recording.exchanges.result import (
-    GAP,
-    JUMP,
-    LONGEST_PAUSE,
-    Exchanges,
-    ExchangesOf,
-    Requests,
-    Responses,
 )
 
 UNFINISHED: Final = "unfinished"
 """Why an abandoned frame is damage, beside the values of `DamageReason`."""
-_MOST_PACKETS = 1024  # packets
 
 
 @dataclass(frozen=True, slots=True)
@@ -219,110 +205,3 @@ class PortDecoder:
                 data, reason = data[:-1], DamageReason.CHECKSUM.value
             where = (self._source, direction, *place, False, self.matching.count - 1)
             yield DecodedDamage(*where, data, reason, abandoned=True)
-
-
-class FoundExchanges:
-    """The exchanges of one stretch, as they are found, column by column.
-
-    `requests`: number, time, length. `responses`: time, serial and number of the request, serial of
-    the last request before, start and length of the body, length on the wire.
-    """
-
-    def __init__(self, matching: Matching) -> None:
-        self._matching = matching
-        self._first = matching.count
-        self.requests: tuple[array[Any], ...] = (array("q"), array("d"), array("q"))
-        self.responses: tuple[array[Any], ...] = (array("d"), *(array("q") for _ in range(6)))
-        self.bodies = bytearray()
-        self.echoes = 0
-        self._damaged = array("q")
-        self._raw_checksum = False
-
-    def add_item(self, item: DecodedFrame | DecodedDamage) -> None:
-        """Take the next part of the line."""
-        is_sent, number = item.direction is Direction.SENT, self._matching.number
-        match item:
-            case DecodedDamage(abandoned=True):
-                pass
-            case _ if item.echo:
-                self.echoes += 1
-            case DecodedDamage(data=wire) if is_sent:
-                _append(self.requests, NO_REQUEST, item.begin, len(wire))
-            case DecodedDamage():
-                self._damaged.append(item.after)
-            case DecodedFrame(frame=frame) if is_sent:
-                _append(self.requests, number(frame.body), item.begin, len(frame.wire))
-            case DecodedFrame(frame=frame, answers=(serial, request)):
-                self._raw_checksum |= frame.raw_checksum
-                place = len(self.bodies), len(frame.body), len(frame.wire)
-                answered = serial, number(request), item.after
-                _append(self.responses, item.wire_time, *answered, *place)
-                self.bodies += frame.body
-
-    def exchanges(self, source: Source, times: Sequence[float], last: float | None) -> Exchanges:
-        """Return all of it. `times`: of the stretch's packets; `last`: of the one before them."""
-        before = [times[0] if last is None else last, *times[:-1]]
-        pairs = zip(before, times, strict=True)
-        return ExchangesOf(
-            source=source,
-            bodies=self._matching.bodies,
-            requests=Requests(self._first, *self.requests),
-            responses=Responses(bytes(self.bodies), *self.responses),
-            damaged=self._damaged,
-            echoes=self.echoes,
-            raw_checksum=self._raw_checksum,
-            gaps=[(begin, end) for begin, end in pairs if end - begin > GAP],
-            begin=times[0],
-            end=times[-1],
-        )
-
-
-class ScalarMatcher:
-    """The exchanges of one port of one recording."""
-
-    def __init__(self, source: Source) -> None:
-        self._source = source
-        self._port = PortDecoder(source)
-        self.matching = self._port.matching
-        self._last: float | None = None
-
-    def feed(self, packets: Sequence[Packet]) -> Exchanges:
-        """Return the exchanges that these packets complete."""
-        found = FoundExchanges(self.matching)
-        for packet in packets:
-            for item in self._port.feed(packet):
-                found.add_item(item)
-        times = [packet.time for packet in packets]
-        exchanges = found.exchanges(self._source, times, self._last)
-        self._last = times[-1]
-        return exchanges
-
-
-def _append(columns: Iterable[array[Any]], *row: float) -> None:
-    for column, value in zip(columns, row, strict=True):
-        column.append(value)
-
-
-def scalar_exchanges(path: str | os.PathLike[str]) -> Iterator[Exchanges | Problem | Note]:
-    """Yield the exchanges without numpy, and without notes."""
-    return matched(_stretches(CaptureReader(path)), lambda it: it[0].source, ScalarMatcher)
-
-
-def _stretches(items: Iterable[Packet | Problem]) -> Iterator[Sequence[Packet] | Problem]:
-    waiting: list[Packet] = []
-    for item in items:
-        if waiting and (len(waiting) == _MOST_PACKETS or not _continues(waiting[-1], item)):
-            yield waiting
-            waiting = []
-        if isinstance(item, Problem):
-            yield item
-        else:
-            waiting.append(item)
-    if waiting:
-        yield waiting
-
-
-def _continues(last: Packet, item: Packet | Problem) -> bool:
-    if isinstance(item, Problem):
-        return False
-    return item.source == last.source and -JUMP <= item.time - last.time <= LONGEST_PAUSE

@@ -1,28 +1,36 @@
-"""Recorded exchanges without numpy: the result of `exchanges.scalar`, several times faster (D13).
+"""Recorded exchanges where numpy has not all that `exchanges.columnar` needs: in a browser (D13).
 
-Where numpy has not all that `exchanges.columnar` needs, as in a browser. A turn is regular if it is
-one request of one frame in one packet, then its echo, if the line has one, and nothing but sound
-frames. Of such turns a loop takes the exchanges itself; all others go frame by frame through
-`PortDecoder`.
+A turn is regular if it is one request of one frame in one packet, then its echo, if the line has
+one, and nothing but sound frames. Of such turns a loop takes the exchanges itself, several times
+faster than `exchanges.scalar`; all others go frame by frame through `PortDecoder`.
 """
 
 from __future__ import annotations
 
 import os
+from array import array
 from bisect import bisect_left, bisect_right
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import accumulate
-from typing import BinaryIO, Final
+from typing import Any, BinaryIO, Final
+
+import numpy as np
 
 from mikas.framing import ESCAPE, TERMINATOR, Decoder, Frame, unstuff
 from mikas.link.base import Direction
 from mikas.recording.capture.blocks import Order
 from mikas.recording.capture.notes import Note
 from mikas.recording.capture.reader import Blocks, Packet, Problem, Source
-from mikas.recording.exchanges.matching import AVAILABILITY, SILENCE, matched
-from mikas.recording.exchanges.result import Exchanges, ExchangesOf
+from mikas.recording.exchanges.matching import (
+    AVAILABILITY,
+    NO_REQUEST,
+    SILENCE,
+    Matching,
+    matched,
+)
+from mikas.recording.exchanges.result import GAP, Exchanges, Requests, Responses
 from mikas.recording.exchanges.runs import PacketRun, read, stretches, walk
-from mikas.recording.exchanges.scalar import FoundExchanges, PortDecoder
+from mikas.recording.exchanges.scalar import DecodedDamage, DecodedFrame, PortDecoder
 
 _LONGEST: Final = 4096  # bytes of a frame: the decoder's limit
 _MOST_REQUESTS: Final = 4096  # that are remembered
@@ -31,15 +39,73 @@ _Frames = list[tuple[float, bytes, int]]
 
 def quick_exchanges(path: str | os.PathLike[str]) -> Iterator[Exchanges | Problem | Note]:
     """Yield the exchanges of a capture. Raise as `CaptureReader` does."""
-    return matched(read(path), lambda run: run.source, TurnMatcher)
+    return matched(read(path), TurnMatcher)
 
 
 def responses_in(file: BinaryIO, piece: range, order: Order, blocks: Blocks) -> tuple[int, int]:
     """Return what `columnar.responses_in` does; here the run is the piece."""
     runs = stretches(walk(file, piece.start, order, piece.stop, blocks))
-    found = matched(runs, lambda run: run.source, TurnMatcher)
-    count = sum(len(each.responses.times) for each in found if isinstance(each, ExchangesOf))
+    found = matched(runs, TurnMatcher)
+    count = sum(len(each.responses.times) for each in found if isinstance(each, Exchanges))
     return count, len(piece)
+
+
+class FoundExchanges:
+    """The exchanges of one stretch, as they are found, column by column.
+
+    `requests`: number, time, length. `responses`: time, serial and number of the request, serial of
+    the last request before, start and length of the body, length on the wire.
+    """
+
+    def __init__(self, matching: Matching) -> None:
+        self._matching = matching
+        self._first = matching.count
+        self.requests: tuple[array[Any], ...] = (array("q"), array("d"), array("q"))
+        self.responses: tuple[array[Any], ...] = (array("d"), *(array("q") for _ in range(6)))
+        self.bodies = bytearray()
+        self.echoes = 0
+        self._damaged = array("q")
+        self._raw_checksum = False
+
+    def add_item(self, item: DecodedFrame | DecodedDamage) -> None:
+        """Take the next part of the line."""
+        is_sent, number = item.direction is Direction.SENT, self._matching.number
+        match item:
+            case DecodedDamage(abandoned=True):
+                pass
+            case _ if item.echo:
+                self.echoes += 1
+            case DecodedDamage(data=wire) if is_sent:
+                _append(self.requests, NO_REQUEST, item.begin, len(wire))
+            case DecodedDamage():
+                self._damaged.append(item.after)
+            case DecodedFrame(frame=frame) if is_sent:
+                _append(self.requests, number(frame.body), item.begin, len(frame.wire))
+            case DecodedFrame(frame=frame, answers=(serial, request)):
+                self._raw_checksum |= frame.raw_checksum
+                place = len(self.bodies), len(frame.body), len(frame.wire)
+                answered = serial, number(request), item.after
+                _append(self.responses, item.wire_time, *answered, *place)
+                self.bodies += frame.body
+
+    def exchanges(self, source: Source, times: Sequence[float], last: float | None) -> Exchanges:
+        """Return all of it. `times`: of the stretch's packets; `last`: of the one before them."""
+        before = [times[0] if last is None else last, *times[:-1]]
+        pairs = zip(before, times, strict=True)
+        return Exchanges(
+            source=source,
+            bodies=self._matching.bodies,
+            requests=Requests(self._first, *map(np.asarray, self.requests)),
+            responses=Responses(
+                np.frombuffer(bytes(self.bodies), np.uint8), *map(np.asarray, self.responses)
+            ),
+            damaged=np.asarray(self._damaged),
+            echoes=self.echoes,
+            raw_checksum=self._raw_checksum,
+            gaps=[(begin, end) for begin, end in pairs if end - begin > GAP],
+            begin=times[0],
+            end=times[-1],
+        )
 
 
 class TurnMatcher:
@@ -171,6 +237,11 @@ class TurnMatcher:
             frames.append((min(times[packets[0]], *begun), frame, len(frame) + 1))
             start = stop
         return frames
+
+
+def _append(columns: Iterable[array[Any]], *row: float) -> None:
+    for column, value in zip(columns, row, strict=True):
+        column.append(value)
 
 
 def _is_sound(frame: bytes) -> bool:

@@ -23,10 +23,11 @@ from mikas.commands import ERASE_FAULTS, ReadFaults
 from mikas.errors import MikasError
 from mikas.recording.capture.notes import Note
 from mikas.recording.capture.reader import Problem, Source
-from mikas.recording.exchanges import read_columns
-from mikas.recording.exchanges.arrays import Bytes, ExchangeColumns, Floats, Index, Mask
+from mikas.recording.exchanges import read_exchanges
+from mikas.recording.exchanges.arrays import Bytes, Floats, Index, Mask
 from mikas.recording.exchanges.groups import RefusalColumns, ResponseClassifier, ResponseGroup
 from mikas.recording.exchanges.layouts import Layout, Layouts
+from mikas.recording.exchanges.result import Exchanges
 from mikas.sampling.events import FaultReading
 
 _MOST_PROBLEMS: Final = 1000
@@ -162,11 +163,11 @@ class RawRecording:
 
     def _walk(
         self, note: Callable[[Problem | Note], None]
-    ) -> Iterator[tuple[ExchangeColumns, list[ResponseGroup], RawRows]]:
+    ) -> Iterator[tuple[Exchanges, list[ResponseGroup], RawRows]]:
         """Yield the exchanges, with their responses with data and these as rows."""
         ports: dict[Source, ResponseClassifier] = {}
         taken: Counter[Source] = Counter()
-        for item in read_columns(self.path):
+        for item in read_exchanges(self.path):
             check_cancelled()
             if isinstance(item, Problem | Note):
                 note(item)
@@ -186,7 +187,7 @@ class RawRecording:
         if len(self.problems) < _MOST_PROBLEMS:
             self.problems.append(item)
 
-    def _take_faults(self, exchanges: ExchangeColumns, erased: set[Source]) -> None:
+    def _take_faults(self, exchanges: Exchanges, erased: set[Source]) -> None:
         source = exchanges.source
         for time, request, body in exchanges.answers((_READ_FAULTS, _ERASE)):
             if request == _ERASE:
@@ -198,7 +199,7 @@ class RawRecording:
                 erased.discard(source)
 
 
-def _rows(exchanges: ExchangeColumns, groups: list[ResponseGroup], first: int) -> RawRows:
+def _rows(exchanges: Exchanges, groups: list[ResponseGroup], first: int) -> RawRows:
     responses = exchanges.responses
     count = len(responses.times)
     row_of = np.full(count, -1)
