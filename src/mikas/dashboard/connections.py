@@ -78,23 +78,19 @@ class TcpLimits:
         return cls(max(_MIN_TOTAL, min(MAX_TOTAL, _descriptors() - _OTHER_FILES)))
 
 
+@dataclass(eq=False, slots=True)
 class TcpConnection:
     """An accepted connection. `address`: of an address in the network; None: of this computer."""
 
-    __slots__ = (
-        "_drop", "_moved", "_protocol", "_refused", "_transport", "_unsent", "address", "phase",
-        "since",
-    )  # fmt: skip
-
-    def __init__(self, address: str | None, drop: Callable[[], object], now: float) -> None:
-        self.address = address
-        self.phase = TcpPhase.REQUEST
-        self._drop: Callable[[], object] | None = drop
-        self._transport: asyncio.Transport | None = None
-        self._protocol: asyncio.BaseProtocol | None = None
-        self.since = self._moved = now
-        self._unsent = 0
-        self._refused = False
+    address: str | None
+    _drop: Callable[[], object] | None
+    since: float
+    phase: TcpPhase = TcpPhase.REQUEST
+    _transport: asyncio.Transport | None = None
+    _protocol: asyncio.BaseProtocol | None = None
+    _moved: float = 0.0  # when the client last took something of the unsent
+    _unsent: int = 0
+    _refused: bool = False
 
     def attach(self, transport: asyncio.Transport, protocol: asyncio.BaseProtocol) -> None:
         """Set the transport and its HTTP, once there are; for TLS after the handshake."""

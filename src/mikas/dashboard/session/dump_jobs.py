@@ -234,50 +234,28 @@ class DumpJobs:
 
     def _piece(self, ecu: Ecu, job: DumpJob) -> bool:
         """Read one piece, in the sampling thread; return whether there is more to read."""
-        failed = ecu.tester.statistics.failed
-        before = job.manifest.bytes_read
-        if not job.manifest.complete:
-            self._read(ecu, job)
-            if ecu.tester.statistics.failed > failed:
-                job.retried |= set(
-                    range(before // job.cell, job.manifest.bytes_read // job.cell + 1)
-                )
-        elif not job.manifest.finished:
-            self._check(ecu, job)
-        return not job.manifest.finished
-
-    def _open(self, ecu: Ecu, job: DumpJob) -> Dump:
+        wanted, failed = job.manifest, ecu.tester.statistics.failed
+        if wanted.finished:
+            return False
         ensure_folder(job.file.parent)
-        wanted = job.manifest
-        dump = Dump(
-            ecu,
-            ecu.memory[wanted.space],
-            job.file,
-            first=wanted.first,
-            last=wanted.last,
-            resume=True,
-        )
-        dump.manifest.verify |= wanted.verify
-        return dump
+        first, last, space = wanted.first, wanted.last, ecu.memory[wanted.space]
+        dump = Dump(ecu, space, job.file, first=first, last=last, resume=True)
+        now = dump.manifest
+        now.verify |= wanted.verify
+        began = now.bytes_read
 
-    def _read(self, ecu: Ecu, job: DumpJob) -> None:
-        dump = self._open(ecu, job)
-        got = 0
-
-        def progress(count: int) -> None:
-            nonlocal got
-            got += count
-            if got >= PIECE:
+        def progress(_: int) -> None:
+            if now.bytes_read - began >= PIECE:
                 raise _PieceRead
 
         try:
-            with suppress(_PieceRead):
-                dump.advance(block=job.block, progress=progress)
+            if wanted.complete and now.complete:  # else the file was cut, or is not whole yet
+                dump.check(PIECE, block=job.block, progress=lambda _: None)
+            else:
+                with suppress(_PieceRead):
+                    dump.advance(block=job.block, progress=progress)
+                if ecu.tester.statistics.failed > failed:
+                    job.retried |= {*range(began // job.cell, now.bytes_read // job.cell + 1)}
         finally:
-            job.manifest = dump.manifest
-
-    def _check(self, ecu: Ecu, job: DumpJob) -> None:
-        dump = self._open(ecu, job)
-        job.manifest = dump.manifest
-        if dump.manifest.complete:  # else the file was cut: the missing part is read first
-            dump.check(PIECE, block=job.block, progress=lambda _: None)
+            job.manifest = now
+        return not now.finished
