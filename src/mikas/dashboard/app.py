@@ -19,6 +19,7 @@ from mikas.dashboard import page
 from mikas.dashboard.api import (
     catalog,
     changes,
+    channels,
     connection,
     errors,
     guided_tests,
@@ -28,7 +29,6 @@ from mikas.dashboard.api import (
     search,
     unit,
 )
-from mikas.dashboard.api.channels import editing, values
 from mikas.dashboard.api.library import (
     cars,
     dumps,
@@ -55,7 +55,7 @@ the control lease, which the first client gets. Times are UNIX seconds, bytes up
 Live data: WebSocket `/api/live?client=…`, described in docs/reference/api.md.
 """
 
-_PARTS = (catalog, editing, values, connection, live, network, unit,
+_PARTS = (catalog, channels, connection, live, network, unit,
           guided_tests, memory, dumps, changes, recordings, files, cars, recorded,
           report, search)  # fmt: skip
 

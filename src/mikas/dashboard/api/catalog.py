@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import io
 import tomllib
+from collections.abc import Mapping
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
@@ -16,11 +17,18 @@ from fastapi import APIRouter, Query, Request
 from fastapi.responses import JSONResponse, Response
 from pydantic import BaseModel, Field
 
-from mikas.catalog import Confidence
+from mikas.catalog import Catalog, Confidence, Derived, Level, Parameter, shipped
 from mikas.catalog.own.file import left_out
-from mikas.dashboard.api.channels.definitions import ChannelInfo, channel_info
 from mikas.dashboard.api.dependencies import KnownClient, Names, TheDashboard, Viewer, split_names
-from mikas.dashboard.api.errors import TwoTexts, content, errors, made_of, two, two_or_none
+from mikas.dashboard.api.errors import (
+    Described,
+    TwoTexts,
+    content,
+    errors,
+    made_of,
+    two,
+    two_or_none,
+)
 from mikas.dashboard.api.messages import LiveEvent, LiveRows
 from mikas.dashboard.api.search import search_file
 from mikas.dashboard.dashboard import Dashboard
@@ -35,7 +43,136 @@ router = APIRouter(tags=["about"])
 
 _SHIPPED: Final = Path(__file__).parent.parent / "presets.toml"
 _SVG: Final = content("image/svg+xml", "the image")
+_MOST_BYTES: Final = 1 << 24  # of the file of presets; a request's body has 1 MiB
 _ChannelName = Annotated[str, Field(min_length=1, max_length=40)]
+
+
+class ChannelLimits(Described):
+    """The limits of a channel; a value beyond one is an alarm."""
+
+    danger_low: float | None
+    warning_low: float | None
+    warning_high: float | None
+    danger_high: float | None
+    hysteresis: Annotated[float, Field(description="how far inside a limit its alarm ends")] = 0
+
+
+class LampTexts(Described):
+    """The texts of a flag's lamp."""
+
+    on: TwoTexts
+    off: TwoTexts
+    trouble: Level = Field(description="its colour while on; that is no alarm")
+
+
+class ChannelErratum(BaseModel):
+    """An erratum of the source that concerns this channel."""
+
+    id: str
+    text: TwoTexts
+
+
+class ChannelMeaning(BaseModel):
+    """Causes of a value below or above the reference, and what to check; null: unknown."""
+
+    low: TwoTexts | None
+    high: TwoTexts | None
+    confidence: Confidence
+
+
+class ChannelInfo(BaseModel):
+    """A parameter, or a derived channel (`inputs`; no code and no size).
+
+    `own`: the keys that the user's own catalog sets; `mine`: the whole channel is defined there.
+    """
+
+    name: str
+    derived: bool
+    flag: bool
+    code: int | None
+    size: int | None
+    unit: TwoTexts
+    unit_key: str = Field(description="as in the catalog's `units`; else the text itself")
+    text: TwoTexts
+    short: TwoTexts = Field(description="the text of a small tile")
+    decimals: int
+    formula: str
+    range: tuple[float, float] | None
+    reference: tuple[float, float] | None = Field(description="warm idle of a sound engine")
+    gauge: tuple[float, float] | None = Field(
+        description="the scale of its gauge; null: a flag, or a derived channel without one"
+    )
+    span_least: float | None = Field(
+        description="the least span of an axis of its values; null: a flag"
+    )
+    limits: ChannelLimits | None
+    lamp: LampTexts | None
+    alarm_when_true: Level
+    inputs: list[str] | None
+    errata: list[ChannelErratum]
+    confidence: Confidence
+    source: str
+    reference_confidence: Confidence
+    range_kind: Literal["plausible", "representable", ""]
+    meaning: ChannelMeaning | None
+    constants: dict[str, float]
+    accumulates: bool
+    own: list[str]
+    mine: bool
+    writable: bool
+
+
+Entries = Mapping[tuple[str, str], Mapping[str, object]]
+"""The entries of the own file, as `OwnCatalog.entries`."""
+
+
+_NO_PARAMETER: Final[dict[str, object]] = {
+    "derived": True, "writable": False, "code": None, "size": None, "range": None,
+    "reference": None, "reference_confidence": Confidence.UNKNOWN, "range_kind": "", "lamp": None,
+    "meaning": None, "errata": [],
+}  # fmt: skip
+_NOT_DERIVED: Final[dict[str, object]] = {
+    "derived": False, "mine": False, "inputs": None, "constants": {}, "accumulates": False,
+}  # fmt: skip
+
+
+def channel_info(known: Catalog, channel: Parameter | Derived, own: Entries) -> ChannelInfo:
+    """Return a channel of the catalog; `own`: the entries of the own file."""
+    limits = channel.alarm_limits
+    if isinstance(channel, Derived):
+        keys = own.get(("derived", channel.name), {})
+        mine = "formula" in keys and channel.name not in shipped().derived
+        special = _NO_PARAMETER | {"mine": mine, "constants": dict(channel.constants)}
+    else:
+        keys, meaning = own.get(("parameter", channel.name), {}), channel.meaning
+        special = _NOT_DERIVED | {
+            "writable": not channel.is_flag,
+            "formula": channel.formula(),
+            "errata": [
+                ChannelErratum(id=name, text=two(known.errata[name].reason))
+                for name in channel.errata
+            ],
+            "meaning": meaning
+            and made_of(
+                ChannelMeaning,
+                meaning,
+                low=two_or_none(meaning.low),
+                high=two_or_none(meaning.high),
+            ),
+        }
+    return made_of(
+        ChannelInfo,
+        channel,
+        flag=channel.is_flag,
+        unit=channel.unit_text,
+        unit_key=channel.unit,
+        gauge=channel.gauge_scale,
+        span_least=channel.least_span,
+        limits=limits if limits and limits.for_number else None,
+        alarm_when_true=limits.when_true if limits else Level.NONE,
+        own=list(keys),
+        **special,
+    )
 
 
 class AboutResponse(BaseModel):
@@ -78,9 +215,6 @@ class Preset(BaseModel):
     name: TwoTexts
     shipped: bool = False
     tiles: list[Tile] = Field(max_length=200)
-
-
-_MOST_BYTES: Final = 1 << 24  # of the file; a request's body has 1 MiB
 
 
 class KnownFault(BaseModel):
