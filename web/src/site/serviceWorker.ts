@@ -22,27 +22,27 @@ interface Scope {
   addEventListener(kind: "fetch", listener: (event: Fetched) => void): void;
   addEventListener(kind: "message", listener: (event: MessageEvent<{ kind: string }>) => void): void;
 }
-const scope = self as unknown as Scope;
+declare const self: Scope;
 
-const site = new URL(scope.registration.scope);
+const site = new URL(self.registration.scope);
 const kept = new KeptFiles(VERSION, site, caches, (...request) => fetch(...request));
 
-scope.addEventListener("install", (event) => event.waitUntil(kept.keep()));
+self.addEventListener("install", (event) => event.waitUntil(kept.keep()));
 
-scope.addEventListener("activate", (event) => event.waitUntil(kept.forgetOthers().then(() => scope.clients.claim())));
+self.addEventListener("activate", (event) => event.waitUntil(kept.forgetOthers().then(() => self.clients.claim())));
 
-scope.addEventListener("message", (event) => {
-  if (event.data.kind === "use") void scope.skipWaiting();
+self.addEventListener("message", (event) => {
+  if (event.data.kind === "use") void self.skipWaiting();
 });
 
-scope.addEventListener("fetch", (event) => {
+self.addEventListener("fetch", (event) => {
   const { request } = event;
   const { origin, pathname, search } = new URL(request.url);
   if (request.method !== "GET" || origin !== site.origin || !pathname.startsWith(site.pathname)) return;
   const path = pathname.slice(site.pathname.length);
   if (path.startsWith("docs/")) return; // the documentation beside the page is no part of it
   if (!path.startsWith("api/")) return event.respondWith(kept.find(request.url).then((found) => found ?? fetch(request)));
-  const asked = scope.clients.matchAll({ type: "window", includeUncontrolled: true }).then((pages) => askPages(pages, path + search));
+  const asked = self.clients.matchAll({ type: "window", includeUncontrolled: true }).then((pages) => askPages(pages, path + search));
   event.respondWith(asked.then(({ response }) => response));
   event.waitUntil(asked.then(({ over }) => over)); // the body may come for long
 });

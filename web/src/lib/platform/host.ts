@@ -4,7 +4,10 @@ import type { Component } from "svelte";
 import type { ExportFormat, Text } from "../api/types";
 
 /** What the page needs of a WebSocket. */
-export type LiveSocket = Pick<WebSocket, "onmessage" | "onclose">;
+export interface LiveSocket {
+  onmessage: ((event: MessageEvent) => void) | null;
+  onclose: ((event: CloseEvent) => void) | null;
+}
 
 export interface Host {
   /** Both take addresses of the API, relative to the page. */

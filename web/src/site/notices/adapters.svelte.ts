@@ -1,15 +1,8 @@
 // The browser's list of adapters (Web Serial).
 import { followAdapters } from "../worker/adapters";
 import type { SerialHost } from "../worker/serial";
-import type { Serial as Adapters, SerialPort } from "../worker/webSerial";
 
-interface Serial extends Adapters {
-  requestPort(): Promise<SerialPort>;
-}
-
-const serial = (): Serial | undefined => (globalThis.navigator as { serial?: Serial } | undefined)?.serial;
-
-export const canChoose = (): boolean => serial() !== undefined;
+export const canChoose = (): boolean => globalThis.navigator?.serial !== undefined;
 
 class Choice {
   /** The list was closed without a choice: perhaps the cable is not in it. */
@@ -22,13 +15,13 @@ let adapters: SerialHost | undefined;
 
 /** Follow the adapters from now on, as the worker does since its start. */
 export function findAdapters(): void {
-  adapters = followAdapters(serial());
+  adapters = followAdapters(globalThis.navigator?.serial);
 }
 
 /** Show the browser's list; called in a click. Returns the port as `mikas.browser.web_serial` names it; null: none was chosen. */
 export async function choosePort(): Promise<string | null> {
   try {
-    const port = await serial()?.requestPort();
+    const port = await navigator.serial?.requestPort();
     choice.cancelled = false;
     const granted = await adapters?.ports().promise;
     const it = granted?.find((known) => known.port === port);

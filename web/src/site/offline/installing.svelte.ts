@@ -4,6 +4,11 @@
 interface InstallPrompt extends Event {
   prompt(): Promise<unknown>;
 }
+declare global {
+  interface WindowEventMap {
+    beforeinstallprompt: InstallPrompt;
+  }
+}
 
 class Installing {
   possible = $state(false);
@@ -13,7 +18,7 @@ class Installing {
   watch(): void {
     window.addEventListener("beforeinstallprompt", (event) => {
       event.preventDefault(); // no banner over the screen: there is a button
-      this.offer = event as InstallPrompt;
+      this.offer = event;
       this.possible = true;
     });
     window.addEventListener("appinstalled", () => (this.possible = false));

@@ -72,7 +72,7 @@ export class Endpoint {
 
   connect(address: string): WorkerSocket {
     const id = ++this.last;
-    const socket = new WorkerSocket(id, this.post, () => this.conversations.delete(id));
+    const socket = new WorkerSocket(() => this.conversations.delete(id));
     this.conversations.set(id, socket);
     this.ready.then(
       () => (this.ended === null ? this.post({ kind: "open", id, path: pathOf(address) }) : socket.lose(this.ended)),

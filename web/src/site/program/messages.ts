@@ -8,10 +8,8 @@ export type ToWorker =
   | { kind: "request"; id: number; method: string; path: string; headers: Headers; body: ArrayBuffer | null }
   /** Nobody waits for the answer any more. */
   | { kind: "abort"; id: number }
-  /** A WebSocket. */
+  /** A WebSocket, on which only the program speaks. */
   | { kind: "open"; id: number; path: string }
-  | { kind: "send"; id: number; data: string }
-  | { kind: "close"; id: number; code: number }
   /** To the reader: what the line's worker does now. Sent when it changes, and before the first request. */
   | ({ kind: "situation" } & Situation);
 

@@ -24,7 +24,8 @@ export function whoAnswers(method: string, address: string, body?: BodyInit | nu
 
 function namesRecording(body: BodyInit | null | undefined): boolean {
   try {
-    return typeof body === "string" && typeof (JSON.parse(body) as { recording?: unknown }).recording === "string";
+    const asked: unknown = typeof body === "string" ? JSON.parse(body) : null;
+    return asked instanceof Object && "recording" in asked && typeof asked.recording === "string";
   } catch {
     return false;
   }

@@ -37,12 +37,10 @@ declare const FileSystemSyncAccessHandle: { prototype: object };
 declare class FileReaderSync {
   readAsArrayBuffer(part: Blob): ArrayBuffer;
 }
-interface FileHandle {
-  createSyncAccessHandle(options: { mode: string }): Promise<Handle>;
-}
-
-interface Listed {
-  keys(): AsyncIterable<string>;
+declare global {
+  interface FileSystemFileHandle {
+    createSyncAccessHandle(options: { mode: string }): Promise<Handle>;
+  }
 }
 
 /** Handles that were asked something. Chromium never answers for one that is collected as garbage meanwhile, as at the start of Python. */
@@ -73,8 +71,7 @@ class Opfs implements Folder {
 
   async names(): Promise<string[]> {
     const names = [];
-    const { directory } = this;
-    for await (const name of (directory as unknown as Listed).keys()) names.push(name);
+    for await (const name of this.directory.keys()) names.push(name);
     return names;
   }
 
@@ -82,7 +79,7 @@ class Opfs implements Folder {
     const mode = holding === "shared" ? "readwrite-unsafe" : "readwrite";
     try {
       const file = await this.directory.getFileHandle(name, { create: true });
-      return await answered(file, (file as unknown as FileHandle).createSyncAccessHandle({ mode }));
+      return await answered(file, file.createSyncAccessHandle({ mode }));
     } catch (error) {
       const held = error instanceof DOMException && error.name === "NoModificationAllowedError";
       throw held ? new StorageError("held", error) : error;

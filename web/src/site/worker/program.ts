@@ -1,7 +1,6 @@
 // The program on a Python that has started: what it is handed, and its messages. Of the browser it needs nothing but timers, so tests run
 // it under Node.
 import type { PyodideAPI } from "pyodide";
-import type { PyCallable, PyProxy } from "pyodide/ffi";
 import type { FromWorker, Headers, Role, ToWorker } from "../program/messages";
 import { mount, type EmscriptenFs } from "../storage/mount";
 import type { Pool } from "../storage/pool";
@@ -16,6 +15,12 @@ type Post = (message: FromWorker, transfer?: Transferable[]) => void;
 /** Bytes and lists of Python, which are gone when the call returns. */
 interface Lent<T> {
   toJs(): T;
+}
+
+/** The module `mikas.browser.start`. */
+interface Start {
+  prepare(host: object, runSync: unknown): void;
+  begin: { callPromising(host: object, role: Role): Promise<(message: unknown) => void> };
 }
 
 /** What Python calls to answer: each is a message. */
@@ -34,7 +39,8 @@ const pageOf = (post: Post) => ({
 
 /** Call `then` when Python has failed for good: out of memory, for one. Without that, whoever has asked it would wait for ever. */
 export function endsWith(python: PyodideAPI, then: (error: unknown) => void): void {
-  (python as unknown as { _api: { on_fatal: (error: unknown) => void } })._api.on_fatal = then;
+  const inside: unknown = Reflect.get(python, "_api");
+  if (inside instanceof Object) Reflect.set(inside, "on_fatal", then);
 }
 
 /**
@@ -48,18 +54,20 @@ export async function startProgram(
   post: Post,
   more: object = {},
 ): Promise<(message: ToWorker) => void> {
+  // eslint-disable-next-line @typescript-eslint/consistent-type-assertions -- Emscripten's FS has more than its types say
   if (files) mount(python.FS as unknown as EmscriptenFs, KEPT, files);
   else python.FS.mkdirTree(KEPT);
   python.FS.chdir(KEPT);
   endsWith(python, (error) => post({ kind: "broken", message: String(error) }));
   const host = { ...waits, ...more, page: pageOf(post) };
   python.registerJsModule("mikas_host", host);
-  const start = python.pyimport("mikas.browser.start") as PyProxy & Record<"prepare" | "begin", PyCallable>;
+  // eslint-disable-next-line @typescript-eslint/no-unsafe-assignment -- its types are Python's
+  const start: Start = python.pyimport("mikas.browser.start");
   start.prepare(host, python.pyimport("pyodide.ffi.run_sync"));
-  const take = (await start.begin.callPromising(host, role)) as PyCallable;
+  const take = await start.begin.callPromising(host, role);
   return (message) => {
-    const taken = python.toPy(message) as PyProxy;
+    const taken: unknown = python.toPy(message);
     take(taken);
-    taken.destroy();
+    if (taken instanceof python.ffi.PyProxy) taken.destroy();
   };
 }

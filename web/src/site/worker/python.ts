@@ -24,7 +24,8 @@ export async function startPython(onProgress: OnProgress): Promise<PyodideAPI> {
   const stop = counted(sizes, onProgress);
   try {
     const program = fetch(new URL("program.pack", folder)).then(unpacked);
-    const { loadPyodide } = (await import(/* @vite-ignore */ new URL("pyodide.mjs", folder).href)) as typeof import("pyodide");
+    // eslint-disable-next-line @typescript-eslint/no-unsafe-assignment -- the package's own module, at an address that only the build knows
+    const { loadPyodide }: typeof import("pyodide") = await import(/* @vite-ignore */ new URL("pyodide.mjs", folder).href);
     return await loadPyodide({
       indexURL: folder.href,
       convertNullToNone: true,

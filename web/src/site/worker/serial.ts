@@ -76,7 +76,7 @@ export class SerialHost {
     try {
       await port.open({ baudRate, bufferSize: BUFFER });
     } catch (error) {
-      const { name, message } = error as Error;
+      const { name, message } = errorOf(error);
       return { refused: name, message };
     }
     // Not every adapter has these lines.
@@ -228,8 +228,10 @@ export class OpenPort {
   }
 }
 
+const errorOf = (error: unknown): Error => (error instanceof Error ? error : new Error(String(error)));
+
 const reasonOf = (error: unknown): string => {
-  const { name, message } = error as Error;
+  const { name, message } = errorOf(error);
   return name === "NetworkError" ? UNPLUGGED : message || name;
 };
 

@@ -14,3 +14,10 @@ export interface SerialPort extends EventTarget {
 export interface Serial extends EventTarget {
   getPorts(): Promise<SerialPort[]>;
 }
+
+declare global {
+  interface Navigator {
+    /** In a page; a worker can't ask for a port. */
+    readonly serial?: Serial & { requestPort(): Promise<SerialPort> };
+  }
+}

@@ -7,9 +7,8 @@ import { PoolView } from "../storage/view";
 import { followAdapters } from "./adapters";
 import { startProgram } from "./program";
 import { startPython } from "./python";
-import type { Serial } from "./webSerial";
 
-const role = self.name as Role;
+const role: Role = self.name === "reader" ? "reader" : "line";
 const post = (message: FromWorker, transfer: Transferable[] = []): void => self.postMessage(message, { transfer });
 
 async function begin(): Promise<void> {
@@ -18,7 +17,7 @@ async function begin(): Promise<void> {
   // A reader that can read nothing is not worth the start of Python.
   if (role === "reader") await kept;
   const [python, files] = await Promise.all([startPython(progress), kept]);
-  const serial = followAdapters(role === "line" ? (navigator as { serial?: Serial }).serial : undefined);
+  const serial = followAdapters(role === "line" ? navigator.serial : undefined);
   const take = await startProgram(python, role, files, post, { serial });
   closeTheDoors();
   // One after the other: a request must not overtake the message before it while the view is refreshed.
