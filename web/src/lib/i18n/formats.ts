@@ -1,4 +1,4 @@
-// Numbers, times and sizes in the format of the selected language.
+// Numbers, times and sizes in the format of the selected language; numbers as they are typed, with a comma or a point and either minus sign.
 import { language, type Code } from "./language.svelte";
 
 const locales: Record<Code, string> = { en: "en-GB", ru: "ru-RU" };
@@ -83,4 +83,17 @@ export function hex(value: number, digits = 4): string {
 /** Insert spaces between bytes: "01F9A0" → "01 F9 A0". */
 export function spaced(bytes: string): string {
   return bytes.replace(/(..)(?=.)/g, "$1 ");
+}
+
+/** The number as it is typed, with all of its digits: what is shown in a field is saved. */
+export function fieldText(value: number): string {
+  const text = String(value).replace(/^-/, "−");
+  return language.code === "ru" ? text.replace(".", ",") : text;
+}
+
+/** The number; null for an empty field, undefined for anything else. */
+export function parsedNumber(text: string): number | null | undefined {
+  const plain = text.trim().replace(",", ".").replace("−", "-");
+  if (plain === "") return null;
+  return /^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i.test(plain) && Number.isFinite(Number(plain)) ? Number(plain) : undefined;
 }

@@ -1,6 +1,6 @@
 import { afterEach, expect, it } from "vitest";
 import { language } from "./language.svelte";
-import { fieldText, parsedNumber } from "./numberField";
+import { fieldText, parsedNumber } from "./formats";
 
 afterEach(() => {
   language.code = "en";

@@ -73,25 +73,20 @@ export class Slot {
   }
 
   #read(into: Uint8Array, at: number): number {
-    return counted(
-      guarded(() => this.handle.read(into, { at })),
-      into,
-    );
+    return counted(into, () => this.handle.read(into, { at }));
   }
 
   #write(bytes: Uint8Array, at: number): number {
-    return counted(
-      guarded(() => this.handle.write(bytes, { at })),
-      bytes,
-    );
+    return counted(bytes, () => this.handle.write(bytes, { at }));
   }
 }
 
 /** Chromium's own number for a full disk. */
 const NO_SPACE = -8;
 
-/** Return the number of bytes done. Where it should throw, Chromium may return the number of its own error, without its sign. */
-function counted(done: number, bytes: Uint8Array): number {
+/** Return the number of bytes that `call` has done. Where it should throw, Chromium may return the number of its own error, without its sign. */
+function counted(bytes: Uint8Array, call: () => number): number {
+  const done = guarded(call);
   if (done <= bytes.length) return done;
   throw new FileError((done | 0) === NO_SPACE ? errno.NOSPC : errno.IO);
 }

@@ -6,9 +6,9 @@ import { axisKey } from "../../../../lib/series/valueAxis";
 import type { Stores } from "../../../../stores";
 import { flagsOf } from "../data/flags";
 import { legendRow } from "../panes/legendRow";
-import { drawing, seenIn } from "../plot/drawing";
+import { drawnPane } from "../plot/drawing";
 import { axesDrawn } from "../plot/plot";
-import { paneAxes, stretched } from "../plot/scales";
+import { stretched } from "../plot/scales";
 import { axisTimes, elapsed, timesOfDay } from "../plot/timeAxis";
 import { type Pane } from "../view.svelte";
 import type { Picture, PictureLine, PicturePane } from "./chartSvg";
@@ -64,21 +64,15 @@ function titlesOf({ comparison, live, player, reference }: Stores, from: number,
 }
 
 function paneOf(stores: Stores, pane: Pane, from: number, to: number, colours: Record<string, string>): PicturePane {
-  const { catalog, chartData, display, reference, view } = stores;
-  const traces = pane.traces.filter(({ hidden }) => !hidden);
-  const names = traces.map(({ name }) => name);
+  const { catalog, chartData, view } = stores;
   const channel = (name: string) => catalog.get(name);
-  const { times, values, holes } = drawing(display.source.columns, chartData.second, names, from, to, POINTS);
-  const lines = values.map((cells, index) => {
-    const name = names[index % names.length]!;
-    return { name, channel: channel(name), seen: seenIn(times, cells, from, to), cells, band: reference.bands.get(name) };
-  });
-  const axes = paneAxes(lines, names.length, view.stacked, PANE_HEIGHT).map((axis) => {
+  const { shown: traces, times, values, lines, holes, ...drawn } = drawnPane(stores, pane.traces, from, to, POINTS, PANE_HEIGHT);
+  const axes = drawn.axes.map((axis) => {
     const [low, high] = stretched([axis.low, axis.high], view.stretches[pane.id]);
     return { ...axis, low, high };
   });
   const gaps = chartData.gapsIn(from, to);
-  const colourOf = (index: number) => colours[`trace-${traces[index % names.length]!.colour}`]!;
+  const colourOf = (index: number) => colours[`trace-${traces[index % traces.length]!.colour}`]!;
   return {
     legend: traces.map(({ name }, index) => ({
       colour: colourOf(index),
@@ -86,11 +80,11 @@ function paneOf(stores: Stores, pane: Pane, from: number, to: number, colours: R
       ...legendOf(stores, name),
     })),
     axes: axesDrawn(traces, channel, view.stacked).map((key) => {
-      const own = names.flatMap((name, index) => (!channel(name)?.flag && axisKey(name, channel(name)) === key ? [index] : []));
+      const own = traces.flatMap(({ name }, index) => (!channel(name)?.flag && axisKey(name, channel(name)) === key ? [index] : []));
       return { ...axes[own[0]!]!, colour: own.length === 1 ? colourOf(own[0]!) : MUTED };
     }),
-    lines: lines.map(({ cells, channel, band }, index): PictureLine => {
-      const dashed = index >= names.length;
+    lines: lines.map(({ channel, band }, index): PictureLine => {
+      const dashed = index >= traces.length;
       const broken = [...holes[index]!, ...gaps.filter((gap) => gap.second === dashed).map((gap): [number, number] => [gap.from, gap.to])];
       const { low, high } = axes[index]!;
       return {
@@ -100,7 +94,7 @@ function paneOf(stores: Stores, pane: Pane, from: number, to: number, colours: R
         band: channel?.flag ? null : (band ?? null),
         low,
         high,
-        pieces: piecesOf(times, cells, broken),
+        pieces: piecesOf(times, values[index]!, broken),
       };
     }),
   };

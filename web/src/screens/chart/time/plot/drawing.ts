@@ -2,6 +2,10 @@
 import { decimate, findHoles, mergeTimelines, type Cells, type Decimated } from "../../../../lib/series/decimate";
 import type { Columns, Extremes } from "../../../../lib/series/columns";
 import { gapThreshold } from "../../../../lib/series/gapThreshold";
+import type { Axis, Line } from "../../../../lib/series/valueAxis";
+import type { Stores } from "../../../../stores";
+import type { Trace } from "../view.svelte";
+import { paneAxes } from "./scales";
 
 export interface Drawing {
   times: number[];
@@ -13,6 +17,26 @@ export interface Drawing {
 export interface Later {
   columns: Columns;
   lag: number;
+}
+
+export interface DrawnPane extends Drawing {
+  /** The traces of the lines: those of the second recording follow in the same order. */
+  shown: readonly Trace[];
+  lines: Line[];
+  axes: Axis[];
+}
+
+/** The lines of a pane's traces that are not hidden, with the axis of each. `width`, `height`: of its plot in pixels. */
+export function drawnPane(stores: Stores, traces: readonly Trace[], from: number, to: number, width: number, height: number): DrawnPane {
+  const { catalog, chartData, display, reference, view } = stores;
+  const shown = traces.filter(({ hidden }) => !hidden);
+  const names = shown.map(({ name }) => name);
+  const drawn = drawing(display.source.columns, chartData.second, names, from, to, width);
+  const lines = drawn.values.map((cells, index) => {
+    const name = names[index % names.length]!;
+    return { name, channel: catalog.get(name), seen: seenIn(drawn.times, cells, from, to), cells, band: reference.bands.get(name) };
+  });
+  return { ...drawn, shown, lines, axes: paneAxes(lines, names.length, view.stacked, height) };
 }
 
 export function drawing(
