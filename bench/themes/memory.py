@@ -73,7 +73,7 @@ def drive(hours: int) -> Iterator[dict[str, float]]:
         )
         recorder.start(path, url=url)
         sets = gaps = done = 0
-        session = SamplingSession(recorder)
+        session = SamplingSession(recorder.record_event)
         session.wants_faults = lambda: False
         with closing(session.run(acquisition)) as events:
             for event in events:

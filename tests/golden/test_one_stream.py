@@ -41,7 +41,7 @@ class Consumers:
     def __init__(self, drive, folder) -> None:
         garage = drive.garage()
         self.recorder = Recorder()
-        self.session = SamplingSession(self.recorder)
+        self.session = SamplingSession(self.recorder.record_event)
         port = ReconnectingPort(
             CABLE.url,
             find=garage.find,

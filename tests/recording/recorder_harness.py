@@ -76,7 +76,12 @@ def begin_session(recorder, time: float = 1.0) -> None:
 def take(recorder: Recorder, event: Event) -> None:
     """Let the recorder's session take `event`: gaps follow from several of them."""
     if recorder not in _SESSIONS:
-        _SESSIONS[recorder] = SamplingSession(weakref.proxy(recorder))
+        weak = weakref.proxy(recorder)
+
+        def record(event: Event) -> None:
+            weak.record_event(event)
+
+        _SESSIONS[recorder] = SamplingSession(record)
     for _ in _SESSIONS[recorder].events_of(event):
         pass
 

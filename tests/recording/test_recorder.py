@@ -206,7 +206,7 @@ def test_a_recording_that_ends_in_a_gap_has_its_latest_reason(recorder, tmp_path
 
 
 def test_a_connection_that_is_left_is_one_gap_that_is_open_until_values_come(recorder, tmp_path):
-    session, left = SamplingSession(recorder), Text("left", "закрыто")
+    session, left = SamplingSession(recorder.record_event), Text("left", "закрыто")
     recorder.start(tmp_path / "a.pcapng", url="sim:")
     for event in (state(1.0, LineState.SAMPLING), sampled(5.0)):
         list(session.events_of(event))
@@ -219,7 +219,7 @@ def test_a_connection_that_is_left_is_one_gap_that_is_open_until_values_come(rec
 
 
 def test_a_connection_that_was_left_before_a_recording_is_no_gap_in_it(recorder, tmp_path):
-    session = SamplingSession(recorder)
+    session = SamplingSession(recorder.record_event)
     list(session.events_of(sampled(5.0)))
     session.leave(6.0, Text("left", "закрыто"))
     list(session.events_of(unit(9.0)))

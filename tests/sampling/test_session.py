@@ -31,16 +31,6 @@ LOST = NoResponse(seconds=0.5)
 LEFT = Text("left", "закрыто")
 
 
-class Sink:
-    """Keeps what a recorder gets."""
-
-    def __init__(self) -> None:
-        self.got: list[Event] = []
-
-    def record_event(self, event: Event) -> None:
-        self.got.append(event)
-
-
 def follow(session: SamplingSession, *events: Event) -> list[Event]:
     return [each for event in events for each in session.events_of(event)]
 
@@ -58,22 +48,22 @@ def run(session: SamplingSession, recorder: Recorder, *, seconds: float, setting
 
 
 def test_a_gap_comes_before_the_event_that_begins_or_ends_it_and_is_recorded_before():
-    sink = Sink()
-    session = SamplingSession(sink)
+    got: list[Event] = []
+    session = SamplingSession(got.append)
     values, failed, back = Sampled(1.0, {}, {}), CycleFailed(2.0, LOST), Sampled(4.0, {}, {})
     began, ended = Gap(1.0, 1.0, None, LOST.reason), Gap(4.0, 1.0, 4.0, LOST.reason)
     assert follow(session, values, failed, back) == [values, began, failed, ended, back]
-    assert sink.got == [values, began, failed, ended, back]
+    assert got == [values, began, failed, ended, back]
     assert session.samples == 2
 
 
 def test_the_recorder_gets_an_open_gap_again_with_a_better_reason():
-    sink = Sink()
-    session = SamplingSession(sink)
+    got: list[Event] = []
+    session = SamplingSession(got.append)
     broken = StateChanged(3.0, LineState.NO_PORT)
     seen = follow(session, Sampled(1.0, {}, {}), CycleFailed(2.0, LOST), broken)
     assert [it.reason for it in seen if isinstance(it, Gap)] == [LOST.reason]
-    recorded = [it.reason for it in sink.got if isinstance(it, Gap)]
+    recorded = [it.reason for it in got if isinstance(it, Gap)]
     assert recorded == [LOST.reason, LineState.NO_PORT.text]
 
 
@@ -94,7 +84,7 @@ def test_the_unit_is_known_for_the_next_connection():
 @pytest.mark.parametrize("echo", ["1", "0"])
 def test_the_wire_carries_a_request_once_with_an_echo_or_without(echo):
     recorder = Recorder()
-    session = SamplingSession(recorder)
+    session = SamplingSession(recorder.record_event)
     list(run(session, recorder, seconds=5.0, settings=f"&echo={echo}"))
     assert session.samples > 20
     assert 350 < session.wire_bytes < 450  # 600 if the echo were counted, too
@@ -102,7 +92,9 @@ def test_the_wire_carries_a_request_once_with_an_echo_or_without(echo):
 
 def test_faults_are_read_when_they_may_have_changed_and_come_before_the_next_event():
     recorder = Recorder()
-    events = list(run(SamplingSession(recorder), recorder, seconds=8.0, settings="&faults=13"))
+    events = list(
+        run(SamplingSession(recorder.record_event), recorder, seconds=8.0, settings="&faults=13")
+    )
     readings = [it for it in events if isinstance(it, FaultReading)]
     assert {it.codes for it in readings} == {(13,)}
     assert len(readings) == 2
@@ -113,7 +105,7 @@ def test_faults_are_read_when_they_may_have_changed_and_come_before_the_next_eve
 
 def test_faults_are_not_read_where_they_are_not_wanted():
     recorder = Recorder()
-    session = SamplingSession(recorder)
+    session = SamplingSession(recorder.record_event)
     session.wants_faults = lambda: False
     events = run(session, recorder, seconds=8.0, settings="&faults=13")
     assert not [it for it in events if isinstance(it, FaultReading)]

@@ -226,7 +226,7 @@ def sampling_session(
     if out is not None:
         recorder.start(out, url=port)
     context.output.detail(tr("port", "порт"), port)
-    session = SamplingSession(recorder, in_streams=in_streams)
+    session = SamplingSession(recorder.record_event, in_streams=in_streams)
     session.wants_faults = lambda: False
     run = SamplingRun(session, acquisition, recorder, options)
     try:

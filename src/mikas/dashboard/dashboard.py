@@ -105,7 +105,7 @@ class Dashboard:
             self.cars,
             options.interpretation,
         )
-        self.session.recorder = self.recorder
+        self.session.record = self.recorder.record_event
         self.guided = GuidedTests(
             settings,
             self.connection,

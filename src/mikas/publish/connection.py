@@ -21,7 +21,7 @@ import threading
 from collections.abc import Callable, Coroutine, Iterable
 from concurrent.futures import Future, ThreadPoolExecutor, wait
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 from math import inf
 from typing import TYPE_CHECKING, Any, Final, ParamSpec, TypeVar
 
@@ -64,6 +64,7 @@ class BrokerChange:
         return self.error is None
 
 
+@dataclass(eq=False)
 class BrokerConnection:
     """Sends what `outbox` has. `online` and `offline`: the messages of begin and end.
 
@@ -71,30 +72,21 @@ class BrokerConnection:
     functions are called in the connection's thread. Raises `MissingExtra` without aiomqtt.
     """
 
-    def __init__(
-        self,
-        broker: Broker,
-        outbox: Outbox,
-        *,
-        client_id: str,
-        online: Message,
-        offline: Message,
-        on_change: Callable[[BrokerChange], None] = lambda _: None,
-        kept_topic: str | None = None,
-        on_kept: Callable[[bytes], None] = lambda _: None,
-    ) -> None:
+    broker: Broker
+    outbox: Outbox
+    _: KW_ONLY
+    client_id: str
+    online: Message
+    offline: Message
+    on_change: Callable[[BrokerChange], None] = lambda _: None
+    kept_topic: str | None = None
+    on_kept: Callable[[bytes], None] = lambda _: None
+
+    def __post_init__(self) -> None:
         check_library()
         self.sent = 0
         """The number of messages that the broker has got."""
         self.is_connected = False
-        self._broker = broker
-        self._outbox = outbox
-        self._client_id = client_id
-        self._online = online
-        self._offline = offline
-        self._on_change = on_change
-        self._kept_topic = kept_topic
-        self._on_kept = on_kept
         self._first: Future[None] = Future()  # the first attempt
         self._loop: asyncio.AbstractEventLoop | None = None
         self._wakeup = asyncio.Event()
@@ -120,7 +112,7 @@ class BrokerConnection:
         """Send messages as soon as possible; never waits. Raises what has ended the thread."""
         if self._bug is not None:
             raise self._bug
-        self._outbox.put(messages)
+        self.outbox.put(messages)
         self._call(self._wakeup.set)
 
     def close(self) -> None:
@@ -173,7 +165,7 @@ class BrokerConnection:
                 reported = None
             if type(error) is not reported:
                 reported = type(error)
-                self._on_change(BrokerChange(error))
+                self.on_change(BrokerChange(error))
             _logger.info("%s", error.reason.en)
             with suppress(TimeoutError):
                 # Not all cars of a fleet at the same moment.
@@ -208,24 +200,24 @@ class BrokerConnection:
                 await self._serve(client)
         except (MqttError, OSError, UnicodeError) as error:
             if not reached:
-                return connecting_failed(self._broker.url, error)
-            return connection_lost(self._broker.url, error, again=self._short >= _OFTEN)
+                return connecting_failed(self.broker.url, error)
+            return connection_lost(self.broker.url, error, again=self._short >= _OFTEN)
         finally:
             self.is_connected = False
-            self._outbox.disconnected()
+            self.outbox.disconnected()
         return None
 
     def _client(self) -> Client:
         from aiomqtt import Client, Will
 
-        broker, last = self._broker, self._offline
+        broker, last = self.broker, self.offline
         return Client(
             broker.host,
             broker.port,
             username=broker.user,
             password=broker.password,
             tls_context=broker.tls,
-            identifier=self._client_id,
+            identifier=self.client_id,
             clean_session=True,
             keepalive=KEEP_ALIVE,
             timeout=_ANSWER,
@@ -235,18 +227,18 @@ class BrokerConnection:
 
     async def _read_kept(self, client: Client) -> None:
         """Read what the broker keeps of the topic, once; it comes right after the subscription."""
-        if self._kept_topic is None:
+        if self.kept_topic is None:
             return
-        topic = self._kept_topic
+        topic = self.kept_topic
         await client.subscribe(topic, qos=1)
         with suppress(TimeoutError):
             async with asyncio.timeout(_KEPT):
                 async for message in client.messages:
                     if message.topic.value == topic and isinstance(message.payload, bytes):
-                        self._on_kept(message.payload)
+                        self.on_kept(message.payload)
                         break
         await client.unsubscribe(topic)
-        self._kept_topic = None
+        self.kept_topic = None
 
     async def _serve(self, client: Client) -> None:
         sending = asyncio.create_task(self._send(client))
@@ -263,21 +255,21 @@ class BrokerConnection:
     async def _send(self, client: Client) -> None:
         """Send what the outbox has, and "offline" after `close`."""
         loop, until = asyncio.get_running_loop(), inf
-        self._outbox.connected()
+        self.outbox.connected()
         while True:
             if self._stopping.is_set():
                 until = min(until, loop.time() + LONGEST_END / 2)
             self._wakeup.clear()
-            message = self._outbox.next()
+            message = self.outbox.next()
             if not self.is_connected and (message is None or not message.retain):
-                await self._publish(client, self._online)
+                await self._publish(client, self.online)
                 self._report_connected()
             elif message is not None and loop.time() < until:
                 await self._publish(client, message)
-                self._outbox.sent(message)
+                self.outbox.sent(message)
                 self.sent += 1
             elif until < inf:
-                await self._publish(client, self._offline)
+                await self._publish(client, self.offline)
                 return
             else:
                 await self._wakeup.wait()
@@ -289,7 +281,7 @@ class BrokerConnection:
         self.is_connected = True
         if not self._first.done():
             self._first.set_result(None)
-        self._on_change(BrokerChange(lost=self._outbox.take_lost()))
+        self.on_change(BrokerChange(lost=self.outbox.take_lost()))
 
 
 async def _watch(client: Client) -> None:

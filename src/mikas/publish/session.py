@@ -43,6 +43,7 @@ class Destination:
     patient: bool = False
 
 
+@dataclass(eq=False)
 class Publisher:
     """Publishes the events of one session to `destination`. A context manager.
 
@@ -50,50 +51,45 @@ class Publisher:
     `MissingExtra`; a `NoBroker` on entry, unless the destination is waited for.
     """
 
-    def __init__(
-        self,
-        destination: Destination,
-        publication: Publication,
-        home_assistant: HomeAssistant | None = None,
-        on_change: Callable[[BrokerChange], None] = lambda _: None,
-    ) -> None:
-        self._destination = destination
-        self._publication = publication
-        self._home_assistant = home_assistant
+    destination: Destination
+    publication: Publication
+    home_assistant: HomeAssistant | None = None
+    on_change: Callable[[BrokerChange], None] = lambda _: None
+
+    def __post_init__(self) -> None:
         self._unit: UnitFound | None = None
-        self._on_change = on_change
         self._time: float | None = None  # of the latest event
         self._outbox = Outbox()
-        topics = destination.topics
+        topics = self.destination.topics
         self.connection = BrokerConnection(
-            destination.broker,
+            self.destination.broker,
             self._outbox,
-            client_id=destination.client_id,
+            client_id=self.destination.client_id,
             online=availability(topics, online=True),
             offline=availability(topics, online=False),
             on_change=self._changed,
-            kept_topic=home_assistant.topic if home_assistant else None,
+            kept_topic=self.home_assistant.topic if self.home_assistant else None,
             on_kept=self._discovered_before,
         )
 
     def __enter__(self) -> Self:
-        self._outbox.put(self._publication.begin())
+        self._outbox.put(self.publication.begin())
         self._discover()
         try:
-            self.connection.open(patient=self._destination.patient)
+            self.connection.open(patient=self.destination.patient)
         except BaseException:
             self.connection.close()
             raise
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._outbox.put(self._publication.last_messages(self._time))
+        self._outbox.put(self.publication.last_messages(self._time))
         self.connection.close()
 
     def publish(self, event: Event) -> None:
         """Publish `event`."""
         self._time = event.time
-        self.connection.send(self._publication.messages_of(event))
+        self.connection.send(self.publication.messages_of(event))
         if isinstance(event, UnitFound):
             self._unit = event
             self._discover()
@@ -104,18 +100,18 @@ class Publisher:
         return self._outbox.unsent
 
     def _discover(self) -> None:
-        if self._home_assistant is not None:
-            self.connection.send([self._home_assistant.discovery(self._unit)])
+        if self.home_assistant is not None:
+            self.connection.send([self.home_assistant.discovery(self._unit)])
 
     def _discovered_before(self, discovery: bytes) -> None:
-        assert self._home_assistant is not None
-        self._home_assistant = self._home_assistant.after(discovery)
+        assert self.home_assistant is not None
+        self.home_assistant = self.home_assistant.after(discovery)
         self._discover()
 
     def _changed(self, change: BrokerChange) -> None:
         if change.lost:
             self.connection.send([self._lost_message(change.lost)])
-        self._on_change(change)
+        self.on_change(change)
 
     def _lost_message(self, lost: Lost) -> Message:
         content = {
@@ -126,7 +122,7 @@ class Publisher:
             "since": rounded(lost.since),
             "until": rounded(lost.until),
         }
-        topic = self._destination.topics.event
+        topic = self.destination.topics.event
         return Message(topic, json_payload(content), MessageKind.EVENT, time=lost.until)
 
 

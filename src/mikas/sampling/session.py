@@ -17,7 +17,6 @@ from collections.abc import Callable, Generator, Iterator
 from concurrent.futures import Future
 from contextlib import closing
 from functools import partial
-from typing import Protocol
 
 from mikas.client import Ecu
 from mikas.client.identity import UnitIdentity
@@ -43,23 +42,18 @@ _logger = logging.getLogger("mikas.sampling")
 _logger.addHandler(logging.NullHandler())
 
 
-class EventSink(Protocol):
-    """Takes each event before the consumer; a recorder."""
-
-    def record_event(self, event: Event) -> object:
-        """Take `event`. An open gap comes again when another reason is found."""
-
-
 class SamplingSession:
-    """`in_streams`: as of `FaultWatch`. `on_faults`: gets each reading at once, in its job; without
-    it a reading is recorded in its job, and yielded before the next event.
+    """`record`: takes each event before the consumer, a recorder's method; an open gap comes again
+    when another reason is found. `in_streams`: as of `FaultWatch`. `on_faults`: gets each reading
+    at once, in its job; without it a reading is recorded in its job, and yielded before the next
+    event.
 
     One thread takes the events; any thread may call `silence` and `read_now`.
     """
 
     def __init__(
         self,
-        recorder: EventSink | None = None,
+        record: Callable[[Event], object] = lambda _: None,
         *,
         in_streams: float | None = IN_STREAMS,
         on_faults: Callable[[FaultReading], None] | None = None,
@@ -70,7 +64,7 @@ class SamplingSession:
         """Of the present connection, or the last one."""
         self.wants_faults: Callable[[], bool] = lambda: True
         """Whether the stored faults are read when they may have changed."""
-        self.recorder = recorder
+        self.record = record
         """To be set before the first event."""
         self._acquisition: Acquisition | None = None
         self._answers = False  # a unit, on the present connection
@@ -111,8 +105,7 @@ class SamplingSession:
             gaps = self._gaps.gaps_of(event)
         if gaps or self._gaps.open is not self._open:
             self._record(gaps)
-        if self.recorder is not None:
-            self.recorder.record_event(event)
+        self.record(event)
         if self._readings:
             yield from self.readings()
         yield from gaps
@@ -182,8 +175,7 @@ class SamplingSession:
             yield self._readings.popleft()
 
     def _keep(self, reading: FaultReading) -> None:
-        if self.recorder is not None:
-            self.recorder.record_event(reading)
+        self.record(reading)
         self._readings.append(reading)
 
     def _record(self, gaps: list[Gap]) -> None:
@@ -191,13 +183,11 @@ class SamplingSession:
         for gap in gaps:
             log(gap)
         before, self._open = self._open, self._gaps.open
-        if self.recorder is None:
-            return
         for gap in gaps:
             if gap.ended is not None:
-                self.recorder.record_event(gap)
+                self.record(gap)
         if self._open is not None and self._open is not before:
-            self.recorder.record_event(self._open)
+            self.record(self._open)
 
 
 def log(event: Event) -> None:

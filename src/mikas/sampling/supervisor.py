@@ -7,6 +7,7 @@ compared with the one before: it may be another car. `line_state` has the states
 from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterator
+from dataclasses import dataclass
 from math import inf
 from typing import NamedTuple
 
@@ -53,6 +54,7 @@ class _Unnamed(NamedTuple):
     seen: float
 
 
+@dataclass(eq=False)
 class ConnectionSupervisor:
     """Opens `port` and finds the unit, as often as needed.
 
@@ -62,42 +64,37 @@ class ConnectionSupervisor:
     first sample.
     """
 
-    def __init__(
-        self,
-        port: ReconnectingPort,
-        make_ecu: Callable[[Link], Ecu],
-        context: SamplingContext,
-        before: UnitIdentity | None = None,
-    ) -> None:
+    port: ReconnectingPort
+    make_ecu: Callable[[Link], Ecu]
+    context: SamplingContext
+    before: UnitIdentity | None = None
+
+    def __post_init__(self) -> None:
         self.state: LineState | None = None
         """The state reported last; None before the first run."""
         self.unit: UnitIdentity | None = None
         self.ecu: Ecu | None = None
         """The `Ecu` on the open link; None until a unit answers."""
-        self._port = port
-        self._make_ecu = make_ecu
-        self._context = context
-        context.identity_check.compare = self._verify
+        self.context.identity_check.compare = self._verify
         self._machine = LineStateMachine()
         self._reported: type[MikasError] | None = None  # the reason reported with `state`
         self._listening_since = inf  # when the port was opened, until something was sent on it
-        self._before = before
         self._unnamed: _Unnamed | None = None
         self._answered = -inf  # when a unit answered after the latest silence or lost port
 
     def open_port(self) -> Generator[Event, None, Link | None]:
         """Open the port; None: sampling was stopped before."""
-        before = parse(self._port.url).name
-        while not self._context.stopped:
+        before = parse(self.port.url).name
+        while not self.context.stopped:
             try:
-                link = self._port.open()
+                link = self.port.open()
                 self._listening_since = link.opened
-                if (name := parse(self._port.url).name) != before:
+                if (name := parse(self.port.url).name) != before:
                     yield AdapterMoved(link.now(), name, before)
                 return link
             except NoConnection as error:
-                yield from self._broken(LineTrigger.PORT_MISSING, self._port.now(), error)
-                self._port.wait(_RETRY_PORT)
+                yield from self._broken(LineTrigger.PORT_MISSING, self.port.now(), error)
+                self.port.wait(_RETRY_PORT)
         return None
 
     def port_lost(self, error: LinkLost, time: float) -> Iterator[Event]:
@@ -107,20 +104,20 @@ class ConnectionSupervisor:
         """
         self.ecu = None
         yield from self._broken(LineTrigger.PORT_LOST, time, error)
-        until = self._port.now() + (_FLOODED if isinstance(error, LineFlooded) else _RETRY_PORT)
-        while not self._context.stopped and (left := until - self._port.now()) > 0:
-            self._port.wait(min(left, _RETRY_PORT))
-            self._context.jobs.fail(error)
+        until = self.port.now() + (_FLOODED if isinstance(error, LineFlooded) else _RETRY_PORT)
+        while not self.context.stopped and (left := until - self.port.now()) > 0:
+            self.port.wait(min(left, _RETRY_PORT))
+            self.context.jobs.fail(error)
 
     def find_unit(self, link: Link) -> Generator[Event, None, Ecu | None]:
         """Return a connected `Ecu` on `link`; None: sampling was stopped."""
-        ecu = self._make_ecu(link)
+        ecu = self.make_ecu(link)
         unit = yield from self._wait_for_answer(ecu, again=False)
         if unit is None:
             return None
         if another := self._is_another(unit):
-            self._context.forget_unit()
-            self._context.forget_totals()
+            self.context.forget_unit()
+            self.context.forget_totals()
         elif self._known is not None:
             unit = unit.filled_from(self._known)
         self._unnamed = None
@@ -164,7 +161,7 @@ class ConnectionSupervisor:
         self, ecu: Ecu, *, again: bool
     ) -> Generator[Event, None, UnitIdentity | None]:
         """Repeat requests until a unit answers; each attempt has its own timeout (D14)."""
-        while not self._context.stopped:
+        while not self.context.stopped:
             try:
                 if again and self.unit and ecu.version_code == self.unit.version_code:
                     ecu.tester.request(Availability())  # enough after a short voltage dip
@@ -185,7 +182,7 @@ class ConnectionSupervisor:
                 again = False
                 yield from self._no_answer(ecu, error)
             else:
-                self._context.identity_check.confirm(ecu)
+                self.context.identity_check.confirm(ecu)
                 return unit
         return None
 
@@ -198,15 +195,15 @@ class ConnectionSupervisor:
         """
         self.ecu = ecu
         yield from self.process(LineTrigger.IDENTIFIED, ecu.tester.link.now())
-        first_values = FirstValues(self._context, ecu, works=self._before is None)
+        first_values = FirstValues(self.context, ecu, works=self.before is None)
         steps = ecu.passports.steps()
-        while not self._context.stopped:
+        while not self.context.stopped:
             if fresh := first_values.read():
                 self._note_unnamed(ecu)
                 time = min(reading.time for reading in fresh.values())
                 yield from self.process(LineTrigger.ACCEPTED, time)
-                yield from self._context.report_plan(first_values.plan, time)
-                yield from self._context.sampled(fresh)
+                yield from self.context.report_plan(first_values.plan, time)
+                yield from self.context.sampled(fresh)
             try:
                 next(steps)
             except StopIteration as end:
@@ -234,7 +231,7 @@ class ConnectionSupervisor:
     @property
     def _known(self) -> UnitIdentity | None:
         """The unit before, as far as it is known."""
-        return self._unnamed.identity if self._unnamed else self.unit or self._before
+        return self._unnamed.identity if self._unnamed else self.unit or self.before
 
     def _identify(self, ecu: Ecu) -> UnitIdentity:
         """Read the identity; a different one is read twice, as a part may have been lost."""
@@ -261,7 +258,7 @@ class ConnectionSupervisor:
     def _broken(
         self, event: LineTrigger, time: float, error: NoConnection | LineError
     ) -> Iterator[Event]:
-        context = self._context
+        context = self.context
         context.jobs.fail(error)
         if context.strict and not context.has_sampled:
             raise error
