@@ -86,7 +86,8 @@ class KeptFile(Generic[Content]):
         except FileNotFoundError:
             pass
         except (OSError, *_UNFIT):
-            self._set_aside()
+            with naming_file(self.path):
+                self.path.rename(self._aside)
         save_json(self.path, value)
 
     @property
@@ -115,10 +116,6 @@ class KeptFile(Generic[Content]):
         return next(
             path for name in names if not os.path.lexists(path := self.path.with_name(name))
         )
-
-    def _set_aside(self) -> None:
-        with naming_file(self.path):
-            self.path.rename(self._aside)
 
 
 _UNUSABLE = Text(

@@ -18,6 +18,7 @@ import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from dataclasses import dataclass
 from typing import Any, Final, Self
 
 from mikas.cleaning import clean_line
@@ -68,6 +69,7 @@ class TypedLine:
             self._escape = ""
 
 
+@dataclass(slots=True, eq=False)
 class Marking:
     """Listens while in the `with`, if stdin is a terminal of this process group.
 
@@ -75,21 +77,15 @@ class Marking:
     the terminal shows it. (Windows: the terminal always does.)
     """
 
-    def __init__(
-        self,
-        recorder: Recorder,
-        note: Callable[[str], None],
-        on_typing: Callable[[str], None] | None = None,
-    ) -> None:
-        self._recorder = recorder
-        self._note = note
-        self._on_typing = on_typing
-        self._count = 0
-        self._ended = False
-        self._thread: threading.Thread | None = None
-        self._waking: tuple[int, int] | None = None  # a pipe: signals, and the end
-        self._woken_before = -1
-        self._continued_before: Any = None
+    recorder: Recorder
+    note: Callable[[str], None]
+    on_typing: Callable[[str], None] | None = None
+    _count: int = 0
+    _ended: bool = False
+    _thread: threading.Thread | None = None
+    _waking: tuple[int, int] | None = None  # a pipe: signals, and the end
+    _woken_before: int = -1
+    _continued_before: Any = None
 
     def __enter__(self) -> Self:
         if _owns_terminal():
@@ -124,14 +120,14 @@ class Marking:
 
     def mark(self, label: str) -> None:
         """Set one marker now."""
-        if self._recorder.failure is None and self._recorder.marker(label=label) is not None:
+        if self.recorder.failure is None and self.recorder.marker(label=label) is not None:
             self._count += 1
             name = f" “{label}”" if label else ""
             named = f" «{label}»" if label else ""
-            self._note(tr(f"Marker {self._count}{name}.", f"Отметка {self._count}{named}."))
+            self.note(tr(f"Marker {self._count}{name}.", f"Отметка {self._count}{named}."))
 
     def _listen(self, descriptor: int, encoding: str) -> None:
-        on_typing = self._on_typing
+        on_typing = self.on_typing
         typed = TypedLine(encoding)
         with _no_echo(descriptor, off=on_typing is not None) as switch_off:
             while self._wait_for_input(descriptor, switch_off):

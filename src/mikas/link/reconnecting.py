@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from dataclasses import InitVar, dataclass, field
 
 from mikas.errors import AnotherAdapter, PortNotFound
 from mikas.i18n import Text
@@ -21,53 +22,50 @@ from mikas.link.ports import Port, find_ports, listed, named
 from mikas.link.urls import open_link, parse, with_name
 
 
+@dataclass(slots=True, kw_only=True, eq=False)
 class ReconnectingPort:
-    """Opens the same port repeatedly. `sink` records every link; `clock`, `nap` are for tests."""
+    """Opens the same port repeatedly. `sink` records every link; `clock`, `nap` are for tests.
 
-    def __init__(
-        self,
-        url: str,
-        *,
-        find: Callable[[], list[Port]] = find_ports,
-        open_port: Callable[[str], Link] = open_link,
-        clock: Callable[[], float] | None = None,
-        nap: Callable[[float], object] = time.sleep,
-        sink: Sink | None = None,
-    ) -> None:
-        self.url = url
-        self._find = find
-        self._open_port = open_port
+    `wire`: the bytes on the line, where a sink records them. `adapter`: the one that is opened;
+    None: the first one at `url`, or known by its name only.
+    """
+
+    url: str = field(kw_only=False)
+    find: Callable[[], list[Port]] = find_ports
+    open_port: Callable[[str], Link] = open_link
+    clock: InitVar[Callable[[], float] | None] = None
+    nap: Callable[[float], object] = time.sleep
+    sink: Sink | None = None
+    wire: WireCount = field(default_factory=WireCount)
+    adapter: KnownAdapter | None = None
+    _link: Link | None = None
+    _clock: Callable[[], float] = field(init=False)
+    _ahead: float = 0.0  # the latest link's clock minus `_clock`
+
+    def __post_init__(self, clock: Callable[[], float] | None) -> None:
         self._clock = clock or WallClock().now
-        self._nap = nap
-        self._sink = sink
-        self._link: Link | None = None
-        self._ahead = 0.0  # the latest link's clock minus `_clock`
-        self.wire = WireCount()
-        """The bytes on the line, where a sink records them."""
-        self.adapter: KnownAdapter | None = None
-        """The adapter that is opened; None: the first one at `url`, or known by its name only."""
 
     def open(self) -> Link:
         """Open the adapter under its present name, which `url` then is.
 
         Raises `NoConnection`: `AnotherAdapter` if its name or its kind is another's.
         """
-        link = self._open_adapter() if parse(self.url).is_adapter else self._open_port(self.url)
+        link = self._open_adapter() if parse(self.url).is_adapter else self.open_port(self.url)
         if self._link is not None and (lag := self.now() - link.now()) > 0:
             link = _AheadLink(link, lag)
         self._link = link
         self._ahead = link.now() - self._clock()
-        return link if self._sink is None else CaptureTee(link, self._sink, self.wire)
+        return link if self.sink is None else CaptureTee(link, self.sink, self.wire)
 
     def _open_adapter(self) -> Link:
         name = parse(self.url).name
-        present = self._find()
+        present = self.find()
         port = self.adapter.locate(present, name) if self.adapter else named(name, present)
         if port is not None and named(name, [port]) is None:
             name = port.url
             self.url = with_name(self.url, name)
-        link = self._open_port(self.url)
-        present = self._find()
+        link = self.open_port(self.url)
+        present = self.find()
         after = named(name, present)
         if not is_same(port, after):
             link.close()
@@ -84,7 +82,7 @@ class ReconnectingPort:
 
     def wait(self, seconds: float) -> None:
         """Sleep. Ctrl-C interrupts it."""
-        self._nap(seconds)
+        self.nap(seconds)
 
 
 def _changed(address: str, after: Port | None, present: list[Port]) -> PortNotFound:

@@ -75,7 +75,8 @@ class FaultInjector:
             case LineFault.LATE:
                 return [Sent(wire, self.late_by)]
             case LineFault.DAMAGED:
-                return [Sent(_flipped(wire, at, self._random.randrange(8)))]
+                flipped = wire[at] ^ 1 << self._random.randrange(8)
+                return [Sent(wire[:at] + bytes([flipped]) + wire[at + 1 :])]
             case LineFault.CUT:
                 return [Sent(wire[: max(1, at)])]
             case LineFault.MISSING_BYTE:
@@ -104,10 +105,6 @@ class FaultInjector:
             if self._random.random() < rate:
                 return fault
         return None
-
-
-def _flipped(wire: bytes, at: int, bit: int) -> bytes:
-    return wire[:at] + bytes([wire[at] ^ (1 << bit)]) + wire[at + 1 :]
 
 
 def parse_rates(words: Mapping[str, str]) -> dict[LineFault, float]:

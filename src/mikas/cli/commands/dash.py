@@ -208,12 +208,15 @@ def _certificate(
 def _show_address(
     context: CommandContext, access: Access, options: DashboardOptions, dashboard: Dashboard
 ) -> None:
+    from mikas.dashboard.api.catalog import problems
+
     urls = {"url": access.url, "lan_url": access.lan_url}
     found = {**urls, "fingerprint": access.fingerprint}
     context.output.result(found, "\n".join(filter(None, urls.values())))
     context.say("Ctrl-C ends it.", "Выход: Ctrl-C.")
     _note_unusable_folder(context, dashboard.settings)
-    _note_unusable_files(context, dashboard)
+    for problem in problems(dashboard):
+        context.say(*problem)
     if context.port is not None:
         _note_missing_port(context, context.port)
     if access.lan_url and not context.output.json:
@@ -225,13 +228,6 @@ def _show_address(
     if not options.no_browser:
         # On some systems opening a browser blocks.
         threading.Thread(target=open_page, args=(access.url,), daemon=True).start()
-
-
-def _note_unusable_files(context: CommandContext, dashboard: Dashboard) -> None:
-    from mikas.dashboard.api.catalog import problems
-
-    for problem in problems(dashboard):
-        context.say(*problem)
 
 
 def _note_encryption(context: CommandContext, access: Access) -> None:

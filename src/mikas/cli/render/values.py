@@ -47,11 +47,6 @@ def reference(parameter: Parameter | Derived) -> str:
     return decimal(f"{low:g} … {high:g}" if high > low else f"{low:g}")
 
 
-def valid_reference(reading: Reading) -> str:
-    """The reference range; nothing under a reading in which it would not hold."""
-    return reference(reading.parameter) if reading.interpretation == "corrected" else ""
-
-
 def json_line(session: SamplingRun, output: Output, event: Event) -> None:
     """Print `{"time", "values", "gap"}`, one a cycle; in a gap one a try, with its `reason`."""
     if not isinstance(event, Sampled | CycleFailed):

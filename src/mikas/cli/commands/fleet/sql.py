@@ -7,10 +7,10 @@ import io
 import json
 import math
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from datetime import date, datetime
 from decimal import Decimal
-from itertools import islice
+from itertools import chain, islice
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -60,8 +60,8 @@ def sql(context: CommandContext, dataset: str, sql: str, *, as_csv: bool) -> Non
             rows = [[_json(value) for value in row] for row in answer.rows()]
             context.output.data({"columns": answer.columns, "rows": rows})
         elif as_csv:
-            for line in _csv(answer):
-                context.output.line(line)
+            for row in chain([answer.columns], answer.rows()):
+                context.output.line(_csv_line(map(_plain, row)))
         else:
             _print_table(context, answer)
 
@@ -99,12 +99,6 @@ def _cell(value: object) -> str:
     return str(_plain(value))
 
 
-def _csv(answer: QueryRows) -> Iterator[str]:
-    yield _line(answer.columns)
-    for values in answer.rows():
-        yield _line(map(_plain, values))
-
-
 def _plain(value: object) -> object:
     match value:
         case None:
@@ -122,7 +116,7 @@ def _plain(value: object) -> object:
     return str(value)
 
 
-def _line(values: Iterable[object]) -> str:
+def _csv_line(values: Iterable[object]) -> str:
     text = io.StringIO()
     csv.writer(text, lineterminator="").writerow(values)
     return text.getvalue()

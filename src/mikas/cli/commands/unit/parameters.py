@@ -14,7 +14,7 @@ from mikas.cli.context import CommandContext
 from mikas.cli.language import localized, tr
 from mikas.cli.options.common import RELEARN
 from mikas.cli.options.parameter_types import hex_bytes
-from mikas.cli.render.values import reading_json, reference, unit_text, valid_reference, value_text
+from mikas.cli.render.values import reading_json, reference, unit_text, value_text
 from mikas.client import Reading
 from mikas.client.parameters.parameters import datum_to_write, decode
 from mikas.errors import usage_error
@@ -143,7 +143,8 @@ def _reading_row(name: str, reading: Reading) -> list[str]:
         value_text(reading),
         unit_text(reading),
         reading.raw.hex(" ").upper(),
-        valid_reference(reading),
+        # under another interpretation it would not hold
+        reference(reading.parameter) if reading.interpretation == "corrected" else "",
         localized(reading.parameter.text),
         " ".join(reading.parameter.errata),
     ]
