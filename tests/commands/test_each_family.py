@@ -230,8 +230,8 @@ def test_lengths_are_written_as_a_list_or_a_series():
 
 
 def test_a_command_is_shown_by_the_mnemonic_or_in_russian_by_its_title():
-    assert c.ReadParameters((c.Datum(0x1A, 1),)).display_name == Text("CREADP (61)", "CREADP (61)")
-    assert c.ReadFaults().display_name == Text("read faults (02)", "«запомненные ошибки» (02)")
+    assert c.ReadParameters((c.Datum(0x1A, 1),)).name == Text("CREADP (61)", "CREADP (61)")
+    assert c.ReadFaults().name == Text("read faults (02)", "«запомненные ошибки» (02)")
 
 
 def test_spaces_by_name_with_their_last_address():

@@ -152,7 +152,7 @@ def test_only_reads_that_end_are_repeated(exchange):
     assert command.repeatable == (
         command.SAFETY is c.Safety.READ and command.code not in (0x71, *range(0x7F, 0x84))
     )
-    assert f"({command.code:02X})" in command.name
+    assert f"({command.code:02X})" in command.name.en
 
 
 def test_the_tester_sends_and_reads_the_exchange_vectors():

@@ -44,7 +44,7 @@ class Support:
     @property
     def name(self) -> str:
         """The source's name and the code."""
-        return f"{self.command.SOURCE_NAME} ({self.code:02X})"
+        return self.command.name_by(self.code).en
 
     @property
     def title(self) -> Text:

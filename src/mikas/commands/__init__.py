@@ -7,7 +7,7 @@ from typing import Any
 from mikas.commands.base import Command as Command
 from mikas.commands.base import MalformedRequest as MalformedRequest
 from mikas.commands.base import Safety as Safety
-from mikas.commands.base import SizeOf
+from mikas.commands.base import SizeOf, rows
 from mikas.commands.base import Space as Space
 from mikas.commands.memory import LARGEST_BLOCK as LARGEST_BLOCK
 from mikas.commands.memory import ReadCodeBlock as ReadCodeBlock
@@ -42,34 +42,7 @@ from mikas.commands.unit import ReadFaults as ReadFaults
 from mikas.commands.unit import ReadProgramPassport as ReadProgramPassport
 from mikas.errors import UsageError
 
-ALL_COMMANDS: tuple[type[Command[Any]], ...] = (
-    Availability,
-    ReadFaults,
-    ReadRamByte,
-    WriteRamByte,
-    ReadXramByte,
-    WriteXramByte,
-    ReadCodeByte,
-    WriteCodeByte,
-    ReadRamBlock,
-    WriteRamBlock,
-    ReadXramBlock,
-    WriteXramBlock,
-    ReadCodeBlock,
-    WriteCodeBlock,
-    ReadSfr,
-    WriteSfr,
-    GoTo,
-    ReadProgramPassport,
-    ReadDataPassport,
-    CountParameters,
-    ReadParameters,
-    WriteParameter,
-    ReadList,
-    WriteList,
-    StreamCyclic,
-    StreamAtStroke,
-)
+ALL_COMMANDS = tuple(sorted(rows, key=lambda command: command.CODES))
 """In the order of §3's table."""
 
 COMMANDS_BY_CODE: dict[int, type[Command[Any]]] = {

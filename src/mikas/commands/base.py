@@ -12,7 +12,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from enum import IntEnum, StrEnum
-from typing import ClassVar, Generic, Self, TypeVar
+from typing import Any, ClassVar, Generic, Self, TypeVar
 
 from mikas.errors import (
     AddressOutOfRange,
@@ -68,7 +68,7 @@ class MalformedRequest(ValueError):
 
 
 class Command(ABC, Generic[T]):
-    """One request. `CODES`: its first bytes; `SOURCE_NAME`: the source's name for it."""
+    """One request. `CODES`: its first bytes; `SOURCE_NAME`: the source's name for it (`row`)."""
 
     __slots__ = ()
 
@@ -90,18 +90,16 @@ class Command(ABC, Generic[T]):
         return self.SAFETY is Safety.READ and not self.STREAM
 
     @property
-    def name(self) -> str:
+    def name(self) -> Text:
         """The source's name and the code, `CREADP (61)`."""
-        return self.shown_as(self.code).en
-
-    @property
-    def display_name(self) -> Text:
-        """`name` for display; the title in Russian if the source has no mnemonic."""
-        return self.shown_as(self.code)
+        return self.name_by(self.code)
 
     @classmethod
-    def shown_as(cls, code: int) -> Text:
-        """Return the `display_name` of the requests with this one of `CODES`."""
+    def name_by(cls, code: int) -> Text:
+        """Return the `name` of the requests with this one of `CODES`.
+
+        In Russian the title, if the source has no mnemonic.
+        """
         in_russian = cls.SOURCE_NAME if cls.SOURCE_NAME.isupper() else f"«{cls.TITLE.ru}»"
         return Text(f"{cls.SOURCE_NAME} ({code:02X})", f"{in_russian} ({code:02X})")
 
@@ -123,7 +121,7 @@ class Command(ABC, Generic[T]):
             if len(body) in self.response_lengths():
                 return self._read(body)
             if body == ERROR:  # D10: a usual reply to an unknown command
-                raise NotSupported(command=self.display_name)
+                raise NotSupported(command=self.name)
             expected = lengths_in_words(self.response_lengths())
             raise WrongLength(length=len(body), expected=expected)
         except MikasError as error:
@@ -142,6 +140,25 @@ class Command(ABC, Generic[T]):
     @abstractmethod
     def parse(cls, body: bytes, size_of: SizeOf) -> Self:
         """Parse a request's body, the inverse of `body()`. Raises `MalformedRequest`."""
+
+
+C = TypeVar("C", bound=Command[Any])
+rows: list[type[Command[Any]]] = []  # of §3's table, as entered by `row`
+
+
+def row(
+    codes: int | tuple[int, ...], source_name: str, title: Text
+) -> Callable[[type[C]], type[C]]:
+    """Enter a command into §3's table: its first bytes, the source's name, its title."""
+
+    def enter(command: type[C]) -> type[C]:
+        command.CODES = (codes,) if isinstance(codes, int) else codes
+        command.SOURCE_NAME = source_name
+        command.TITLE = title
+        rows.append(command)
+        return command
+
+    return enter
 
 
 class OnlyCode(Command[T]):

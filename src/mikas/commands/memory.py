@@ -19,6 +19,7 @@ from mikas.commands.base import (
     Write,
     check_byte,
     check_range,
+    row,
 )
 from mikas.errors import WrongAddress, WrongContent
 from mikas.i18n import Text
@@ -90,85 +91,69 @@ class _ByteWrite(_ByteCommand):
         check_byte(self.SPACE, self.value)
 
 
+@row(0x11, "CREADI", Text("read a RAM byte", "чтение байта RAM"))
 class ReadRamByte(_ByteCommand):
     """11 CREADI: `11 A` → `A B`. Wire for address 40: `11 40 00 AF 0D`."""
 
     __slots__ = ()
-    CODES: ClassVar[tuple[int, ...]] = (0x11,)
-    SOURCE_NAME: ClassVar[str] = "CREADI"
-    TITLE: ClassVar[Text] = Text("read a RAM byte", "чтение байта RAM")
-    SPACE: ClassVar[Space] = Space.RAM
+    SPACE = Space.RAM
 
 
+@row(0x12, "CWRTI", Text("write a RAM byte", "запись байта RAM"))
 class WriteRamByte(_ByteWrite):
     """12 CWRTI: `12 A B` → `A B`. D6: the request is missing in the source; inferred."""
 
     __slots__ = ()
-    CODES: ClassVar[tuple[int, ...]] = (0x12,)
-    SOURCE_NAME: ClassVar[str] = "CWRTI"
-    TITLE: ClassVar[Text] = Text("write a RAM byte", "запись байта RAM")
-    SPACE: ClassVar[Space] = Space.RAM
+    SPACE = Space.RAM
 
 
+@row(0x13, "CREADX", Text("read an XRAM byte", "чтение байта XRAM"))
 class ReadXramByte(_ByteCommand):
     """13 CREADX: `13 AL AH` → `AL AH B`."""
 
     __slots__ = ()
-    CODES: ClassVar[tuple[int, ...]] = (0x13,)
-    SOURCE_NAME: ClassVar[str] = "CREADX"
-    TITLE: ClassVar[Text] = Text("read an XRAM byte", "чтение байта XRAM")
-    SPACE: ClassVar[Space] = Space.XRAM
+    SPACE = Space.XRAM
 
 
+@row(0x14, "CWRITX", Text("write an XRAM byte", "запись байта XRAM"))
 class WriteXramByte(_ByteWrite):
     """14 CWRITX: `14 AL AH B` → `AL AH B`."""
 
     __slots__ = ()
-    CODES: ClassVar[tuple[int, ...]] = (0x14,)
-    SOURCE_NAME: ClassVar[str] = "CWRITX"
-    TITLE: ClassVar[Text] = Text("write an XRAM byte", "запись байта XRAM")
-    SPACE: ClassVar[Space] = Space.XRAM
+    SPACE = Space.XRAM
 
 
+@row(0x15, "CREADC", Text("read a CODE byte", "чтение байта CODE"))
 class ReadCodeByte(_ByteCommand):
     """15 CREADC: `15 AL AH` → `AL AH B`."""
 
     __slots__ = ()
-    CODES: ClassVar[tuple[int, ...]] = (0x15,)
-    SOURCE_NAME: ClassVar[str] = "CREADC"
-    TITLE: ClassVar[Text] = Text("read a CODE byte", "чтение байта CODE")
-    SPACE: ClassVar[Space] = Space.CODE
+    SPACE = Space.CODE
 
 
+@row(0x16, "CWRITC", Text("write a CODE byte", "запись байта CODE"))
 class WriteCodeByte(_ByteWrite):
     """16 CWRITC: `16 AL AH B` → `AL AH B`."""
 
     __slots__ = ()
-    CODES: ClassVar[tuple[int, ...]] = (0x16,)
-    SOURCE_NAME: ClassVar[str] = "CWRITC"
-    TITLE: ClassVar[Text] = Text("write a CODE byte", "запись байта CODE")
     SAFETY: ClassVar[Safety] = Safety.DANGEROUS
-    SPACE: ClassVar[Space] = Space.CODE
+    SPACE = Space.CODE
 
 
+@row(0x31, "CREADSFR", Text("read an SFR", "чтение SFR"))
 class ReadSfr(_ByteCommand):
     """31 CREADSFR: `31 A` → `A B`, a special function register."""
 
     __slots__ = ()
-    CODES: ClassVar[tuple[int, ...]] = (0x31,)
-    SOURCE_NAME: ClassVar[str] = "CREADSFR"
-    TITLE: ClassVar[Text] = Text("read an SFR", "чтение SFR")
-    SPACE: ClassVar[Space] = Space.SFR
+    SPACE = Space.SFR
 
 
+@row(0x32, "SWRITSFR", Text("write an SFR", "запись SFR"))
 class WriteSfr(_ByteWrite):
     """32 SWRITSFR (spelled so in the source): `32 A B` → `A B`."""
 
     __slots__ = ()
-    CODES: ClassVar[tuple[int, ...]] = (0x32,)
-    SOURCE_NAME: ClassVar[str] = "SWRITSFR"
-    TITLE: ClassVar[Text] = Text("write an SFR", "запись SFR")
-    SPACE: ClassVar[Space] = Space.SFR
+    SPACE = Space.SFR
 
 
 LARGEST_BLOCK = 0xFF  # the count is one byte
@@ -236,65 +221,53 @@ class _WriteBlock(Write, AtAddress[None]):
         return cls(int.from_bytes(body[1:count_at], "little"), body[count_at + 1 :])
 
 
+@row(0x21, "CREADDI", Text("read RAM bytes", "чтение байтов RAM"))
 class ReadRamBlock(_ReadBlock):
     """21 CREADDI: `21 A N` → `A N B1 … BN`."""
 
     __slots__ = ()
-    CODES: ClassVar[tuple[int, ...]] = (0x21,)
-    SOURCE_NAME: ClassVar[str] = "CREADDI"
-    TITLE: ClassVar[Text] = Text("read RAM bytes", "чтение байтов RAM")
-    SPACE: ClassVar[Space] = Space.RAM
-    COUNT_FORMS: ClassVar[tuple[bool, ...]] = (True,)
+    SPACE = Space.RAM
+    COUNT_FORMS = (True,)
 
 
+@row(0x22, "CWRITDI", Text("write RAM bytes", "запись байтов RAM"))
 class WriteRamBlock(_WriteBlock):
     """22 CWRITDI: `22 A N B1 … BN` → `00` / `01`."""
 
     __slots__ = ()
-    CODES: ClassVar[tuple[int, ...]] = (0x22,)
-    SOURCE_NAME: ClassVar[str] = "CWRITDI"
-    TITLE: ClassVar[Text] = Text("write RAM bytes", "запись байтов RAM")
-    SPACE: ClassVar[Space] = Space.RAM
+    SPACE = Space.RAM
 
 
+@row(0x23, "CREADDX", Text("read XRAM bytes", "чтение байтов XRAM"))
 class ReadXramBlock(_ReadBlock):
     """23 CREADDX: `23 AL AH N` → `AL AH B1 … BN`, or with the count as in 21 (D7)."""
 
     __slots__ = ()
-    CODES: ClassVar[tuple[int, ...]] = (0x23,)
-    SOURCE_NAME: ClassVar[str] = "CREADDX"
-    TITLE: ClassVar[Text] = Text("read XRAM bytes", "чтение байтов XRAM")
-    SPACE: ClassVar[Space] = Space.XRAM
-    COUNT_FORMS: ClassVar[tuple[bool, ...]] = (False, True)
+    SPACE = Space.XRAM
+    COUNT_FORMS = (False, True)
 
 
+@row(0x24, "CWRITDX", Text("write XRAM bytes", "запись байтов XRAM"))
 class WriteXramBlock(_WriteBlock):
     """24 CWRITDX: `24 AL AH N B1 … BN` → `00` / `01` (D8)."""
 
     __slots__ = ()
-    CODES: ClassVar[tuple[int, ...]] = (0x24,)
-    SOURCE_NAME: ClassVar[str] = "CWRITDX"
-    TITLE: ClassVar[Text] = Text("write XRAM bytes", "запись байтов XRAM")
-    SPACE: ClassVar[Space] = Space.XRAM
+    SPACE = Space.XRAM
 
 
+@row(0x25, "CREADDC", Text("read CODE bytes", "чтение байтов CODE"))
 class ReadCodeBlock(_ReadBlock):
     """25 CREADDC: `25 AL AH N` → as 23 (D7)."""
 
     __slots__ = ()
-    CODES: ClassVar[tuple[int, ...]] = (0x25,)
-    SOURCE_NAME: ClassVar[str] = "CREADDC"
-    TITLE: ClassVar[Text] = Text("read CODE bytes", "чтение байтов CODE")
-    SPACE: ClassVar[Space] = Space.CODE
-    COUNT_FORMS: ClassVar[tuple[bool, ...]] = (False, True)
+    SPACE = Space.CODE
+    COUNT_FORMS = (False, True)
 
 
+@row(0x26, "CWRITDC", Text("write CODE bytes", "запись байтов CODE"))
 class WriteCodeBlock(_WriteBlock):
     """26 CWRITDC: `26 AL AH N B1 … BN` → `00` / `01` (D8)."""
 
     __slots__ = ()
-    CODES: ClassVar[tuple[int, ...]] = (0x26,)
-    SOURCE_NAME: ClassVar[str] = "CWRITDC"
-    TITLE: ClassVar[Text] = Text("write CODE bytes", "запись байтов CODE")
     SAFETY: ClassVar[Safety] = Safety.DANGEROUS
-    SPACE: ClassVar[Space] = Space.CODE
+    SPACE = Space.CODE

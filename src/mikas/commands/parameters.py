@@ -18,6 +18,7 @@ from mikas.commands.base import (
     SizeOf,
     Write,
     check_byte,
+    row,
 )
 from mikas.errors import NotSupported
 from mikas.i18n import Text
@@ -33,13 +34,10 @@ class Datum(NamedTuple):
     size: int
 
 
+@row(0x60, "CNUMPAR", Text("number of parameters", "количество параметров"))
 @dataclass(frozen=True, slots=True)
 class CountParameters(ReadNumber):
     """60 CNUMPAR: `60` → `B`, the number of the unit's parameters."""
-
-    CODES: ClassVar[tuple[int, ...]] = (0x60,)
-    SOURCE_NAME: ClassVar[str] = "CNUMPAR"
-    TITLE: ClassVar[Text] = Text("number of parameters", "количество параметров")
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,13 +92,11 @@ def _parse_codes(codes: bytes, size_of: SizeOf) -> tuple[Datum, ...]:
     return tuple(data)
 
 
+@row(0x61, "CREADP", Text("read parameters", "чтение параметров"))
 class ReadParameters(_DataCommand):
     """61 CREADP: `61 P1 … PN` → `D1 … DN`, one or several. Wire for TWAT: `61 1A 85 0D`."""
 
     __slots__ = ()
-    CODES: ClassVar[tuple[int, ...]] = (0x61,)
-    SOURCE_NAME: ClassVar[str] = "CREADP"
-    TITLE: ClassVar[Text] = Text("read parameters", "чтение параметров")
 
 
 class ReadUnknownSize(ReadParameters):
@@ -124,11 +120,12 @@ class ReadUnknownSize(ReadParameters):
     def _read(self, body: bytes) -> Data:
         times = len(self.parameters)
         if times > 1 and body == ERROR:
-            raise NotSupported(command=self.display_name)
+            raise NotSupported(command=self.name)
         size = len(body) // times if len(body) % times == 0 else len(body)
         return tuple(body[start : start + size] for start in range(0, len(body), size or 1))
 
 
+@row(0x62, "CWRITP", Text("write a parameter", "запись параметра"))
 @dataclass(frozen=True, slots=True)
 class WriteParameter(Write):
     """62 CWRITP: `62 P D…` → `00` / `01`; the datum has the parameter's size."""
@@ -136,9 +133,6 @@ class WriteParameter(Write):
     parameter: int
     data: bytes
 
-    CODES: ClassVar[tuple[int, ...]] = (0x62,)
-    SOURCE_NAME: ClassVar[str] = "CWRITP"
-    TITLE: ClassVar[Text] = Text("write a parameter", "запись параметра")
     SAFETY: ClassVar[Safety] = Safety.LASTING
 
     def __post_init__(self) -> None:
@@ -160,13 +154,11 @@ class WriteParameter(Write):
 ERASE_FAULTS = (WriteParameter(0x0E, b"\x08"), WriteParameter(0x0E, b"\x00"))
 
 
+@row(0x63, "CREADL", Text("read the list", "чтение по списку"))
 class ReadList(_DataCommand):
     """63 CREADL: `63` → `D1 … DN` of the list that 64 set; `parameters` is that list."""
 
     __slots__ = ()
-    CODES: ClassVar[tuple[int, ...]] = (0x63,)
-    SOURCE_NAME: ClassVar[str] = "CREADL"
-    TITLE: ClassVar[Text] = Text("read the list", "чтение по списку")
 
     def body(self) -> bytes:
         return b"\x63"
@@ -177,35 +169,33 @@ class ReadList(_DataCommand):
         raise MalformedRequest("the list comes from 64")
 
 
+@row(0x64, "CWRITL", Text("set the list", "запись списка"))
 @dataclass(frozen=True, slots=True)
 class WriteList(Write, _ForParameters[None]):
     """64 CWRITL: `64 P1 … PN` → `00` / `01`: sets the list that 63 reads."""
 
-    CODES: ClassVar[tuple[int, ...]] = (0x64,)
-    SOURCE_NAME: ClassVar[str] = "CWRITL"
-    TITLE: ClassVar[Text] = Text("set the list", "запись списка")
     SAFETY: ClassVar[Safety] = Safety.REVERSIBLE
 
 
+@row(0x71, "CREADPF", Text("cyclic stream", "циклический поток"))
 class StreamCyclic(_DataCommand):
     """71 CREADPF: `71 P1 … PN` → `D1 … DN` repeatedly, independent of the crankshaft."""
 
     __slots__ = ()
-    CODES: ClassVar[tuple[int, ...]] = (0x71,)
-    SOURCE_NAME: ClassVar[str] = "CREADPF"
-    TITLE: ClassVar[Text] = Text("cyclic stream", "циклический поток")
     STREAM: ClassVar[bool] = True
 
 
+@row(
+    (0x7F, 0x80, 0x81, 0x82, 0x83),
+    "CREADPS",
+    Text("stream at a stroke", "поток по такту двигателя"),
+)
 @dataclass(frozen=True, slots=True)
 class StreamAtStroke(_DataCommand):
     """7F 80 81 82 83, CREADPS: `D1 … DN` once an engine cycle, at stroke 0, 1, 2, 3 or 4 (D15)."""
 
     stroke: int = 0
 
-    CODES: ClassVar[tuple[int, ...]] = (0x7F, 0x80, 0x81, 0x82, 0x83)
-    SOURCE_NAME: ClassVar[str] = "CREADPS"
-    TITLE: ClassVar[Text] = Text("stream at a stroke", "поток по такту двигателя")
     STREAM: ClassVar[bool] = True
 
     def __post_init__(self) -> None:

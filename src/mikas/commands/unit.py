@@ -18,6 +18,7 @@ from mikas.commands.base import (
     Safety,
     SizeOf,
     Space,
+    row,
 )
 from mikas.commands.memory import AtAddress
 from mikas.errors import NotSupported, WrongContent
@@ -32,6 +33,7 @@ NO_SEPARATOR = Text("a fault is not followed by E0", "за номером оши
 _MOST = 0xFF
 
 
+@row(0x02, "read faults", Text("stored faults", "запомненные ошибки"))
 @dataclass(frozen=True, slots=True)
 class ReadFaults(OnlyCode[tuple[int, ...]]):
     """02: the stored faults' numbers, as the ECU lists them.
@@ -40,16 +42,12 @@ class ReadFaults(OnlyCode[tuple[int, ...]]):
     numbered E0 is possible: only every second byte is a separator. Wire: `02 FE 0D`.
     """
 
-    CODES: ClassVar[tuple[int, ...]] = (0x02,)
-    SOURCE_NAME: ClassVar[str] = "read faults"
-    TITLE: ClassVar[Text] = Text("stored faults", "запомненные ошибки")
-
     def response_lengths(self) -> Sequence[int]:
         return range(1, 2 * _MOST + 2, 2)
 
     def _read(self, body: bytes) -> tuple[int, ...]:
         if body == ERROR:  # D10: the number of a single fault would follow
-            raise NotSupported(command=self.display_name)
+            raise NotSupported(command=self.name)
         count, numbers, separators = body[0], body[1::2], body[2::2]
         if count != len(numbers):
             problem = OTHER_NUMBER_OF_FAULTS.filled(announced=count, held=len(numbers))
@@ -63,6 +61,7 @@ class ReadFaults(OnlyCode[tuple[int, ...]]):
         return bytes([len(listed)]) + b"".join(bytes([n, SEPARATOR]) for n in listed)
 
 
+@row(0x41, "CGOTO", Text("go to an address", "переход по адресу"))
 @dataclass(frozen=True, slots=True)
 class GoTo(AtAddress[bytes]):
     """41 CGOTO: `41 AL AH`. No response is expected (D9). Wire for 8000: `41 00 80 3F 0D`.
@@ -70,12 +69,9 @@ class GoTo(AtAddress[bytes]):
     The most dangerous command: the ECU executes any bytes at the address.
     """
 
-    CODES: ClassVar[tuple[int, ...]] = (0x41,)
-    SOURCE_NAME: ClassVar[str] = "CGOTO"
-    TITLE: ClassVar[Text] = Text("go to an address", "переход по адресу")
     SAFETY: ClassVar[Safety] = Safety.DANGEROUS
     ANSWERED: ClassVar[bool] = False
-    SPACE: ClassVar[Space] = Space.CODE
+    SPACE = Space.CODE
 
     def response_lengths(self) -> Sequence[int]:
         return ()
@@ -102,16 +98,13 @@ def passport_text(data: bytes) -> str:
     return data.decode(PASSPORT_ENCODING).translate(_PICTURES)
 
 
+@row(0x01, "availability", Text("availability, model", "доступность, модель"))
 @dataclass(frozen=True, slots=True)
 class Availability(ReadNumber):
     """01: `01` → the version code, `09` Mikas 5.4, `0A` Mikas 7.1, or an unknown, usable model.
 
     Wire: `01 FF 0D` → `0A F6 0D`.
     """
-
-    CODES: ClassVar[tuple[int, ...]] = (0x01,)
-    SOURCE_NAME: ClassVar[str] = "availability"
-    TITLE: ClassVar[Text] = Text("availability, model", "доступность, модель")
 
 
 @dataclass(frozen=True, slots=True)
@@ -148,22 +141,18 @@ class _ReadPassport(OnlyCode[str]):
         return cls(cls.CODES.index(body[0]) + 1)
 
 
+@row((0x51, 0x52, 0x53), "CPASP", Text("program passport", "паспорт программы"))
 class ReadProgramPassport(_ReadPassport):
     """51 52 53, CPASP: the program's passport, in three parts. Wire: `51 AF 0D`."""
 
     __slots__ = ()
-    CODES: ClassVar[tuple[int, ...]] = (0x51, 0x52, 0x53)
-    SOURCE_NAME: ClassVar[str] = "CPASP"
-    TITLE: ClassVar[Text] = Text("program passport", "паспорт программы")
 
 
+@row((0x54, 0x55, 0x56, 0x57, 0x58), "CPASD", Text("data passport", "паспорт данных"))
 class ReadDataPassport(_ReadPassport):
     """54 … 58, CPASD: the data's passport, in five parts. Wire: `54 AC 0D`."""
 
     __slots__ = ()
-    CODES: ClassVar[tuple[int, ...]] = (0x54, 0x55, 0x56, 0x57, 0x58)
-    SOURCE_NAME: ClassVar[str] = "CPASD"
-    TITLE: ClassVar[Text] = Text("data passport", "паспорт данных")
 
 
 def version_text(code: int | None) -> str | None:

@@ -185,7 +185,7 @@ def _command(command: type[c.Command[Any]], code: int) -> CommandRow:
         code=code,
         name=command.SOURCE_NAME,
         title=command.TITLE,
-        shown=command.shown_as(code),
+        shown=command.name_by(code),
         stream=command.STREAM,
         address_bytes=space.address_bytes if space else 0,
         request=request,

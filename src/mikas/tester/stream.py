@@ -134,7 +134,7 @@ class Stream:
         )
 
     def _unknown(self, body: bytes) -> NotSupported:
-        return NotSupported(command=self.command.display_name, request=self._request, received=body)
+        return NotSupported(command=self.command.name, request=self._request, received=body)
 
     def close(self) -> None:
         """End the stream (D12) and release the tester; a second call does nothing.

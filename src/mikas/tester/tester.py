@@ -246,7 +246,7 @@ class Tester:
         if isinstance(error, NoResponse) and command.code not in self._known:
             self._ensure_in_sync()  # raises NoEcho or EchoOnly if no ECU answers
             return NotSupported(
-                command=command.display_name, request=error.request, received=b"", time=error.time
+                command=command.name, request=error.request, received=b"", time=error.time
             )
         if isinstance(error, NoResponse):
             try:

@@ -174,7 +174,7 @@ class Responder:
             return command.respond(command.value)
         if isinstance(command, _BYTE_READS):
             return command.respond(memory.read(command.SPACE, command.address)[0])
-        raise AssertionError(f"{command.name} is not implemented")
+        raise AssertionError(f"{command.name.en} is not implemented")
 
 
 _WRITES = frozenset(

@@ -176,7 +176,7 @@ class SpaceWriter:
     def _advice(self, refused: list[WriteByte | WriteBlock]) -> Text:
         if self.block is None:
             return _SFR_ONLY
-        names = ", ".join(dict.fromkeys(command.name for command in refused))
+        names = ", ".join(dict.fromkeys(command.name.en for command in refused))
         return Text(f"Tried without success: {names}.", f"Безуспешно испробованы: {names}.")
 
     def standing(self, address: int, data: bytes, before: bytes) -> Text:

@@ -66,7 +66,7 @@ def scan(context: CommandContext, out: Path | None, *, overwrite: bool) -> None:
             if out is not None:
                 _write(context, out, ecu.catalog, found, heading)
         if {each.answer for each in found.values()} <= {Answer.SILENT, Answer.REFUSED}:
-            raise NotSupported(command=ReadUnknownSize.of(0, 1).display_name)
+            raise NotSupported(command=ReadUnknownSize.of(0, 1).name)
 
 
 def _check_writable(out: Path, *, overwrite: bool) -> None:
