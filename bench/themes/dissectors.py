@@ -13,7 +13,7 @@ from pathlib import Path
 from bench.recorded import recorded
 from bench.rows import Row, Scope, Theme, timed
 from mikas.catalog import shipped
-from mikas.dissectors.wireshark import source
+from mikas.dissectors.wireshark.generator import source
 from mikas.recording.capture.reader import CaptureReader, Packet
 
 _HOURS = 0.29  # some 100,000 packets

@@ -9,7 +9,8 @@ import pytest
 from cli_harness import is_one_short_paragraph, is_russian
 
 from mikas.catalog import shipped
-from mikas.dissectors.sigrok import decoder_file, source
+from mikas.dissectors.installing import decoder_file
+from mikas.dissectors.sigrok.generator import source
 
 
 @pytest.fixture(autouse=True)

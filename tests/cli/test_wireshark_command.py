@@ -7,7 +7,8 @@ import re
 import pytest
 
 from mikas.dissectors import installing
-from mikas.dissectors.wireshark import MARK, plugin_file
+from mikas.dissectors.installing import plugin_file
+from mikas.dissectors.wireshark.generator import MARK
 
 
 @pytest.fixture(autouse=True)

@@ -14,8 +14,8 @@ from types import ModuleType
 from unittest.mock import patch
 
 from mikas.catalog import shipped
-from mikas.dissectors.installing import install
-from mikas.dissectors.sigrok import MARK, decoder_file, source
+from mikas.dissectors.installing import decoder_file, install
+from mikas.dissectors.sigrok.generator import MARK, source
 
 ANNOTATIONS, PYTHON, BINARY = range(3)
 RATE = 1_000_000

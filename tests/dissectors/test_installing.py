@@ -8,8 +8,7 @@ import subprocess
 import pytest
 
 from mikas.dissectors import installing
-from mikas.dissectors.installing import install, is_running
-from mikas.dissectors.wireshark import plugin_file
+from mikas.dissectors.installing import install, is_running, plugin_file
 from mikas.errors import UsageError
 
 MARK = "-- ours"

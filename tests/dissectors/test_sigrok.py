@@ -13,7 +13,7 @@ from command_strategies import exchanges
 from dissectors.sigrok_rig import BYTE, SimulatedSigrok, loaded
 from mikas import commands as c
 from mikas.catalog import shipped
-from mikas.dissectors.sigrok import source
+from mikas.dissectors.sigrok.generator import source
 from mikas.framing import encode
 from mikas.recording.inspect import Describer
 

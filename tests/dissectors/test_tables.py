@@ -12,15 +12,15 @@ from command_strategies import exchanges
 from dissectors.walking_harness import Walker
 from mikas import commands as c
 from mikas.catalog import INTERPRETATIONS, load, shipped
-from mikas.dissectors.tables import plain, tables_of
+from mikas.dissectors.tables import tables_of
 from mikas.i18n import Text
 from mikas.recording.inspect import Describer
 
 CATALOG = shipped()
-TABLES = tables_of(CATALOG)
-WALKERS = {language: Walker(plain(TABLES, language)) for language in ("en", "ru")}
+TABLES = tables_of(CATALOG, "en")
+WALKERS = {language: Walker(tables_of(CATALOG, language)) for language in ("en", "ru")}
 CODES = st.sampled_from([code for code, _ in CATALOG.codes])
-KNOWN = st.sampled_from(list(TABLES.commands))
+KNOWN = st.sampled_from(list(TABLES["commands"]))
 BYTES = st.binary(max_size=12)
 ANY_REQUEST = st.one_of(
     BYTES,
@@ -43,11 +43,11 @@ def said(walked):
 
 
 def test_every_command_has_its_row():
-    assert set(TABLES.commands) == set(c.COMMANDS_BY_CODE)
+    assert set(TABLES["commands"]) == set(c.COMMANDS_BY_CODE)
     for code, command in c.COMMANDS_BY_CODE.items():
-        row = TABLES.commands[code]
-        assert (row.code, row.name, row.title, row.stream) == (
-            code, command.SOURCE_NAME, command.TITLE, command.STREAM,
+        row = TABLES["commands"][code]
+        assert (row["code"], row["name"], row["title"], row["stream"]) == (
+            code, command.SOURCE_NAME, command.TITLE.en, command.STREAM,
         )  # fmt: skip
 
 
@@ -134,25 +134,26 @@ def test_a_list_and_a_stream_have_the_same_meaning(codes, data):
 
 @pytest.mark.parametrize("interpretation", INTERPRETATIONS)
 def test_every_raw_number_has_the_catalogs_value(interpretation):
-    for parameter, row in zip(CATALOG.parameters, TABLES.parameters, strict=True):
-        assert (row.code, row.name, row.size) == (parameter.code, parameter.name, parameter.size)
-        conversion = plain(row.interpretations[interpretation], "en")
-        for number in range(0, 256**row.size, 1 if row.size == 1 else 17):
-            raw = number.to_bytes(row.size, "little")
+    for parameter, row in zip(CATALOG.parameters, TABLES["parameters"], strict=True):
+        size = parameter.size
+        assert (row["code"], row["name"], row["size"]) == (parameter.code, parameter.name, size)
+        conversion = row["interpretations"][interpretation]
+        for number in range(0, 256**size, 1 if size == 1 else 17):
+            raw = number.to_bytes(size, "little")
             assert Walker.value(conversion, raw) == parameter.decode(raw, interpretation)
 
 
 def test_faults_models_and_errata_are_the_catalogs():
     for number in range(256):
-        row, fault = TABLES.faults.get(number), CATALOG.fault(number)
-        assert (row.text, row.confidence) == (fault.text, fault.confidence) if row else True
+        row, fault = TABLES["faults"].get(number), CATALOG.fault(number)
+        assert row is None or row == {"text": fault.text.en, "confidence": fault.confidence}
         assert (row is None) == (not fault.known)
-    assert TABLES.models == {code: model.text for code, model in CATALOG.models.items()}
-    assert {name for row in TABLES.parameters for name in row.errata} <= set(TABLES.errata)
+    assert TABLES["models"] == {code: model.text.en for code, model in CATALOG.models.items()}
+    assert {name for row in TABLES["parameters"] for name in row["errata"]} <= set(TABLES["errata"])
     erratum = CATALOG.errata["E1"]
-    assert TABLES.errata["E1"] == {
-        "corrected": erratum.default, "literal": erratum.alternative,
-        "alternative": erratum.default,
+    assert TABLES["errata"]["E1"] == {
+        "corrected": erratum.default.en, "literal": erratum.alternative.en,
+        "alternative": erratum.default.en,
     }  # fmt: skip
 
 
@@ -163,17 +164,16 @@ def test_the_users_own_catalog_is_in_them(tmp_path):
         'unit = "kPa"\nscale = "1/100"\n[fault.250]\ntext = { en = "Mine", ru = "Моя" }\n',
         "utf-8",
     )
-    tables = tables_of(load(own))
-    row = next(each for each in tables.parameters if each.name == "MAP")
-    assert (row.code, row.size, row.interpretations["corrected"].unit.en) == (0x30, 2, "kPa")
-    assert (
-        row.interpretations["literal"].numerator,
-        row.interpretations["literal"].denominator,
-    ) == (1, 100)
-    assert tables.faults[250].text.ru == "Моя"
+    tables = tables_of(load(own), None)
+    row = next(each for each in tables["parameters"] if each["name"] == "MAP")
+    unit = row["interpretations"]["corrected"]["unit"]
+    assert (row["code"], row["size"], unit) == (0x30, 2, ["kPa", "kPa"])
+    literal = row["interpretations"]["literal"]
+    assert (literal["numerator"], literal["denominator"]) == (1, 100)
+    assert tables["faults"][250]["text"] == ["Mine", "Моя"]
 
 
 def test_the_plain_form_is_plain():
     for language in ("en", "ru"):
-        text = json.dumps(plain(TABLES, language), ensure_ascii=False)
+        text = json.dumps(tables_of(CATALOG, language), ensure_ascii=False)
         assert ("чтение параметров" in text) == (language == "ru")

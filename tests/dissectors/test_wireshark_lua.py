@@ -16,7 +16,7 @@ import pytest
 from dissectors import oracle_harness as oracle
 from dissectors.sessions_harness import crafted, hostile, vectors
 from mikas.catalog import shipped
-from mikas.dissectors.wireshark import in_ascii, source
+from mikas.dissectors.wireshark.generator import in_ascii, source
 from mikas.link.base import Direction
 from mikas.recording.capture.reader import CaptureReader, Packet
 from mikas.recording.exchanges.scalar import DecodedFrame

@@ -9,8 +9,7 @@ import pytest
 
 from mikas.catalog import INTERPRETATIONS, shipped
 from mikas.dissectors import wireshark
-from mikas.dissectors.wireshark import MARK, source
-from mikas.dissectors.wireshark.generator import lua
+from mikas.dissectors.wireshark.generator import MARK, lua, source
 from mikas.dissectors.wireshark.labels import LABELS
 from mikas.recording.exchanges.matching import SILENCE, SILENCE_AFTER_SENDING
 

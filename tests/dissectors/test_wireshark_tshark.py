@@ -25,7 +25,7 @@ from dissectors.sessions_harness import (
 )
 from dissectors.tshark_harness import TSHARK, decoded, run, shown
 from mikas.catalog import load, shipped
-from mikas.dissectors.wireshark import source
+from mikas.dissectors.wireshark.generator import source
 from mikas.dissectors.wireshark.labels import LABELS
 from mikas.framing import encode
 from mikas.recording.capture import blocks as pcapng

@@ -1,4 +1,4 @@
-"""Putting a decoder into the folder in which a user's program looks for it.
+"""The folders in which a user's programs look for decoders, and putting one there.
 
 Only a file of our own is replaced: its first line says so.
 """
@@ -6,6 +6,7 @@ Only a file of our own is replaced: its first line says so.
 from __future__ import annotations
 
 import csv
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -24,6 +25,33 @@ _MOVE_IT = Text(
     "Move or remove that file, then try again.",
     "Переместите или удалите этот файл и повторите.",
 )
+
+
+def plugin_file() -> Path:
+    """Return the path of the dissector among this user's Lua plugins of Wireshark."""
+    if sys.platform == "win32":
+        roaming = os.environ.get("APPDATA") or Path.home() / "AppData" / "Roaming"
+        return Path(roaming) / "Wireshark" / "plugins" / "mikas.lua"
+    return Path.home() / ".local" / "lib" / "wireshark" / "plugins" / "mikas.lua"
+
+
+def decoder_file(folder: Path | None = None) -> Path:
+    """Return the path of the decoder in a folder of sigrok's decoders; None: in the user's.
+
+    That is SIGROKDECODE_DIR, else what GLib's `g_get_user_data_dir` gives, on macOS as on Linux.
+    sigrok imports each folder there as a Python module, and takes `Decoder` from it. So a folder
+    `mikas` with nothing but an `__init__.py` is a whole decoder.
+    """
+    return (folder or _decoders()) / "mikas" / "__init__.py"
+
+
+def _decoders() -> Path:
+    if named := os.environ.get("SIGROKDECODE_DIR", "").strip():
+        return Path(named)
+    data = os.environ.get("XDG_DATA_HOME", "").strip()
+    if not data and sys.platform == "win32":
+        data = os.environ.get("LOCALAPPDATA", "").strip() or "~/AppData/Local"
+    return Path(data or "~/.local/share").expanduser() / "libsigrokdecode" / "decoders"
 
 
 def install(file: Path, text: str, mark: str) -> bool:

@@ -1,7 +1,7 @@
 """Commands (§3), parameters, faults and models (§4) as plain data, for decoders outside Python.
 
-A generator prints `Tables` in the language of its decoder (`plain` gives the lists and mappings
-for that), where a small interpreter walks the layouts. A layout names the parts of a body in their
+A generator prints these tables in the language of its decoder, where a small interpreter walks the
+layouts. A layout names the parts of a body in their
 order, as §3's table does; the command's code at the beginning of a request is not among them:
 
     address   `address_bytes` bytes, low byte first; a response must repeat the request's
@@ -27,11 +27,10 @@ is `01` (D10), else of a wrong length: `messages` words both.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, is_dataclass
 from typing import Any, Final
 
 from mikas import commands as c
-from mikas.catalog import INTERPRETATIONS, Catalog, Conversion, Erratum, Fault, Parameter
+from mikas.catalog import INTERPRETATIONS, Catalog, Conversion, Erratum, Parameter
 from mikas.commands.base import NO_COMPLETION_CODE
 from mikas.commands.memory import OTHER_COUNT
 from mikas.commands.unit import NO_SEPARATOR, OTHER_NUMBER_OF_FAULTS
@@ -86,136 +85,84 @@ MESSAGES: Final[dict[str, Text]] = {
 """What a response says as a whole, or why it says nothing; fields in braces are to be filled."""
 
 
-@dataclass(frozen=True, slots=True)
-class CommandRow:
-    """One code of §3. `shown`: its name in messages; `stream`: answered again and again (D12)."""
+def tables_of(catalog: Catalog, language: Language | None) -> dict[str, Any]:
+    """Return the tables of all commands and of this catalog, own entries of the user included.
 
-    code: int
-    name: str
-    title: Text
-    shown: Text
-    stream: bool
-    address_bytes: int
-    request: tuple[str, ...]
-    responses: tuple[tuple[str, ...], ...]
-
-
-@dataclass(frozen=True, slots=True)
-class ConversionRow:
-    """`(raw * numerator + constant) / denominator`, exact below 2**52; with a `mask`, a flag."""
-
-    signed: bool
-    mask: int
-    numerator: int
-    constant: int
-    denominator: int
-    unit: Text
-
-
-@dataclass(frozen=True, slots=True)
-class ParameterRow:
-    """One parameter of §4. `interpretations`: by the name of the interpretation, all of them."""
-
-    code: int
-    name: str
-    text: Text
-    size: int
-    decimals: int
-    interpretations: dict[str, ConversionRow]
-    errata: tuple[str, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class FaultRow:
-    """One fault number of 02; others have no text."""
-
-    text: Text
-    confidence: str
-
-
-@dataclass(frozen=True, slots=True)
-class Tables:
-    """All of it. `errata`: the sense by name and interpretation; `messages`: `MESSAGES`."""
-
-    version: str
-    commands: dict[int, CommandRow]
-    parameters: tuple[ParameterRow, ...]
-    faults: dict[int, FaultRow]
-    models: dict[int, Text]
-    errata: dict[str, dict[str, Text]]
-    messages: dict[str, Text]
-
-
-def tables_of(catalog: Catalog) -> Tables:
-    """Return the tables of all commands and of this catalog, own entries of the user included."""
-    return Tables(
-        version=catalog.version,
-        commands={
+    They are dicts, lists, texts and numbers. `language`: of the texts; None: both, each text as a
+    list of the English and the Russian one. `errata`: the sense by name and interpretation.
+    """
+    tables = {
+        "version": catalog.version,
+        "commands": {
             code: _command(command, code) for command in c.ALL_COMMANDS for code in command.CODES
         },
-        parameters=tuple(map(_parameter, catalog.parameters)),
-        faults={number: _fault(fault) for number, fault in sorted(catalog.faults.items())},
-        models={code: model.text for code, model in sorted(catalog.models.items())},
-        errata={name: _senses(erratum) for name, erratum in catalog.errata.items()},
-        messages=MESSAGES,
-    )
+        "parameters": list(map(_parameter, catalog.parameters)),
+        "faults": {
+            number: {"text": fault.text, "confidence": fault.confidence.value}
+            for number, fault in sorted(catalog.faults.items())
+        },
+        "models": {code: model.text for code, model in sorted(catalog.models.items())},
+        "errata": {name: _senses(erratum) for name, erratum in catalog.errata.items()},
+        "messages": MESSAGES,
+    }
+    return {name: _in_language(table, language) for name, table in tables.items()}
 
 
-def plain(value: object, language: Language | None) -> Any:  # noqa: ANN401  (any of JSON's)
-    """Return `value` as dicts, lists, texts and numbers, a `Text` in `language`.
-
-    None: in both, as a list of the English and the Russian one.
-    """
+def _in_language(value: object, language: Language | None) -> object:
     match value:
         case Text():
             return [value.en, value.ru] if language is None else value.to(language)
         case dict():
-            return {key: plain(each, language) for key, each in value.items()}
-        case tuple():
-            return [plain(each, language) for each in value]
-    if is_dataclass(value):
-        return {each.name: plain(getattr(value, each.name), language) for each in fields(value)}
+            return {key: _in_language(each, language) for key, each in value.items()}
+        case tuple() | list():
+            return [_in_language(each, language) for each in value]
     return value
 
 
-def _command(command: type[c.Command[Any]], code: int) -> CommandRow:
+def _command(command: type[c.Command[Any]], code: int) -> dict[str, object]:
+    """Return one code of §3. `shown`: its name in messages; `stream`: answered again and again
+    (D12).
+    """
     space: c.Space | None = getattr(command, "SPACE", None)
-    request, *responses = (tuple(layout.split()) for layout in _LAYOUTS[command])
-    return CommandRow(
-        code=code,
-        name=command.SOURCE_NAME,
-        title=command.TITLE,
-        shown=command.name_by(code),
-        stream=command.STREAM,
-        address_bytes=space.address_bytes if space else 0,
-        request=request,
-        responses=tuple(responses),
-    )
+    request, *responses = (layout.split() for layout in _LAYOUTS[command])
+    return {
+        "code": code,
+        "name": command.SOURCE_NAME,
+        "title": command.TITLE,
+        "shown": command.name_by(code),
+        "stream": command.STREAM,
+        "address_bytes": space.address_bytes if space else 0,
+        "request": request,
+        "responses": responses,
+    }
 
 
-def _parameter(parameter: Parameter) -> ParameterRow:
-    return ParameterRow(
-        code=parameter.code,
-        name=parameter.name,
-        text=parameter.text,
-        size=parameter.size,
-        decimals=parameter.decimals,
-        interpretations={
+def _parameter(parameter: Parameter) -> dict[str, object]:
+    return {
+        "code": parameter.code,
+        "name": parameter.name,
+        "text": parameter.text,
+        "size": parameter.size,
+        "decimals": parameter.decimals,
+        "interpretations": {
             name: _conversion(parameter.interpretation(name)) for name in INTERPRETATIONS
         },
-        errata=parameter.errata,
-    )
+        "errata": parameter.errata,
+    }
 
 
-def _conversion(conversion: Conversion) -> ConversionRow:
-    return ConversionRow(
-        signed=conversion.signed,
-        mask=conversion.mask,
-        numerator=conversion.numerator,
-        constant=conversion.constant,
-        denominator=conversion.denominator,
-        unit=conversion.unit_text,
-    )
+def _conversion(conversion: Conversion) -> dict[str, object]:
+    """Return `(raw * numerator + constant) / denominator`, exact below 2**52; with a `mask`, a
+    flag.
+    """
+    return {
+        "signed": conversion.signed,
+        "mask": conversion.mask,
+        "numerator": conversion.numerator,
+        "constant": conversion.constant,
+        "denominator": conversion.denominator,
+        "unit": conversion.unit_text,
+    }
 
 
 def _senses(erratum: Erratum) -> dict[str, Text]:
@@ -223,7 +170,3 @@ def _senses(erratum: Erratum) -> dict[str, Text]:
         name: erratum.alternative if name == erratum.selected_by else erratum.default
         for name in INTERPRETATIONS
     }
-
-
-def _fault(fault: Fault) -> FaultRow:
-    return FaultRow(text=fault.text, confidence=fault.confidence.value)

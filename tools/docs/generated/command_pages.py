@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from mikas.catalog import Catalog
 from mikas.commands import COMMANDS_BY_CODE, Safety
-from mikas.dissectors.tables import CommandRow, tables_of
+from mikas.dissectors.tables import tables_of
 from mikas.i18n import Language, Text
 from tools.docs.generated.tables import code, page, table
 
@@ -37,22 +39,22 @@ def commands(catalog: Catalog, language: Language) -> str:
         "code|name|what|request|response|effect",
         "код|имя|что делает|запрос|ответ|изменяет",
     )
-    rows = (_row(each, language) for each in tables_of(catalog).commands.values())
+    rows = (_row(each, language) for each in tables_of(catalog, language)["commands"].values())
     return page("commands", language, commands=table(language, headers, rows))
 
 
-def _row(command: CommandRow, language: Language) -> tuple[str, ...]:
-    def body(parts: tuple[str, ...]) -> str:
+def _row(command: dict[str, Any], language: Language) -> tuple[str, ...]:
+    def body(parts: list[str]) -> str:
         return " · ".join(_PARTS[part].to(language) for part in parts)
 
-    first = code(f"{command.code:02X}")
-    responses = Text(" or ", " или ").to(language).join(map(body, command.responses))
-    again = Text(", again and again", ", снова и снова").to(language) if command.stream else ""
+    first = code(f"{command['code']:02X}")
+    responses = Text(" or ", " или ").to(language).join(map(body, command["responses"]))
+    again = Text(", again and again", ", снова и снова").to(language) if command["stream"] else ""
     return (
         first,
-        command.name,
-        command.title.to(language),
-        " · ".join(filter(None, (first, body(command.request)))),
+        command["name"],
+        command["title"],
+        " · ".join(filter(None, (first, body(command["request"])))),
         responses + again,
-        _SAFETY[COMMANDS_BY_CODE[command.code].SAFETY].to(language),
+        _SAFETY[COMMANDS_BY_CODE[command["code"]].SAFETY].to(language),
     )

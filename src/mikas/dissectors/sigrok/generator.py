@@ -11,7 +11,7 @@ from pprint import pformat
 from typing import Any, Final
 
 from mikas.catalog import INTERPRETATIONS, Catalog
-from mikas.dissectors.tables import plain, tables_of
+from mikas.dissectors.tables import tables_of
 from mikas.i18n import Language
 
 _PARTS: Final = ("framing", "commands", "turns", "decoder")
@@ -64,7 +64,7 @@ def _comment(document: str) -> str:
 
 def _tables(catalog: Catalog, defaults: dict[str, str]) -> dict[str, str]:
     """Return the values that the parts import from `tables`, as Python; texts in both languages."""
-    tables = plain(tables_of(catalog), None)
+    tables = tables_of(catalog, None)
     parameters: dict[int, list[dict[str, Any]]] = {}
     for row in tables["parameters"]:
         kept = {key: row[key] for key in ("name", "text", "size", "decimals")}

@@ -7,7 +7,7 @@ from typing import Final
 
 from mikas.catalog import Catalog
 from mikas.commands.unit import passport_text
-from mikas.dissectors.tables import plain, tables_of
+from mikas.dissectors.tables import tables_of
 from mikas.dissectors.wireshark.labels import LABELS
 from mikas.i18n import Language
 
@@ -24,14 +24,14 @@ _HEAD: Final = """\
 
 def source(catalog: Catalog, language: Language, interpretation: str, version: str) -> str:
     """Return the dissector. `interpretation`: the one by default; `version`: the program's."""
-    tables = tables_of(catalog)
+    tables = tables_of(catalog, language)
     given = {
         "INTERPRETATION": interpretation,
         "LABELS": {key: text.to(language) for key, text in LABELS.items()},
         "CODE_PAGE": [passport_text(bytes([code])) for code in range(256)],
-        "TABLES": plain(tables, language),
+        "TABLES": tables,
     }
-    head = _HEAD.format(mark=MARK, version=version, catalog=tables.version)
+    head = _HEAD.format(mark=MARK, version=version, catalog=catalog.version)
     data = [f"local {name} = {lua(value)}\n" for name, value in given.items()]
     parts = [files(__package__).joinpath(f"{part}.lua").read_text("utf-8") for part in _PARTS]
     return "\n".join([head, *data, *parts])
@@ -44,7 +44,7 @@ def in_ascii(text: str) -> str:
 
 
 def lua(value: object, indent: str = "") -> str:
-    """Return `value` as a Lua literal: what `plain` gives."""
+    """Return `value`, of the tables, as a Lua literal."""
     deeper = f"{indent}  "
     match value:
         case None:

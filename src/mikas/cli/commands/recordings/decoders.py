@@ -45,8 +45,8 @@ _EXAMPLE = "sigrok-cli -i line.sr -P uart:baudrate=9600:rx=D0,mikas -A mikas"
 )
 def wireshark(context: CommandContext, *, install: bool) -> None:
     import mikas
-    from mikas.dissectors.installing import is_running
-    from mikas.dissectors.wireshark import MARK, in_ascii, plugin_file, source
+    from mikas.dissectors.installing import is_running, plugin_file
+    from mikas.dissectors.wireshark.generator import MARK, in_ascii, source
 
     options = context.options
     text = source(
@@ -111,8 +111,8 @@ def wireshark(context: CommandContext, *, install: bool) -> None:
     ru="записать в другую папку декодеров",
 )
 def sigrok(context: CommandContext, *, install: bool, folder: Path | None) -> None:
-    from mikas.dissectors.installing import is_running
-    from mikas.dissectors.sigrok import MARK, decoder_file, source
+    from mikas.dissectors.installing import decoder_file, is_running
+    from mikas.dissectors.sigrok.generator import MARK, source
 
     if install and folder is not None:
         raise usage_error(
