@@ -1,14 +1,29 @@
-"""A guided test as data: steps, measures and rules, as `loading` makes them from a file."""
+"""A guided test as data: steps, measures and rules, as `loading` makes them from a file.
+
+A field with a rule in its annotation is a key of the file (`schema_of`).
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import Final
+from typing import Annotated, Final
 
 from mikas.catalog import Catalog, Derived
+from mikas.catalog.conversion import NO_TEXT
 from mikas.catalog.formula_syntax import Parsed
+from mikas.catalog.loading.fields import (
+    ANY,
+    TEXT,
+    between,
+    boolean,
+    choice,
+    integer,
+    span,
+    string,
+    strings,
+)
 from mikas.catalog.model import in_order
 from mikas.i18n import Text
 
@@ -80,18 +95,20 @@ class GuidedStep:
     """
 
     name: str
-    text: Text
-    until: Parsed | None
-    hold: float
-    prepare: float
-    whole: bool
-    by_hand: bool
-    timeout: float
-    advice: Text
-    watch: tuple[str, ...]
-    targets: Mapping[str, tuple[float, float]]
-    longest_gap: float
-    rate: float
+    text: Annotated[Text, TEXT]
+    until: Annotated[Parsed | None, string] = None
+    hold: Annotated[float, between(0, 3600)] = 0.0
+    prepare: Annotated[float, between(0, 600)] = 0.0
+    whole: Annotated[bool, boolean] = False
+    by_hand: Annotated[bool, boolean] = False
+    timeout: Annotated[float, between(1, 7200)] = 120.0
+    advice: Annotated[Text, TEXT] = NO_TEXT
+    watch: Annotated[tuple[str, ...], strings] = ()
+    targets: Annotated[Mapping[str, tuple[float, float]], {ANY: span}, "target"] = field(
+        default_factory=dict
+    )
+    longest_gap: Annotated[float, between(0.05, 60)] = 1.0
+    rate: Annotated[float, between(0, 200)] = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,18 +120,18 @@ class Measure:
     """
 
     name: str
-    text: Text
-    step: str
-    of: Parsed
-    when: Parsed | None
-    by: Parsed | None
-    statistic: Statistic
-    percentile: float
-    last: float | None
-    fewest: int
-    unit: Text
-    decimals: int
-    resolution: float
+    text: Annotated[Text, TEXT]
+    step: Annotated[str, string]
+    of: Annotated[Parsed, string]
+    when: Annotated[Parsed | None, string]
+    by: Annotated[Parsed | None, string]
+    statistic: Annotated[Statistic, choice(Statistic, *Statistic)]
+    percentile: Annotated[float, between(0, 100)] = 50.0
+    last: Annotated[float | None, between(0.1, 3600)] = None
+    fewest: Annotated[int, integer(1, 10_000)] = 3
+    unit: Annotated[Text, string] = NO_TEXT
+    decimals: Annotated[int, integer(0, 4)] = 1
+    resolution: float = 0.0
 
     @property
     def formulas(self) -> Iterator[Parsed]:
@@ -127,13 +144,13 @@ class Rule:
     """`when` over measures gives `outcome`; `text` has the measures in braces."""
 
     name: str
-    when: Parsed
+    when: Annotated[Parsed, string]
     formula: str
-    outcome: VerdictKind
-    text: Text
-    check: Text
-    doubt: Text
-    confidence: Certainty
+    outcome: Annotated[VerdictKind, choice(VerdictKind, *VerdictKind), "verdict"]
+    text: Annotated[Text, TEXT]
+    check: Annotated[Text, TEXT]
+    doubt: Annotated[Text, TEXT]
+    confidence: Annotated[Certainty, choice(Certainty, *Certainty)] = Certainty.MEDIUM
 
 
 @dataclass(frozen=True, slots=True)

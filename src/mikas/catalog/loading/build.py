@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import fields
 from graphlib import CycleError
 from pathlib import PurePath
 from typing import Any, TypeVar
@@ -11,7 +10,7 @@ from typing import Any, TypeVar
 from mikas.catalog.conversion import NO_TEXT, Conversion
 from mikas.catalog.formula_syntax import parse
 from mikas.catalog.loading.entries import Entries, Entry
-from mikas.catalog.loading.fields import constant, read_value
+from mikas.catalog.loading.fields import constant, made, read_value
 from mikas.catalog.loading.source import KeyPath
 from mikas.catalog.model import (
     LIMITS,
@@ -324,8 +323,7 @@ def _built(kind: type[T], entry: Entry, **given: object) -> T:
     By default its source is the name of its last file, and it is unconfirmed.
     """
     keys = {"source": _file(entry), "confidence": Confidence.UNCONFIRMED, **entry.values}
-    names = {field.name for field in fields(kind)}
-    return kind(**{key: value for key, value in keys.items() if key in names} | given)
+    return made(kind, keys, **given)
 
 
 def _file(entry: Entry) -> str:

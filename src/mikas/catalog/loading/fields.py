@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, TypeVar, get_type_hints
 
 from mikas.catalog.loading.source import CatalogFile, KeyPath
 from mikas.catalog.model import INTERPRETATIONS, LIMITS, Confidence, Level
@@ -20,6 +20,7 @@ from mikas.errors import CatalogError, UsageError, usage_error
 from mikas.i18n import Text
 from mikas.options import nearest
 
+T = TypeVar("T")
 Reader: TypeAlias = Callable[[object], object]
 Schema: TypeAlias = "Mapping[str, Reader | Schema]"
 
@@ -122,6 +123,20 @@ def limit(value: object) -> float | None:
     raise usage_error(
         "must be a number, or false for no limit", "нужно число, либо false, если предела нет"
     )
+
+
+def between(low: float, high: float) -> Reader:
+    """Return the reader of a number from `low` to `high`."""
+
+    def read(value: object) -> float:
+        found = number(value)
+        if low <= found <= high:
+            return float(found)
+        raise usage_error(
+            f"must be a number from {low:g} to {high:g}", f"нужно число от {low:g} до {high:g}"
+        )
+
+    return read
 
 
 def span(value: object) -> tuple[float, float]:
@@ -293,6 +308,23 @@ FAMILIES: Mapping[str, Family] = {
     ),
     "unit": Family(string, {"text": TEXT}),
 }
+
+
+def schema_of(kind: type) -> dict[str, Reader | Schema]:
+    """Return the keys of a table for a dataclass: of each field with a rule in its annotation.
+
+    `hold: Annotated[float, between(0, 3600)]` is the key `hold`; a text behind the rule is the key
+    of a field with another name.
+    """
+    hints = get_type_hints(kind, include_extras=True)
+    rules = {name: getattr(hint, "__metadata__", None) for name, hint in hints.items()}
+    return {[name, *rule[1:]][-1]: rule[0] for name, rule in rules.items() if rule}
+
+
+def made(kind: type[T], keys: Mapping[str, Any], **given: object) -> T:
+    """Create a dataclass from `given`, and for other fields from the keys of the name."""
+    own = {key: value for key, value in keys.items() if key in kind.__annotations__}
+    return kind(**own | given)
 
 
 def read_value(source: CatalogFile, path: KeyPath, reader: Reader, value: object) -> object:
