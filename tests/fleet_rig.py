@@ -63,7 +63,7 @@ def add_here(*places: object, to: object, settings: InterpretingSettings = SETTI
 
 def ask(dataset: object, sql: str) -> list[tuple]:
     with opened(str(dataset)) as database:
-        return list(database.ask(sql).rows())
+        return list(database.ask(sql).rows)
 
 
 def counts(result: Added) -> tuple[int, int, int, int]:

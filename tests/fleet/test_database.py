@@ -72,8 +72,8 @@ def test_a_table_without_a_file_is_empty(tmp_path) -> None:
 def test_nothing_but_the_views_can_be_reached_or_changed(dataset, sql) -> None:
     with opened(dataset) as database:
         with pytest.raises(UsageError):
-            list(database.ask(sql).rows())
-        assert len(list(database.ask("SELECT * FROM drives").rows())) == 3
+            list(database.ask(sql).rows)
+        assert len(list(database.ask("SELECT * FROM drives").rows)) == 3
 
 
 @pytest.mark.parametrize(
@@ -135,7 +135,7 @@ def test_in_a_dataset_read_by_python_a_missing_file_is_named(tmp_path) -> None:
     with opened(str(home)) as database:
         table.unlink()
         with pytest.raises(FleetError, match=table.name) as at_question:
-            list(database.ask("FROM faults").rows())
+            list(database.ask("FROM faults").rows)
     with pytest.raises(FleetError, match=table.name) as at_once:
         ask(home, "FROM faults")
     for failed in (at_question, at_once):
@@ -155,7 +155,7 @@ def test_a_file_of_the_dataset_that_is_gone_or_damaged_is_named(tmp_path) -> Non
     with opened(str(tmp_path / "set")) as database:
         sound = table.read_bytes()
         table.write_bytes(b"PAR1")
-        for question in (database.rows, lambda sql: list(database.ask(sql).rows())):
+        for question in (database.rows, lambda sql: list(database.ask(sql).rows)):
             with pytest.raises(FleetError, match="faults"):
                 question("SELECT * FROM faults")
         table.write_bytes(sound)

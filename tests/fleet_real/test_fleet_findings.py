@@ -54,9 +54,9 @@ def test_each_defect_is_found_and_nothing_else(fleet) -> None:
     found = {
         car.figures.car: {
             "stored": [it.fault.code for it in car.faults if it.is_stored],
-            "off": [it.measure.key for it in car.out_of_range],
-            "out": [it.measure.key for it in car.stands_out],
-            "changes": [it.measure.key for it in car.changes],
+            "off": [measure.key for measure in car.out_of_range],
+            "out": [measure.key for measure in car.stands_out],
+            "changes": [measure.key for measure in car.changes],
         }
         for car in fleet.cars
         if car.found
@@ -74,12 +74,12 @@ def test_each_defect_is_found_and_nothing_else(fleet) -> None:
 
 def test_what_was_measured_is_what_the_cars_did(fleet) -> None:
     cars = {car.figures.car: car for car in fleet.cars}
-    (out,) = cars["THERMOSTAT"].stands_out
-    assert out.outlier.value < 60 < 80 < out.outlier.low <= out.outlier.high < 90
-    assert out.outlier.count == 5
-    (change,) = cars["VALVE"].changes
-    assert change.trend.first < 45 < 60 < change.trend.last
-    assert change.trend.count == DRIVES
+    (out,) = cars["THERMOSTAT"].stands_out.values()
+    assert out.value < 60 < 80 < out.low <= out.high < 90
+    assert out.count == 5
+    (change,) = cars["VALVE"].changes.values()
+    assert change.first < 45 < 60 < change.last
+    assert change.count == DRIVES
     (fault,) = cars["FAULT"].faults
     assert fault.marks == (False, False, True, True, False, False, False, True)
     assert fault.first.date().isoformat() == "2026-03-04"

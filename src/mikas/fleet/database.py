@@ -13,10 +13,10 @@ import re
 import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future, wait
-from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
+from contextlib import AbstractContextManager, closing, contextmanager, nullcontext, suppress
 from datetime import UTC, datetime
 from io import BytesIO
-from typing import TYPE_CHECKING, Any, Final, TypeVar
+from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeVar
 
 import duckdb
 
@@ -42,6 +42,7 @@ _IN_PYTHON: Final = re.compile(r"Traceback \(most recent.*\b\w+Error: ", re.DOTA
 _FILE: Final = re.compile(rf"File '[^']+\.parquet'|{_IN_PYTHON.pattern}", re.DOTALL)  # unreadable
 _ZONE: Final = "'pytz'"  # which Python needs for a time with a zone
 _SPARE: Final = 200
+_AT_ONCE: Final = 10_000  # rows
 
 
 class Database:
@@ -87,17 +88,24 @@ class Database:
         """
         if not is_utf_8(sql):
             raise usage_error("SQL: the text is not UTF-8", "SQL: текст не в UTF-8")
-        with self.errors_of(sql):
+        with self._errors_of(sql):
             is_question = self._run(lambda: self._is_question(sql))
         if not is_question:
             raise usage_error(
                 "a dataset is only read: one SELECT, DESCRIBE, SUMMARIZE or EXPLAIN at a time",
                 "набор можно только читать: один запрос SELECT, DESCRIBE, SUMMARIZE или EXPLAIN",
             )
-        with self.errors_of(sql):
+        with self._errors_of(sql):
             self._run(lambda: self._connection.execute(sql))
             names = [column[0] for column in self._connection.description or ()]
-        return QueryRows(self, sql, names)
+        return QueryRows(names, self._answers(sql))
+
+    def _answers(self, sql: str) -> Iterator[tuple[Any, ...]]:
+        rows: list[tuple[Any, ...]] = [()]
+        while rows:
+            with self._errors_of(sql):
+                rows = self._run(lambda: self._connection.fetchmany(_AT_ONCE))
+            yield from rows
 
     def rows(self, sql: str, *values: object) -> list[tuple[Any, ...]]:
         """Return all rows of a question of the program's own. Raises `FleetError`."""
@@ -109,13 +117,8 @@ class Database:
             raise _unreadable(self._place, error) from error
         return rows
 
-    def some(self, count: int) -> list[tuple[Any, ...]]:
-        """Return the next rows of the latest answer."""
-        rows: list[tuple[Any, ...]] = self._run(lambda: self._connection.fetchmany(count))
-        return rows
-
     @contextmanager
-    def errors_of(self, sql: str) -> Iterator[None]:
+    def _errors_of(self, sql: str) -> Iterator[None]:
         """Raise a duckdb error as a `UsageError` with its place in `sql`; as a `FleetError`, if a
         file can't be read.
         """
@@ -191,31 +194,18 @@ class Database:
         run("SET lock_configuration = true")
 
 
-class QueryRows:
-    """The rows of an answer, read as they are needed."""
+class QueryRows(NamedTuple):
+    """An answer. `rows` are read as they are needed; they raise `UsageError` for a value that can't
+    be computed, and `FleetError`.
+    """
 
-    def __init__(self, database: Database, sql: str, columns: list[str]) -> None:
-        self.columns = columns
-        self._database, self._sql = database, sql
-
-    def rows(self, at_once: int = 10_000) -> Iterator[tuple[Any, ...]]:
-        """Yield the rows. Raises `UsageError` for a value that can't be computed; `FleetError`."""
-        while True:
-            with self._database.errors_of(self._sql):
-                rows = self._database.some(at_once)
-            if not rows:
-                return
-            yield from rows
+    columns: list[str]
+    rows: Iterator[tuple[Any, ...]]
 
 
-@contextmanager
-def opened(dataset: str) -> Iterator[Database]:
+def opened(dataset: str) -> AbstractContextManager[Database]:
     """Open a dataset for questions. Raises `FleetError`, `MissingExtra`."""
-    database = Database(dataset)
-    try:
-        yield database
-    finally:
-        database.close()
+    return closing(Database(dataset))
 
 
 _PLACE: Final = re.compile(r"\n\nLINE (\d+): (.*)\n( *)\^", re.DOTALL)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from datetime import datetime
 from statistics import median
@@ -24,31 +24,6 @@ from mikas.report.measurements.statistics import is_inside
 
 
 @dataclass(frozen=True, slots=True)
-class StandsOut:
-    """A measure in which the car differs from the others."""
-
-    measure: CarMeasure
-    outlier: Outlier
-
-
-@dataclass(frozen=True, slots=True)
-class Changes:
-    """A measure that changes over the drives."""
-
-    measure: CarMeasure
-    trend: Trend
-
-
-@dataclass(frozen=True, slots=True)
-class OutOfRange:
-    """A measure outside its normal range."""
-
-    measure: CarMeasure
-    value: float
-    reference: tuple[float, float]
-
-
-@dataclass(frozen=True, slots=True)
 class CarFault:
     """A fault of a car: first and last reading with it, and whether the latest reading had it.
 
@@ -64,12 +39,14 @@ class CarFault:
 
 @dataclass(frozen=True, slots=True)
 class CarFindings:
-    """All findings of a car."""
+    """All findings of a car: the measures in which it differs from the others, those that change
+    over its drives, and those outside their normal range, with the value.
+    """
 
     figures: CarFigures
-    stands_out: tuple[StandsOut, ...]
-    changes: tuple[Changes, ...]
-    out_of_range: tuple[OutOfRange, ...]
+    stands_out: Mapping[CarMeasure, Outlier]
+    changes: Mapping[CarMeasure, Trend]
+    out_of_range: Mapping[CarMeasure, float]
     faults: tuple[CarFault, ...]
 
     @property
@@ -81,9 +58,7 @@ class CarFindings:
     @property
     def measures(self) -> tuple[CarMeasure, ...]:
         """The measures of its findings."""
-        every: tuple[OutOfRange | StandsOut | Changes, ...]
-        every = (*self.out_of_range, *self.stands_out, *self.changes)
-        return tuple(dict.fromkeys(each.measure for each in every))
+        return tuple(dict.fromkeys((*self.out_of_range, *self.stands_out, *self.changes)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,20 +126,19 @@ def _fleet_value(measure: CarMeasure, values: dict[str, float]) -> FleetValue:
 
 
 def _car(car: CarFigures, values: dict[str, dict[str, float]], catalog: Catalog) -> CarFindings:
-    stands_out, changes, out_of_range = [], [], []
+    stands_out, changes, out_of_range = {}, {}, {}
     for measure in MEASURES:
         mine = values[measure.key].get(car.car)
         if mine is not None:
             others = [value for name, value in values[measure.key].items() if name != car.car]
             if (found := outlier(mine, others, measure.least)) is not None:
-                stands_out.append(StandsOut(measure, found))
+                stands_out[measure] = found
             reference = measure.channel(catalog).reference
             if reference is not None and not is_inside(mine, reference):
-                out_of_range.append(OutOfRange(measure, mine, reference))
+                out_of_range[measure] = mine
         if (change := trend(car.values(measure.key), measure.least)) is not None:
-            changes.append(Changes(measure, change))
-    faults = tuple(_faults(car, catalog))
-    return CarFindings(car, tuple(stands_out), tuple(changes), tuple(out_of_range), faults)
+            changes[measure] = change
+    return CarFindings(car, stands_out, changes, out_of_range, tuple(_faults(car, catalog)))
 
 
 def _faults(car: CarFigures, catalog: Catalog) -> Iterator[CarFault]:

@@ -8,17 +8,17 @@ from collections.abc import Iterator
 from datetime import UTC, datetime
 
 from mikas.fleet.cars import KnownBy
-from mikas.fleet.report.comparing import FEWEST_DRIVES, FEWEST_OF_TREND, FEWEST_OTHERS, LATEST
-from mikas.fleet.report.findings import (
-    CarFault,
-    CarFindings,
-    Changes,
-    FleetFindings,
-    OutOfRange,
-    StandsOut,
+from mikas.fleet.report.comparing import (
+    FEWEST_DRIVES,
+    FEWEST_OF_TREND,
+    FEWEST_OTHERS,
+    LATEST,
+    Outlier,
+    Trend,
 )
+from mikas.fleet.report.findings import CarFault, CarFindings, FleetFindings
 from mikas.fleet.report.measures import CarMeasure
-from mikas.i18n import Language, Text, counted
+from mikas.i18n import Language, Text, counted, joined
 from mikas.recording.formatting import band, number, with_unit
 from mikas.report.findings import Outcome
 
@@ -44,12 +44,12 @@ def car_sentences(car: CarFindings, found: FleetFindings) -> Iterator[Text]:
     for fault in car.faults:
         if fault.is_stored:
             yield _stored(fault)
-    for off in car.out_of_range:
-        yield _out_of_range(off, found)
-    for differing in car.stands_out:
-        yield _stands_out(differing, found)
-    for changing in car.changes:
-        yield _changes(changing, found)
+    for measure, value in car.out_of_range.items():
+        yield _out_of_range(measure, value, found)
+    for measure, outlier in car.stands_out.items():
+        yield _stands_out(measure, outlier, found)
+    for measure, trend in car.changes.items():
+        yield _changes(measure, trend, found)
 
 
 def remarks(car: CarFindings) -> Iterator[Text]:
@@ -162,18 +162,16 @@ def _stored(fault: CarFault) -> Text:
     )
 
 
-def _out_of_range(off: OutOfRange, found: FleetFindings) -> Text:
-    channel = off.measure.channel(found.catalog)
-    title = off.measure.title
+def _out_of_range(measure: CarMeasure, value: float, found: FleetFindings) -> Text:
+    channel, title = measure.channel(found.catalog), measure.title
     return Text(
-        f"{title.en}: {with_unit(off.value, channel, 'en')}, outside the normal range "
+        f"{title.en}: {with_unit(value, channel, 'en')}, outside the normal range "
         f"({band(channel, 'en')}).",
-        f"{title.ru}: {with_unit(off.value, channel, 'ru')}, вне нормы ({band(channel, 'ru')}).",
+        f"{title.ru}: {with_unit(value, channel, 'ru')}, вне нормы ({band(channel, 'ru')}).",
     )
 
 
-def _stands_out(differing: StandsOut, found: FleetFindings) -> Text:
-    measure, it = differing.measure, differing.outlier
+def _stands_out(measure: CarMeasure, it: Outlier, found: FleetFindings) -> Text:
     return Text(
         f"{measure.title.en}: {_value(measure, it.value, found, 'en')}; the other {it.count} cars: "
         f"{_value(measure, it.others, found, 'en')}, from {_digits(measure, it.low, found, 'en')} "
@@ -184,8 +182,7 @@ def _stands_out(differing: StandsOut, found: FleetFindings) -> Text:
     )
 
 
-def _changes(changing: Changes, found: FleetFindings) -> Text:
-    measure, it = changing.measure, changing.trend
+def _changes(measure: CarMeasure, it: Trend, found: FleetFindings) -> Text:
     last = _value(measure, it.last, found, "ru").rstrip(".")  # of a shortened unit
     return Text(
         f"{measure.title.en} has changed over {it.count} drives: from "
@@ -204,6 +201,4 @@ def _digits(measure: CarMeasure, value: float, found: FleetFindings, language: L
 
 
 def _listed(measures: tuple[CarMeasure, ...]) -> Text:
-    return Text(
-        ", ".join(each.text.en for each in measures), ", ".join(each.text.ru for each in measures)
-    )
+    return joined(", ", (each.text for each in measures))

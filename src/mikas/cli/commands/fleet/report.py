@@ -101,23 +101,23 @@ def _as_json(car: CarFindings, found: FleetFindings) -> dict[str, object]:
             for it in car.faults
         ],
         "out_of_range": [
-            {"measure": it.measure.key, "value": it.value, "reference": it.reference}
-            for it in car.out_of_range
+            {
+                "measure": measure.key,
+                "value": value,
+                "reference": measure.channel(found.catalog).reference,
+            }
+            for measure, value in car.out_of_range.items()
         ],
         "stands_out": [
             {
-                "measure": it.measure.key,
-                **picked(it.outlier, "value", "others", "low", "high"),
-                "cars": it.outlier.count,
+                "measure": measure.key,
+                **picked(it, "value", "others", "low", "high"),
+                "cars": it.count,
             }
-            for it in car.stands_out
+            for measure, it in car.stands_out.items()
         ],
         "changes": [
-            {
-                "measure": it.measure.key,
-                **picked(it.trend, "first", "last"),
-                "drives": it.trend.count,
-            }
-            for it in car.changes
+            {"measure": measure.key, **picked(it, "first", "last"), "drives": it.count}
+            for measure, it in car.changes.items()
         ],
     }

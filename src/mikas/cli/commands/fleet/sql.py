@@ -57,17 +57,17 @@ def sql(context: CommandContext, dataset: str, sql: str, *, as_csv: bool) -> Non
     with opened(dataset) as database:
         answer = database.ask(sql)
         if context.output.json:
-            rows = [[_json(value) for value in row] for row in answer.rows()]
+            rows = [[_json(value) for value in row] for row in answer.rows]
             context.output.data({"columns": answer.columns, "rows": rows})
         elif as_csv:
-            for row in chain([answer.columns], answer.rows()):
+            for row in chain([answer.columns], answer.rows):
                 context.output.line(_csv_line(map(_plain, row)))
         else:
             _print_table(context, answer)
 
 
 def _print_table(context: CommandContext, answer: QueryRows) -> None:
-    rows = answer.rows()
+    rows = answer.rows
     if sys.stdout.isatty():
         shown = list(islice(rows, MOST))
         numbers = [
