@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
+from hashlib import sha256
 from math import isfinite
 from pathlib import Path
 from typing import TypeAlias, TypeVar
@@ -98,68 +99,56 @@ def interpret(
     Raises `CaptureError` for a file without a recording, `OSError` for a full disk.
     """
     recording = Recording(path, settings.catalog, settings.interpretation)
-    reader = _Reader(recording, settings)
-    small = _SmallRows(reader, name, key, settings)
-    seconds, count = 0.0, 0
+    reader = _Reader(recording, name, key, settings)
     with TableWriter(folder, recording.channels) as writer:
         for drive, rows in reader.rows():
             writer.add_samples(drive.number, rows, reader.zero or 0.0)
-            _write_finished(reader, small, writer)
+            reader.write_finished(writer)
         reader.add_without_rows()
-        _write_finished(reader, small, writer)
+        reader.write_finished(writer)
         if not reader.count:
             raise CaptureError(name, NOTHING)
         ids = [_id(key, number) for number in range(reader.count)]
-        seconds, count = small.seconds, small.rows
         facts = {"program": settings.version, "recording": key, "file": name}
-        file_name = f"{key}-{_short(settings.version)}.parquet"
+        file_name = f"{key}-{sha256(settings.version.encode()).hexdigest()[:8]}.parquet"
         files = {
             f"{table}/{partition(reader.car.name, day)}/{file_name}": file
             for table, day, file in writer.write(ids, facts)
         }
-    damaged = recording.problem_count
-    return Interpreted(files, reader.car.name, len(ids), count, seconds, damaged)
-
-
-def _write_finished(reader: _Reader, small: _SmallRows, writer: TableWriter) -> None:
-    """Write the small rows of the drives that have ended, and drop what was collected for them."""
-    while reader.finished:
-        for table, time, row in small.rows_of_drive(reader.finished.pop(0)):
-            writer.add(table, time, row)
+    return Interpreted(
+        files, reader.car.name, len(ids), reader.row_count, reader.seconds, recording.problem_count
+    )
 
 
 def _id(key: str, number: int) -> str:
     return key if not number else f"{key}-{number + 1}"
 
 
-def _short(version: str) -> str:
-    from hashlib import sha256
-
-    return sha256(version.encode()).hexdigest()[:8]
-
-
 class _Reader:
     """Reads the drives of a recording, one session after the other: a file may hold thousands.
 
-    `zero`: the time of its first row; `count`: of the drives; `finished`: those whose rows are all
-    read. Collected values are kept for the present session only.
+    `zero`: the time of its first row; `count`: of the drives; `row_count`, `seconds`: of those that
+    are written. Collected values are kept for the present session only.
     """
 
-    def __init__(self, recording: Recording, settings: InterpretingSettings) -> None:
-        self.recording = recording
-        self.count = 0
-        self.finished: list[_Drive] = []
+    def __init__(
+        self, recording: Recording, name: str, key: str, settings: InterpretingSettings
+    ) -> None:
+        self._recording, self._name, self._key = recording, name, key
+        self._settings = settings
+        self.count, self.row_count, self.seconds = 0, 0, 0.0
+        self._finished: list[_Drive] = []
         self._open: dict[Source, _Drive] = {}
         self._seen: set[Source] = set()
         self.zero: float | None = None
-        self.readings = FaultReadings(recording)
+        self._readings = FaultReadings(recording)
         self._catalog = settings.catalog
         self._corrected = recording
         if settings.interpretation != "corrected":
             self._corrected = recording.interpreted("corrected")
-        self.details = car_of(recording.notes)
-        self.car: CarKey = car_key(settings.car, self.details, recording.unit)
-        self.notes = _by_recording(recording.notes)
+        self._details = car_of(recording.notes)
+        self.car: CarKey = car_key(settings.car, self._details, recording.unit)
+        self._notes = _by_recording(recording.notes)
         self._events = _by_recording(recording.events)
 
     def rows(self) -> Iterator[tuple[_Drive, Rows]]:
@@ -170,9 +159,9 @@ class _Reader:
         def read() -> Iterator[Rows]:
             nonlocal drive
             both = (
-                zip(self.recording.stretches(), self._corrected.stretches(), strict=True)
-                if (self._corrected is not self.recording)
-                else ((each, each) for each in self.recording.stretches())
+                zip(self._recording.stretches(), self._corrected.stretches(), strict=True)
+                if (self._corrected is not self._recording)
+                else ((each, each) for each in self._recording.stretches())
             )
             for (source, rows), (_, corrected) in both:
                 if len(rows.times):
@@ -180,7 +169,7 @@ class _Reader:
                     drive.add(rows, corrected)
                     yield rows
 
-        for rows in with_gaps(read(), self.recording.events):
+        for rows in with_gaps(read(), self._recording.events):
             if self.zero is None:
                 self.zero = float(rows.times[0])
             assert drive is not None  # of the stretch that `with_gaps` has just read
@@ -201,13 +190,15 @@ class _Reader:
 
     def add_without_rows(self) -> None:
         """Add a drive for each session with readings of the faults and no rows."""
-        for source in sorted(self.recording.raw.ports, key=lambda each: (each.recording, each.url)):
-            if source not in self._seen and self.readings.readings_of_port(source):
+        for source in sorted(
+            self._recording.raw.ports, key=lambda each: (each.recording, each.url)
+        ):
+            if source not in self._seen and self._readings.readings_of_port(source):
                 self._drive(source)
         self._finish()
 
     def _finish(self) -> None:
-        self.finished += self._open.values()
+        self._finished += self._open.values()
         self._open = {}
 
     def _drive(self, source: Source) -> _Drive:
@@ -226,44 +217,24 @@ class _Reader:
         self._seen.add(source)
         return new
 
+    def write_finished(self, writer: TableWriter) -> None:
+        """Write the small rows of the drives that have ended, and drop what they collected."""
+        while self._finished:
+            for table, time, row in self._small_rows(self._finished.pop(0)):
+                writer.add_row(table, time, row)
 
-def _part(rows: Rows, part: slice) -> Rows:
-    return Rows(rows.times[part], {name: column[part] for name, column in rows.values.items()})
-
-
-def _by_recording(items: Iterable[_Numbered]) -> dict[int, list[_Numbered]]:
-    """Return notes or events by the session that they are of."""
-    found: dict[int, list[_Numbered]] = defaultdict(list)
-    for item in items:
-        found[item.recording].append(item)
-    return found
-
-
-_Row: TypeAlias = tuple[str, float | None, dict[str, object]]
-
-
-class _SmallRows:
-    """The rows of the small tables."""
-
-    def __init__(
-        self, reader: _Reader, name: str, key: str, settings: InterpretingSettings
-    ) -> None:
-        self._reader, self._name, self._key = reader, name, key
-        self._settings = settings
-        self.seconds, self.rows = 0.0, 0
-
-    def rows_of_drive(self, drive: _Drive) -> Iterator[_Row]:
-        """Yield (table, time, row) for a drive."""
+    def _small_rows(self, drive: _Drive) -> Iterator[_Row]:
+        """Yield (table, time, row) of a drive for the small tables."""
         identity = _id(self._key, drive.number)
-        self.rows += drive.rows
+        self.row_count += drive.rows
         if drive.began is not None and drive.ended is not None:
             self.seconds += drive.ended - drive.began
         measured = drive.measuring.measured
-        heard = self._reader.readings.readings_of_port(drive.source)
+        heard = self._readings.readings_of_port(drive.source)
         began = drive.began if drive.began is not None else heard[-1].time if heard else None
-        mine = self._reader.notes[drive.source.recording]
-        unit = unit_of(mine, self._settings.catalog)
-        yield "drives", began, self._drive(drive, identity, began, unit, len(heard))
+        mine = self._notes[drive.source.recording]
+        unit = unit_of(mine, self._catalog)
+        yield "drives", began, self._drive_row(drive, identity, began, unit, len(heard))
         states: dict[tuple[str, DriveState], ChannelStatistics] = {
             **{(name, DriveState.ALL): stats for name, stats in measured.whole.items()},
             **{(name, DriveState.WARM_IDLE): stats for name, stats in measured.at_idle.items()},
@@ -272,14 +243,14 @@ class _SmallRows:
         for (name, state), stats in states.items():
             yield "statistics", began, {
                 "drive": identity, "began": timestamp(began), "channel": name,
-                "unit": self._settings.catalog.channel(name).unit, "state": state.value,
+                "unit": self._catalog.channel(name).unit, "state": state.value,
                 "count": stats.count, "mean": stats.mean, "median": stats.median,
                 "low": stats.low, "high": stats.high, "least": stats.least, "most": stats.most,
             }  # fmt: skip
         before = len(list(recorded_faults(mine)))
         for number, reading in enumerate(heard):
             for code in dict.fromkeys(reading.codes) or (None,):
-                fault = None if code is None else self._settings.catalog.fault(code)
+                fault = None if code is None else self._catalog.fault(code)
                 yield "faults", reading.time, {
                     **self._at(identity, reading.time), "reading": number, "code": code,
                     "en": fault.text.en if fault and fault.known else None,
@@ -304,11 +275,10 @@ class _SmallRows:
             }  # fmt: skip
 
     def _at(self, identity: str, time: float) -> dict[str, object]:
-        zero = self._reader.zero
-        since = None if zero is None else time - zero
+        since = None if self.zero is None else time - self.zero
         return {"drive": identity, "time": since, "utc": timestamp(time)}
 
-    def _drive(
+    def _drive_row(
         self,
         drive: _Drive,
         identity: str,
@@ -316,7 +286,7 @@ class _SmallRows:
         unit: RecordedUnit | None,
         readings: int,
     ) -> dict[str, object]:
-        reader, car = self._reader, self._reader.details
+        car = self._details
         ended = drive.ended if drive.ended is not None else began
         measured = drive.measuring.measured
         passport = " · ".join(filter(None, (unit.passport if unit else None) or ()))
@@ -325,7 +295,7 @@ class _SmallRows:
             "began": timestamp(began), "ended": timestamp(ended),
             "seconds": None if began is None or ended is None else ended - began,
             "rows": drive.rows,
-            "known_by": reader.car.known_by.value if reader.car.known_by else None,
+            "known_by": self.car.known_by.value if self.car.known_by else None,
             "name": car.car or None, "plate": car.plate or None, "mileage": car.mileage,
             "workshop": car.workshop or None,
             "model": unit.model.en if unit and unit.model else None,
@@ -333,9 +303,24 @@ class _SmallRows:
             "passport": passport or None, "virtual": drive.source.url.startswith("sim:"),
             "port": drive.source.url or None, "adapter": drive.source.description or None,
             "fault_readings": readings, "gaps": len(drive.gaps),
-            "damaged_places": reader.recording.problem_count,
+            "damaged_places": self._recording.problem_count,
             "warm_idle_seconds": measured.idle.seconds,
             "coolant_first": drive.states.coolant_first, "warm_up_seconds": drive.states.warm_up,
-            "program": program(), "catalog": self._settings.catalog.version,
+            "program": program(), "catalog": self._catalog.version,
             "interpretation": self._settings.interpretation,
         }  # fmt: skip
+
+
+def _part(rows: Rows, part: slice) -> Rows:
+    return Rows(rows.times[part], {name: column[part] for name, column in rows.values.items()})
+
+
+def _by_recording(items: Iterable[_Numbered]) -> dict[int, list[_Numbered]]:
+    """Return notes or events by the session that they are of."""
+    found: dict[int, list[_Numbered]] = defaultdict(list)
+    for item in items:
+        found[item.recording].append(item)
+    return found
+
+
+_Row: TypeAlias = tuple[str, float | None, dict[str, object]]

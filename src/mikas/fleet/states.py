@@ -8,7 +8,7 @@ for an engine that does not become warm.
 from __future__ import annotations
 
 from enum import StrEnum
-from math import inf, isnan, nan
+from math import inf
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -95,14 +95,10 @@ class StateCollector:
             return
         if self._cold_at is None:
             self._cold_at = _first(run[there], values >= COLD)
-        if self._cold_at is not None and not isnan(warm := _at(run[there], values >= WARM)):
+        warm = _first(run[there], values >= WARM)
+        if self._cold_at is not None and warm is not None:
             self.warm_up = warm - self._cold_at
 
 
 def _first(run: NDArray[np.float64], holds: Mask) -> float | None:
-    at = _at(run, holds)
-    return None if isnan(at) else at
-
-
-def _at(run: NDArray[np.float64], holds: Mask) -> float:
-    return float(run[int(holds.argmax())]) if holds.any() else nan
+    return float(run[int(holds.argmax())]) if holds.any() else None

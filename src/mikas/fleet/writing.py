@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from datetime import UTC, datetime, timedelta
 from math import floor
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -21,9 +21,6 @@ from mikas.i18n import Text
 from mikas.recording.export.sheet import BATCH
 from mikas.recording.parquet import ParquetTable, quoted
 from mikas.recording.table.channels import PLAINLY_UNIX, Channel, Rows, calendar
-
-if TYPE_CHECKING:
-    from types import TracebackType
 
 _MOST_PARAMETERS: Final = 20_000  # of one statement
 DAY: Final = 86_400.0
@@ -40,31 +37,19 @@ def day_of(time: float | None) -> str | None:
     return None if date is None else f"{date:%Y-%m-%d}"
 
 
-class TableWriter:
+class TableWriter(ParquetTable):
     """Collects the rows of a recording and writes its files into `folder`, named by table and day.
 
     Raises `OSError` for a full disk, `CaptureError` for times on very many days.
     """
 
     def __init__(self, folder: Path, channels: Sequence[Channel]) -> None:
+        super().__init__(folder, ["drive", "time", "clock"], channels, BATCH)
         self._folder = folder
-        self._channels = channels
-        self._table = ParquetTable(folder, ["drive", "time", "clock"], channels, BATCH)
         self._days: set[int | None] = set()
         self._rows: dict[str, dict[str | None, list[tuple[object, ...]]]] = {
             name: {} for name in SMALL
         }
-
-    def __enter__(self) -> TableWriter:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        at: TracebackType | None,
-    ) -> None:
-        self._table.__exit__(kind, error, at)
 
     def add_samples(self, drive: int, rows: Rows, zero: float) -> None:
         """Add rows of a drive; `zero`: the time that counts as 0."""
@@ -78,9 +63,9 @@ class TableWriter:
             }
             self._check(len(self._days))
             columns = (rows.values[each.name][begin : begin + BATCH] for each in self._channels)
-            self._table.add((drive, times - zero, at, *columns), len(times))
+            self.add((drive, times - zero, at, *columns), len(times))
 
-    def add(self, table: str, time: float | None, row: Mapping[str, object]) -> None:
+    def add_row(self, table: str, time: float | None, row: Mapping[str, object]) -> None:
         """Add a row to a small table; `time` decides on its day."""
         known = tuple(row[column.name] for column in SMALL[table])
         self._rows[table].setdefault(day_of(time), []).append(known)
@@ -102,7 +87,7 @@ class TableWriter:
             file = self._folder / f"{count}.parquet"
             count += 1
             where = "clock IS NULL" if number is None else f"floor(clock / {DAY}) = {number}"
-            self._table.copy(f"SELECT {selected} FROM collected WHERE {where}", file, text)
+            self.copy(f"SELECT {selected} FROM collected WHERE {where}", file, text)
             yield "samples", day_of(None if number is None else number * DAY), file
         for table, days in self._rows.items():
             columns = SMALL[table]
@@ -110,14 +95,14 @@ class TableWriter:
                 file = self._folder / f"{count}.parquet"
                 count += 1
                 listed = ", ".join(f"{column.name} {column.type}" for column in columns)
-                self._table.database.execute(f"CREATE OR REPLACE TEMP TABLE small ({listed})")
+                self.database.execute(f"CREATE OR REPLACE TEMP TABLE small ({listed})")
                 for piece in _pieces(rows, len(columns)):
                     row = f"({', '.join('?' * len(columns))})"
-                    self._table.database.execute(
+                    self.database.execute(
                         f"INSERT INTO small VALUES {', '.join([row] * len(piece))}",
                         [value for values in piece for value in values],
                     )
-                self._table.copy("SELECT * FROM small", file, text)
+                self.copy("SELECT * FROM small", file, text)
                 yield table, day, file
 
     def _selected(self, drives: Sequence[str]) -> Iterator[str]:
@@ -125,7 +110,7 @@ class TableWriter:
         yield f"list_extract([{listed}], drive::INTEGER + 1) AS drive"
         yield "time"
         yield "make_timestamp(round(clock * 1000000)::BIGINT) AS utc"
-        yield from self._table.channel_columns()
+        yield from self.channel_columns()
 
 
 def _dated(times: np.ndarray[Any, np.dtype[np.float64]]) -> np.ndarray[Any, np.dtype[np.float64]]:

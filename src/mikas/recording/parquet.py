@@ -12,7 +12,7 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, Self
 
 import duckdb
 import numpy as np
@@ -59,7 +59,7 @@ class ParquetTable:
         present = ", ".join(f"nullif({name}, 'nan'::DOUBLE)" for name in names)
         self._insert = f"INSERT INTO collected SELECT {present} FROM batch LIMIT "
 
-    def __enter__(self) -> ParquetTable:
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(
