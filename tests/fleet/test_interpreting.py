@@ -103,7 +103,8 @@ def test_statistics_and_alarms_are_those_of_the_report(tmp_path) -> None:
     assert not got
     alarms = ask(tmp_path / "set", "SELECT channel, level, times, seconds, peak FROM alarms")
     assert alarms == [
-        (it.limit.name, it.limit.level.value, it.times, it.seconds, it.peak) for it in found.alarms
+        (it.limit.name, it.limit.level.value, it.times, it.seconds, it.peak)
+        for it in found.measured.alarms
     ]
     assert alarms
 

@@ -117,7 +117,7 @@ def test_an_alarm_is_in_the_verdict_the_outcome_and_a_section_of_its_own() -> No
 
 def test_without_an_alarm_the_page_has_no_word_of_it() -> None:
     it = found(rows(60, TWAT=100.0))
-    assert it.alarms == ()
+    assert it.measured.alarms == ()
     assert "alarm" not in summary_sentence(it).en
     assert "Тревоги" not in page.render(it, "ru")
 

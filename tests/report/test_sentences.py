@@ -264,7 +264,7 @@ def test_sentences_and_page_agree_whatever_was_measured(values, faults, seconds)
         assert (value.mark is BandPosition.INSIDE) is inside
         assert value.channel.name not in sensors
     assert {value.mark for value in f.unrated} <= {BandPosition.NONE}
-    crossed = any(each.limit.level is not Level.NONE for each in f.alarms)
+    crossed = any(each.limit.level is not Level.NONE for each in f.measured.alarms)
     assert crossed is (" Alarms " in page)
     assert crossed is ("alarm" in summary_sentence(f).en) is ("тревог" in summary_sentence(f).ru)
     assert (f.outcome is Outcome.ATTENTION) is ("Attention needed" in page)

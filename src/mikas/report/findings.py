@@ -18,7 +18,7 @@ from mikas.catalog.model import in_order
 from mikas.guided.definition import VerdictKind
 from mikas.guided.result import TestResult
 from mikas.i18n import Text
-from mikas.report.measurements.alarms import Alarm, Channel
+from mikas.report.measurements.alarms import Channel
 from mikas.report.measurements.measurements import Measurements
 from mikas.report.measurements.statistics import ChannelStatistics, is_inside
 from mikas.report.subject import ClearedFaults, ReportSubject
@@ -86,7 +86,6 @@ class Findings:
 
     subject: ReportSubject
     measured: Measurements
-    outcome: Outcome
     faults: tuple[FaultFinding, ...] | None
     values: tuple[ChannelFinding, ...]
     at_idle: bool
@@ -114,11 +113,6 @@ class Findings:
         return tuple(value for value in self.values if value.unrated is Unrated.SENSOR)
 
     @property
-    def alarms(self) -> tuple[Alarm, ...]:
-        """The alarms of the time, the worst first."""
-        return self.measured.alarms
-
-    @property
     def failed_tests(self) -> tuple[TestResult, ...]:
         """The guided tests that found something, the latest of each."""
         latest = {test.test: test for test in sorted(self.subject.tests, key=lambda it: it.ended)}
@@ -129,6 +123,17 @@ class Findings:
     def real_faults(self) -> tuple[FaultFinding, ...]:
         """The stored faults without mere messages."""
         return tuple(each for each in self.faults or () if not each.fault.informational)
+
+    @property
+    def outcome(self) -> Outcome:
+        """Attention: a fault, a value outside its reference, an alarm, or a finding of a guided
+        test. Good: none of these, the faults were read, none is open, and some value was rated.
+        """
+        if self.real_faults or self.abnormal or self.measured.alarms or self.failed_tests:
+            return Outcome.ATTENTION
+        open_ones = any(is_open(self.subject, each) for each in self.cleared)
+        known = self.rated and self.faults is not None and not open_ones
+        return Outcome.GOOD if known else Outcome.OPEN
 
 
 def find(subject: ReportSubject, measured: Measurements) -> Findings:
@@ -150,17 +155,15 @@ def find(subject: ReportSubject, measured: Measurements) -> Findings:
         for channel in measured.channels
         if channel.name in stats
     }
-    found = Findings(
+    return Findings(
         subject=subject,
         measured=measured,
-        outcome=Outcome.OPEN,
         cleared=gone,
         faults=None if faults is None else tuple(_stored(fault, values) for fault in faults),
         values=tuple(values.values()),
         at_idle=at_idle,
         sensor=sensor,
     )
-    return replace(found, outcome=_outcome(found))
 
 
 def _value(
@@ -245,16 +248,3 @@ def _real(cleared: Iterable[ClearedFaults]) -> tuple[ClearedFaults, ...]:
         for gone in cleared
     )
     return tuple(gone for gone in real if gone.faults)
-
-
-def _outcome(found: Findings) -> Outcome:
-    """Return the overall result.
-
-    Attention: a fault, a value outside its reference, an alarm, or a finding of a guided test.
-    Good: none of these, the faults were read, none is open, and some value was rated.
-    """
-    if found.real_faults or found.abnormal or found.alarms or found.failed_tests:
-        return Outcome.ATTENTION
-    open_ones = any(is_open(found.subject, each) for each in found.cleared)
-    known = found.rated and found.faults is not None and not open_ones
-    return Outcome.GOOD if known else Outcome.OPEN

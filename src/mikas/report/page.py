@@ -117,14 +117,15 @@ class _Page:
 
     def _car(self) -> Iterator[tuple[str, str]]:
         car, label = self._found.subject.car, self._label
-        count = (
-            f"{car.mileage:,}".replace(",", "\N{NO-BREAK SPACE}") if car.mileage is not None else ""
-        )
-        mileage = label("km", count=count) if count else ""
-        rows = (("car", car.car), ("plate", car.plate), ("mileage", mileage))
-        for name, text in (*rows, ("workshop", car.workshop)):
-            if text:
-                yield label(name), text
+        if car.car:
+            yield label("car"), car.car
+        if car.plate:
+            yield label("plate"), car.plate
+        if car.mileage is not None:
+            count = f"{car.mileage:,}".replace(",", "\N{NO-BREAK SPACE}")
+            yield label("mileage"), label("km", count=count)
+        if car.workshop:
+            yield label("workshop"), car.workshop
 
     def _unit(self) -> Iterator[tuple[str, str]]:
         unit, label = self._found.subject.unit, self._label
@@ -267,7 +268,7 @@ def _chart_channels(found: Findings) -> list[Channel]:
     """
     channels = {each.name: each for each in found.measured.channels if not each.is_flag}
     order = [value.channel.name for value in found.abnormal]
-    order += [alarm.limit.name for alarm in found.alarms]
+    order += [alarm.limit.name for alarm in found.measured.alarms]
     order += [*_FIRST, *channels]
     chosen = [name for name in dict.fromkeys(order) if name in channels]
     speeds = [name for name in chosen if name in ("FREQ", "FREQX")]

@@ -23,7 +23,7 @@ _PEAK = {Side.LOW: Text("lowest", "наименьшее"), Side.HIGH: Text("high
 
 def alarm_summary(found: Findings) -> Text:
     """Return the worst alarm of each channel, for the summary. There is an alarm."""
-    alarms = worst(found.alarms)
+    alarms = worst(found.measured.alarms)
     listed = joined(", ", map(_briefly, alarms))
     if len(alarms) == 1:
         return Text(f"an alarm was on: {listed.en}", f"была тревога: {listed.ru}")
@@ -32,9 +32,9 @@ def alarm_summary(found: Findings) -> Text:
 
 def alarm_section(found: Findings, language: Language) -> PageSection | None:
     """Return the section; None without an alarm."""
-    if not found.alarms:
+    if not found.measured.alarms:
         return None
-    texts = [_in_full(alarm, found).to(language) for alarm in found.alarms]
+    texts = [_in_full(alarm, found).to(language) for alarm in found.measured.alarms]
     return PageSection(Labels(language)("alarms"), items(texts))
 
 

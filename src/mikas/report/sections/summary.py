@@ -28,7 +28,7 @@ MARKS = {
 
 def summary_sentence(found: Findings) -> Text:
     """Return the summary: faults first, then alarms, then values, then guided tests."""
-    alarms = [alarm_summary(found)] if found.alarms else []
+    alarms = [alarm_summary(found)] if found.measured.alarms else []
     said = joined("; ", (_of_faults(found), *alarms, *_of_values(found), *_of_tests(found)))
     return Text(f"{said.en}.", f"{said.ru}.")
 

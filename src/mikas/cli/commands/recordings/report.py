@@ -157,7 +157,7 @@ def _print_summary(context: CommandContext, out: Path, found: Findings) -> None:
                 picked(frame, "code", "without", "seen") | {"values": json_of(frame.then)}
                 for frame in latest_frames(found)
             ],
-            "alarms": [_alarm_as_json(alarm) for alarm in found.alarms],
+            "alarms": [_alarm_as_json(alarm) for alarm in found.measured.alarms],
             "warm_idle_seconds": round(found.measured.idle.seconds, 3),
             "values": {value.channel.name: _as_json(value) for value in found.rated},
         }
