@@ -21,6 +21,7 @@ from mikas.catalog.formula_syntax import Parsed
 from mikas.catalog.formulas import Calculation
 from mikas.catalog.model import in_order
 from mikas.guided.definition import SECONDS, GuidedStep, Measure, Statistic, parameters_of
+from mikas.guided.result import digits
 from mikas.i18n import Text
 
 Column = NDArray[np.float64]
@@ -174,12 +175,11 @@ class StepRows:
                 return _NO_VALUES.filled(name=name)
             gap = float(np.max(np.diff(np.concatenate(([since], came, [ended])))))
             if gap > step.longest_gap:
-                return _GAP.filled(name=name, seconds=_plain(gap))
+                return _GAP.filled(name=name, seconds=digits(gap, 1))
             span = ended - since
             if span >= _LEAST_RATE_SPAN and came.size / span < step.rate:
-                return _SLOW.filled(
-                    name=name, rate=_plain(came.size / span), needed=_plain(step.rate)
-                )
+                rate, needed = digits(came.size / span, 1), digits(step.rate, 1)
+                return _SLOW.filled(name=name, rate=rate, needed=needed)
         return None
 
     def _columns(self, catalog: Catalog, names: Iterable[str], times: Column) -> dict[str, Column]:
@@ -265,11 +265,6 @@ def formulas_inputs(formulas: Iterable[Parsed | None]) -> tuple[str, ...]:
     """Return the channels of formulas, each once."""
     names = (name for formula in formulas if formula is not None for name in formula.inputs)
     return tuple(dict.fromkeys(names))
-
-
-def _plain(number: float) -> Text:
-    text = f"{number:.1f}"
-    return Text(text, text.replace(".", ","))
 
 
 _NO_ROWS: Final = Text("there are no data of this step", "нет данных этого шага")

@@ -7,16 +7,16 @@ bounds every part, and returns None if the JSON is not a result.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, is_dataclass, replace
+from functools import partial
 from math import isfinite
-from typing import Any, Final, TypeVar, get_type_hints
+from typing import Any, Final, get_args, get_type_hints
 
 from mikas.cleaning import clean_line, clean_text, is_in_calendar
 from mikas.guided.definition import Certainty, VerdictKind
-from mikas.i18n import Language, Text
+from mikas.i18n import Language, Text, joined
 from mikas.json_values import json_of
-
-P = TypeVar("P", "Finding", "Number", "StepDone", "Curve")
+from mikas.recording.formatting import number
 
 _LONGEST: Final = 4000  # characters of a text
 _MOST: Final = 60  # steps, numbers, findings
@@ -42,12 +42,8 @@ class Number:
         """The value with its unit; a dash without one."""
         if self.value is None:
             return Text("—", "—")
-        number = f"{self.value:.{self.decimals}f}"
-        if not float(number):
-            number = number.removeprefix("-")
-        number = number.replace("-", "−")
-        units = (f" {unit}" if unit not in ("", "°") else unit for unit in self.unit)
-        return Text(*(f"{it}{unit}" for it, unit in zip(_local(number), units, strict=True)))
+        units = Text(*(f" {unit}" if unit not in ("", "°") else unit for unit in self.unit))
+        return joined("", (digits(self.value, self.decimals), units))
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,6 +147,11 @@ class TestResult:
         return lines
 
 
+def digits(value: float, decimals: int) -> Text:
+    """Return a number without its unit."""
+    return Text(number(value, decimals, "en"), number(value, decimals, "ru"))
+
+
 OUTCOMES: Final[Mapping[VerdictKind, Text]] = {
     VerdictKind.GOOD: Text("good", "в порядке"),
     VerdictKind.ATTENTION: Text("attention", "обратите внимание"),
@@ -173,35 +174,23 @@ def read(data: object, *, shift: float = 0.0) -> TestResult | None:
     `shift` is added to its times.
     """
     try:
-        found = _read(data)
+        found: TestResult = _read(TestResult, data)
     except (KeyError, TypeError, ValueError, OverflowError):
         return None
     return replace(found, began=found.began + shift, ended=found.ended + shift)
 
 
-def _read(data: Any) -> TestResult:  # noqa: ANN401  (any JSON)
-    return TestResult(
-        test=_line(data["test"]),
-        title=_both(data["title"]),
-        began=_time(data["began"]),
-        ended=_time(data["ended"]),
-        outcome=VerdictKind(data["outcome"]),
-        findings=_parts(Finding, data["findings"]),
-        missing=tuple(map(_both, _list(data["missing"]))),
-        numbers=_parts(Number, data["numbers"]),
-        steps=_parts(StepDone, data["steps"]),
-        curves=_parts(Curve, data["curves"], _MOST_CURVES),
-    )
-
-
-def _parts(kind: type[P], data: object, most: int = _MOST) -> tuple[P, ...]:
-    """Return the dataclasses `kind` in a list of JSON, each field by its name or its type."""
-    types = get_type_hints(kind)
-    readers = {name: _BY_NAME.get(name) or _BY_TYPE[types[name]] for name in types}
-    return tuple(
-        kind(**{name: read(each[name]) for name, read in readers.items()})
-        for each in _list(data)[:most]
-    )
+def _read(kind: Any, value: Any) -> Any:  # noqa: ANN401  (any JSON)
+    """Return a value of a type: a dataclass with each field by its name or its type, or a tuple."""
+    if kind in _BY_TYPE:
+        return _BY_TYPE[kind](value)
+    if isinstance(kind, type) and is_dataclass(kind):
+        readers = {
+            name: _BY_NAME.get(name) or partial(_read, of)
+            for name, of in get_type_hints(kind).items()
+        }
+        return kind(**{name: read(value[name]) for name, read in readers.items()})
+    return tuple(_read(get_args(kind)[0], each) for each in _list(value))
 
 
 def _list(value: object) -> list[Any]:
@@ -236,14 +225,11 @@ def _time(value: object) -> float:
     return time
 
 
-def _local(number: str) -> Text:
-    return Text(number, number.replace(".", ","))
-
-
 _BY_NAME: Final[Mapping[str, Callable[[Any], Any]]] = {
     "began": _time,
     "ended": _time,
     "decimals": lambda value: min(4, max(0, int(value))),
+    "curves": lambda value: _read(tuple[Curve, ...], _list(value)[:_MOST_CURVES]),
 }
 _BY_TYPE: Final[Mapping[object, Callable[[Any], Any]]] = {
     str: _line,

@@ -15,7 +15,7 @@ from typing import Final, NamedTuple
 from mikas.catalog.formulas import Calculation
 from mikas.guided.definition import GuidedTest, Rule, VerdictKind
 from mikas.guided.measuring import Measured, holds
-from mikas.guided.result import Finding, Number
+from mikas.guided.result import Finding, Number, digits
 from mikas.i18n import Text, joined
 
 _ORDER: Final = tuple(VerdictKind)
@@ -111,17 +111,13 @@ def _near(
         moved = ({**values, name: values[name] + sign * step} for sign in (-0.5, 0.5))
         if step and any(holds(calculation, each) is not now for each in moved):
             measure = measured[name].measure
-            size = f"{step:.{measure.decimals}f}"
-            units = [f" {unit}" if unit else "" for unit in measure.unit]
-            steps = Text(size + units[0], size.replace(".", ",") + units[1])
+            units = Text(*(f" {unit}" if unit else "" for unit in measure.unit))
+            steps = joined("", (digits(step, measure.decimals), units))
             yield _NEAR.filled(text=measure.text, step=steps)
 
 
 def _why(measured: Measured) -> Text:
-    return Text(
-        f"{measured.measure.text.en}: {measured.why.en}",
-        f"{measured.measure.text.ru}: {measured.why.ru}",
-    )
+    return joined(": ", (measured.measure.text, measured.why))
 
 
 _NEAR: Final = Text(
