@@ -97,7 +97,7 @@ def test_a_fault_in_json_names_what_it_is() -> None:
     assert fault["code"] == 13
     assert fault["text"] == shipped().fault(13).text._asdict()
     assert fault["check"] == shipped().fault(13).check._asdict()
-    assert (fault["confidence"], fault["parameters"]) == ("reported", ("JAIR",))
+    assert (fault["confidence"], fault["parameters"]) == ("reported", ["JAIR"])
     assert (fault["informational"], message["informational"]) == (False, True)
 
 

@@ -14,6 +14,7 @@ from mikas.catalog.formula_syntax import parse
 from mikas.catalog.formulas import Calculation
 from mikas.errors import usage_error
 from mikas.i18n import Text
+from mikas.json_values import picked
 
 
 class Confidence(StrEnum):
@@ -352,15 +353,8 @@ class Fault:
 
     def as_json(self) -> dict[str, object]:
         """Return number and texts; the texts of an unknown number are empty."""
-        return {
-            "code": self.code,
-            "text": self.text._asdict(),
-            "confidence": self.confidence,
-            "check": self.check._asdict(),
-            "parameters": self.parameters,
-            "sensor": self.sensor,
-            "informational": self.informational,
-        }
+        names = ("code", "text", "confidence", "check", "parameters", "sensor", "informational")
+        return picked(self, *names)
 
 
 @dataclass(frozen=True, slots=True)

@@ -21,7 +21,7 @@ import tomlkit
 from tomlkit.exceptions import TOMLKitError
 
 from mikas import toml
-from mikas.catalog.loading.source import KeyPath, headers_of
+from mikas.catalog.loading.source import CatalogFile, KeyPath, headers_of
 from mikas.errors import CatalogError
 from mikas.i18n import Text
 
@@ -108,7 +108,7 @@ def _changed(
                 return after, tables
         except _UNFIT:
             continue
-    raise CatalogError(file, _line(text, path), _BY_HAND)
+    raise CatalogFile(file, text, tables, 0).error(path, *_BY_HAND)
 
 
 def _meant(tables: Tables) -> Tables:
@@ -208,10 +208,3 @@ def _value(value: object) -> str:
 
 def _key(key: str) -> str:
     return tomlkit.key(key).as_string()
-
-
-def _line(text: str, path: KeyPath) -> int:
-    from mikas.catalog.loading.source import lines_of
-
-    lines = lines_of(text)
-    return next((lines[path[:end]] for end in range(len(path), 0, -1) if path[:end] in lines), 0)
