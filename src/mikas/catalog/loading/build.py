@@ -44,10 +44,7 @@ def alarm_limits(entry: Entry, *, is_flag: bool) -> AlarmLimits | None:
     """Build the table `limits`; None if no limit is left in it."""
     table = entry.values.get("limits", {})
     unfit, problem = (_OF_NUMBERS, NOT_FOR_FLAGS) if is_flag else (_OF_FLAGS, ONLY_FOR_FLAGS)
-    for key in unfit:
-        # Keys of a file before the one that changed the parameter's kind are dropped.
-        if key in table and entry.order(("limits", key)) >= entry.order(("mask",)):
-            raise entry.wrong(("limits", key), problem)
+    _refuse(entry, (("limits", key) for key in unfit), problem)
     values: dict[str, Any] = {"source": _file(entry)}
     values |= {key: value for key, value in table.items() if key not in unfit}
     try:
@@ -88,11 +85,18 @@ def meaning(entry: Entry, *, is_flag: bool) -> Meaning | None:
 
 def _fits(entry: Entry, key: str, problem: Text, *, fits: bool) -> bool:
     """Whether the key exists and fits the kind; one of an earlier file need not fit any more."""
-    if key not in entry.values:
-        return False
-    if not fits and entry.order((key,)) >= entry.order(("mask",)):
-        raise entry.wrong((key,), problem)
-    return fits
+    if not fits:
+        _refuse(entry, [(key,)], problem)
+    return fits and key in entry.values
+
+
+def _refuse(
+    entry: Entry, keys: Iterable[KeyPath], problem: Text, mask: KeyPath = ("mask",)
+) -> None:
+    """Refuse keys of the other kind in the mask's file or a later one; earlier ones are dropped."""
+    for key in keys:
+        if key in entry.places and entry.order(key) >= entry.order(mask):
+            raise entry.wrong(key, problem)
 
 
 def derived(entries: Entries, unit_texts: Mapping[str, Text]) -> dict[str, Derived]:
@@ -237,7 +241,7 @@ def _parameter(
         for interpretation in ("literal", "alternative")
     )
     if conversion.is_flag:
-        _refuse_for_flag(entry, (), (*_FOR_DISPLAY, "decimals"))
+        _refuse(entry, ((key,) for key in (*_FOR_DISPLAY, "decimals")), NOT_FOR_FLAGS)
         values = {key: value for key, value in values.items() if key not in _FOR_DISPLAY}
     return _built(
         Parameter,
@@ -269,12 +273,13 @@ def _conversion(
     for interpretation in inside:
         values |= entry.values[interpretation]
     if mask := values.get("mask", 0):
-        _refuse_for_flag(entry, inside, _NUMERIC)
+        where = _where(entry, inside, "mask")
+        _refuse(entry, ((*inside, key) for key in _NUMERIC), NOT_FOR_FLAGS, where)
         if mask >> (8 * size):
             problem = Text(
                 f"has bits that do not fit its size ({size})", f"не помещается в байтах: {size}"
             )
-            raise entry.wrong(_where(entry, inside, "mask"), problem)
+            raise entry.wrong(where, problem)
         return Conversion(size, mask=mask)
     unit = values.get("unit", "")
     try:
@@ -289,14 +294,6 @@ def _conversion(
             "слишком мелкая или слишком большая величина для точного счёта",
         )
         raise entry.wrong(_where(entry, inside, "scale", "offset"), problem) from None
-
-
-def _refuse_for_flag(entry: Entry, inside: KeyPath, keys: Iterable[str]) -> None:
-    """Refuse a number's keys in the mask's file or a later one; earlier ones are overridden."""
-    since = entry.order(_where(entry, inside, "mask"))
-    for key in keys:
-        if entry.order((*inside, key)) >= since:
-            raise entry.wrong((*inside, key), NOT_FOR_FLAGS)
 
 
 def _where(entry: Entry, inside: KeyPath, *keys: str) -> KeyPath:
