@@ -32,9 +32,9 @@ def in_english():
 
 def session(channels=CHANNELS):
     """As much of a session as a table looks at."""
-    return SimpleNamespace(
-        channels=channels, model=CATALOG.model(0x0A).text, method="stream", errors=3
-    )
+    acquisition = SimpleNamespace(channels=channels, method="stream")
+    model = CATALOG.model(0x0A).text
+    return SimpleNamespace(acquisition=acquisition, model=model, errors=3)
 
 
 def console(width: int, height: int, **settings):

@@ -39,9 +39,9 @@ class Drawn:
         self.step = step
         self.channels = [CATALOG.parameter(name) for name in names]
         self.screen = console()
-        session = SimpleNamespace(
-            channels=self.channels, model=CATALOG.model(0x0A).text, method="stream", errors=3
-        )
+        acquisition = SimpleNamespace(channels=self.channels, method="stream")
+        model = CATALOG.model(0x0A).text
+        session = SimpleNamespace(acquisition=acquisition, model=model, errors=3)
         self.table = LiveTable(session, Output(), self.screen, lambda: self.now)
 
     def sample(self, *names: str) -> None:

@@ -63,7 +63,7 @@ class Consumers:
             connected=True,
             model=None,
             recorder=self.recorder,
-            channels=acquisition.channels,
+            acquisition=acquisition,
         )
         notices, printed = Notices(shown, self.sentences.append), io.StringIO()
         messages, self.events = [], []

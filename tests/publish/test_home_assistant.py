@@ -21,6 +21,7 @@ from mikas.client.identity import Passport
 from mikas.i18n import Text
 from mikas.publish.home_assistant import HomeAssistant, discovery_topic
 from mikas.publish.message import MessageKind
+from mikas.publish.publication import Publication
 from mikas.sampling.events import UnitFound
 
 NAMES = ("TWAT", "FREQ", "RXX", "FUEL_FLOW", "FUEL_USED", "MINERR", "0x3F:2", "UOZ", "INJ", "RDET")
@@ -46,8 +47,9 @@ LONGEST_STATE = 255  # characters; a longer one makes the entity unknown
 
 
 def made(*names: str, **settings: object) -> HomeAssistant:
-    channels = [CATALOG.channel(name) for name in names or NAMES]
-    return HomeAssistant(TOPICS, channels, "Volga", "1.2.3", **settings)
+    options = {key: settings.pop(key) for key in ("every", "interpretation") if key in settings}
+    published = publication(*(names or NAMES), **options)
+    return HomeAssistant(published, "Volga", "1.2.3", **settings)
 
 
 def components(home: HomeAssistant) -> dict[str, dict]:
@@ -119,7 +121,8 @@ def test_a_level_in_litres_is_no_sum_and_a_sum_has_a_class_of_sums(tmp_path):
     )
     catalog = load(own)
     names = ("TANK", "HEAT", "FUEL_USED")
-    found = components(HomeAssistant(TOPICS, [*map(catalog.channel, names)], "Volga", "1"))
+    published = Publication(TOPICS, catalog, [*map(catalog.channel, names)])
+    found = components(HomeAssistant(published, "Volga", "1"))
     assert (found["TANK"]["device_class"], found["TANK"]["state_class"]) == (
         "volume_storage",
         "measurement",
@@ -263,8 +266,8 @@ def test_a_users_own_unit_and_text_are_taken_as_they_are(tmp_path):
         "utf-8",
     )
     catalog = load(own)
-    channels = [catalog.channel("BOOST"), catalog.channel("ODD")]
-    found = components(HomeAssistant(TOPICS, channels, "Volga", "1", language="ru"))
+    published = Publication(TOPICS, catalog, [catalog.channel("BOOST"), catalog.channel("ODD")])
+    found = components(HomeAssistant(published, "Volga", "1", language="ru"))
     assert (found["BOOST"]["device_class"], found["BOOST"]["unit_of_measurement"]) == (
         "pressure",
         "kPa",

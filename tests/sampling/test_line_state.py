@@ -18,8 +18,8 @@ from mikas.sampling.events import Event, LineState, Sampled, StateChanged
 from mikas.sampling.line_state import (
     TRANSITIONS,
     ImpossibleTransition,
-    LineStateMachine,
     LineTrigger,
+    following,
     trigger_of,
 )
 from mikas.virtual.bus import AdapterKind
@@ -34,21 +34,17 @@ CELLS = [(state, event) for state, row in TRANSITIONS.items() for event in row]
 SECONDS = 40.0  # of simulated time in which a cell has to be reached
 
 
-class RecordingMachine(LineStateMachine):
-    """Records the cells that sampling reached."""
-
-    cells: list[Cell]
-
-    def process(self, event: LineTrigger) -> LineState | None:
-        self.cells.append((self.state, event))
-        return super().process(event)
-
-
 @pytest.fixture
 def reached(monkeypatch: pytest.MonkeyPatch) -> list[Cell]:
-    RecordingMachine.cells = []
-    monkeypatch.setattr("mikas.sampling.supervisor.LineStateMachine", RecordingMachine)
-    return RecordingMachine.cells
+    """The cells that sampling has reached."""
+    cells: list[Cell] = []
+
+    def recorded(state: LineState | None, event: LineTrigger) -> LineState | None:
+        cells.append((state, event))
+        return following(state, event)
+
+    monkeypatch.setattr("mikas.sampling.supervisor.following", recorded)
+    return cells
 
 
 class World:
@@ -320,18 +316,13 @@ def test_a_method_that_the_unit_lacks_changes_no_state(reached: list[Cell]) -> N
 
 @pytest.mark.parametrize("state", [None, *LineState])
 @pytest.mark.parametrize("event", LineTrigger)
-def test_an_event_without_a_cell_raises_and_changes_nothing(
-    state: LineState | None, event: LineTrigger
-) -> None:
-    machine = LineStateMachine()
-    machine.state = state
+def test_an_event_without_a_cell_raises(state: LineState | None, event: LineTrigger) -> None:
     if event in TRANSITIONS[state]:
-        assert machine.process(event) is TRANSITIONS[state][event]
+        assert following(state, event) is TRANSITIONS[state][event]
         return
     with pytest.raises(ImpossibleTransition) as raised:
-        machine.process(event)
+        following(state, event)
     assert (raised.value.state, raised.value.event) == (state, event)
-    assert machine.state is state
 
 
 @pytest.mark.parametrize(
@@ -345,19 +336,6 @@ def test_an_event_without_a_cell_raises_and_changes_nothing(
 )
 def test_each_error_is_the_event_of_its_kind(error: MikasError, event: LineTrigger) -> None:
     assert trigger_of(error) is event
-
-
-@given(st.lists(st.sampled_from(LineTrigger), max_size=30))
-def test_any_sequence_of_events_follows_the_table(events: list[LineTrigger]) -> None:
-    machine, state = LineStateMachine(), None
-    for event in events:
-        if event in TRANSITIONS[state]:
-            state = TRANSITIONS[state][event]
-            assert machine.process(event) is state
-        else:
-            with pytest.raises(ImpossibleTransition):
-                machine.process(event)
-        assert machine.state is state
 
 
 HAPPENS = st.sampled_from(

@@ -8,7 +8,7 @@ without limit for a lost link or unit.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator
 from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
 from math import inf
@@ -36,7 +36,6 @@ from mikas.sampling.session import SamplingSession
 if TYPE_CHECKING:
     from concurrent.futures import Future
 
-    from mikas.catalog import Derived, Parameter
     from mikas.cli.options.sampling import SamplingOptions
     from mikas.client import Ecu
     from mikas.i18n import Text
@@ -73,16 +72,6 @@ class SamplingRun:
     _works: bool = False  # sampled since the unit was identified
     _searched: int = 0  # failed cycles before that
     _failed_before: int = 0  # line errors on links that are gone
-
-    @property
-    def channels(self) -> Sequence[Parameter | Derived]:
-        """The requested channels, in order."""
-        return self.acquisition.channels
-
-    @property
-    def method(self) -> str | None:
-        """The present method."""
-        return self.acquisition.method
 
     @property
     def errors(self) -> int:

@@ -13,7 +13,7 @@ from __future__ import annotations
 import itertools
 import json
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
@@ -21,7 +21,7 @@ from mikas.catalog import Derived, Level, Parameter
 from mikas.cleaning import clean_line
 from mikas.i18n import Language, Text
 from mikas.publish.message import Message, MessageKind, compact
-from mikas.publish.publication import STATES
+from mikas.publish.publication import STATES, Publication
 from mikas.publish.topics import Topics, check_topic, identifier
 from mikas.publish.values import unit_of
 from mikas.sampling.events import LineState, UnitFound
@@ -68,24 +68,26 @@ _LINE_STATES: Final = (*STATES.values(), *(state.text for state in LineState))
 
 @dataclass(frozen=True, slots=True)
 class HomeAssistant:
-    """Makes the discovery of the car under `topics`. `name`: of the device; `every`: as of values.
+    """Makes the discovery of the car of a `publication`. `name`: of the device.
 
     `version`: of mikas. `gone`: the platform of each entity of an earlier discovery that is not in
     this one; Home Assistant deletes it. Raises `UsageError` for a `prefix` that is no topic.
     """
 
-    topics: Topics
-    channels: Sequence[Parameter | Derived]
+    publication: Publication
     name: str
     version: str
-    every: float = 1.0
     language: Language = "en"
     prefix: str = DISCOVERY_PREFIX
-    interpretation: str = "corrected"
     gone: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         check_topic(self.prefix)
+
+    @property
+    def topics(self) -> Topics:
+        """The topics of the publication."""
+        return self.publication.topics
 
     @property
     def topic(self) -> str:
@@ -130,7 +132,7 @@ class HomeAssistant:
         return device
 
     def _components(self) -> Iterator[tuple[str, dict[str, Any]]]:
-        for channel in self.channels:
+        for channel in self.publication.channels:
             yield self._entity(channel.name, self._of_channel(channel), self._sampling)
         yield self._entity("fault", self._fault(), self._sampling)
         yield self._entity("faults", self._faults(), self._sampling)
@@ -167,7 +169,7 @@ class HomeAssistant:
         config: dict[str, Any] = {
             "name": channel.text.to(self.language),
             "state_topic": self.topics.values,
-            "expire_after": round(max(_EXPIRES, 5 * self.every)),
+            "expire_after": round(max(_EXPIRES, 5 * self.publication.every)),
         }
         if channel.is_flag:
             config["platform"] = "binary_sensor"
@@ -183,7 +185,7 @@ class HomeAssistant:
         sums = isinstance(channel, Derived) and channel.accumulates
         if channel.name != MINERR:  # a number of a fault has no average
             config["state_class"] = "total_increasing" if sums else "measurement"
-        key, text = unit_of(channel, self.interpretation)
+        key, text = unit_of(channel, self.publication.interpretation)
         if key:
             kind = _CLASSES.get(key)
             local = key if kind is not None else text.to(self.language)

@@ -9,7 +9,7 @@
                                                                  └─────── REFUSED ───────┘
 
 An event without a cell in the present state's row of `TRANSITIONS` cannot occur there: a bug of the
-caller, and `ImpossibleTransition` is raised. The machine has no port, clock or unit; `supervisor`
+caller, and `ImpossibleTransition` is raised. The table knows no port, clock or unit; `supervisor`
 and `acquisition` observe these and report the events.
 """
 
@@ -82,16 +82,9 @@ def trigger_of(error: NoConnection | LineError) -> LineTrigger:
             return LineTrigger.SPOILT
 
 
-class LineStateMachine:
-    """Follows `TRANSITIONS`; `state` is None while not running."""
-
-    def __init__(self) -> None:
-        self.state: LineState | None = None
-
-    def process(self, event: LineTrigger) -> LineState | None:
-        """Enter the state that follows `event`, and return it. Raises `ImpossibleTransition`."""
-        row = TRANSITIONS[self.state]
-        if event not in row:
-            raise ImpossibleTransition(self.state, event)
-        self.state = row[event]
-        return self.state
+def following(state: LineState | None, event: LineTrigger) -> LineState | None:
+    """Return the state after `event` in `state`. Raises `ImpossibleTransition`."""
+    row = TRANSITIONS[state]
+    if event not in row:
+        raise ImpossibleTransition(state, event)
+    return row[event]

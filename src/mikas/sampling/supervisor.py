@@ -37,7 +37,7 @@ from mikas.sampling.events import (
     StateChanged,
     UnitFound,
 )
-from mikas.sampling.line_state import LineStateMachine, LineTrigger, trigger_of
+from mikas.sampling.line_state import LineTrigger, following, trigger_of
 from mikas.sampling.plan import Plan
 from mikas.sampling.running.context import SamplingContext
 
@@ -71,12 +71,11 @@ class ConnectionSupervisor:
 
     def __post_init__(self) -> None:
         self.state: LineState | None = None
-        """The state reported last; None before the first run."""
+        """The state reported last; None while not running."""
         self.unit: UnitIdentity | None = None
         self.ecu: Ecu | None = None
         """The `Ecu` on the open link; None until a unit answers."""
         self.context.identity_check.compare = self._verify
-        self._machine = LineStateMachine()
         self._reported: type[MikasError] | None = None  # the reason reported with `state`
         self._listening_since = inf  # when the port was opened, until something was sent on it
         self._unnamed: _Unnamed | None = None
@@ -145,16 +144,16 @@ class ConnectionSupervisor:
         self, event: LineTrigger, time: float, error: MikasError | None = None
     ) -> Iterator[Event]:
         """Enter the state after `event`; report a change of state or of the kind of `error`."""
-        state = self._machine.process(event)
-        if state is None:
+        before, self.state = self.state, following(self.state, event)
+        if self.state is None:
             return
-        if state is not self.state or (error is not None and type(error) is not self._reported):
-            self.state, self._reported = state, None if error is None else type(error)
-            yield StateChanged(time, state, error)
+        if self.state is not before or (error is not None and type(error) is not self._reported):
+            self._reported = None if error is None else type(error)
+            yield StateChanged(time, self.state, error)
 
     def end_run(self) -> None:
-        """End the run; `state` stays as reported."""
-        self._machine.process(LineTrigger.ENDED)
+        """End the run."""
+        self.state = following(self.state, LineTrigger.ENDED)
         self.ecu = None
 
     def _wait_for_answer(

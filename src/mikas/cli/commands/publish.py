@@ -19,9 +19,9 @@ from mikas.cli.options.sampling import SamplingOptions, sampling_options
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from mikas.cli.sampling_run import SamplingRun
     from mikas.link.ahead import PortAhead
     from mikas.publish.home_assistant import HomeAssistant
+    from mikas.publish.publication import Publication
     from mikas.publish.session import Destination
 
 
@@ -163,7 +163,7 @@ def _publish(
         topics = destination.topics
         report = PublishingReport(context.output, run, destination.broker.url, topics.base)
         publication = Publication(
-            *(topics, context.options.catalog, run.channels),
+            *(topics, context.options.catalog, run.acquisition.channels),
             every=options.every,
             qos=options.qos,
             each=options.each,
@@ -173,7 +173,7 @@ def _publish(
         publisher = Publisher(
             destination,
             publication,
-            _home_assistant(context, run, options, destination),
+            _home_assistant(options, publication) if options.home_assistant else None,
             report.broker_changed,
         )
         notices = Notices(run, report.print_notice, verbose=context.output.verbose)
@@ -189,23 +189,16 @@ def _publish(
     return DONE
 
 
-def _home_assistant(
-    context: CommandContext, run: SamplingRun, options: PublishOptions, destination: Destination
-) -> HomeAssistant | None:
-    if not options.home_assistant:
-        return None
+def _home_assistant(options: PublishOptions, publication: Publication) -> HomeAssistant:
     from mikas import __version__
     from mikas.publish.home_assistant import DISCOVERY_PREFIX, HomeAssistant
 
     return HomeAssistant(
-        destination.topics,
-        run.channels,
-        options.name or destination.topics.base.rpartition("/")[2],
+        publication,
+        options.name or publication.topics.base.rpartition("/")[2],
         str(__version__),
-        options.every,
         current_language(),
         options.discovery_prefix or DISCOVERY_PREFIX,
-        context.options.interpretation,
     )
 
 

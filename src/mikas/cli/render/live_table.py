@@ -59,7 +59,7 @@ class LiveTable:
         self._session = session
         self._output = output
         self._console = console or stdout_console()
-        names = [channel.name for channel in session.channels]
+        names = [channel.name for channel in session.acquisition.channels]
         self._history: dict[str, deque[float]] = {name: deque(maxlen=_MEMORY) for name in names}
         self._latest: dict[str, Reading | DerivedValue] = {}
         self._lowest: dict[str, Reading | DerivedValue] = {}
@@ -122,7 +122,7 @@ class LiveTable:
         """
         with self._changing:
             silence = Silence() if ended else self._arrivals.silence(self._clock())
-            rows = [self._row(channel, silence) for channel in self._session.channels]
+            rows = [self._row(channel, silence) for channel in self._session.acquisition.channels]
             state = self._state(silence)
             is_well = isinstance(self._cycle, Sampled) and not self._broken and not silence.seconds
             alarms = self._in_alarm()
@@ -196,7 +196,7 @@ class LiveTable:
         parts = [
             localized(LineState.SAMPLING.text),
             model,
-            self._session.method or "",
+            self._session.acquisition.method or "",
             rate,
             failed,
         ]

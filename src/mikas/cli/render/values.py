@@ -51,7 +51,7 @@ def json_line(session: SamplingRun, output: Output, event: Event) -> None:
     """Print `{"time", "values", "gap"}`, one a cycle; in a gap one a try, with its `reason`."""
     if not isinstance(event, Sampled | CycleFailed):
         return
-    fresh, names = fresh_values(event), [channel.name for channel in session.channels]
+    fresh, names = fresh_values(event), [each.name for each in session.acquisition.channels]
     line: dict[str, object] = {
         "time": round(event.time, 6),
         "values": {name: fresh[name].value if name in fresh else None for name in names},
@@ -66,7 +66,7 @@ def plain_line(session: SamplingRun, output: Output, event: Event) -> None:
     """Print one line per cycle, the first one after a heading: an error alone needs no heading."""
     if not isinstance(event, Sampled | CycleFailed):
         return
-    fresh, names = fresh_values(event), [channel.name for channel in session.channels]
+    fresh, names = fresh_values(event), [each.name for each in session.acquisition.channels]
     if session.samples + session.gap_cycles == 1:
         output.line("\t".join([tr("time", "время"), *names]))
     cells = (value_text(fresh[name]) if name in fresh else "–" for name in names)
