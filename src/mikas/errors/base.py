@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 from collections.abc import Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import ClassVar
 
 from mikas.i18n import Language, Text
@@ -20,6 +21,7 @@ class MikasError(Exception):
 
     what: ClassVar[Text] = Text("The operation failed", "Операция не выполнена")
     advice: Text = Text("", "")
+    defaults: ClassVar[Mapping[str, object]] = MappingProxyType({})  # of fields that may be missing
 
     def __init__(
         self,
@@ -33,7 +35,7 @@ class MikasError(Exception):
         self.request = request
         self.received = received
         self.time = time
-        self.fields = fields
+        self.fields = fields = {**self.defaults, **fields}
         self.reason = self.what.filled(**fields)
         self.advice = (advice or type(self).advice).filled(**fields)
         self._class_advice = None if advice else self.advice

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import MappingProxyType
+
 from mikas.errors.base import MikasError
 from mikas.i18n import Text
 
@@ -30,9 +32,7 @@ class NoPortGiven(PortNotFound):
         "Found: {found}. Plug the adapter in, or name its port.",
         "Найдены: {found}. Подключите адаптер или укажите его порт.",
     )
-
-    def __init__(self, *, example: str = "/dev/ttyUSB0", **given: object) -> None:
-        super().__init__(example=example, **given)  # type: ignore[arg-type]  # as MikasError's
+    defaults = MappingProxyType({"example": "/dev/ttyUSB0"})
 
 
 class AnotherAdapter(PortNotFound):
@@ -102,14 +102,7 @@ class PortBusy(NoConnection):
         "Скорее всего, это другое окно mikas или его панель, другая программа диагностики, "
         "терминал или ModemManager. Закройте и повторите.",
     )
-
-    def __init__(
-        self,
-        *,
-        holder: Text = Text("another program", "другой программой"),  # noqa: B008  (immutable)
-        **given: object,
-    ) -> None:
-        super().__init__(holder=holder, **given)  # type: ignore[arg-type]  # as MikasError's
+    defaults = MappingProxyType({"holder": Text("another program", "другой программой")})
 
 
 class PortProbed(PortBusy):
