@@ -28,7 +28,8 @@ class _Sent(NamedTuple):
 class RequestAhead:
     """The request under way on `line`; the caller holds the tester's lock.
 
-    `announced`: the request that `send` sends next; any thread may set it.
+    `announced`: the request that `send` sends next; any thread may set it. `sent`: the one whose
+    response no exchange has asked for yet.
     """
 
     def __init__(self, line: Line, sync: LineSync, statistics: Statistics) -> None:
@@ -36,16 +37,11 @@ class RequestAhead:
         self._line = line
         self._sync = sync
         self._statistics = statistics
-        self._sent: _Sent | None = None
-
-    @property
-    def is_under_way(self) -> bool:
-        """Whether a response is due that no exchange has asked for yet."""
-        return self._sent is not None
+        self.sent: _Sent | None = None
 
     def forget(self) -> None:
         """Forget all, before the line is synchronized by a handshake."""
-        self.announced = self._sent = None
+        self.announced = self.sent = None
 
     def send(self) -> None:
         """Send the announced request. On a line without an echo nothing is sent (D2)."""
@@ -54,7 +50,7 @@ class RequestAhead:
             return
         body = command.body()
         self._sync.mark_lost()
-        self._sent = _Sent(body, self._line.send(body))
+        self.sent = _Sent(body, self._line.send(body))
         self._sync.keep()
 
     def claim(self, body: bytes) -> bytes | None:
@@ -63,22 +59,22 @@ class RequestAhead:
         None: it is not, or so long ago that nothing says when the response began. The line then
         counts as lost until the exchange has succeeded.
         """
-        sent = self._sent
+        sent = self.sent
         if sent is None or self._sync.lost or sent.body != body:
             return None
         if self._line.link.now() > self._line.sent_until + _FORGOTTEN:
             return None
         self._sync.mark_lost()
-        self._sent = None
+        self.sent = None
         return sent.wire
 
     def settle(self) -> None:
         """Await and drop the response that is under way; raises no `MikasError`."""
-        if self._sent is None:
+        if self.sent is None:
             return
         was_lost = self._sync.lost
         self._sync.mark_lost()
-        sent, self._sent = self._sent, None
+        sent, self.sent = self.sent, None
         self._statistics.requests += 1
         try:
             self._line.await_echo(sent.wire)

@@ -48,18 +48,13 @@ class Reply:
 
 @dataclass(frozen=True, slots=True)
 class Failure:
-    """A failed exchange: the content of its `LineError`, without the stack."""
+    """A failed exchange: the content of its `LineError`, without the stack. `code`: its class."""
 
     code: str
     reason: Text
     request: bytes | None
     received: bytes | None
     time: float | None
-
-    @classmethod
-    def from_error(cls, error: LineError) -> Failure:
-        """Copy `error`; `code` is its class name."""
-        return cls(type(error).__name__, error.reason, error.request, error.received, error.time)
 
 
 @dataclass(slots=True)
@@ -75,7 +70,8 @@ class Statistics:
     def fail(self, error: LineError) -> None:
         """Count `error`."""
         self.failed += 1
-        self.failures.append(Failure.from_error(error))
+        code = type(error).__name__
+        self.failures.append(Failure(code, error.reason, error.request, error.received, error.time))
 
 
 class TimedDecoder:

@@ -169,7 +169,7 @@ class Tester:
     def settle(self) -> None:
         """Await and drop the response to a command sent ahead; raises no `MikasError`."""
         self._ahead.announced = None
-        if self._ahead.is_under_way:
+        if self._ahead.sent is not None:
             with self._holding():
                 self._ahead.settle()
 
@@ -294,7 +294,8 @@ class Tester:
 
         The stream holds the tester's lock until then.
         """
-        self._acquire()
+        self.check_free()
+        self._lock.acquire()
         try:
             self._ensure_in_sync()
             self.statistics.requests += 1
@@ -344,11 +345,9 @@ class Tester:
 
     @contextmanager
     def _holding(self) -> Iterator[None]:
-        self._acquire()
-        try:
+        self.check_free()
+        with self._lock:
             yield
-        finally:
-            self._lock.release()
 
     def check_free(self) -> None:
         """Raise `UsageError` if this thread runs a stream, which occupies the line."""
@@ -357,7 +356,3 @@ class Tester:
                 "a stream is running in this thread; close it before asking for anything else",
                 "в этом потоке выполнения идёт поток данных; сначала закройте его",
             )
-
-    def _acquire(self) -> None:
-        self.check_free()
-        self._lock.acquire()
