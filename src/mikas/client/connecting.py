@@ -24,7 +24,7 @@ _SHORTEST = 0.001  # s; a shorter time-out would end before an adapter hands ove
 class ConnectionOptions:
     """Options of a connection on any port. Raises `UsageError` for an invalid value.
 
-    `create_ecu` and `create_tester` may be called for each new link after a lost one.
+    `create_ecu` may be called for each new link after a lost one.
     """
 
     echo: str = "auto"
@@ -71,9 +71,9 @@ class ConnectionOptions:
         check_number("inter_byte_timeout", self.inter_byte_timeout, lowest=_SHORTEST)
         check_number("retries", self.retries, lowest=0, whole=True)
 
-    def create_tester(self, link: Link) -> Tester:
-        """Create a `Tester` on `link`; it is not connected yet."""
-        return Tester(
+    def create_ecu(self, link: Link) -> Ecu:
+        """Create an `Ecu` on `link`; it is not connected yet: `ecu.tester.connect()` does that."""
+        tester = Tester(
             link,
             timing=Timing(
                 response_timeout=self.timeout, inter_byte_timeout=self.inter_byte_timeout
@@ -83,11 +83,8 @@ class ConnectionOptions:
             raw_checksum=self.raw_checksum,
             strict=self.strict,
         )
-
-    def create_ecu(self, link: Link) -> Ecu:
-        """Create an `Ecu` on `link`; it is not connected yet: `ecu.tester.connect()` does that."""
         return Ecu(
-            self.create_tester(link),
+            tester,
             self.catalog,
             interpretation=self.interpretation,
             confirm=self.confirm,

@@ -77,12 +77,12 @@ class Limits:
         return self != Limits()
 
 
+@dataclass(frozen=True, slots=True)
 class LimitsStore:
     """The saved limits of every unit, a file each; of virtual ones only with `virtual_units`."""
 
-    def __init__(self, folder: Path, *, virtual_units: bool = True) -> None:
-        self.folder = folder
-        self.virtual_units = virtual_units
+    folder: Path
+    virtual_units: bool = True
 
     @property
     def empty(self) -> bool:
@@ -104,14 +104,17 @@ class LimitsStore:
             stored = read_json(file, _MOST_BYTES)
             limits = _limits_of(stored)
             if limits.max_list < STARTING_LIST or limits.refused:
-                return self.virtual_units or VIRTUAL_PASSPORT not in stored["passports"]
+                return self._keeps(stored["passports"])
         return False
 
     def load(self, version_code: int, passports: tuple[str, ...]) -> Limits:
         """Load the limits of a unit; the starting values if its file is missing or invalid."""
-        if not self._keeps(passports):
-            return Limits()
-        return _load(self._file(version_code, passports))
+        if self._keeps(passports):
+            with suppress(OSError, *_NO_LIMITS):
+                return _limits_of(
+                    read_json(unit_file(self.folder, version_code, passports), _MOST_BYTES)
+                )
+        return Limits()
 
     def save(self, version_code: int, passports: tuple[str, ...], limits: Limits) -> None:
         """Save `limits`. A failure only costs time in the next session, so it is not reported.
@@ -125,32 +128,23 @@ class LimitsStore:
             limits = Limits(methods=_working(limits.methods))
         with suppress(OSError):
             self.folder.mkdir(parents=True, exist_ok=True)
-            file = self._file(version_code, passports)
+            file = unit_file(self.folder, version_code, passports)
             content = {"passports": passports, **asdict(limits)}
             save(file, json.dumps(content, ensure_ascii=False))
 
     def forget(self, version_code: int, passports: tuple[str, ...]) -> None:
         """Delete the limits of a unit; a file that can't be deleted stays in force."""
         with suppress(OSError):
-            self._file(version_code, passports).unlink(missing_ok=True)
+            unit_file(self.folder, version_code, passports).unlink(missing_ok=True)
 
     def _keeps(self, passports: tuple[str, ...]) -> bool:
         return self.virtual_units or VIRTUAL_PASSPORT not in passports
-
-    def _file(self, version_code: int, passports: tuple[str, ...]) -> Path:
-        return unit_file(self.folder, version_code, passports)
 
 
 def unit_file(folder: Path, version_code: int, passports: tuple[str, ...]) -> Path:
     """Return the file of a unit in `folder`."""
     named = "\0".join((f"{version_code:02X}", *passports))
     return folder / f"{sha256(named.encode()).hexdigest()[:16]}.json"
-
-
-def _load(file: Path) -> Limits:
-    with suppress(OSError, *_NO_LIMITS):
-        return _limits_of(read_json(file, _MOST_BYTES))
-    return Limits()
 
 
 def _limits_of(stored: dict[str, Any]) -> Limits:
@@ -169,19 +163,17 @@ def _limits_of(stored: dict[str, Any]) -> Limits:
     )
 
 
+@dataclass(slots=True, eq=False)
 class LimitsCache:
     """The limits of the connected unit.
 
     `identify` returns version code and passports; it is called only to load or to save in `store`.
     """
 
-    def __init__(
-        self, store: LimitsStore | None, identify: Callable[[], tuple[int, tuple[str, ...]]]
-    ) -> None:
-        self._store = store
-        self._identify = identify
-        self._lock = threading.RLock()
-        self._limits: Limits | None = None
+    _store: LimitsStore | None
+    _identify: Callable[[], tuple[int, tuple[str, ...]]]
+    _lock: threading.RLock = field(init=False, default_factory=threading.RLock)
+    _limits: Limits | None = field(init=False, default=None)
 
     def limits(self) -> Limits:
         """Return the limits, which the caller may change. Raises the errors of `identify`."""

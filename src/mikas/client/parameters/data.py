@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from itertools import islice
 
 from mikas.catalog import Parameter
-from mikas.client.limits import Limits, LimitsCache
+from mikas.client.limits import LimitsCache
 from mikas.client.parameters.silence import SilenceCheck
 from mikas.commands import Datum, ReadParameters
 from mikas.errors import EcuRefused, LineError, NoResponse, NotSupported, WrongLength, usage_error
@@ -61,24 +61,24 @@ class DataReader:
         The result lacks codes that the unit refuses; these are requested once more only with
         `again`. Raises a `LineError`, a `NoConnection`, or `NotSupported` if 61 is unknown.
         """
-        limits, self._silence = self._cache.limits(), SilenceCheck(self._tester)
-        return self._read_all(self._not_refused(wanted, limits, again=again), limits)
+        self._silence = SilenceCheck(self._tester)
+        return self._read_all(self._not_refused(wanted, again=again))
 
     def single(self, wanted: Sequence[Datum], *, again: bool = False) -> dict[int, RawDatum]:
         """As `batch`, one request for each code."""
-        limits, self._silence = self._cache.limits(), SilenceCheck(self._tester)
+        self._silence = SilenceCheck(self._tester)
         found: dict[int, RawDatum] = {}
-        for datum in self._not_refused(wanted, limits, again=again):
-            found |= self._read([datum], limits)
+        for datum in self._not_refused(wanted, again=again):
+            found |= self._read([datum])
         return found
 
     def request_for(self, wanted: Sequence[Datum]) -> ReadParameters | None:
         """Return the one request that reads `wanted`; None: it takes more, or is not known yet."""
         if not self._requests.has_answered(wanted[0].code):
             return None
-        limits = self._cache.limits()
-        part = self._not_refused(wanted, limits, again=False)
-        return self._requests.request_for(part) if 0 < len(part) <= limits.max_list else None
+        part = self._not_refused(wanted)
+        fits = 0 < len(part) <= self._cache.limits().max_list
+        return self._requests.request_for(part) if fits else None
 
     def at_once(self, wanted: Sequence[Datum]) -> dict[int, RawDatum]:
         """Read `wanted` by one request that is not repeated; its failure teaches nothing.
@@ -95,7 +95,8 @@ class DataReader:
                 refused.add(code)
         return refused.issuperset(codes)
 
-    def _not_refused(self, wanted: Sequence[Datum], limits: Limits, *, again: bool) -> list[Datum]:
+    def _not_refused(self, wanted: Sequence[Datum], *, again: bool = False) -> list[Datum]:
+        limits = self._cache.limits()
         if again:
             for datum in wanted:
                 del self._ambiguous[datum.code]
@@ -104,21 +105,20 @@ class DataReader:
             self._cache.keep()
         return [d for d in wanted if d.code not in limits.refused]
 
-    def _read_all(self, wanted: list[Datum], limits: Limits) -> dict[int, RawDatum]:
+    def _read_all(self, wanted: list[Datum]) -> dict[int, RawDatum]:
         found: dict[int, RawDatum] = {}
         while wanted:
-            part, wanted = wanted[: limits.max_list], wanted[limits.max_list :]
-            found |= self._read(part, limits)
+            most = self._cache.limits().max_list
+            part, wanted = wanted[:most], wanted[most:]
+            found |= self._read(part)
         return found
 
-    def _read_half(self, part: list[Datum], limits: Limits) -> dict[int, RawDatum]:
-        if len(part) >= 2 * limits.max_list:
-            return self._read_all(part, limits)  # the first half showed that this is too long
-        return self._read(part, limits, halved=True)
+    def _read_half(self, part: list[Datum]) -> dict[int, RawDatum]:
+        if len(part) >= 2 * self._cache.limits().max_list:
+            return self._read_all(part)  # the first half showed that this is too long
+        return self._read(part, halved=True)
 
-    def _read(
-        self, part: list[Datum], limits: Limits, *, halved: bool = False
-    ) -> dict[int, RawDatum]:
+    def _read(self, part: list[Datum], *, halved: bool = False) -> dict[int, RawDatum]:
         try:
             return self._request(part, halved=halved)
         except (NotSupported, NoResponse, WrongLength) as error:
@@ -126,21 +126,21 @@ class DataReader:
             if not self._requests.answers_any(part):
                 raise  # no code is answered
             if len(part) == 1:
-                return self._read_doubtful(part[0], limits, error)
+                return self._read_doubtful(part[0], error)
         middle = (len(part) + 1) // 2
-        found = self._read_half(part[:middle], limits) | self._read_half(part[middle:], limits)
+        found = self._read_half(part[:middle]) | self._read_half(part[middle:])
         if len(found) == len(part) > 1:  # both halves were answered: was the length the cause?
-            if len(part) <= limits.max_list:
+            if len(part) <= self._cache.limits().max_list:
                 try:
                     return self._request(part)
                 except (NotSupported, NoResponse, WrongLength):
                     pass  # yes
                 except LineError:
                     return found  # unknown, on such a line
-            self._shorten(len(part), limits)
+            self._shorten(len(part))
         return found
 
-    def _shorten(self, length: int, limits: Limits) -> None:
+    def _shorten(self, length: int) -> None:
         """Lower the limit below `length`, after several failures if that length worked before."""
         requests = self._requests
         if length <= requests.longest_list:
@@ -149,11 +149,11 @@ class DataReader:
                 return
             requests.longest_list = (length + 1) // 2
         self._too_long = 0
-        limits.max_list = requests.longest_list
+        self._cache.limits().max_list = requests.longest_list
         self._cache.keep()
 
     def _read_doubtful(
-        self, datum: Datum, limits: Limits, error: NotSupported | NoResponse | WrongLength
+        self, datum: Datum, error: NotSupported | NoResponse | WrongLength
     ) -> dict[int, RawDatum]:
         """Read `datum`, whose request failed with `error`; {} if the unit proves to refuse it."""
         while True:
@@ -167,8 +167,8 @@ class DataReader:
                 return self._request([datum])
             except (NotSupported, NoResponse, WrongLength) as again:
                 error = again
-        if datum.code not in limits.refused:
-            limits.refused.append(datum.code)
+        if datum.code not in (refused := self._cache.limits().refused):
+            refused.append(datum.code)
             self._cache.keep()
         return {}
 
