@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-import sys
-from array import array
-
 import numpy as np
 from hypothesis import strategies as st
 
 from mikas.dashboard.session.history import History, json_columns, plain
 from mikas.recording.table.channels import Rows
-from mikas.recording.table.decimation import decimated
 
 NAN = float("nan")
 COLUMN = st.lists(st.one_of(st.just(NAN), st.integers(-1000, 1000).map(float)), min_size=1)
@@ -90,14 +86,3 @@ def test_an_empty_history_has_empty_columns():
     assert json_columns(History().rows(60, ["A"])) == {
         "names": ["A"], "times": [], "values": [[]],
     }  # fmt: skip
-
-
-def test_without_numpy_rows_are_the_same(monkeypatch):
-    history = History()
-    for number in range(5000):
-        history.add(float(number), ("A", "B"), [number % 7, NAN])
-    fast = json_columns(decimated(history.rows(3000), 100))
-    monkeypatch.setitem(sys.modules, "numpy", None)
-    plain_rows = history.rows(3000)
-    assert isinstance(plain_rows.times, array)
-    assert json_columns(decimated(plain_rows, 100)) == fast

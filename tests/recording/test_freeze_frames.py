@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from math import isnan, nan
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -17,7 +18,7 @@ TIMES = [float(second) for second in range(100)]
 
 
 def rows(**columns):
-    return Rows(TIMES, columns)
+    return Rows(np.array(TIMES), {name: np.array(column) for name, column in columns.items()})
 
 
 def test_the_moment_lies_between_two_values_of_minerr_and_ten_seconds_are_kept():

@@ -9,12 +9,11 @@ minute. The frames of a recording are in `recorded_faults.py`.
 
 from __future__ import annotations
 
-from array import array
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import isfinite, isnan, nan
-from typing import TYPE_CHECKING, Any, Final, cast
+from typing import Any, Final
 
 from mikas.catalog import Fault
 from mikas.cleaning import clean_line, is_in_calendar
@@ -22,9 +21,6 @@ from mikas.recording.table.channels import Rows
 from mikas.recording.table.decimation import decimated
 from mikas.sampling.events import FaultReading
 from mikas.sampling.fault_watch import MINERR, appeared
-
-if TYPE_CHECKING:
-    from mikas.recording.exchanges.arrays import Floats
 
 AROUND: Final = 5.0  # s before and after
 LONGEST: Final = 60.0  # s between the two readings
@@ -90,32 +86,24 @@ def frame_of(code: int, before: float, read: float, rows: Rows) -> FreezeFrame |
 
     `before`, `read`: of the last reading of the faults without it, and of the first with it.
     """
-    times = [float(time) for time in rows.times]
-    lowest = [float(value) for value in rows.values.get(MINERR, ())]
-    without, seen = appeared(code, before, read, times if lowest else (), lowest)
+    times, lowest = rows.times.tolist(), rows.values.get(MINERR)
+    readings = ((), ()) if lowest is None else (times, lowest.tolist())
+    without, seen = appeared(code, before, read, *readings)
     if not 0 <= seen - without <= LONGEST:
         return None
-    chosen = [at for at, time in enumerate(times) if without - AROUND <= time <= seen + AROUND]
-    around = [times[at] for at in chosen]
-    columns = {
-        name: array("d", (float(column[at]) for at in chosen))
-        for name, column in rows.values.items()
+    around = rows.part((rows.times >= without - AROUND) & (rows.times <= seen + AROUND))
+    kept = {
+        name: column
+        for name, column in around.values.items()
+        if not all(map(isnan, column.tolist()))
     }
-    kept = {name: column for name, column in columns.items() if not all(map(isnan, column))}
-    then = _values_then(without, seen, around, kept)
+    listed = {name: column.tolist() for name, column in kept.items()}
+    then = _values_then(without, seen, around.times.tolist(), listed)
     if not then:
         return None
-    # Arrays without numpy, as `decimated` takes them too.
-    rows = Rows(cast("Floats", array("d", around)), cast("dict[str, Floats]", kept))
-    fewer = decimated(rows, _MOST_ROWS)
-    return FreezeFrame(
-        code,
-        without,
-        seen,
-        tuple(map(float, fewer.times)),
-        {name: tuple(map(float, column)) for name, column in fewer.values.items()},
-        then,
-    )
+    fewer = decimated(Rows(around.times, kept), _MOST_ROWS)
+    columns = {name: tuple(column.tolist()) for name, column in fewer.values.items()}
+    return FreezeFrame(code, without, seen, tuple(fewer.times.tolist()), columns, then)
 
 
 def _values_then(

@@ -109,8 +109,8 @@ class _Window:
     def add(self, rows: Rows, first: float, last: float) -> None:
         if last < self._begin or first > self._end:
             return
-        inside = (rows.times >= self._begin) & (rows.times <= self._end)
-        times = rows.times[inside]
+        inside = self._part(rows)
+        times = inside.times
         if not times.size:
             return
         self._is_doubtful |= bool(times[0] < self._last or (np.diff(times) < 0).any())
@@ -118,9 +118,11 @@ class _Window:
             self._pieces = []
             return
         self._last = float(times[-1])
-        values = {name: column[inside] for name, column in rows.values.items()}
-        self._pieces.append(Rows(times, values))
+        self._pieces.append(inside)
         self._narrow()
+
+    def _part(self, rows: Rows) -> Rows:
+        return rows.part((rows.times >= self._begin) & (rows.times <= self._end))
 
     def _narrow(self) -> None:
         """Drop rows before and after the moment, as far as it is known by now."""
@@ -132,9 +134,7 @@ class _Window:
         if seen < self._read:
             self._end = seen + AROUND
         self._begin = max(without, min(seen, self._last) - LONGEST) - AROUND
-        kept = (rows.times >= self._begin) & (rows.times <= self._end)
-        values = {name: column[kept] for name, column in rows.values.items()}
-        self._pieces = [Rows(rows.times[kept], values)]
+        self._pieces = [self._part(rows)]
 
     def result(self) -> AppearedFault:
         frame = None

@@ -264,19 +264,13 @@ class Recording:
     def _frame(self, name: str) -> Any:  # noqa: ANN401  (of a library that may not be installed)
         import numpy as np
 
-        from mikas.recording.table.channels import with_gaps
+        from mikas.recording.table.channels import joined_rows, with_gaps
         from mikas.recording.table.dataframes import FRAMES, Table, library
 
         library(name)  # may be missing: before the file is read
-        stretches = list(with_gaps(self.rows(), self.events))
-        times = np.concatenate([np.empty(0), *(rows.times for rows in stretches)])
-        values = {
-            each.name: np.concatenate(
-                [np.empty(0), *(rows.values[each.name] for rows in stretches)]
-            )
-            for each in self.channels
-        }
-        zero = float(times[0]) if times.size else 0.0
+        none = self._chosen(Rows(np.empty(0), {}))
+        rows = joined_rows([none, *with_gaps(self.rows(), self.events)])
+        zero = float(rows.times[0]) if rows.times.size else 0.0
         started = calendar(zero)
         facts = {
             "started": started.isoformat() if started else None,
@@ -284,4 +278,4 @@ class Recording:
             "units": {channel.name: channel.unit for channel in self.channels},
             "channels": {channel.name: channel.facts() for channel in self.channels},
         }
-        return FRAMES[name](Table(self.channels, times - zero, values, facts))
+        return FRAMES[name](Table(self.channels, rows.times - zero, rows.values, facts))

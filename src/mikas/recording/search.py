@@ -11,9 +11,8 @@ second, or for a cycle if that is longer, so no condition holds by values from b
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -22,9 +21,9 @@ from mikas.catalog import Catalog, Derived
 from mikas.catalog.conversion import NO_TEXT
 from mikas.catalog.formula_syntax import LONGEST, parse
 from mikas.errors import UsageError, usage_error
-from mikas.recording.exchanges.arrays import Floats, Index
+from mikas.recording.exchanges.arrays import Floats, Mask
 from mikas.recording.recording import Recording
-from mikas.recording.table.channels import Rows
+from mikas.recording.table.channels import Rows, joined_rows
 from mikas.recording.table.derived import Deriver
 from mikas.sampling.derived import DerivedChannels
 
@@ -91,15 +90,24 @@ class SearchCondition:
 
     def find(self, stretches: Iterable[Rows]) -> SearchResult:
         """Return the hits in rows with the columns `names`, in their order."""
-        columns = _Columns(stretches)
-        times = columns.times.tolist()
-        begins, ends = columns.runs
-        peaks = columns.peaks(begins, ends, lowest=self.is_lowest)
-        hits = [
-            Hit(times[begin], times[end], end - begin + 1, *peak)
-            for begin, end, peak in zip(begins.tolist(), ends.tolist(), peaks, strict=True)
-        ]
-        return SearchResult(hits, *columns.span)
+        known = [Rows(np.empty(0), dict.fromkeys(self.names, np.empty(0)))]
+        ends: list[float] = []
+        for rows in stretches:
+            if len(rows.times):
+                ends += [float(rows.times.min()), float(rows.times.max())]
+            known.append(rows.part(np.isfinite(rows.values[_CONDITION])))
+        found = joined_rows(known)  # where it holds or does not
+        runs = _runs(found.times, found.values[_CONDITION] != 0)
+        hits = [self._hit(found.part(slice(first, last + 1))) for first, last in runs]
+        return SearchResult(hits, min(ends, default=None), max(ends, default=None))
+
+    def _hit(self, rows: Rows) -> Hit:
+        hit = Hit(float(rows.times[0]), float(rows.times[-1]), len(rows.times))
+        peaks = rows.values.get(_PEAK)
+        if peaks is None or np.isnan(peaks).all():
+            return hit
+        at = int((np.nanargmin if self.is_lowest else np.nanargmax)(peaks))
+        return replace(hit, peak=float(peaks[at]), peak_time=float(rows.times[at]))
 
 
 def search(recording: Recording, condition: SearchCondition) -> SearchResult:
@@ -125,49 +133,14 @@ def search_rows(rows: Rows, condition: SearchCondition) -> SearchResult:
     return condition.find([Rows(rows.times, columns)])
 
 
-class _Columns:
-    """The rows in which the condition has a value: it holds or it does not."""
-
-    def __init__(self, stretches: Iterable[Rows]) -> None:
-        times, holds, peaks = [np.empty(0)], [np.empty(0)], [np.empty(0)]
-        ends: list[float] = []
-        for rows in stretches:
-            if len(rows.times):
-                ends += [float(rows.times.min()), float(rows.times.max())]
-            column = rows.values[_CONDITION]
-            known = np.isfinite(column)
-            times.append(rows.times[known])
-            holds.append(column[known])
-            peaks.append(rows.values.get(_PEAK, np.full(len(column), np.nan))[known])
-        self.span = min(ends, default=None), max(ends, default=None)
-        self.times: Floats = np.concatenate(times)
-        self._holds = np.concatenate(holds) != 0
-        self._peaks: Floats = np.concatenate(peaks)
-
-    @cached_property
-    def runs(self) -> tuple[Index, Index]:
-        """The first and the last row of each hit."""
-        steps = np.diff(self.times)
-        usual = float(np.median(steps[steps > 0])) if (steps > 0).any() else 0.0
-        joined = (steps >= 0) & (steps <= max(PAUSE, _ALIKE * usual))
-        joined &= self._holds[1:] & self._holds[:-1]
-        begins = self._holds & ~np.concatenate(([False], joined))[: len(self._holds)]
-        ends = self._holds & ~np.concatenate((joined, [False]))[: len(self._holds)]
-        return begins.nonzero()[0], ends.nonzero()[0]
-
-    def peaks(
-        self, begins: Index, ends: Index, *, lowest: bool
-    ) -> list[tuple[float, float] | tuple[()]]:
-        """Return the extreme and its time of each run; nothing where there is no number."""
-        found: list[tuple[float, float] | tuple[()]] = []
-        for begin, end in zip(begins, ends, strict=True):
-            part = self._peaks[begin : end + 1]
-            if np.isnan(part).all():
-                found.append(())
-                continue
-            at = int((np.nanargmin if lowest else np.nanargmax)(part))
-            found.append((float(part[at]), float(self.times[begin + at])))
-        return found
+def _runs(times: Floats, holds: Mask) -> Iterator[tuple[int, int]]:
+    """Yield the first and the last row of each hit."""
+    steps = np.diff(times)
+    usual = float(np.median(steps[steps > 0])) if (steps > 0).any() else 0.0
+    joined = (steps >= 0) & (steps <= max(PAUSE, _ALIKE * usual)) & holds[1:] & holds[:-1]
+    begins = holds & ~np.concatenate(([False], joined))[: len(holds)]
+    ends = holds & ~np.concatenate((joined, [False]))[: len(holds)]
+    return zip(begins.nonzero()[0].tolist(), ends.nonzero()[0].tolist(), strict=True)
 
 
 def _channel(name: str, formula: str) -> Derived:

@@ -83,8 +83,8 @@ class _Rows:
 def computing(catalog: Catalog, names: Sequence[str], interpretation: str) -> Compute | None:
     """Return the computation of the derived channels among `names` from columns of parameters.
 
-    None: there are none, the columns are in another interpretation than that of formulas, or numpy
-    is missing. A parameter that means something else now is not among the columns.
+    None: there are none, or the columns are in another interpretation than that of formulas. A
+    parameter that means something else now is not among the columns.
     """
     wanted = [name for name in names if name in catalog.derived]
     gone = {name for name in names if name not in catalog.derived}
@@ -94,12 +94,10 @@ def computing(catalog: Catalog, names: Sequence[str], interpretation: str) -> Co
         if gone.isdisjoint(needed := DerivedChannels(catalog, [name]).requires)
         and all(is_corrected(catalog.parameter(each), interpretation) for each in needed)
     ]
-    try:
-        import numpy as np
-    except ImportError:
-        return None
     if not usable:
         return None
+    import numpy as np
+
     channels = DerivedChannels(catalog, usable)
 
     def compute(

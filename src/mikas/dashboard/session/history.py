@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from heapq import merge
 from itertools import repeat
 from math import inf, nan
-from typing import Any, Final, Self, TypeAlias, cast
+from typing import Any, Final, Self, TypeAlias
 
 from mikas.catalog import Fault
 from mikas.client import Ecu
@@ -157,10 +157,8 @@ def _joined(
 
 
 def _rows(times: array[float], columns: Mapping[str, array[float]]) -> Rows:
-    try:
-        import numpy as np
-    except ImportError:
-        return Rows(cast("Any", times), cast("Any", columns))
+    import numpy as np
+
     return Rows(np.asarray(times), {name: np.asarray(each) for name, each in columns.items()})
 
 

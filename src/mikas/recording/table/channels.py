@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
+_Span = tuple[float, float]
+
 PLAINLY_UNIX: Final = 1e9  # 2001; a simulated clock would have run for 31 years
 
 
@@ -54,6 +56,11 @@ class Rows:
 
     times: Floats
     values: Mapping[str, Floats]
+
+    def part(self, chosen: slice | NDArray[np.bool_]) -> Rows:
+        """Return the chosen rows."""
+        columns = {name: column[chosen] for name, column in self.values.items()}
+        return Rows(self.times[chosen], columns)
 
 
 def joined_rows(pieces: Sequence[Rows]) -> Rows:
@@ -124,7 +131,7 @@ def with_gaps(rows: Iterable[Rows], events: Iterable[Event]) -> Iterator[Rows]:
     import numpy as np
 
     gaps = [event for event in events if isinstance(event, Gap)]
-    left = _Spans((gap.began, gap.began if gap.ended is None else gap.ended) for gap in gaps)
+    left = sorted((gap.began, gap.began if gap.ended is None else gap.ended) for gap in gaps)
     last: Rows | None = None
     for stretch in rows:
         if not len(stretch.times):
@@ -132,7 +139,7 @@ def with_gaps(rows: Iterable[Rows], events: Iterable[Event]) -> Iterator[Rows]:
         begin, end = float(stretch.times[0]), float(stretch.times[-1])
         if last is not None and last.times[-1] <= begin:  # the same session: times rise
             begin = float(last.times[-1])
-        inside = left.pop_between(begin, end)
+        inside = _pop_between(left, begin, end)
         last = stretch
         if not inside:
             yield stretch
@@ -146,37 +153,20 @@ def with_gaps(rows: Iterable[Rows], events: Iterable[Event]) -> Iterator[Rows]:
     if last is None:
         return
     ended = float(last.times[-1])
-    if later := left.pop_between(ended, ended + LONGEST):
+    if later := _pop_between(left, ended, ended + LONGEST):
         times = _middles(later, np.full(len(later), np.inf))
         yield Rows(times, {name: np.full(len(times), np.nan) for name in last.values})
 
 
-class _Spans:
-    """Spans of time, each to be taken once; those that are left are found without the others."""
-
-    def __init__(self, spans: Iterable[tuple[float, float]]) -> None:
-        self._spans = sorted(spans)
-        self._begins = [begin for begin, _ in self._spans]
-        self._left = list(range(len(self._spans) + 1))  # on the way to the next one that is left
-
-    def pop_between(self, begin: float, end: float) -> list[tuple[float, float]]:
-        """Take the spans that begin from `begin` to before `end`, in their order."""
-        taken = []
-        at, stop = self._next(bisect_left(self._begins, begin)), bisect_left(self._begins, end)
-        while at < stop:
-            taken.append(self._spans[at])
-            self._left[at] = at + 1
-            at = self._next(at)
-        return taken
-
-    def _next(self, at: int) -> int:
-        while self._left[at] != at:
-            self._left[at] = self._left[self._left[at]]
-            at = self._left[at]
-        return at
+def _pop_between(spans: list[_Span], begin: float, end: float) -> list[_Span]:
+    """Take the spans that begin from `begin` to before `end` out of all, which are sorted."""
+    inside = slice(bisect_left(spans, (begin,)), bisect_left(spans, (end,)))
+    taken = spans[inside]
+    del spans[inside]
+    return taken
 
 
-def _middles(gaps: list[tuple[float, float]], following: Floats) -> Floats:
+def _middles(gaps: list[_Span], following: Floats) -> Floats:
     """Return the times of the gaps' rows, rising. `following`: the time of the row after each."""
     import numpy as np
 

@@ -19,14 +19,12 @@ from mikas.catalog import Catalog
 from mikas.catalog.conversion import Conversion
 from mikas.recording.capture.reader import Source
 from mikas.recording.exchanges.arrays import Bytes, Floats
-from mikas.recording.table.channels import Channel, Rows
+from mikas.recording.table.channels import Channel, Rows, joined_rows
 from mikas.recording.table.raw_recording import RawRows
 
 MOST_ROWS: Final = 65536
 _MANY: Final = 4096  # rows that are worth a stretch where a clock runs to and fro
 _JITTER: Final = 1.0  # s; two lumps of bytes can be taken for overlapping by so much at most
-
-Columns = dict[str, Floats]
 
 
 class Converter:
@@ -68,12 +66,12 @@ class Converter:
             if source not in waiting:
                 for before in [each for each in waiting if each.recording != source.recording]:
                     yield from waiting.pop(before).rest()
-                waiting[source] = _PortRows(source, wanted, size, rising=rising)
-            yield from waiting[source].add(rows.times, self._columns(rows, wanted))
+                waiting[source] = _PortRows(source, size, rising=rising)
+            yield from waiting[source].add(Rows(rows.times, self._columns(rows, wanted)))
         for port in waiting.values():
             yield from port.rest()
 
-    def _columns(self, rows: RawRows, names: Collection[str]) -> Columns:
+    def _columns(self, rows: RawRows, names: Collection[str]) -> dict[str, Floats]:
         count = len(rows.times)
         columns = {name: np.full(count, np.nan) for name in names}
         for group in rows.groups:
@@ -92,29 +90,28 @@ class Converter:
 class _PortRows:
     """Rows of one port that wait until they are `size`, or until time runs back."""
 
-    def __init__(self, source: Source, names: list[str], size: int, *, rising: bool) -> None:
+    def __init__(self, source: Source, size: int, *, rising: bool) -> None:
         self._source = source
-        self._names = names
         self._size = size
         self._rising = rising
         self._waiting: list[Rows] = []
         self._count = 0
         self._last = -np.inf
 
-    def add(self, times: Floats, columns: Columns) -> Iterator[tuple[Source, Rows]]:
+    def add(self, rows: Rows) -> Iterator[tuple[Source, Rows]]:
         """Take these rows; yield those that need not wait."""
-        back = (np.diff(times, prepend=self._last) < -_JITTER).nonzero()[0].tolist()
+        back = (np.diff(rows.times, prepend=self._last) < -_JITTER).nonzero()[0].tolist()
         backs = {*back}
-        for start, stop in pairwise([0, *back, times.size]):
+        for start, stop in pairwise([0, *back, rows.times.size]):
             if start in backs:
                 if self._rising or self._count >= _MANY:
                     yield from self._flush()
                 self._last = -np.inf
             if start < stop:
-                rows = _part(times, columns, slice(start, stop))
-                rising = _rising(rows.times, self._last, self._source.byte_time)
+                part = rows.part(slice(start, stop))
+                rising = _rising(part.times, self._last, self._source.byte_time)
                 self._last = float(rising[-1])
-                self._waiting.append(Rows(rising, rows.values))
+                self._waiting.append(Rows(rising, part.values))
                 self._count += stop - start
             if self._count >= self._size:
                 yield from self._flush(self._count // self._size * self._size)
@@ -128,20 +125,11 @@ class _PortRows:
         """Yield the first `count` waiting rows, all by default."""
         count = self._count if count is None else count
         if count:
-            times = np.concatenate([rows.times for rows in self._waiting])
-            columns = {
-                name: np.concatenate([rows.values[name] for rows in self._waiting])
-                for name in self._names
-            }
+            rows = joined_rows(self._waiting)
             for at in range(0, count, self._size):
-                part = slice(at, min(count, at + self._size))
-                yield self._source, _part(times, columns, part)
+                yield self._source, rows.part(slice(at, min(count, at + self._size)))
             self._count -= count
-            self._waiting = [_part(times, columns, slice(count, None))] if self._count else []
-
-
-def _part(times: Floats, columns: Columns, part: slice) -> Rows:
-    return Rows(times[part], {name: column[part] for name, column in columns.items()})
+            self._waiting = [rows.part(slice(count, None))] if self._count else []
 
 
 def _rising(times: Floats, last: float, byte_time: float) -> Floats:

@@ -8,7 +8,7 @@ frame's `attrs` and in the metadata of Arrow's fields and schema; polars has no 
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from typing import Any, Final
@@ -29,7 +29,7 @@ class Table:
 
     channels: Sequence[Channel]
     times: Floats
-    values: dict[str, Floats]
+    values: Mapping[str, Floats]
     facts: dict[str, Any]
 
 

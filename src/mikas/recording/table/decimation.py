@@ -4,17 +4,15 @@ Time is cut into equal pieces. Of each piece every column keeps its least and it
 their order, at the piece's first and last time: a spike stays. A piece without rows is one row
 without values: a gap stays, too.
 
-Without numpy the scalar reference does the same; with its stand-in in a browser, each piece.
+Over the stand-in for numpy in a browser a loop does the same, piece by piece.
 """
 
 from __future__ import annotations
 
-from array import array
-from bisect import bisect_left
 from collections.abc import Callable, Iterable, Mapping
 from itertools import pairwise
 from math import isnan, nan
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
 from mikas.recording.exchanges import has_whole_numpy
 from mikas.recording.table.channels import Rows
@@ -27,35 +25,14 @@ def decimated(rows: Rows, points: int) -> Rows:
     """Return at most about `points` rows; `rows` itself, if there are no more."""
     if len(rows.times) <= max(2, points):
         return rows
-    try:
-        import numpy as np
-    except ImportError:
-        return decimated_scalar(rows, points)
+    import numpy as np
+
     times = np.asarray(rows.times)
     pieces = Pieces(float(times[0]), float(times[-1]), max(1, points // 2))
     starts = pieces.starts(times)
     return pieces.extremes(
         times, starts, starts, rows.values, lambda name: np.asarray(rows.values[name])
     )
-
-
-def decimated_scalar(rows: Rows, points: int) -> Rows:
-    """Return the same as `decimated`, without numpy."""
-    times, count = rows.times, max(1, points // 2)
-    begin, end = float(times[0]), float(times[-1])
-    edges = (begin + number * ((end - begin) / count) for number in range(1, count))
-    starts = [0, *(bisect_left(times, edge) for edge in edges), len(times)]
-    kept = array("d")
-    values = {name: array("d") for name in rows.values}
-    for number, (start, stop) in enumerate(pairwise(starts)):
-        if start == stop:
-            kept.append(begin + (end - begin) * (number + 0.5) / count)
-        else:
-            kept.extend((float(times[start]), float(times[stop - 1])))
-        for name, column in rows.values.items():
-            piece = [float(value) for value in column[start:stop]]
-            values[name].extend(_ends(piece) if piece else (nan,))
-    return Rows(cast("Floats", kept), cast("dict[str, Floats]", values))
 
 
 def _ends(piece: list[float]) -> tuple[float, float]:
