@@ -12,7 +12,7 @@ import pytest
 from mikas.errors import LinkLost
 from mikas.framing import encode
 from mikas.link.virtual import RealTimeVirtualLink, VirtualLink
-from mikas.virtual.bus import AdapterKind
+from mikas.virtual.bus import Adapter, AdapterKind
 from virtual_harness import make_bus
 
 from .contract import FAR, LinkContract, RealTimeContract, Rig
@@ -23,6 +23,7 @@ class PlainBus:
 
     def __init__(self) -> None:
         self.ecu = SimpleNamespace(baud=9600)
+        self.adapter = Adapter(AdapterKind())
         self.sent = b""
         self.breaks: list[float] = []
         self._coming: deque[tuple[float, bytes]] = deque()

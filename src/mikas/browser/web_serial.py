@@ -115,6 +115,8 @@ Suspend = Callable[[Awaitable[Any]], Any]
 class WebSerialLink(Link):
     """A link over the open `port`, which it owns."""
 
+    granularity = WEB_SERIAL
+
     def __init__(self, url: str, port: Opened, *, baud: int, about: str) -> None:
         serial, self._suspend = _host()
         self.url = url
@@ -133,10 +135,6 @@ class WebSerialLink(Link):
     def can_break(self) -> bool:
         """False once the adapter has refused."""
         return self._can_break
-
-    @property
-    def granularity(self) -> float:
-        return WEB_SERIAL
 
     def now(self) -> float:
         return self._clock()

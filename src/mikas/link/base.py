@@ -57,6 +57,12 @@ class Link(ABC):
     opened: float = inf
     """The clock when the port was opened, if `PortAhead` did so; `read` returns what came since."""
 
+    is_virtual: bool = False
+    """Whether the unit is known to be a virtual or a replayed one."""
+
+    granularity: float = LATENCY_TIMER
+    """Seconds by which bytes may come late and together (D14); that of a latency timer."""
+
     @property
     def can_break(self) -> bool:
         """Whether `send_break` pulls the wire low; may turn false at the first attempt."""
@@ -66,16 +72,6 @@ class Link(ABC):
     def description(self) -> str:
         """The adapter's name for display; never empty."""
         return self.url
-
-    @property
-    def is_virtual(self) -> bool:
-        """Whether the unit is known to be a virtual or a replayed one."""
-        return False
-
-    @property
-    def granularity(self) -> float:
-        """Seconds by which bytes may come late and together (D14); that of a latency timer."""
-        return LATENCY_TIMER
 
     @property
     def byte_time(self) -> float:
@@ -143,6 +139,8 @@ class LinkWrapper(Link):
         self.url = link.url
         self.baud = link.baud
         self.opened = link.opened
+        self.is_virtual = link.is_virtual
+        self.granularity = link.granularity
 
     @property
     def description(self) -> str:
@@ -151,14 +149,6 @@ class LinkWrapper(Link):
     @property
     def can_break(self) -> bool:
         return self.link.can_break
-
-    @property
-    def is_virtual(self) -> bool:
-        return self.link.is_virtual
-
-    @property
-    def granularity(self) -> float:
-        return self.link.granularity
 
     def write(self, data: bytes) -> None:
         self.link.write(data)

@@ -82,7 +82,7 @@ class SerialLink(Link):
         self.baud = baud
         self._about = about
         self._can_break = can_break
-        self._granularity = granularity
+        self.granularity = granularity
         self.port = port
         self._receive = _by_select(port) if port.timeout == 0 else _by_asking(port)
         self._clock = WallClock()
@@ -94,16 +94,12 @@ class SerialLink(Link):
         """`FT232R USB UART (FTDI), low latency`, or the port's name if nothing else is known."""
         if not self._about:  # looked up on first use: listing the ports takes time
             self._about = _described(parse(self.url).address)
-        return f"{self._about}, low latency" if self._granularity <= AT_ONCE else self._about
+        return f"{self._about}, low latency" if self.granularity <= AT_ONCE else self._about
 
     @property
     def can_break(self) -> bool:
         """False over plain TCP, and once the system has refused."""
         return self._can_break
-
-    @property
-    def granularity(self) -> float:
-        return self._granularity
 
     def now(self) -> float:
         return self._clock.now()
@@ -130,7 +126,7 @@ class SerialLink(Link):
                 return Chunk(data, now)
 
     def gather(self, until: float) -> None:
-        if self._granularity < NETWORK and self._gone is None:
+        if self.granularity < NETWORK and self._gone is None:
             time.sleep(min(max(until - self._clock.now(), 0.0), LONGEST_WAIT))
 
     def send_break(self, seconds: float) -> None:

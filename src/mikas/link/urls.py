@@ -191,17 +191,10 @@ def _options(url: str, query: str) -> dict[str, str]:
 def _refuse_unknown(url: str, scheme: str, *, slashes: bool) -> None:
     """Raise `BadPortUrl` for an unknown scheme; a path that contains a colon passes."""
     if slashes or (scheme and nearest(scheme, registered())):
-        problem = with_nearest(_no_such(scheme), f"{scheme}:", _schemes())
-        raise bad_port_url(url, problem)
-
-
-def _no_such(scheme: str) -> Text:
-    known = ", ".join(_schemes())
-    return Text(f"there is no “{scheme}:”, only: {known}", f"«{scheme}:» нет, есть: {known}")
-
-
-def _schemes() -> list[str]:
-    return [f"{name}:" for name in sorted(registered())]
+        schemes = [f"{name}:" for name in sorted(registered())]
+        known = ", ".join(schemes)
+        absent = Text(f"there is no “{scheme}:”, only: {known}", f"«{scheme}:» нет, есть: {known}")
+        raise bad_port_url(url, with_nearest(absent, f"{scheme}:", schemes))
 
 
 def _as_text(value: str | float) -> str:

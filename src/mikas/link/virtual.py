@@ -25,25 +25,19 @@ _PERIOD: Final = 1.0  # s between two steps of an engine that no request reads
 class _BusLink(Link):
     """The common part of the links of both clocks."""
 
+    is_virtual = True
+
     def __init__(self, bus: Bus, url: str) -> None:
         self.bus = bus
         self.url = url
         self.baud = bus.ecu.baud
+        latency, stalls = bus.adapter.kind.latency, bus.adapter.stalls
+        self.granularity = latency + (stalls.longest if stalls.every else 0.0)
         self._problem: Text | None = None
 
     @property
     def description(self) -> str:
         return VIRTUAL.en
-
-    @property
-    def is_virtual(self) -> bool:
-        return True
-
-    @property
-    def granularity(self) -> float:
-        """The virtual adapter's latency timer, and its stalls."""
-        adapter = self.bus.adapter
-        return adapter.kind.latency + (adapter.stalls.longest if adapter.stalls.every else 0.0)
 
     def write(self, data: bytes) -> None:
         self._check()

@@ -57,17 +57,14 @@ def _list(context: CommandContext) -> None:
         return
     without_port = adapter_without_port()
     if found:
-        context.output.table(
-            [
-                tr("port", "порт"),
-                tr("chip", "микросхема"),
-                tr("serial number", "серийный номер"),
-                tr("description", "описание"),
-            ],
-            [
-                [port.url, port.chip or "–", port.serial_number or "–", port.description]
-                for port in found
-            ],
+        context.output.listing(
+            found,
+            {
+                tr("port", "порт"): lambda port: port.url,
+                tr("chip", "микросхема"): lambda port: port.chip or "–",
+                tr("serial number", "серийный номер"): lambda port: port.serial_number or "–",
+                tr("description", "описание"): lambda port: port.description,
+            },
         )
     elif without_port is None:
         context.say(

@@ -10,10 +10,10 @@ import json
 import logging
 import sys
 import threading
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 from mikas.cleaning import terminal_json
 from mikas.cli.render import terminal
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
 SCHEMA = 1
+T = TypeVar("T")
 
 
 @dataclass(slots=True)
@@ -59,6 +60,13 @@ class Output:
         """Print a note that only `-v` shows."""
         if self.verbose:
             self.print_note(" ".join(word for word in words if word))
+
+    def listing(
+        self, items: Iterable[T], columns: Mapping[str, Callable[[T], str]], right: str = ""
+    ) -> None:
+        """Print a table with a row for each of `items`; `columns`: the cell by its heading."""
+        rows = [[cell(item) for cell in columns.values()] for item in items]
+        self.table(list(columns), rows, right)
 
     def table(self, headers: Sequence[str], rows: Sequence[Sequence[str]], right: str = "") -> None:
         """Print a table on stdout. `right`: indices of the right-aligned columns, as digits."""

@@ -66,24 +66,16 @@ def _show(context: CommandContext, stored: Sequence[Fault]) -> None:
     if not stored:
         context.output.line(tr("No faults are stored.", "Ошибок нет."))
         return
-    context.output.table(
-        [
-            tr("code", "код"),
-            tr("fault", "ошибка"),
-            tr("confidence", "достоверность"),
-            tr("check first", "что проверить"),
-            tr("parameters", "параметры"),
-        ],
-        [
-            [
-                str(fault.code),
-                localized(fault.text) or tr("unknown fault number", "неизвестный номер ошибки"),
-                _confidence(fault.confidence),
-                localized(fault.check),
-                " ".join(fault.parameters),
-            ]
-            for fault in stored
-        ],
+    unknown = tr("unknown fault number", "неизвестный номер ошибки")
+    context.output.listing(
+        stored,
+        {
+            tr("code", "код"): lambda fault: str(fault.code),
+            tr("fault", "ошибка"): lambda fault: localized(fault.text) or unknown,
+            tr("confidence", "достоверность"): lambda fault: _confidence(fault.confidence),
+            tr("check first", "что проверить"): lambda fault: localized(fault.check),
+            tr("parameters", "параметры"): lambda fault: " ".join(fault.parameters),
+        },
         right="0",
     )
 

@@ -126,28 +126,26 @@ def show_readings(context: CommandContext, readings: Mapping[str, Reading]) -> N
     if context.output.json:
         context.output.data({"readings": {name: reading_json(r) for name, r in readings.items()}})
         return
-    headers = [
-        tr("name", "имя"), tr("value", "значение"), tr("unit", "ед."),
-        tr("raw", "байты"), tr("warm idle", "на ХХ"), tr("meaning", "параметр"),
-        tr("notes", "см."),
-    ]  # fmt: skip
-    rows = [_reading_row(name, r) for name, r in readings.items()]
-    context.output.table(headers, rows, right="1")
+    context.output.listing(
+        readings.items(),
+        {
+            tr("name", "имя"): lambda it: it[0],
+            tr("value", "значение"): lambda it: value_text(it[1]),
+            tr("unit", "ед."): lambda it: unit_text(it[1]),
+            tr("raw", "байты"): lambda it: it[1].raw.hex(" ").upper(),
+            tr("warm idle", "на ХХ"): lambda it: _reference(it[1]),
+            tr("meaning", "параметр"): lambda it: localized(it[1].parameter.text),
+            tr("notes", "см."): lambda it: " ".join(it[1].parameter.errata),
+        },
+        right="1",
+    )
     if any(r.parameter.errata for r in readings.values()):
         context.say("Notes E1 … are explained by: mikas params", "Пояснения к E1 …: mikas params")
 
 
-def _reading_row(name: str, reading: Reading) -> list[str]:
-    return [
-        name,
-        value_text(reading),
-        unit_text(reading),
-        reading.raw.hex(" ").upper(),
-        # under another interpretation it would not hold
-        reference(reading.parameter) if reading.interpretation == "corrected" else "",
-        localized(reading.parameter.text),
-        " ".join(reading.parameter.errata),
-    ]
+def _reference(reading: Reading) -> str:
+    """Return the reference range; nothing under an interpretation in which it would not hold."""
+    return reference(reading.parameter) if reading.interpretation == "corrected" else ""
 
 
 @command(

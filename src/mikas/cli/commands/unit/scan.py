@@ -125,12 +125,18 @@ def _show(
             }
         )
         return
-    headers = [
-        tr("code", "код"), tr("bytes", "байт"), tr("raw", "байты"), tr("name", "имя"),
-        tr("value", "значение"),
-    ]  # fmt: skip
     if data:
-        context.output.table(headers, [_row(context, catalog, e) for e in data.values()], "1")
+        context.output.listing(
+            data.values(),
+            {
+                tr("code", "код"): lambda each: f"{each.code:02X}",
+                tr("bytes", "байт"): lambda each: str(each.size),
+                tr("raw", "байты"): lambda each: each.raw.hex(" ").upper(),
+                tr("name", "имя"): lambda each: names_of(catalog, each.code),
+                tr("value", "значение"): lambda each: _value(context, catalog, each),
+            },
+            right="1",
+        )
     said = tr("not reported", "не сообщает") if promised is None else str(promised)
     context.say(
         f"Codes with a value: {len(data)}; number of parameters by command 60: {said}.",
@@ -148,16 +154,6 @@ def _show(
             f"Stopped: {len(found)} of {_CODES} codes were requested.",
             f"Прервано: запрошено кодов {len(found)} из {_CODES}.",
         )
-
-
-def _row(context: CommandContext, catalog: Catalog, each: ScannedCode) -> list[str]:
-    return [
-        f"{each.code:02X}",
-        str(each.size),
-        each.raw.hex(" ").upper(),
-        names_of(catalog, each.code),
-        _value(context, catalog, each),
-    ]
 
 
 def _value(context: CommandContext, catalog: Catalog, each: ScannedCode) -> str:
