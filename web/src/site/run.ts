@@ -9,7 +9,8 @@ import "../styles/base.css";
 import "uplot/dist/uPlot.min.css";
 import { served, type Host } from "../lib/platform/host";
 import { Stores } from "../stores";
-import { connectionParts } from "./notices/parts";
+import ConnectionNotices from "./notices/ConnectionNotices.svelte";
+import ThisBrowser from "./notices/ThisBrowser.svelte";
 import { canChoose, choosePort, findAdapters } from "./notices/adapters.svelte";
 import { storage } from "./notices/storage.svelte";
 import type { Program } from "./program/program";
@@ -27,7 +28,8 @@ export function run(program: Program, owner: Owner, target: Element): void {
     sharesNetwork: false,
     exports: ["csv", "msl", "mlg"],
     words,
-    ...connectionParts,
+    connectionNotices: ConnectionNotices,
+    connectionCard: ThisBrowser,
     get opensAddresses() {
       return navigator.serviceWorker?.controller != null;
     },

@@ -3,20 +3,13 @@ import type { Stores } from "../../stores";
 import { dictionary } from "../i18n";
 import type { LineEvent } from "../api/types";
 
-export interface FaultNews {
-  event: LineEvent;
-  /** Numbers that the reading before did not have. */
-  added: number[];
-}
-
 /**
- * The news of the latest event about faults, unless that is `seen`; null: none, or faults have only gone. Not compared by their times: a
- * virtual car has another clock.
+ * The latest event about faults, unless that is `seen`; null: none, or faults have only gone. Not compared by their times: a virtual car has
+ * another clock.
  */
-export function faultNews(events: readonly LineEvent[], seen: LineEvent | null): FaultNews | null {
+export function faultNews(events: readonly LineEvent[], seen: LineEvent | null) {
   const event = events.findLast((event) => event.kind === "faults");
-  if (!event || event === seen || !event.added?.length) return null;
-  return { event, added: event.added };
+  return event !== seen && event?.added?.length ? event : null;
 }
 
 const t = dictionary({
@@ -33,9 +26,9 @@ export function faultTeller({ live, route, toasts }: Pick<Stores, "live" | "rout
   return (events: readonly LineEvent[]): void => {
     const news = faultNews(events, seen);
     if (!news) return;
-    seen = news.event;
-    if (live.now() - seen.time > RECENT) return;
-    const codes = news.added.join(", ");
+    seen = news;
+    if (live.now() - news.time > RECENT) return;
+    const codes = news.added?.join(", ") ?? "";
     const action = { text: () => t("show"), run: () => route.go("faults") };
     toasts.error(() => t("added", { codes }), { duration: 12_000, action });
   };

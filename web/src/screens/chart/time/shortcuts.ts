@@ -37,7 +37,7 @@ export class ChartMoves {
   }
 
   private toGap(step: 1 | -1): void {
-    const gap = nextGap(this.app.chartData.gapsIn(), this.app.chartData.moment(this.app.cursors.a) ?? this.app.view.window()[0], step);
+    const gap = nextGap(this.app.chartData.gapsIn(), this.app.chartData.moment ?? this.app.view.window()[0], step);
     if (!gap) return;
     const within = (gap.from + gap.to) / 2;
     this.app.view.bring(within);
@@ -51,11 +51,8 @@ export class ChartMoves {
   }
 
   toMarker(step: 1 | -1): void {
-    const mark = nextMark(
-      markersOf(this.app.display.source.events),
-      this.app.chartData.moment(this.app.cursors.a) ?? this.app.view.window()[step > 0 ? 0 : 1],
-      step,
-    );
+    const from = this.app.chartData.moment ?? this.app.view.window()[step > 0 ? 0 : 1];
+    const mark = nextMark(markersOf(this.app.display.source.events), from, step);
     if (mark) this.goTo(mark.time);
   }
 

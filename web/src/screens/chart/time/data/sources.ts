@@ -5,7 +5,7 @@ import { valueAt } from "./value";
 import type { Stores } from "../../../../stores";
 
 export class ChartData {
-  constructor(private readonly app: Pick<Stores, "display" | "player" | "comparison">) {}
+  constructor(private readonly app: Pick<Stores, "comparison" | "cursors" | "display" | "player">) {}
 
   /** The second recording at the times of the first; null: no comparison. */
   get second(): Later | null {
@@ -30,7 +30,7 @@ export class ChartData {
   }
 
   /** The time of interest: the cursor, or the player's position; null for live data without a cursor. */
-  moment(cursor: number | null): number | null {
-    return cursor ?? (this.app.display.source.kind === "recording" ? this.app.display.source.now() : null);
+  get moment(): number | null {
+    return this.app.cursors.a ?? (this.app.display.source.kind === "recording" ? this.app.display.source.now() : null);
   }
 }

@@ -2,7 +2,6 @@
 import { carName } from "../../../../lib/car/carText";
 import { localized, moment as dateAndTime, number, timeOfDay } from "../../../../lib/i18n";
 import { theme } from "../../../../lib/platform/theme.svelte";
-import { axisKey } from "../../../../lib/series/valueAxis";
 import type { Stores } from "../../../../stores";
 import { flagsOf } from "../data/flags";
 import { legendRow } from "../panes/legendRow";
@@ -65,7 +64,6 @@ function titlesOf({ comparison, live, player, reference }: Stores, from: number,
 
 function paneOf(stores: Stores, pane: Pane, from: number, to: number, colours: Record<string, string>): PicturePane {
   const { catalog, chartData, view } = stores;
-  const channel = (name: string) => catalog.get(name);
   const { shown: traces, times, values, lines, holes, ...drawn } = drawnPane(stores, pane.traces, from, to, POINTS, PANE_HEIGHT);
   const axes = drawn.axes.map((axis) => {
     const [low, high] = stretched([axis.low, axis.high], view.stretches[pane.id]);
@@ -74,15 +72,8 @@ function paneOf(stores: Stores, pane: Pane, from: number, to: number, colours: R
   const gaps = chartData.gapsIn(from, to);
   const colourOf = (index: number) => colours[`trace-${traces[index % traces.length]!.colour}`]!;
   return {
-    legend: traces.map(({ name }, index) => ({
-      colour: colourOf(index),
-      name: localized(channel(name)?.short) || name,
-      ...legendOf(stores, name),
-    })),
-    axes: axesDrawn(traces, channel, view.stacked).map((key) => {
-      const own = traces.flatMap(({ name }, index) => (!channel(name)?.flag && axisKey(name, channel(name)) === key ? [index] : []));
-      return { ...axes[own[0]!]!, colour: own.length === 1 ? colourOf(own[0]!) : MUTED };
-    }),
+    legend: traces.map(({ name }, index) => ({ colour: colourOf(index), name: catalog.nameOf(name), ...legendOf(stores, name) })),
+    axes: axesDrawn(traces, catalog, view.stacked).map(({ line, alone }) => ({ ...axes[line]!, colour: alone ? colourOf(line) : MUTED })),
     lines: lines.map(({ channel, band }, index): PictureLine => {
       const dashed = index >= traces.length;
       const broken = [...holes[index]!, ...gaps.filter((gap) => gap.second === dashed).map((gap): [number, number] => [gap.from, gap.to])];

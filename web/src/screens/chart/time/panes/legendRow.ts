@@ -50,7 +50,7 @@ export function legendRow(stores: Stores, name: string): LegendRow {
   }
 
   function secondOf(): LegendRow["second"] {
-    const time = chartData.moment(cursors.a);
+    const time = chartData.moment;
     const other = time === null ? null : chartData.secondValueOf(name, time);
     return { value: valueText(channel, other), more: minus(value, other), lacking: comparison.extremes(name) === undefined };
   }

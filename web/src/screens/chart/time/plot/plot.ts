@@ -1,8 +1,8 @@
 // One pane as a uPlot: series and axes from its traces, gaps hatched behind the lines. Each line has a scale of its own, whose range is
 // computed when it is drawn (`paneAxes`). Cursor, wheel and gestures are implemented by the chart, not by uPlot.
 import uPlot from "uplot";
-import { number } from "../../../../lib/i18n";
-import type { Channel } from "../../../../lib/api/types";
+import { localized, number } from "../../../../lib/i18n";
+import type { CatalogStore } from "../../../../lib/api/catalog.svelte";
 import { axisKey, type Axis } from "../../../../lib/series/valueAxis";
 import { counted, timesOfDay } from "./timeAxis";
 import { wrapText, type GapBand } from "../data/flags";
@@ -30,7 +30,7 @@ export interface Look {
 
 export interface PlotPlan {
   traces: Trace[];
-  channel: (name: string) => Channel | undefined;
+  catalog: Pick<CatalogStore, "get">;
   stacked: boolean;
   /** The lowest pane has the time axis. */
   foot: boolean;
@@ -45,16 +45,19 @@ export interface PlotPlan {
   gaps: () => GapBand[];
   /** Gaps of that series (from 0) as [from, to]. */
   gapsOf: (series: number) => readonly [number, number][];
-  reason: (gap: GapBand) => string;
   /** A range of that channel, drawn behind its line. */
   bandOf: (name: string) => readonly [number, number] | undefined;
 }
 
-/** The keys of the axes in the order of the traces; at most two of them are drawn. Flags have no axis. */
-export function axesDrawn(traces: readonly Trace[], channel: PlotPlan["channel"], stacked: boolean): string[] {
+/** At most two axes are drawn, in the order of the traces: the first line of each, and whether it has no other. Flags have no axis. */
+export function axesDrawn(traces: readonly Trace[], catalog: PlotPlan["catalog"], stacked: boolean): { line: number; alone: boolean }[] {
   if (stacked) return [];
-  const shown = traces.filter(({ name, hidden }) => !hidden && !channel(name)?.flag);
-  return [...new Set(shown.map(({ name }) => axisKey(name, channel(name))))].slice(0, 2);
+  const keys = traces.map(({ name, hidden }) => {
+    const channel = catalog.get(name);
+    return hidden || channel?.flag ? null : axisKey(name, channel);
+  });
+  const drawn = [...new Set(keys)].filter((key) => key !== null).slice(0, 2);
+  return drawn.map((key) => ({ line: keys.indexOf(key), alone: keys.indexOf(key) === keys.lastIndexOf(key) }));
 }
 
 const scaleOf = (series: number) => `line ${series}`;
@@ -72,10 +75,7 @@ export function makePlot(plan: PlotPlan, width: number, height: number, target: 
       },
     };
   }
-  const drawn = axesDrawn(visible, plan.channel, plan.stacked).map((key) => {
-    const own = visible.filter(({ name }) => !plan.channel(name)?.flag && axisKey(name, plan.channel(name)) === key);
-    return { series: visible.indexOf(own[0]!), colour: own.length === 1 ? look.traces[own[0]!.colour - 1]! : look.muted };
-  });
+  const drawn = axesDrawn(visible, plan.catalog, plan.stacked);
   const axis = { font: look.font, grid: { stroke: look.grid, width: 1 }, ticks: { stroke: look.grid, width: 1, size: 4 } };
   const times =
     zero === null
@@ -92,7 +92,7 @@ export function makePlot(plan: PlotPlan, width: number, height: number, target: 
       space: 90,
       ticks: { ...axis.ticks, show: plan.foot },
     },
-    ...drawn.map(({ series, colour }, index) => {
+    ...drawn.map(({ line: series, alone }, index) => {
       // Below 0 there may be room, but there are no values: nothing is labelled there.
       const filter = (_: uPlot, splits: number[]) => splits.map((value) => (plan.axisOf(series)?.floor && value < 0 ? null : value));
       return {
@@ -101,7 +101,7 @@ export function makePlot(plan: PlotPlan, width: number, height: number, target: 
         side: index === 0 ? 3 : 1,
         size: LEFT,
         space: 34,
-        stroke: colour,
+        stroke: alone ? look.traces[visible[series]!.colour - 1]! : look.muted,
         filter,
         ticks: { ...axis.ticks, filter },
         grid: index === 0 ? { ...axis.grid, filter } : { show: false },
@@ -112,7 +112,6 @@ export function makePlot(plan: PlotPlan, width: number, height: number, target: 
   const left = drawn.length > 0 ? 0 : LEFT;
   const right = plan.second ? (drawn.length > 1 ? 0 : LEFT) : RIGHT;
   const line = (trace: Trace, index: number, second: boolean): uPlot.Series => {
-    const channel = plan.channel(trace.name);
     return {
       label: trace.name,
       scale: scaleOf(index + (second ? visible.length : 0)),
@@ -120,7 +119,7 @@ export function makePlot(plan: PlotPlan, width: number, height: number, target: 
       width: second ? 1.25 : 1.75,
       ...(second ? { dash: DASH.map((length) => length * devicePixelRatio) } : {}),
       points: { show: false },
-      paths: channel?.flag ? uPlot.paths.stepped!({ align: 1 }) : uPlot.paths.linear!(),
+      paths: plan.catalog.get(trace.name)?.flag ? uPlot.paths.stepped!({ align: 1 }) : uPlot.paths.linear!(),
       gaps: (plot) => interruptions(plot, plan, index + (second ? visible.length : 0), second),
     };
   };
@@ -156,14 +155,14 @@ function interruptions(plot: uPlot, plan: PlotPlan, series: number, second: bool
 }
 
 /** The reference's ranges, in the colours of their lines; an edge of its own, so that a single value is seen too. */
-function stripes(plot: uPlot, visible: readonly Trace[], { bandOf, channel, look }: PlotPlan): void {
+function stripes(plot: uPlot, visible: readonly Trace[], { bandOf, catalog, look }: PlotPlan): void {
   const { ctx, bbox } = plot;
   ctx.save();
   ctx.beginPath();
   ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
   ctx.clip();
   visible.forEach(({ name, colour }, series) => {
-    const band = channel(name)?.flag ? undefined : bandOf(name);
+    const band = catalog.get(name)?.flag ? undefined : bandOf(name);
     if (!band) return;
     const place = (value: number) => Math.round(plot.valToPos(value, scaleOf(series), true));
     const [bottom, top] = [place(band[0]), place(band[1])];
@@ -205,7 +204,7 @@ function hatch(plot: uPlot, plan: PlotPlan): void {
     ctx.stroke();
     if (plan.foot && wide > 60 * devicePixelRatio) {
       ctx.font = `${13 * devicePixelRatio}px ${plan.look.font.replace(/^\S+ /, "")}`;
-      write(ctx, plan.reason(gap), from, wide, gap.second ? bbox.top : bbox.top + bbox.height, gap.second, plan.look);
+      write(ctx, localized(gap.reason), from, wide, gap.second ? bbox.top : bbox.top + bbox.height, gap.second, plan.look);
     }
     ctx.restore();
   }
