@@ -23,13 +23,13 @@ export default defineConfig(
   // What comes from the API has the types of schema.ts. A cast is for what TypeScript can't know, and says what that is.
   {
     files: ["src/**"],
-    ignores: ["**/*.test.ts", "**/*Rig.ts"],
+    ignores: ["**/*.test.ts"],
     rules: { "@typescript-eslint/consistent-type-assertions": ["error", { assertionStyle: "never" }] },
   },
   // With types, where they cost little and the types are all there: svelte-check knows those inside of components, and tests fake what they need.
   {
     files: ["src/**/*.ts"],
-    ignores: ["**/*.test.ts", "**/*Rig.ts"],
+    ignores: ["**/*.test.ts"],
     extends: [ts.configs.recommendedTypeChecked],
     languageOptions: { parserOptions: { projectService: true } },
     // A listener may be async: what it calls says by itself what went wrong.

@@ -2,7 +2,7 @@ import { fireEvent, screen } from "@testing-library/svelte";
 import { flushSync } from "svelte";
 import { expect, it, vi } from "vitest";
 import type { State } from "../../lib/api/types";
-import { channelOf, eachOnItsOwnPage, page } from "../../pageRig";
+import { channelOf, eachOnItsOwnPage, page } from "../../../test/pageRig";
 import StateBand from "./StateBand.svelte";
 
 eachOnItsOwnPage();

@@ -1,6 +1,6 @@
 import { fireEvent, render, screen } from "@testing-library/svelte";
 import { expect, it, vi } from "vitest";
-import { eachOnItsOwnPage } from "../../pageRig";
+import { eachOnItsOwnPage } from "../../../test/pageRig";
 import Menu from "./Menu.svelte";
 
 eachOnItsOwnPage();

@@ -1,7 +1,7 @@
 import { fireEvent, render, screen } from "@testing-library/svelte";
 import { createRawSnippet } from "svelte";
 import { expect, it, vi } from "vitest";
-import { eachOnItsOwnPage } from "../../pageRig";
+import { eachOnItsOwnPage } from "../../../test/pageRig";
 import Table from "./Table.svelte";
 
 eachOnItsOwnPage();

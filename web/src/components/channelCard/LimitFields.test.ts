@@ -1,7 +1,7 @@
 import { render, screen } from "@testing-library/svelte";
 import { expect, it } from "vitest";
 import { limitTexts } from "../../lib/channels/limitFields";
-import { eachOnItsOwnPage } from "../../pageRig";
+import { eachOnItsOwnPage } from "../../../test/pageRig";
 import LimitFields from "./LimitFields.svelte";
 
 eachOnItsOwnPage();

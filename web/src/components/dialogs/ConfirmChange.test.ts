@@ -2,7 +2,7 @@ import { fireEvent, screen } from "@testing-library/svelte";
 import { createRawSnippet } from "svelte";
 import { expect, it, vi } from "vitest";
 import type { ChangeProposal } from "../../lib/api/types";
-import { eachOnItsOwnPage, page, refused } from "../../pageRig";
+import { eachOnItsOwnPage, page, refused } from "../../../test/pageRig";
 import ConfirmChange from "./ConfirmChange.svelte";
 
 eachOnItsOwnPage();

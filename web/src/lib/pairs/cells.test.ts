@@ -5,7 +5,7 @@ import { binOf, defaultEdges, fittedEdges, multiples, roundValues, stepped, type
 import { Cells, STATISTICS } from "./cells";
 import { Pairs } from "./pairs";
 import { stretchesOf } from "./stretches";
-import { random } from "./testRandom";
+import { randoms } from "../../../test/random";
 
 function pairsOf(rows: readonly (readonly [number, number, number, number])[]): Pairs {
   const columns = new Columns();
@@ -29,7 +29,7 @@ function pairsOf(rows: readonly (readonly [number, number, number, number])[]): 
 
 describe("cells", () => {
   it("have the statistics of a naive sum over random values, read in portions", () => {
-    const next = random(11);
+    const next = randoms(11);
     const rows = Array.from({ length: 4000 }, (_, at) => [at / 10, 1e6 + next(), 100 * next() - 10, 50 * next()] as const);
     const columns = [0, 10, 25, 60, 80];
     const edges = [0, 5, 30, 49];

@@ -3,7 +3,7 @@ import { Columns } from "../series/columns";
 import { Cloud, paint, shareOf, type Inks } from "./cloud";
 import { colourAt, packed, packedHex, rampOf } from "./colours";
 import { Pairs } from "./pairs";
-import { random } from "./testRandom";
+import { randoms } from "../../../test/random";
 
 function pairsOf(points: readonly (readonly [number, number, number | null])[]): Pairs {
   const columns = new Columns();
@@ -29,7 +29,7 @@ const inks: Inks = { ramp: Uint32Array.from([1, 2, 3]), low: 0, high: 10, plain:
 
 describe("the cloud", () => {
   it("counts each point at its pixel, in any portions, and those outside", () => {
-    const next = random(3);
+    const next = randoms(3);
     const points = Array.from({ length: 3000 }, () => [12 * next(), 12 * next(), next() < 0.2 ? null : 10 * next()] as const);
     const pairs = pairsOf(points);
     const cloud = new Cloud(11, 11, { x: [0, 10], y: [0, 10] });

@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 import { Columns } from "../series/columns";
 import { Pairs, type PairPlan } from "./pairs";
-import { random } from "./testRandom";
+import { randoms } from "../../../test/random";
 
 type Row = { time: number; values: Record<string, number | null> };
 
@@ -44,7 +44,7 @@ const listed = (pairs: Pairs) =>
 
 describe("pairs", () => {
   it("are what the rule says, for random rows read in random portions", () => {
-    const next = random(7);
+    const next = randoms(7);
     for (let round = 0; round < 60; round += 1) {
       let time = 1000;
       const names = ["A", "B", "C"];

@@ -2,7 +2,7 @@ import { fireEvent, screen, within } from "@testing-library/svelte";
 import { flushSync } from "svelte";
 import { expect, it } from "vitest";
 import type { Port } from "../../lib/api/types";
-import { eachOnItsOwnPage, page } from "../../pageRig";
+import { eachOnItsOwnPage, page } from "../../../test/pageRig";
 import Ports from "./Ports.svelte";
 
 eachOnItsOwnPage();

@@ -1,7 +1,7 @@
 import { fireEvent, screen } from "@testing-library/svelte";
 import { expect, it } from "vitest";
 import type { Fault } from "../../lib/api/types";
-import { channelOf, eachOnItsOwnPage, page } from "../../pageRig";
+import { channelOf, eachOnItsOwnPage, page } from "../../../test/pageRig";
 import FaultCard from "./FaultCard.svelte";
 import Journal from "./Journal.svelte";
 

@@ -1,9 +1,10 @@
 // The pool is opened on what a crash leaves after every single step, and in the middle of a write.
 
 import { expect, test } from "vitest";
-import { FakeDisk } from "./fakeDisk";
+import { FakeDisk } from "../../../test/fakeDisk";
 import { Pool } from "./pool";
-import { bytes, content, find, randoms } from "./poolRig";
+import { bytes, content, find } from "../../../test/poolRig";
+import { randoms } from "../../../test/random";
 
 type Files = Record<string, string>;
 

@@ -3,7 +3,7 @@
 import { loadPyodide } from "pyodide";
 import { beforeAll, beforeEach, expect, test } from "vitest";
 import { fileURLToPath } from "node:url";
-import { FakeDisk } from "./fakeDisk";
+import { FakeDisk } from "../../../test/fakeDisk";
 import { type EmscriptenFs, mount } from "./mount";
 import { Pool } from "./pool";
 import { PoolView } from "./view";

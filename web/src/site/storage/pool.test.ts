@@ -1,9 +1,9 @@
 import { expect, test } from "vitest";
 import { StorageError } from "./errors";
-import { FakeDisk } from "./fakeDisk";
+import { FakeDisk } from "../../../test/fakeDisk";
 import { COPY, DATA, VERSION } from "./header";
 import { Pool } from "./pool";
-import { bytes, content, error, find } from "./poolRig";
+import { bytes, content, error, find } from "../../../test/poolRig";
 
 test("files survive closing, with their numbers and times", async () => {
   const disk = new FakeDisk();

@@ -1,8 +1,9 @@
 import { expect, test } from "vitest";
-import { FakeDisk } from "./fakeDisk";
+import { FakeDisk } from "../../../test/fakeDisk";
 import type { Holding } from "./folder";
 import { Pool } from "./pool";
-import { bytes, content, find, randoms, textOf } from "./poolRig";
+import { bytes, content, find, textOf } from "../../../test/poolRig";
+import { randoms } from "../../../test/random";
 import { PoolView } from "./view";
 
 /** How a browser opens the files of the pool. */

@@ -1,6 +1,6 @@
 import { fireEvent, screen } from "@testing-library/svelte";
 import { expect, it, vi } from "vitest";
-import { channelOf, eachOnItsOwnPage, page } from "../../../pageRig";
+import { channelOf, eachOnItsOwnPage, page } from "../../../../test/pageRig";
 import PlayerBar from "./PlayerBar.svelte";
 
 eachOnItsOwnPage();

@@ -2,7 +2,7 @@ import { describe, expect, it } from "vitest";
 import { Columns } from "../../../../lib/series/columns";
 import type { LineEvent } from "../../../../lib/api/types";
 import { gapThreshold } from "../../../../lib/series/gapThreshold";
-import { random } from "../../../../lib/pairs/testRandom";
+import { randoms } from "../../../../../test/random";
 import { rowsBetween, statistics } from "../statistics/statistics";
 import { meanOf, valueAt } from "./value";
 
@@ -34,7 +34,7 @@ describe("valueAt", () => {
 
 describe("meanOf", () => {
   it("is the mean of the statistics, over random values with pauses", () => {
-    const next = random(5);
+    const next = randoms(5);
     for (let turn = 0; turn < 50; turn += 1) {
       const data = new Columns();
       let time = 100;

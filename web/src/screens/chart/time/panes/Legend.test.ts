@@ -1,6 +1,6 @@
 import { fireEvent, screen } from "@testing-library/svelte";
 import { expect, it } from "vitest";
-import { channelOf, eachOnItsOwnPage, page } from "../../../../pageRig";
+import { channelOf, eachOnItsOwnPage, page } from "../../../../../test/pageRig";
 import Legend from "./Legend.svelte";
 
 eachOnItsOwnPage();

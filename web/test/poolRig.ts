@@ -1,6 +1,6 @@
 // What the tests of the pool share.
 
-import type { KeptFile } from "./slot";
+import type { KeptFile } from "../src/site/storage/slot";
 
 interface Files {
   all(): Iterable<KeptFile>;
@@ -32,15 +32,4 @@ export async function error(promise: Promise<unknown>): Promise<unknown> {
     () => null,
     (reason: unknown) => reason,
   );
-}
-
-/** Return numbers from 0 to 1, the same for the same seed. */
-export function randoms(seed: number): () => number {
-  let state = seed;
-  return () => {
-    state = (state + 0x6d2b79f5) | 0;
-    let value = Math.imul(state ^ (state >>> 15), 1 | state);
-    value = (value + Math.imul(value ^ (value >>> 7), 61 | value)) ^ value;
-    return ((value ^ (value >>> 14)) >>> 0) / 2 ** 32;
-  };
 }

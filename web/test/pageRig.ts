@@ -2,10 +2,10 @@
 import { cleanup, render } from "@testing-library/svelte";
 import type { Component } from "svelte";
 import { afterEach, beforeEach, vi } from "vitest";
-import type { Channel, LiveMessage, State } from "./lib/api/types";
-import { served, type LiveSocket } from "./lib/platform/host";
+import type { Channel, LiveMessage, State } from "../src/lib/api/types";
+import { served, type LiveSocket } from "../src/lib/platform/host";
 import PageRig from "./PageRig.svelte";
-import { Stores } from "./stores";
+import { Stores } from "../src/stores";
 
 export interface Asked {
   method: string;

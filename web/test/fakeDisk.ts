@@ -1,7 +1,7 @@
 // A folder in memory for the tests: it gets full, and it remembers every step, to be cut off anywhere.
 
-import { StorageError } from "./errors";
-import type { Folder, Handle, Holding, View } from "./folder";
+import { StorageError } from "../src/site/storage/errors";
+import type { Folder, Handle, Holding, View } from "../src/site/storage/folder";
 
 type Step =
   | { kind: "make" | "flush"; name: string }
