@@ -67,7 +67,7 @@ class _Stretch:
         self._port = port
         self._exchanges = exchanges
         self._bodies = exchanges.responses.bodies.tobytes()
-        self._shift = builder.timeline.shift
+        self._shift = builder.shift
         self._byte_time = exchanges.source.byte_time
         self._next_serial = exchanges.requests.first
         self._damaged = set(exchanges.damaged.tolist())

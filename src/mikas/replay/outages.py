@@ -1,8 +1,4 @@
-"""When the content of a recording is replayed, and when the replayed ECU is silent.
-
-Times of a replay count from the first packet. Recordings in one file (it was appended to) follow
-each other with a short silence between, however long it really was, and so do the parts of one
-recording with more than a day between; where times run back, they continue from the latest.
+"""When the replayed ECU is silent.
 
 An ECU that left all requests of two seconds unanswered had no supply. During a span without any
 packet the ECU may have worked, but the line was not recorded (the adapter was unplugged, or the
@@ -20,11 +16,9 @@ from typing import Final
 
 from mikas.recording.annotations.events import gap_of
 from mikas.recording.capture.notes import Kind, Note
-from mikas.recording.exchanges.result import GAP, JUMP, LONGEST_PAUSE, Exchanges
-from mikas.replay.model import ReplayData, Series
+from mikas.recording.exchanges.result import GAP
+from mikas.replay.model import Series
 
-PAUSE: Final = 3.0  # s between two recordings in a file
-AFTER: Final = 0.5  # s from the last packet of a recording to its end
 Span = tuple[float, float]
 
 SILENT_FOR: Final = 2.0  # s of unanswered requests are a loss of supply
@@ -82,39 +76,6 @@ class Outages:
             if is_noted or end - begin > least:
                 holes.append((begin + (cycle or 0.0), end - _EARLY))
         return _merged(self._off), _merged([it for it in holes if it[0] < it[1]])
-
-
-class Timeline:
-    """Places stretches of exchanges. `shift`: from the current one's own times to the replay's.
-
-    `latest`: time of the last packet; `began`: of the recording.
-    """
-
-    def __init__(self, data: ReplayData, outages: Outages) -> None:
-        self.shift = self.latest = self.began = 0.0
-        self.recording: int | None = None
-        self._data = data
-        self._outages = outages
-
-    def enter(self, stretch: Exchanges) -> None:
-        """Place a stretch, within which times do not run back."""
-        recording = stretch.source.recording
-        if self.recording is None:
-            self._data.begin, self.shift = stretch.begin, -stretch.begin
-            self._data.baud = stretch.source.baud or self._data.baud
-        elif recording != self.recording:
-            self._outages.without_supply(self.latest + AFTER, self.latest + PAUSE)
-            self.began = self.latest + PAUSE
-            self.shift = self.began - stretch.begin
-        elif stretch.begin + self.shift < self.latest - JUMP:
-            self.shift = self.latest - stretch.begin
-        elif stretch.begin + self.shift > self.latest + LONGEST_PAUSE:
-            self.shift = self.latest + PAUSE - stretch.begin
-        self.recording = recording
-        for begin, end in stretch.gaps:
-            since = max(begin + self.shift, self.latest)
-            self._outages.add_pause(recording, since, end + self.shift, self.shift)
-        self.latest = max(self.latest, stretch.end + self.shift)
 
 
 def _hole_of(note: Note) -> Span | None:

@@ -57,7 +57,7 @@ class Routine:
         else:
             requests = self._exchanges.requests
             times = requests.times[self._responses.requests[rows] - requests.first]
-        times = times + self._builder.timeline.shift
+        times = times + self._builder.shift
         self._keep(rows, times, series)
         self._builder.data.frames += count
         return count
