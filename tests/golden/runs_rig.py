@@ -30,8 +30,7 @@ from mikas.dashboard.security.control import Client
 from mikas.dashboard.settings import PlanSettings, Settings
 from mikas.link.ahead import PortAhead
 from mikas.publish.connection import BrokerChange
-from mikas.publish.message import Message, MessageKind
-from mikas.publish.outbox import Outbox
+from mikas.publish.outbox import Message, MessageKind, Outbox
 from mikas.recording import CaptureReader
 from mikas.recording.capture.reader import Packet
 from mikas.recording.recording import Recording

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from mikas.catalog import shipped
 from mikas.client.connecting import ConnectionOptions
 from mikas.link.reconnecting import ReconnectingPort
-from mikas.publish.message import Message
+from mikas.publish.outbox import Message
 from mikas.publish.publication import Publication
 from mikas.publish.topics import Topics
 from mikas.sampling.acquisition import Acquisition

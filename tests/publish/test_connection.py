@@ -19,8 +19,7 @@ from mikas.errors import (
 from mikas.publish import connection as module
 from mikas.publish.broker import Broker
 from mikas.publish.connection import BrokerChange, BrokerConnection
-from mikas.publish.message import Message, MessageKind
-from mikas.publish.outbox import Outbox
+from mikas.publish.outbox import Message, MessageKind, Outbox
 
 pytestmark = [
     pytest.mark.realtime,

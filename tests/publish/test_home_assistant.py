@@ -20,7 +20,7 @@ from mikas.catalog import load
 from mikas.client.identity import Passport
 from mikas.i18n import Text
 from mikas.publish.home_assistant import HomeAssistant, discovery_topic
-from mikas.publish.message import MessageKind
+from mikas.publish.outbox import MessageKind
 from mikas.publish.publication import Publication
 from mikas.sampling.events import UnitFound
 

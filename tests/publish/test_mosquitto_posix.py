@@ -24,8 +24,7 @@ from mikas.publish import connection as module
 from mikas.publish.broker import parse_address, with_tls
 from mikas.publish.connection import BrokerChange, BrokerConnection
 from mikas.publish.home_assistant import discovery_topic
-from mikas.publish.message import Message, MessageKind
-from mikas.publish.outbox import Outbox
+from mikas.publish.outbox import Message, MessageKind, Outbox
 from mikas.publish.session import Destination, remove
 from mikas.publish.topics import Topics
 

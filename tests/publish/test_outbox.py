@@ -5,8 +5,7 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mikas.publish.message import Message, MessageKind
-from mikas.publish.outbox import Lost, Outbox
+from mikas.publish.outbox import Lost, Message, MessageKind, Outbox
 
 
 def message(kind: MessageKind, number: int, topic: str = "t", size: int = 4) -> Message:

@@ -11,7 +11,7 @@ from publication_harness import CATALOG, TOPICS, Published, content, drive, publ
 from mikas.client import Passport, Reading
 from mikas.errors import EchoOnly
 from mikas.i18n import Text
-from mikas.publish.message import MessageKind
+from mikas.publish.outbox import MessageKind
 from mikas.sampling.events import (
     AlarmChanged,
     CycleFailed,

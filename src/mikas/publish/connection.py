@@ -28,8 +28,7 @@ from typing import TYPE_CHECKING, Any, Final, ParamSpec, TypeVar
 from mikas.errors import BrokerLost, MissingExtra, NoBroker
 from mikas.publish.broker import Broker
 from mikas.publish.failures import connecting_failed, connection_lost
-from mikas.publish.message import Message
-from mikas.publish.outbox import Lost, Outbox
+from mikas.publish.outbox import Lost, Message, Outbox
 
 if TYPE_CHECKING:
     from aiomqtt import Client
@@ -117,13 +116,10 @@ class BrokerConnection:
 
     def close(self) -> None:
         """Send the last messages and "offline", then disconnect; two seconds at most."""
-        self._call(self._stop)
+        for event in (self._stopping, self._wakeup):
+            self._call(event.set)
         if self._thread.ident is not None:
             self._thread.join(LONGEST_END + 1)
-
-    def _stop(self) -> None:
-        self._stopping.set()
-        self._wakeup.set()
 
     def _call(self, function: Callable[[], object]) -> None:
         loop = self._loop

@@ -20,7 +20,7 @@ from typing import Any, Final
 from mikas.catalog import Derived, Level, Parameter
 from mikas.cleaning import clean_line
 from mikas.i18n import Language, Text
-from mikas.publish.message import Message, MessageKind, compact
+from mikas.publish.outbox import Message, MessageKind, compact
 from mikas.publish.publication import STATES, Publication
 from mikas.publish.topics import Topics, check_topic, identifier
 from mikas.publish.values import unit_of

@@ -1,27 +1,69 @@
-"""What the broker has not got yet: bounded, whatever the length of the outage.
+"""MQTT messages, and those that the broker has not got yet: bounded, however long the outage.
 
-| kind | while the broker is away | when it is back |
-|---|---|---|
-| RETAINED | the latest of each topic | sent, also if it was sent before |
-| LIVE | dropped | – |
-| EVENT | the latest thousand | sent in order |
-| SAMPLES | the latest 16 MiB | sent in order, behind all others |
-
-What had no room is counted (`Lost`). Any thread may call.
+`MessageKind` says what becomes of each. What had no room is counted (`Lost`). Any thread may call.
 """
 
 from __future__ import annotations
 
+import json
 import threading
 from collections import deque
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from typing import Final
+from enum import Enum
+from typing import Any, Final
 
-from mikas.publish.message import Message, MessageKind
+from mikas.cleaning import terminal_json
 
+SCHEMA: Final = 1
 MOST_EVENTS: Final = 1000
 MOST_BYTES: Final = 16 << 20
+
+
+class MessageKind(Enum):
+    """What becomes of a message that the broker can't get at once."""
+
+    RETAINED = "the latest of its topic is sent with each new connection; the broker keeps it"
+    LIVE = "dropped: later it would pass for a present value; while waiting, the latest counts"
+    EVENT = "the latest thousand are kept, and sent in order"
+    SAMPLES = "the latest 16 MiB are kept, and sent in order behind all others"
+
+
+@dataclass(frozen=True, slots=True)
+class Message:
+    """A `payload` for `topic`. `time`: of the link's clock.
+
+    `rows`: samples in it, of which `since` is the first one's time and `time` the last one's.
+    """
+
+    topic: str
+    payload: bytes
+    kind: MessageKind
+    qos: int = 1
+    time: float | None = None
+    rows: int = 0
+    since: float | None = None
+
+    @property
+    def retain(self) -> bool:
+        """Whether the broker gives it to later subscribers."""
+        return self.kind is MessageKind.RETAINED
+
+
+def json_payload(value: Mapping[str, Any]) -> bytes:
+    """Return one JSON object with its schema. Raises `ValueError` for a number that is none."""
+    return compact({"schema": SCHEMA, **value})
+
+
+def compact(value: object) -> bytes:
+    """Return `value` as JSON without blanks, with escapes for all that would steer a terminal."""
+    text = json.dumps(value, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    return terminal_json(text).encode()
+
+
+def rounded(time: float | None) -> float | None:
+    """Return a time of the link's clock as in all JSON of mikas: to a microsecond."""
+    return None if time is None else round(time, 6)
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,7 +14,7 @@ from typing import Any, Final
 from mikas.catalog import Catalog, Derived, Parameter
 from mikas.client.parameters.polling import next_due
 from mikas.i18n import Text
-from mikas.publish.message import Message, MessageKind, compact, json_payload, rounded
+from mikas.publish.outbox import Message, MessageKind, compact, json_payload, rounded
 from mikas.publish.topics import Topics
 from mikas.publish.values import LatestValues, SampleBatch, plain_values, unit_of
 from mikas.sampling.events import (

@@ -10,24 +10,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Final, Self
+from typing import Self
 
 from mikas.publish.broker import Broker
 from mikas.publish.connection import BrokerChange, BrokerConnection
 from mikas.publish.home_assistant import HomeAssistant
-from mikas.publish.message import Message, MessageKind, json_payload, rounded
-from mikas.publish.outbox import Lost, Outbox
+from mikas.publish.outbox import Lost, Message, MessageKind, Outbox, json_payload, rounded
 from mikas.publish.publication import Publication
 from mikas.publish.topics import Topics
 from mikas.sampling.events import Event, UnitFound
-
-_ONLINE: Final = b"online"
-_OFFLINE: Final = b"offline"
-
-
-def availability(topics: Topics, *, online: bool) -> Message:
-    """Return the message on whether the program runs, which is the last will, too."""
-    return Message(topics.availability, _ONLINE if online else _OFFLINE, MessageKind.RETAINED)
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,13 +51,16 @@ class Publisher:
         self._unit: UnitFound | None = None
         self._time: float | None = None  # of the latest event
         self._outbox = Outbox()
-        topics = self.destination.topics
+        online, offline = (
+            Message(self.destination.topics.availability, word, MessageKind.RETAINED)
+            for word in (b"online", b"offline")  # this is the last will, too
+        )
         self.connection = BrokerConnection(
             self.destination.broker,
             self._outbox,
             client_id=self.destination.client_id,
-            online=availability(topics, online=True),
-            offline=availability(topics, online=False),
+            online=online,
+            offline=offline,
             on_change=self._changed,
             kept_topic=self.home_assistant.topic if self.home_assistant else None,
             on_kept=self._discovered_before,

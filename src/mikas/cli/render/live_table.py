@@ -10,6 +10,7 @@ from __future__ import annotations
 import threading
 from collections import deque
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Self
 
 from mikas.catalog import Level
@@ -39,6 +40,7 @@ _WIDTH = 20
 _OLD = 1.0  # s; a younger value is faded, without its age, which would only flicker
 
 
+@dataclass(eq=False)
 class LiveTable:
     """A table that is redrawn in place, below a line with the state of the connection.
 
@@ -47,25 +49,20 @@ class LiveTable:
     end the last state is printed on the normal screen, and the notices on stderr.
     """
 
-    def __init__(
-        self,
-        session: SamplingRun,
-        output: Output,
-        console: Console | None = None,
-        clock: Callable[[], float] | None = None,
-    ) -> None:
+    session: SamplingRun
+    output: Output
+    console: Console = field(default_factory=stdout_console)
+    clock: Callable[[], float] = field(default_factory=lambda: WallClock().now)
+
+    def __post_init__(self) -> None:
         from rich.live import Live
 
-        self._session = session
-        self._output = output
-        self._console = console or stdout_console()
-        names = [channel.name for channel in session.acquisition.channels]
+        names = [channel.name for channel in self.session.acquisition.channels]
         self._history: dict[str, deque[float]] = {name: deque(maxlen=_MEMORY) for name in names}
         self._latest: dict[str, Reading | DerivedValue] = {}
         self._lowest: dict[str, Reading | DerivedValue] = {}
         self._highest: dict[str, Reading | DerivedValue] = {}
         self._times: deque[float] = deque(maxlen=100)
-        self._clock = clock or WallClock().now
         self._arrivals = Arrivals()
         self._cycle: Sampled | CycleFailed | None = None
         self._broken: StateChanged | None = None
@@ -73,7 +70,7 @@ class LiveTable:
         self._notices: list[str] = []
         self._changing = threading.Lock()
         self._live = Live(
-            console=self._console,
+            console=self.console,
             get_renderable=self.drawing,
             refresh_per_second=_PER_SECOND,
             screen=True,
@@ -104,7 +101,7 @@ class LiveTable:
     def _sampled(self, event: Sampled) -> None:
         self._cycle, self._broken = event, None
         self._times.append(event.time)
-        self._arrivals.add(self._clock())
+        self._arrivals.add(self.clock())
         for name, reading in fresh_values(event).items():
             if name not in self._history:  # an input of a derived channel
                 continue
@@ -121,13 +118,13 @@ class LiveTable:
         `ended`: as the last event left it; no data are expected since then.
         """
         with self._changing:
-            silence = Silence() if ended else self._arrivals.silence(self._clock())
-            rows = [self._row(channel, silence) for channel in self._session.acquisition.channels]
+            silence = Silence() if ended else self._arrivals.silence(self.clock())
+            rows = [self._row(channel, silence) for channel in self.session.acquisition.channels]
             state = self._state(silence)
             is_well = isinstance(self._cycle, Sampled) and not self._broken and not silence.seconds
             alarms = self._in_alarm()
             notice = self._notices[-1] if self._notices else ""
-        width, height = self._console.size
+        width, height = self.console.size
         head = table_layout.Head(
             state, "green" if is_well or self._cycle is None else "red", alarms, notice
         )
@@ -178,8 +175,8 @@ class LiveTable:
         )
 
     def _state(self, silence: Silence) -> str:
-        model = localized(self._session.model) if self._session.model else "…"
-        failed = tr(f"errors {self._session.errors}", f"ошибок {self._session.errors}")
+        model = localized(self.session.model) if self.session.model else "…"
+        failed = tr(f"errors {self.session.errors}", f"ошибок {self.session.errors}")
         if self._broken is not None:
             note = tr("waiting, sampling resumes by itself", "ждём, опрос продолжится сам")
             return f"○ {localized(self._broken.text)} · {note} · {model}"
@@ -196,7 +193,7 @@ class LiveTable:
         parts = [
             localized(LineState.SAMPLING.text),
             model,
-            self._session.acquisition.method or "",
+            self.session.acquisition.method or "",
             rate,
             failed,
         ]
@@ -214,9 +211,9 @@ class LiveTable:
     def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
         self._live.stop()
         if self._cycle:  # at its own end the line has been brought to quiet, which takes a moment
-            self._console.print(self.drawing(table_layout.UNLIMITED, ended=kind is None))
+            self.console.print(self.drawing(table_layout.UNLIMITED, ended=kind is None))
         for sentence in self._notices:
-            self._output.print_note(sentence)
+            self.output.print_note(sentence)
 
 
 _LEVELS: dict[str, Text] = {

@@ -36,24 +36,20 @@ class SamplingRequest:
         check_rate(self.rate)
 
 
+@dataclass(eq=False)
 class SamplingContext:
     """The shared state; `strict` applies until `has_sampled`, the first sample of the run."""
 
-    def __init__(
-        self,
-        request: SamplingRequest,
-        jobs: JobQueue,
-        *,
-        strict: bool = False,
-    ) -> None:
-        self.latest = request
+    request: SamplingRequest
+    """The request that is being served."""
+    jobs: JobQueue
+    strict: bool
+
+    def __post_init__(self) -> None:
+        self.latest = self.request
         """The latest request, by any thread."""
-        self.request = request
-        """The request that is being served."""
         self.first: frozenset[str] = frozenset()
         """The parameters that come first (`Plan.preferring`); set by any thread."""
-        self.jobs = jobs
-        self.strict = strict
         self.plan: Plan | None = None
         """The plan reported last; None before the first."""
         self.is_reported = False
@@ -75,7 +71,7 @@ class SamplingContext:
         self.pending_alarms: deque[AlarmChanged] = deque()
         """Those of the latest sample that are still to be yielded."""
         self._last: dict[str, Reading] = {}
-        self._selection = request.selection  # of the plan reported last
+        self._selection = self.request.selection  # of the plan reported last
         self.forget_totals()
 
     def start_run(self) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Generator, Iterator
 from contextlib import suppress
+from dataclasses import dataclass
 from typing import NamedTuple
 
 from mikas.catalog import Parameter
@@ -101,16 +102,17 @@ class PlanCycles:
         return self._cycles[place]
 
 
+@dataclass(eq=False)
 class PlanRunner:
     """Runs `whole`, the plan of the context's request, with those preferred that come first."""
 
-    def __init__(
-        self, ecu: Ecu, whole: Plan, context: SamplingContext, unsupported: UnsupportedParameters
-    ) -> None:
-        self._ecu = ecu
-        self._whole = whole
-        self._context = context
-        self._unsupported = unsupported
+    ecu: Ecu
+    whole: Plan
+    context: SamplingContext
+    unsupported: UnsupportedParameters
+
+    def __post_init__(self) -> None:
+        ecu, context = self.ecu, self.context
         self._first = context.first
         self._plan = plan = self._preferring_first()
         self._now = ecu.tester.link.now
@@ -128,9 +130,9 @@ class PlanRunner:
 
     def _preferring_first(self) -> Plan:
         """Return the plan with those preferred, unless all reach the requested rate anyway."""
-        whole, rate, baud = self._whole, self._context.request.rate, self._ecu.tester.link.baud
+        whole, rate, baud = self.whole, self.context.request.rate, self.ecu.tester.link.baud
         if rate is not None:
-            known = self._context.knowledge.rates(whole, baud)
+            known = self.context.knowledge.rates(whole, baud)
             if known.get(whole.method, whole.price(baud=baud).rate) >= rate:
                 return whole
         return whole.preferring(self._first)
@@ -141,19 +143,19 @@ class PlanRunner:
         Raises `NoConnection` and `SyncLost`; with `strict` also the requested method's refusal.
         """
         number, goes_on = 0, False
-        yield from self._context.report_plan(self._plan, self._now())
-        self._context.unended = None
+        yield from self.context.report_plan(self._plan, self._now())
+        self.context.unended = None
         try:
             while not self._is_over():
-                others = self._context.first is not self._first
+                others = self.context.first is not self._first
                 if others and not goes_on:  # else a cycle has begun
-                    self._first = self._context.first
+                    self._first = self.context.first
                     if self._preferring_first() != self._plan:
                         return True
                 cycles = self._cycles
-                if self._context.jobs:
+                if self.context.jobs:
                     yield from self._pause()
-                    self._context.jobs.run(self._ecu)
+                    self.context.jobs.run(self.ecu)
                     cycles = self._between
                 if not self._is_time_for(cycles):
                     continue
@@ -168,28 +170,28 @@ class PlanRunner:
     def _is_over(self) -> bool:
         return (
             self._over
-            or not self._context.is_current
-            or (not self._failures and self._unsupported.dropped.is_due(self._now()))
+            or not self.context.is_current
+            or (not self._failures and self.unsupported.dropped.is_due(self._now()))
         )
 
     @property
     def _goes_on(self) -> bool:
         """Whether the next cycle follows at once."""
-        context = self._context
+        context = self.context
         return context.request.rate is None and not context.jobs and context.is_current
 
     def _close(self) -> None:
         try:
             self._cycles.poller.close()
         except LineNotQuiet as error:
-            self._context.unended = error  # there may be no next exchange (D12)
+            self.context.unended = error  # there may be no next exchange (D12)
             raise
 
     def _cycle(self, cycles: PlanCycles, number: int, *, goes_on: bool) -> Iterator[Event]:
         began = self._now()
         if not cycles.plan.sends_in(number):
             if cycles is self._cycles:
-                self._context.schedule_empty_cycle(began, self._length)
+                self.context.schedule_empty_cycle(began, self._length)
             return
         try:
             fresh = cycles.run(number, goes_on=goes_on)
@@ -197,7 +199,7 @@ class PlanRunner:
             raise
         except MikasError as error:
             yield CycleFailed(
-                self._now(), explained(self._ecu, cycles.plan, error, worked=self._worked)
+                self._now(), explained(self.ecu, cycles.plan, error, worked=self._worked)
             )
             yield from self._handle_failure(error, cycles)
             return
@@ -207,30 +209,30 @@ class PlanRunner:
         if fresh:
             self._failures = self._refusals = 0
             self._worked = True
-            yield from self._context.sampled(fresh)
+            yield from self.context.sampled(fresh)
         if len(fresh) < cycles.expected(number):
             refuses = cycles.ecu.parameters.refuses
             self._over |= any(refuses([p.parameter]) for p in self._plan.parameters)
 
     def _handle_failure(self, error: MikasError, cycles: PlanCycles) -> Iterator[Event]:
         """Find whether the line, a parameter or the method causes `error`."""
-        strict = self._context.strict and not self._context.has_sampled
-        if strict and self._context.request.method and not isinstance(error, LineError):
+        strict = self.context.strict and not self.context.has_sampled
+        if strict and self.context.request.method and not isinstance(error, LineError):
             raise error
         self._failures += 1
         if not isinstance(error, LineError | EcuRefused):
             self._refusals = _REFUSALS  # not confirmed by the user
         elif cycles.poller.is_refusal(error):
             self._refusals += 1
-            dropping = self._unsupported.drop_unsupported(self._ecu, self._plan, going=True)
-            if (yield from dropping) or not self._context.is_current:
+            dropping = self.unsupported.drop_unsupported(self.ecu, self._plan, going=True)
+            if (yield from dropping) or not self.context.is_current:
                 self._over = True
                 return
         if self._refusals >= _REFUSALS:
-            self._context.knowledge.record_failure(self._plan.method)
+            self.context.knowledge.record_failure(self._plan.method)
             self._over = True
-        elif self._failures >= _BAD_LINE and self._context.request.method is None:
-            self._context.knowledge.invalidate()
+        elif self._failures >= _BAD_LINE and self.context.request.method is None:
+            self.context.knowledge.invalidate()
             self._over = True
 
     def _compare_with_estimate(self, began: float, *, whole: bool) -> None:
@@ -241,16 +243,16 @@ class PlanRunner:
             return
         self._estimate = None
         if confirmed:
-            self._context.knowledge.confirm()
+            self.context.knowledge.confirm()
         else:
-            self._context.knowledge.invalidate()
+            self.context.knowledge.invalidate()
             self._over = True
 
     def _is_time_for(self, cycles: PlanCycles) -> bool:
         """Wait for the next cycle, but not of a stream; False: a job or a request came first."""
         if self._streams and cycles is self._cycles:
             return True
-        return self._context.wait_until_due(self._ecu)
+        return self.context.wait_until_due(self.ecu)
 
     def _pause(self) -> Generator[Event, None, None]:
         try:
