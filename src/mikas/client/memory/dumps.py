@@ -13,8 +13,7 @@ import os
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from types import UnionType
-from typing import Any, BinaryIO
+from typing import Any, BinaryIO, get_type_hints
 
 from mikas.cleaning import clean_text, is_in_calendar
 from mikas.client.ecu import Ecu
@@ -101,20 +100,10 @@ def read_manifest(file: Path) -> Manifest | None:
     return manifest
 
 
-_KINDS: dict[str, type | UnionType] = {
-    **dict.fromkeys(("space", "model"), str),
-    **dict.fromkeys(("first", "last", "version_code", "bytes_read", "schema", "checked"), int),
-    **dict.fromkeys(("complete", "verify"), bool),
-    "verified": bool | None,
-    "sha256": str | None,
-    "time": int | float,
-    "differences": int | None,
-}
-
-
 def _check_kinds(manifest: Manifest) -> None:
     """Raise `TypeError` for a value of another kind: the file may be anybody's."""
-    for name, kind in _KINDS.items():
+    kinds = get_type_hints(Manifest) | {"passport": tuple, "time": int | float}
+    for name, kind in kinds.items():
         value = getattr(manifest, name)
         if not isinstance(value, kind) or (isinstance(value, bool) and kind is int):
             raise TypeError(name)

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 
@@ -195,7 +195,7 @@ class MemorySpace:
         Raises `AddressOutOfRange`, `NotConfirmed`, `WriteRefused`, `NotSupported`,
         `ReadBackDiffers`.
         """
-        return self._write(address, data, self._check)
+        return self._write(address, data)
 
     def write_runs(self, runs: Sequence[Run], what: Text) -> Iterator[Written]:
         """Confirm `what` once, then write `runs` one by one; yield each with the bytes read back.
@@ -212,30 +212,27 @@ class MemorySpace:
 
     def _write_run(self, run: Run) -> Written:
         try:
-            return self._write(run.address, run.data, self._as_stored, approved=True)
+            return self._write(run.address, run.data, in_parts=True)
         except ReadBackDiffers:  # a byte kept another value; those after it may be unsent
             now = self.read_block(run.address, len(run.data))
             for offset, (value, stored) in enumerate(zip(run.data, now, strict=True)):
                 if value != stored:
                     with suppress(ReadBackDiffers):
-                        byte = bytes([value])
-                        self._write(run.address + offset, byte, self._as_stored, approved=True)
+                        self._write(run.address + offset, bytes([value]), in_parts=True)
             after = self.read_block(run.address, len(run.data))
             return Written(self.name, run.address, run.before, after)
 
-    def _write(
-        self,
-        address: int,
-        data: bytes,
-        read_back: Callable[[int, bytes], bytes],
-        *,
-        approved: bool = False,
-    ) -> Written:
+    def _write(self, address: int, data: bytes, *, in_parts: bool = False) -> Written:
+        """Write and read back; `in_parts`: as confirmed before, whatever bytes are read back."""
         check_range(self.name, address, len(data))
         where = f"{self.name} {address:04X}"
         what = writing(len(data), where)
         self._gate.refuse_unasked(what, self._commands.write.SAFETY)
-        before = self._before(address, len(data))
+        try:
+            before = self.read_block(address, len(data))
+        except NotSupported as error:
+            error.advice = _UNREADABLE
+            raise
         change = Change(
             what=what,
             safety=self._commands.write.SAFETY,
@@ -248,7 +245,9 @@ class MemorySpace:
         def act() -> Written:
             try:
                 self._writer.write(address, data, before, attempts)
-                after = read_back(address, data)
+                after = self.read_block(address, len(data))
+                if not in_parts:
+                    self._check(address, data, after)
             except MikasError as error:
                 standing = self._writer.standing(address, data, before)
                 error.advice = Text(
@@ -262,23 +261,11 @@ class MemorySpace:
             act,
             lambda written: journal_hex(written.after),
             lambda: attempts.names,
-            approved=approved,
+            approved=in_parts,
         )
 
-    def _before(self, address: int, count: int) -> bytes:
-        try:
-            return self.read_block(address, count)
-        except NotSupported as error:
-            error.advice = _UNREADABLE
-            raise
-
-    def _as_stored(self, address: int, data: bytes) -> bytes:
-        """Read back, whatever the bytes are."""
-        return self.read_block(address, len(data))
-
-    def _check(self, address: int, data: bytes) -> bytes:
-        """Read back. Raises `ReadBackDiffers` with the bytes from the first to the last wrong."""
-        after = self.read_block(address, len(data))
+    def _check(self, address: int, data: bytes, after: bytes) -> None:
+        """Raise `ReadBackDiffers` with the bytes of `after` from the first to the last wrong."""
         wrong = [i for i, pair in enumerate(zip(data, after, strict=True)) if pair[0] != pair[1]]
         if wrong:
             first, end = wrong[0], wrong[-1] + 1
@@ -287,7 +274,6 @@ class MemorySpace:
                 wanted=hex_dump(data[first:end]),
                 got=hex_dump(after[first:end]),
             )
-        return after
 
 
 class Memory:

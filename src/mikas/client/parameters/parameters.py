@@ -155,10 +155,7 @@ class Parameters:
         return tuple(map(self.catalog.parameter, names)) or self.catalog.parameters
 
     def read(self, names: Sequence[str]) -> dict[str, Reading]:
-        """Read each named parameter once; without names, all that the unit knows.
-
-        Raises `NotSupported` if the unit does not know a named parameter, or knows none.
-        """
+        """As `Ecu.read`."""
         wanted = self.wanted(self.named(names))
         got = self.fetch(wanted, again=bool(names))
         for parameter in wanted.parameters:
@@ -199,7 +196,7 @@ class Parameters:
     # Lists, 63 and 64
 
     def set_list(self, names: Sequence[str]) -> tuple[str, ...]:
-        """Set the unit's list (64) for `read_list`, also of later sessions."""
+        """As `Ecu.set_list`."""
         wanted = self.named(names)
         self._list.set(wanted, keep=True)
         return tuple(p.name for p in wanted)
@@ -262,10 +259,7 @@ class Parameters:
     # Writing, 62
 
     def write(self, name: str, value: float | None, raw: bytes | None) -> WrittenParameter:
-        """Write a physical `value`, or the `raw` datum, and read it back.
-
-        Raises `ValueDoesNotFit`, `NotConfirmed`, `WriteRefused`, `ReadBackDiffers`.
-        """
+        """As `Ecu.write_parameter`."""
         parameter = self.catalog.parameter(name)
         data = datum_to_write(parameter, value, raw, self._interpretation)
         before = self._one(parameter)
