@@ -39,14 +39,12 @@ def check_choice(name: str, value: object, allowed: Collection[str]) -> None:
         raise invalid_value(name, value, ", ".join(allowed))
 
 
-def check_number(
-    name: str, value: object, *, lowest: float, highest: float = inf, whole: bool = False
-) -> None:
-    """Raise `UsageError` if `value` is not a finite number within these limits."""
+def check_number(name: str, value: object, *, lowest: float, whole: bool = False) -> None:
+    """Raise `UsageError` if `value` is not a finite number of at least `lowest`."""
     kinds = int if whole else (int, float)
     number = value if isinstance(value, kinds) and not isinstance(value, bool) else nan
-    if not (lowest <= number <= highest and number < inf):  # false for nan
-        raise invalid_value(name, value, _range(lowest, highest, whole=whole))
+    if not lowest <= number < inf:  # false for nan
+        raise invalid_value(name, value, _range(lowest, inf, whole=whole))
 
 
 def check_names(given: Iterable[str], allowed: Collection[str]) -> None:
