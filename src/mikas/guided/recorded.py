@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable
-from dataclasses import dataclass
 from math import isfinite
 from typing import TYPE_CHECKING, Final
 
 from mikas.cancellation import check_cancelled
-from mikas.guided.definition import GuidedStep, GuidedTest, VerdictKind
+from mikas.guided.definition import GuidedTest, VerdictKind
 from mikas.guided.engine import TestEngine
 from mikas.guided.result import TestResult, read
 from mikas.i18n import Text
@@ -27,44 +26,18 @@ def results_of(notes: Iterable[Note]) -> tuple[TestResult, ...]:
     return tuple(result for result in found if result is not None)[-_MOST:]
 
 
-@dataclass(frozen=True, slots=True)
-class NotJudged:
-    """Why a recording gives no result: the first of these that holds.
-
-    `by_hand`: steps that no values show, and that were not left out. `lacking`: parameters of the
-    test without a value. `step`: the step that does not occur; None: the start does not.
-    """
-
-    test: GuidedTest
-    by_hand: tuple[GuidedStep, ...]
-    lacking: tuple[str, ...]
-    step: GuidedStep | None
-
-    @property
-    def text(self) -> Text:
-        """The reason in words."""
-        if self.by_hand:
-            return _BY_HAND.filled(steps=", ".join(step.name for step in self.by_hand))
-        if self.lacking:
-            return _LACKING.filled(names=", ".join(self.lacking))
-        if self.step is None:
-            return _NO_START.filled(needs=self.test.needs)
-        return _NO_STEP.filled(step=self.step.text)
-
-
 def run_over(
     test: GuidedTest, recording: Recording, skip: Collection[str] = ()
-) -> TestResult | NotJudged:
-    """Return the first decided result of `test` over a recording, or else the first result.
-
-    Why there is none, if its steps do not occur.
+) -> TestResult | Text:
+    """Return the first decided result of `test` over a recording, or else the first result; a text
+    that says why there is none, if its steps do not occur.
 
     A test with a step that only a person knows to be done (`by_hand`) is never found, unless that
     is among the steps to `skip`.
     """
-    by_hand = tuple(step for step in test.steps if step.by_hand and step.name not in skip)
+    by_hand = [step.name for step in test.steps if step.by_hand and step.name not in skip]
     if by_hand:
-        return NotJudged(test, by_hand, (), None)
+        return _BY_HAND.filled(steps=", ".join(by_hand))
     catalog = recording.catalog
     engine, seen = TestEngine(test, catalog), set[str]()
     undecided: TestResult | None = None
@@ -86,9 +59,11 @@ def run_over(
             engine = TestEngine(test, catalog)
     if undecided is not None:
         return undecided
-    step = engine.progress().step
-    lacking = tuple(name for name in test.channels if name not in seen)
-    return NotJudged(test, (), lacking, None if step is None else test.steps[step])
+    if lacking := [name for name in test.channels if name not in seen]:
+        return _LACKING.filled(names=", ".join(lacking))
+    if (step := engine.progress().step) is None:
+        return _NO_START.filled(needs=test.needs)
+    return _NO_STEP.filled(step=test.steps[step].text)
 
 
 _BY_HAND: Final = Text(

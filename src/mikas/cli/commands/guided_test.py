@@ -83,12 +83,12 @@ def test(
         return
     chosen = _chosen(loaded, name, skip)
     if recording is not None:
-        from mikas.guided.recorded import NotJudged, run_over
+        from mikas.guided.recorded import run_over
         from mikas.recording.recording import Recording
 
         found = run_over(chosen, Recording(recording, context.options.catalog), skip)
-        if isinstance(found, NotJudged):
-            _show(context, chosen, None, found.text)
+        if isinstance(found, Text):
+            _show(context, chosen, None, found)
         else:
             _show(context, chosen, found)
         return

@@ -20,13 +20,13 @@ from mikas.dashboard.api.unit import FreezeFrameInfo, StoredFault, fault_info, f
 from mikas.dashboard.errors import NotFound
 from mikas.dashboard.library.folder import RecordingFile
 from mikas.dashboard.session.guided_tests import KeptResult
+from mikas.i18n import Text
 from mikas.recording.capture.notes import Kind
 from mikas.recording.freeze_frames import first_seen
 from mikas.recording.recorded_faults import RecordedFaults, faults_in
 from mikas.recording.recording import Recording
 
 if TYPE_CHECKING:
-    from mikas.guided.recorded import NotJudged
     from mikas.guided.result import TestResult
 
 router = APIRouter(tags=["recordings"])
@@ -116,9 +116,7 @@ async def recorded_test(
     return await requester.make(identity, work)
 
 
-def _answer(found: TestResult | NotJudged, left_out: list[TwoTexts]) -> RecordedTest:
-    from mikas.guided.recorded import NotJudged
-
-    if isinstance(found, NotJudged):
-        return RecordedTest(result=None, why=two(found.text), left_out=left_out)
+def _answer(found: TestResult | Text, left_out: list[TwoTexts]) -> RecordedTest:
+    if isinstance(found, Text):
+        return RecordedTest(result=None, why=two(found), left_out=left_out)
     return RecordedTest(result=verdict_of(KeptResult("", found)), why=None, left_out=left_out)
