@@ -79,10 +79,10 @@ def test_the_columns_have_the_alarms_of_the_sampler_s_rule(catalog, name, steps,
     values = np.array([float(value) for _, value in steps])
     if name == "DET":
         values = np.where(np.isnan(values), nan, values > 60)
-    collector = AlarmCollector(catalog, limits_of(catalog))
+    collector = AlarmCollector(catalog)
     for part in (slice(cut), slice(cut, None)):
         collector.add(Rows(times[part], {name: values[part]}))
-    alarms = collector.alarms((), times[0], times[-1])
+    alarms = collector.alarms(times[0], times[-1])
     assert {a.limit: (a.times, a.seconds, a.peak, a.still) for a in alarms} == by_the_scalar_rule(
         catalog, name, times, values
     )

@@ -107,11 +107,11 @@ def _limit_of(event: Event, catalog: Catalog) -> Limit | None:
 
 
 class AlarmCollector:
-    """Watches the limits over consecutive blocks of rows."""
+    """Watches the limits over consecutive blocks of rows; `events`: of the same time."""
 
-    def __init__(self, catalog: Catalog, limits: Iterable[Limit]) -> None:
-        self._catalog = catalog
-        self._watches = [_LimitWatch(limit, catalog) for limit in limits]
+    def __init__(self, catalog: Catalog, events: Sequence[Event] = ()) -> None:
+        self._catalog, self._events = catalog, events
+        self._watches = [_LimitWatch(limit, catalog) for limit in limits_of(catalog, events)]
 
     def add(self, rows: SampleRows) -> None:
         """Add rows, parameters in the corrected interpretation."""
@@ -126,12 +126,10 @@ class AlarmCollector:
         """The channels with limits that had a value."""
         return frozenset(watch.limit.name for watch in self._watches if watch.has_values)
 
-    def alarms(
-        self, events: Sequence[Event], began: float | None, ended: float | None
-    ) -> tuple[Alarm, ...]:
-        """Return the alarms of the values and of `events` from `began` to `ended`, worst first."""
+    def alarms(self, began: float | None, ended: float | None) -> tuple[Alarm, ...]:
+        """Return the alarms of the values and of the events between two times, worst first."""
         recorded: dict[Limit, list[_Recorded]] = defaultdict(list)
-        for each in _recorded(events, self._catalog, began, ended):
+        for each in _recorded(self._events, self._catalog, began, ended):
             recorded[each.limit].append(each)
         found = [
             alarm

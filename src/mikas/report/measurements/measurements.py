@@ -13,7 +13,7 @@ import numpy as np
 
 from mikas.cancellation import check_cancelled
 from mikas.catalog import Catalog
-from mikas.report.measurements.alarms import Alarm, AlarmCollector, Channel, limits_of
+from mikas.report.measurements.alarms import Alarm, AlarmCollector, Channel
 from mikas.report.measurements.statistics import (
     BlockTimes,
     ChannelStatistics,
@@ -63,8 +63,7 @@ class MeasurementCollector:
     def __init__(
         self, catalog: Catalog, names: Iterable[str], events: Sequence[Event] = ()
     ) -> None:
-        self._events = events
-        self._alarms = AlarmCollector(catalog, limits_of(catalog, events))
+        self._alarms = AlarmCollector(catalog, events)
         self._channels = tuple(catalog.channel(name) for name in names)
         self._finder = WarmIdleFinder(channel.name for channel in self._channels)
         counted = [each for each in self._channels if not getattr(each, "accumulates", False)]
@@ -111,7 +110,7 @@ class MeasurementCollector:
             whole=whole,
             at_idle=self._stats(self._at_idle),
             curves={name: curve for name, curve in self._curves.items() if name in present},
-            alarms=self._alarms.alarms(self._events, self._began, self._ended),
+            alarms=self._alarms.alarms(self._began, self._ended),
             watched=self._alarms.watched,
         )
 
