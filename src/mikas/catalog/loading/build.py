@@ -12,6 +12,7 @@ from mikas.catalog.formula_syntax import parse
 from mikas.catalog.loading.entries import Entries, Entry
 from mikas.catalog.loading.fields import constant, made, read_value
 from mikas.catalog.loading.source import KeyPath
+from mikas.catalog.lookup import Catalog
 from mikas.catalog.model import (
     LIMITS,
     AlarmLimits,
@@ -38,6 +39,36 @@ _LONGEST_CIRCLE = 8  # names shown
 
 NOT_FOR_FLAGS = Text("makes no sense for a flag", "для признака не имеет смысла")
 ONLY_FOR_FLAGS = Text("makes sense for a flag only", "имеет смысл только для признака")
+
+
+def catalog_of(entries: Entries, version: str) -> Catalog:
+    """Build the catalog of merged entries, in the order of the files' tables."""
+    units = {name: entry.text("text") for name, entry in entries["unit"].items()}
+    parameters = tuple(
+        _parameter(name, entry, units, entries) for name, entry in entries["parameter"].items()
+    )
+    _check_sizes(entries["parameter"])
+    _check_names(entries)
+    known = {**entries["parameter"], **entries["derived"]}
+    derived = {
+        name: _derived(name, entry, units, known) for name, entry in entries["derived"].items()
+    }
+    _check_cycles(entries["derived"], derived)
+    return Catalog(
+        parameters=parameters,
+        derived=derived,
+        faults={
+            code: _fault(code, entry, entries["parameter"])
+            for code, entry in entries["fault"].items()
+        },
+        models={
+            code: _built(Model, entry, code=code, text=entry.text("text"))
+            for code, entry in entries["model"].items()
+        },
+        errata={name: _erratum(name, entry) for name, entry in entries["erratum"].items()},
+        units=units,
+        version=version,
+    )
 
 
 def alarm_limits(entry: Entry, *, is_flag: bool) -> AlarmLimits | None:
@@ -99,17 +130,6 @@ def _refuse(
             raise entry.wrong(key, problem)
 
 
-def derived(entries: Entries, unit_texts: Mapping[str, Text]) -> dict[str, Derived]:
-    """Build the derived channels by name, in the order of the files' tables."""
-    _check_names(entries)
-    known = {**entries["parameter"], **entries["derived"]}
-    built = {
-        name: _derived(name, entry, unit_texts, known) for name, entry in entries["derived"].items()
-    }
-    _check_cycles(entries["derived"], built)
-    return built
-
-
 def _derived(
     name: str, entry: Entry, unit_texts: Mapping[str, Text], known: Mapping[str, Entry]
 ) -> Derived:
@@ -169,62 +189,24 @@ _FOR_DISPLAY = ("range", "reference", "gauge", "span_least")
 _NUMERIC = ("signed", "scale", "bias", "offset", "unit")
 
 
-def units(entries: Entries) -> dict[str, Text]:
-    """Return the texts of the units."""
-    return {name: entry.text("text") for name, entry in entries["unit"].items()}
-
-
-def parameters(entries: Entries, unit_texts: Mapping[str, Text]) -> tuple[Parameter, ...]:
-    """Build all parameters, in the order of the files' tables."""
-    built = tuple(
-        _parameter(name, entry, unit_texts, entries) for name, entry in entries["parameter"].items()
+def _fault(code: int, entry: Entry, known: Mapping[str, Entry]) -> Fault:
+    text, check = entry.text("text"), optional(entry, "check")
+    related, sensor = (_names(entry, key, known) for key in ("parameters", "sensor"))
+    return _built(
+        Fault,
+        entry,
+        code=code,
+        text=text,
+        check=check,
+        check_confidence=_confidence_of(entry.values, "check"),
+        parameters=tuple(dict.fromkeys((*related, *sensor))),  # to look at with the fault
+        sensor=sensor,
     )
-    _check_sizes(entries["parameter"])
-    return built
 
 
-def faults(entries: Entries) -> dict[int, Fault]:
-    """Build the faults by number."""
-    return {
-        code: _built(
-            Fault,
-            entry,
-            code=code,
-            text=entry.text("text"),
-            check=optional(entry, "check"),
-            check_confidence=_confidence_of(entry.values, "check"),
-            parameters=_related(entry, entries["parameter"]),
-            sensor=_names(entry, "sensor", entries["parameter"]),
-        )
-        for code, entry in entries["fault"].items()
-    }
-
-
-def _related(entry: Entry, known: Mapping[str, Entry]) -> tuple[str, ...]:
-    """Return the channels to look at with a fault: those of its sensor are among them."""
-    names = (*_names(entry, "parameters", known), *_names(entry, "sensor", known))
-    return tuple(dict.fromkeys(names))
-
-
-def models(entries: Entries) -> dict[int, Model]:
-    """Build the models by their answer to 01."""
-    return {
-        code: _built(Model, entry, code=code, text=entry.text("text"))
-        for code, entry in entries["model"].items()
-    }
-
-
-def errata(entries: Entries) -> dict[str, Erratum]:
-    """Build the errata by name."""
-    return {
-        name: _built(
-            Erratum,
-            entry,
-            name=name,
-            **{key: entry.text(key) for key in ("title", "reason", "default", "alternative")},
-        )
-        for name, entry in entries["erratum"].items()
-    }
+def _erratum(name: str, entry: Entry) -> Erratum:
+    texts = {key: entry.text(key) for key in ("title", "reason", "default", "alternative")}
+    return _built(Erratum, entry, name=name, **texts)
 
 
 def _parameter(

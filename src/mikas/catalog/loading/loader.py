@@ -21,7 +21,7 @@ from functools import cache
 from pathlib import Path
 from zlib import crc32
 
-from mikas.catalog.loading import build
+from mikas.catalog.loading.build import catalog_of
 from mikas.catalog.loading.entries import merged
 from mikas.catalog.loading.source import CatalogFile, parse_source, read_source
 from mikas.catalog.lookup import Catalog
@@ -69,17 +69,7 @@ def _shipped_sources() -> tuple[CatalogFile, ...]:
 
 def combined(sources: Sequence[CatalogFile]) -> Catalog:
     """Return the catalog of `sources`, a later one over an earlier. Raises `CatalogError`."""
-    entries = merged(sources)
-    units = build.units(entries)
-    return Catalog(
-        parameters=build.parameters(entries, units),
-        derived=build.derived(entries, units),
-        faults=build.faults(entries),
-        models=build.models(entries),
-        errata=build.errata(entries),
-        units=units,
-        version=_version(sources),
-    )
+    return catalog_of(merged(sources), _version(sources))
 
 
 def _version(sources: Sequence[CatalogFile]) -> str:

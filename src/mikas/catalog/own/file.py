@@ -59,14 +59,13 @@ class OwnCatalog:
 
     def load(self) -> Loaded:
         """Return the catalog of all files. Raises `CatalogError` for one of `more`."""
-        if not self._is_there():
-            return Loaded(load(*self._more))
         try:
             return Loaded(load(self.path, *self._more))
         except CatalogError as error:
             if error.file != str(self.path):
                 raise
-            return Loaded(load(*self._more), error)
+            is_there = not isinstance(error.__cause__, FileNotFoundError)
+            return Loaded(load(*self._more), error if is_there else None)
 
     def entries(self) -> dict[tuple[str, str], Mapping[str, Any]]:
         """Return the entries of the file as (family, name in capitals); none of a wrong file."""
@@ -100,15 +99,6 @@ class OwnCatalog:
         if after != before:
             self._write(after, windows=self._has_windows_lines())
         return catalog
-
-    def _is_there(self) -> bool:
-        try:
-            self.path.stat()
-        except FileNotFoundError:
-            return False
-        except OSError:
-            return True  # reading it gives the reason
-        return True
 
     def _read(self) -> str:
         try:
