@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from datetime import datetime
-from statistics import median
 
 from mikas.catalog import Catalog, Fault
 from mikas.fleet.report.comparing import (
@@ -62,26 +61,16 @@ class CarFindings:
 
 
 @dataclass(frozen=True, slots=True)
-class FleetValue:
-    """A measure over the cars that have a value."""
-
-    measure: CarMeasure
-    cars: int
-    median: float
-    low: float
-    high: float
-
-
-@dataclass(frozen=True, slots=True)
 class FleetFindings:
-    """The content of the report. `compared`, `not_compared`: the measures with enough cars, and
-    those with too few; `followed`: cars with enough drives for a trend of some measure.
+    """The content of the report. `values`: by measure, of the cars that have one; `compared`,
+    `not_compared`: the measures with enough cars, and those with too few; `followed`: cars with
+    enough drives for a trend of some measure.
     """
 
     catalog: Catalog
     figures: FleetFigures
     cars: tuple[CarFindings, ...]
-    values: tuple[FleetValue, ...]
+    values: Mapping[CarMeasure, Collection[float]]
     compared: tuple[CarMeasure, ...]
     not_compared: tuple[CarMeasure, ...]
     followed: int
@@ -97,7 +86,7 @@ class FleetFindings:
 def find(figures: FleetFigures, catalog: Catalog) -> FleetFindings:
     """Apply the rules. Pure."""
     values = {
-        measure.key: {
+        measure: {
             car.car: value
             for car in figures.cars
             if (value := value_of(car.values(measure.key))) is not None
@@ -105,12 +94,12 @@ def find(figures: FleetFigures, catalog: Catalog) -> FleetFindings:
         for measure in MEASURES
     }
     cars = tuple(_car(car, values, catalog) for car in figures.cars)
-    enough = [each for each in MEASURES if len(values[each.key]) > FEWEST_OTHERS]
+    enough = [each for each in MEASURES if len(values[each]) > FEWEST_OTHERS]
     return FleetFindings(
         catalog,
         figures,
         cars,
-        tuple(_fleet_value(each, values[each.key]) for each in MEASURES if values[each.key]),
+        {measure: of_cars.values() for measure, of_cars in values.items() if of_cars},
         tuple(enough),
         tuple(each for each in MEASURES if each not in enough),
         sum(
@@ -120,17 +109,14 @@ def find(figures: FleetFigures, catalog: Catalog) -> FleetFindings:
     )
 
 
-def _fleet_value(measure: CarMeasure, values: dict[str, float]) -> FleetValue:
-    every = values.values()
-    return FleetValue(measure, len(every), median(every), min(every), max(every))
-
-
-def _car(car: CarFigures, values: dict[str, dict[str, float]], catalog: Catalog) -> CarFindings:
+def _car(
+    car: CarFigures, values: Mapping[CarMeasure, Mapping[str, float]], catalog: Catalog
+) -> CarFindings:
     stands_out, changes, out_of_range = {}, {}, {}
     for measure in MEASURES:
-        mine = values[measure.key].get(car.car)
+        mine = values[measure].get(car.car)
         if mine is not None:
-            others = [value for name, value in values[measure.key].items() if name != car.car]
+            others = [value for name, value in values[measure].items() if name != car.car]
             if (found := outlier(mine, others, measure.least)) is not None:
                 stands_out[measure] = found
             reference = measure.channel(catalog).reference

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from datetime import UTC, datetime
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
+from statistics import median
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from markupsafe import Markup
 
 from mikas.cancellation import check_cancelled
-from mikas.fleet.report.findings import CarFault, CarFindings, FleetFindings, FleetValue
+from mikas.fleet.report.findings import CarFault, CarFindings, FleetFindings
 from mikas.fleet.report.measures import MEASURES, CarMeasure
 from mikas.fleet.report.sentences import (
     CARS,
@@ -96,7 +97,7 @@ def _context(found: FleetFindings, language: Language) -> dict[str, Any]:
         "about": _about(len(found.cars), drives, duration(seconds)).to(language),
         "headline": headline(found).to(language),
         "cars": [_row(car, language) for car in ranked],
-        "values": [_value(value, found, language) for value in found.values],
+        "values": [_value(*each, found, language) for each in found.values.items()],
         "parts": [
             _part(car, found, began, language, draws=any(car is each for each in drawn))
             for car in ranked
@@ -127,13 +128,15 @@ def _row(car: CarFindings, language: Language) -> dict[str, object]:
     }
 
 
-def _value(value: FleetValue, found: FleetFindings, language: Language) -> dict[str, object]:
-    channel = value.measure.channel(found.catalog)
-    ends = (number(end, channel.decimals, language) for end in (value.low, value.high))
+def _value(
+    measure: CarMeasure, values: Collection[float], found: FleetFindings, language: Language
+) -> dict[str, object]:
+    channel = measure.channel(found.catalog)
+    ends = (number(end, channel.decimals, language) for end in (min(values), max(values)))
     return {
-        "text": value.measure.title.to(language),
-        "count": value.cars,
-        "median": with_unit(value.median, channel, language),
+        "text": measure.title.to(language),
+        "count": len(values),
+        "median": with_unit(median(values), channel, language),
         "spread": " … ".join(ends),
     }
 
