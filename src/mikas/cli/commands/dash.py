@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, nullcontext
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -129,10 +129,8 @@ def show_dashboard(
             "The dashboard records itself (--record DIR); omit --capture",
             "Панель записывает сама (--record DIR); уберите --capture",
         )
-    if context.port is None:
-        _serve(context, options, None, start)
-        return
-    with context.open_ahead() as ahead:  # imports take as long as the handshake listens
+    # Imports take as long as the handshake listens.
+    with nullcontext() if context.port is None else context.open_ahead() as ahead:
         _serve(context, options, ahead, start)
 
 

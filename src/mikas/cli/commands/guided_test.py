@@ -21,7 +21,6 @@ from mikas.options import nearest
 
 if TYPE_CHECKING:
     from mikas.guided.definition import GuidedTest
-    from mikas.guided.engine import Progress, TestEngine
     from mikas.guided.loading import LoadedTests
     from mikas.guided.result import TestResult
     from mikas.link.ahead import PortAhead
@@ -148,7 +147,7 @@ def _guide(
     output = context.output
     options = SamplingOptions(names=chosen.channels, duration=duration)
     engine = TestEngine(chosen, context.options.catalog)
-    guide = _Guide(context, engine)
+    said: tuple[int | None, bool] | None = None
     with ExitStack() as stack:
         run = stack.enter_context(
             sampling_session(context, options, ahead, context.capture, joined=False)
@@ -159,31 +158,25 @@ def _guide(
                 continue
             engine.add_row(event.time, {n: number_of(it) for n, it in event.fresh.items()})
             engine.skip_all(skip)
-            guide.show(engine.progress())
             if engine.result is not None:
                 break
+            progress = engine.progress()
+            if (now := (progress.step, progress.late)) != said:
+                is_new = said is None or said[0] != progress.step
+                # on stderr, so that stdout has the result alone
+                if text := _instruction(chosen, progress.step, is_new=is_new):
+                    output.print_note(text)
+                said = now
     return engine.result
 
 
-class _Guide:
-    """Says what to do when it changes: on stderr, so that stdout has the result alone."""
-
-    def __init__(self, context: CommandContext, engine: TestEngine) -> None:
-        self._context, self._engine = context, engine
-        self._said: tuple[int | None, bool] | None = None
-
-    def show(self, progress: Progress) -> None:
-        test, step = self._engine.test, progress.step
-        if self._engine.result is not None or (step, progress.late) == self._said:
-            return
-        before, self._said = self._said, (step, progress.late)
-        note = self._context.output.print_note
-        if step is None:
-            note(localized(test.needs))
-        elif before is None or before[0] != step:
-            note(f"{step + 1}/{len(test.steps)}. {localized(test.steps[step].text)}")
-        elif test.steps[step].advice.en:
-            note(localized(test.steps[step].advice))
+def _instruction(test: GuidedTest, step: int | None, *, is_new: bool) -> str:
+    """Return what to do in `step`; of one that is late its advice, empty without one."""
+    if step is None:
+        return localized(test.needs)
+    if is_new:
+        return f"{step + 1}/{len(test.steps)}. {localized(test.steps[step].text)}"
+    return localized(test.steps[step].advice)
 
 
 def _show(

@@ -31,13 +31,14 @@ class OutputError(OSError):
     """The output can't be written: a full disk behind a redirection."""
 
 
-class _Stream:
+class EscapingStream:
     """A text stream in front of `raw`, with `make_safe` on all that is written.
 
-    Raises `OutputError`, and `BrokenPipeError` if the reader of a pipe has closed it.
+    By default every control character but line feed and tab is escaped. Raises `OutputError`, and
+    `BrokenPipeError` if the reader of a pipe has closed it.
     """
 
-    def __init__(self, raw: TextIO, make_safe: Callable[[str], str]) -> None:
+    def __init__(self, raw: TextIO, make_safe: Callable[[str], str] = terminal_text) -> None:
         self.raw = raw
         self._make_safe = make_safe
 
@@ -61,13 +62,6 @@ class _Stream:
         return getattr(self.raw, name)
 
 
-class EscapingStream(_Stream):
-    """Escapes every control character but line feed and tab."""
-
-    def __init__(self, raw: TextIO) -> None:
-        super().__init__(raw, terminal_text)
-
-
 @contextmanager
 def _output_errors() -> Iterator[None]:
     try:
@@ -81,7 +75,7 @@ def _output_errors() -> Iterator[None]:
 def drawing_stream(stream: TextIO) -> TextIO:
     """Return the stream for a library that draws: of control sequences only those pass."""
     raw = stream.raw if isinstance(stream, EscapingStream) else stream
-    return cast("TextIO", _Stream(raw, _drawing))
+    return cast("TextIO", EscapingStream(raw, _drawing))
 
 
 def error_drawing() -> TextIO:

@@ -163,9 +163,10 @@ class Plant:
 
     def _turn_key(self, key: bool) -> None:
         if key and not self.key:
-            self.program.power_on(self._shown_coolant, self.heat.intake_air)
+            self.program.restart(self._shown_coolant, self.heat.intake_air)
         elif self.key and not key:
-            self.program.power_off()
+            sensors = self.program.sensors
+            self.program.restart(sensors.coolant, sensors.intake_air)
         self.key = key
 
     def _drive(self, inputs: Inputs, rpm: float, road: float) -> None:

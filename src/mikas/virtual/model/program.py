@@ -306,13 +306,9 @@ class Program:
             setattr(other, part, copy(getattr(self, part)))
         return other
 
-    def power_on(self, coolant: float, intake_air: float) -> None:
-        """Begin again with the key on; the valve keeps its position."""
+    def restart(self, coolant: float, intake_air: float) -> None:
+        """Begin again with the key on, or stop with it off; the valve keeps its position."""
         self._begin(self.sensors.lost, coolant, intake_air, self.idle.valve)
-
-    def power_off(self) -> None:
-        """Stop driving all outputs: the key was turned off."""
-        self.power_on(self.sensors.coolant, self.sensors.intake_air)
 
     def step(self, signals: Signals, burnt: float, knock_limit: float) -> None:
         """Advance one step: read the sensors, set all outputs.
