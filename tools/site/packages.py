@@ -52,7 +52,7 @@ _NOT_HERE = (
     "cli", "__main__.py", "py.typed", "dashboard/page", "dashboard/running.py",
     "dashboard/server.py", "dissectors", "fleet", "link/failures.py", "link/network.py",
     "link/serial.py", "publish", "recording/exchanges/columnar.py",
-    "recording/exchanges/packets.py", "recording/exchanges/stream.py", "recording/export/mdf.py",
+    "recording/exchanges/frames.py", "recording/exchanges/packets.py", "recording/export/mdf.py",
     "recording/export/parquet.py", "recording/parquet.py", "replay/routine.py",
     *(f"notebook/{each}.py" for each in (
         "drawing", "html", "interruptions", "overview", "panes", "picture", "text", "time_axis",

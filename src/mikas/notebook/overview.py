@@ -13,10 +13,9 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from mikas.errors import CaptureError
 from mikas.notebook.interruptions import course, reasons_of_gaps, span_of
 from mikas.recording.recorded_faults import RecordedFaults, faults_in
-from mikas.recording.summary import Summary, summarise
+from mikas.recording.summary import Summary, summary_of
 from mikas.recording.table.channels import Channel
 from mikas.sampling.events import Gap, Marker
 
@@ -63,11 +62,9 @@ class Overview:
 
 def overview_of(recording: Recording) -> Overview:
     """Read the facts. Raises `CaptureError` if the file can't be read any more."""
-    span, summary = recording.span, summarise(recording.path, recording.catalog)
-    if summary.problem is not None:
-        raise CaptureError(str(recording.path), summary.problem)
+    span = recording.span
     return Overview(
-        summary=summary,
+        summary=summary_of(recording),
         zero=span[0] if span else 0.0,
         rows=recording.row_count,
         channels=tuple(_channels(recording)),

@@ -14,13 +14,8 @@ from typing import TYPE_CHECKING, Any
 from mikas.catalog import Catalog
 from mikas.cleaning import clean_line
 from mikas.errors import usage_error
-from mikas.recording.annotations.events import (
-    RecordedUnit,
-    catalogs_of,
-    events_of,
-    unit_of,
-)
-from mikas.recording.capture.notes import Kind, Note
+from mikas.recording.annotations.events import RecordedUnit, catalogs_of, events_of, first_unit
+from mikas.recording.capture.notes import Note
 from mikas.recording.capture.reader import Problem, Source
 from mikas.recording.table.channels import Rows, all_channels, calendar, is_recorded, named
 from mikas.sampling.events import Event, MethodChosen
@@ -95,8 +90,7 @@ class Recording:
     @cached_property
     def unit(self) -> RecordedUnit | None:
         """The unit of the file's first recording with a note of one; else None."""
-        first = next((note.recording for note in self.notes if note.kind == Kind.UNIT), 0)
-        return unit_of((note for note in self.notes if note.recording == first), self.catalog)
+        return first_unit(self.notes, self.catalog)
 
     @cached_property
     def events(self) -> tuple[Event, ...]:

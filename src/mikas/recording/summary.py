@@ -8,12 +8,12 @@ the `rate` computed from it. An unreadable file has a summary with a `problem`.
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import BinaryIO, Final
+from typing import TYPE_CHECKING, BinaryIO, Final
 
 from mikas import commands as c
 from mikas.catalog import Catalog, shipped
@@ -23,17 +23,20 @@ from mikas.files import open_regular
 from mikas.i18n import Text
 from mikas.link.base import Direction
 from mikas.recording.annotations.car import car_of
-from mikas.recording.annotations.events import RecordedUnit, comment_of, events_of, unit_of
+from mikas.recording.annotations.events import RecordedUnit, comment_of, events_of, first_unit
 from mikas.recording.annotations.fields import LONGEST_COMMENT
 from mikas.recording.capture import blocks as pcapng
-from mikas.recording.capture.notes import Kind, index
-from mikas.recording.capture.reader import Blocks, CaptureReader, Packet, reason_of
+from mikas.recording.capture.notes import Note, index
+from mikas.recording.capture.reader import Blocks, CaptureReader, Packet, capture_error, reason_of
 from mikas.recording.capture.scan import scan
 from mikas.recording.exchanges import count_responses
 from mikas.recording.exchanges.scalar import DecodedFrame
 from mikas.recording.inspect import decode
 from mikas.recording.table.channels import PLAINLY_UNIX
 from mikas.sampling.events import Gap, Marker, TextNote
+
+if TYPE_CHECKING:
+    from mikas.recording.recording import Recording
 
 _TAIL: Final = 1 << 14
 _WIDEN: Final = 8
@@ -140,39 +143,68 @@ class _Sections:
             yield from (each for each in blocks.read(item) if isinstance(each, Packet))
 
 
+def summary_of(recording: Recording) -> Summary:
+    """Return the summary of a recording that has been read. Raises `CaptureError` if it is gone."""
+    raw, path = recording.raw, recording.path
+    try:
+        size = path.stat().st_size
+    except OSError as error:
+        raise capture_error(path, error) from error
+    readings = [reading for port in raw.fault_readings.values() for reading in port]
+    latest = max(readings, key=lambda reading: reading.time, default=None)
+    sessions = [*raw.spans, *(note.recording for note in raw.notes)]
+    spans, rows = [*raw.spans.values()], recording.row_count
+    return replace(
+        _described(path, raw.notes, spans, rows, recording.catalog),
+        bytes=size,
+        faults=latest.codes if latest else None,
+        recordings=max(sessions, default=-1) + 1,
+    )
+
+
 def _summary(path: Path, sections: _Sections, catalog: Catalog) -> Summary:
-    notes = sections.index.notes
-    spans = list(_spans(sections))
+    samples, is_exact = _samples(path, sections, catalog)
+    return replace(
+        _described(path, sections.index.notes, list(_spans(sections)), samples, catalog),
+        bytes=sections.index.size,
+        samples_exact=is_exact,
+        faults=_faults(sections),
+        recordings=len(sections.index.sections),
+    )
+
+
+def _described(
+    path: Path,
+    notes: Sequence[Note],
+    spans: Sequence[tuple[float, float]],
+    samples: int | None,
+    catalog: Catalog,
+) -> Summary:
+    """Return what follows from the notes and the sessions' first and last times."""
     events = events_of(notes, catalog)
     gaps = [event for event in events if isinstance(event, Gap)]
     texts = (event.text for event in events if isinstance(event, TextNote))
     first = spans[0][0] if spans else None
     length = sum(last - begin for begin, last in spans) if spans else None
-    samples, is_exact = _samples(path, sections, catalog)
     silent = sum(
         max(0.0, min(gap.ended, last) - max(gap.began, begin))
         for gap in gaps
         if gap.ended is not None
         for begin, last in spans
     )
-    recording = next((note.recording for note in notes if note.kind == Kind.UNIT), 0)
     sampled = (length or 0.0) - silent
     return Summary(
         path=path,
-        bytes=sections.index.size,
         date=first if first is not None and first >= PLAINLY_UNIX else None,
         first=first,
         length=length,
-        unit=unit_of((note for note in notes if note.recording == recording), catalog),
+        unit=first_unit(notes, catalog),
         samples=samples,
-        samples_exact=is_exact,
         rate=samples / sampled if samples and sampled > 0 else None,
         gaps=len(gaps),
-        faults=_faults(sections),
         markers=sum(isinstance(event, Marker) for event in events),
         note=comment_of(notes) or next(texts, "")[:LONGEST_COMMENT],
         car=car_of(notes),
-        recordings=len(sections.index.sections),
     )
 
 

@@ -10,12 +10,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mikas.framing import Damage, DamageReason, Decoder, Frame, encode
-from mikas.recording.exchanges.frames import BulkDecoder
-from mikas.recording.exchanges.segments import (
+from mikas.recording.exchanges.frames import (
     CHECKSUM,
     GIVEN_UP,
     SOUND,
     TOO_LONG,
+    BulkDecoder,
 )
 
 REASONS = {

@@ -9,7 +9,7 @@ counts. A copy of the file has the comment, too.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from itertools import islice
 from typing import Any, Final
@@ -187,6 +187,12 @@ def unit_of(notes: Iterable[Note], catalog: Catalog) -> RecordedUnit | None:
         method=line_of(plan.get("method")),
         names=_names(names),
     )
+
+
+def first_unit(notes: Sequence[Note], catalog: Catalog) -> RecordedUnit | None:
+    """Return the unit of the file's first recording with a note of one; else None."""
+    first = next((note.recording for note in notes if note.kind == Kind.UNIT), 0)
+    return unit_of((note for note in notes if note.recording == first), catalog)
 
 
 def events_of(notes: Iterable[Note], catalog: Catalog) -> list[Event]:

@@ -100,7 +100,8 @@ class RawRecording:
 
     `problems`: the unreadable places, up to a thousand; `problem_count` counts all. `ports`: those
     with responses; `row_counts`: those with rows, in the order of the file. `fault_readings`: those
-    on the wire. `source`: of the first packet. `codes`: those with a value.
+    on the wire. `source`: of the first packet. `spans`: of each session, the time of the first
+    packet and the latest. `codes`: those with a value.
 
     Raises `CaptureError` for a file that is no capture.
     """
@@ -111,6 +112,7 @@ class RawRecording:
         self.problems: list[Problem] = []
         self.problem_count = 0
         self.source: Source | None = None
+        self.spans: dict[int, tuple[float, float]] = {}
         self.ports: set[Source] = set()
         self.row_counts: Counter[Source] = Counter()
         self.fault_readings: defaultdict[Source, list[FaultReading]] = defaultdict(list)
@@ -141,6 +143,8 @@ class RawRecording:
         for exchanges, groups, rows in self._walk(self._note):
             source = exchanges.source
             self.source = self.source or source
+            begin, end = self.spans.get(source.recording, (exchanges.begin, exchanges.begin))
+            self.spans[source.recording] = begin, max(end, exchanges.end)
             if len(exchanges.responses.times):
                 self.ports.add(source)
             port = refusals.setdefault(source, RefusalColumns(exchanges.bodies))
