@@ -108,7 +108,7 @@ def test_ctrl_c_at_the_question_leaves_nothing(mikas, monkeypatch, dump, tmp_pat
         raise KeyboardInterrupt
 
     mikas.answers("y")
-    monkeypatch.setattr("mikas.cli.context._confirmed", interrupted)
+    monkeypatch.setattr("sys.stdin.readline", interrupted)
     ran = mikas("mem", "restore", "ram", "d")
     assert ran.status == 130
     assert "Stopped" not in ran.err

@@ -202,17 +202,12 @@ def require_consent(what: Text, *, yes: bool) -> None:
         return
     if not sys.stdin.isatty():
         raise NotConfirmed(change=what, how=_NO_TERMINAL)
-    if not _confirmed():
-        raise NotConfirmed(change=what, how=_ANSWERED_NO)
-
-
-def _confirmed() -> bool:
-    """Return whether the answer at the terminal is yes."""
     write_error(tr("Do it? [y/N] ", "Выполнить? [д/Н] "))
     answer = sys.stdin.readline()
     if not answer.endswith("\n"):
         write_error("\n")  # Ctrl-D leaves the cursor after the question
-    return answer.strip().lower() in ("y", "yes", "д", "да")
+    if answer.strip().lower() not in ("y", "yes", "д", "да"):
+        raise NotConfirmed(change=what, how=_ANSWERED_NO)
 
 
 def _described(change: Change, meaning: Callable[[str], str] | None) -> str:

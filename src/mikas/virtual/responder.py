@@ -158,22 +158,23 @@ class Responder:
 
     def _access_memory(self, command: c.Command[Any]) -> bytes | None:
         memory, max_block = self.memory, self.quirks.max_block
-        if isinstance(command, _BLOCK_READS):
-            if command.count > max_block:
-                return self._unknown()
-            counted = self.quirks.counted_blocks or isinstance(command, c.ReadRamBlock)
-            data = memory.read(command.SPACE, command.address, command.count)
-            return command.respond(data, counted=counted)
-        if isinstance(command, _BLOCK_WRITES):
-            if len(command.data) > max_block:
-                return self._bad_write()
-            memory.write(command.SPACE, command.address, command.data)
-            return b"\x00"
-        if isinstance(command, _BYTE_WRITES):
-            memory.write(command.SPACE, command.address, bytes([command.value]))
-            return command.respond(command.value)
-        if isinstance(command, _BYTE_READS):
-            return command.respond(memory.read(command.SPACE, command.address)[0])
+        match command:
+            case c.ReadRamBlock() | c.ReadXramBlock() | c.ReadCodeBlock():
+                if command.count > max_block:
+                    return self._unknown()
+                counted = self.quirks.counted_blocks or isinstance(command, c.ReadRamBlock)
+                data = memory.read(command.SPACE, command.address, command.count)
+                return command.respond(data, counted=counted)
+            case c.WriteRamBlock() | c.WriteXramBlock() | c.WriteCodeBlock():
+                if len(command.data) > max_block:
+                    return self._bad_write()
+                memory.write(command.SPACE, command.address, command.data)
+                return b"\x00"
+            case c.WriteRamByte() | c.WriteXramByte() | c.WriteCodeByte() | c.WriteSfr():
+                memory.write(command.SPACE, command.address, bytes([command.value]))
+                return command.respond(command.value)
+            case c.ReadRamByte() | c.ReadXramByte() | c.ReadCodeByte() | c.ReadSfr():
+                return command.respond(memory.read(command.SPACE, command.address)[0])
         raise AssertionError(f"{command.name.en} is not implemented")
 
 
@@ -181,7 +182,3 @@ _WRITES = frozenset(
     code for command in c.ALL_COMMANDS if issubclass(command, Write) for code in command.CODES
 )
 _IDENTITY = (c.Availability, c.ReadProgramPassport, c.ReadDataPassport, c.CountParameters)
-_BLOCK_READS = (c.ReadRamBlock, c.ReadXramBlock, c.ReadCodeBlock)
-_BLOCK_WRITES = (c.WriteRamBlock, c.WriteXramBlock, c.WriteCodeBlock)
-_BYTE_READS = (c.ReadRamByte, c.ReadXramByte, c.ReadCodeByte, c.ReadSfr)
-_BYTE_WRITES = (c.WriteRamByte, c.WriteXramByte, c.WriteCodeByte, c.WriteSfr)

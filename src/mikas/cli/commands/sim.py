@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from mikas.cli.click_extensions import command, flag, option
 from mikas.cli.context import CommandContext
-from mikas.cli.options.parameter_types import any_file, choices, one_of
+from mikas.cli.options.parameter_types import any_file
 from mikas.errors import usage_error
 from mikas.link import WallClock
 from mikas.virtual import serve
@@ -53,8 +53,7 @@ _LINE_FAULTS = ", ".join(it.value for it in LineFault if it is not LineFault.DAM
 )
 @option(
     "--model",
-    type=one_of(MODELS),
-    metavar=choices(MODELS),
+    words=MODELS,
     en="model of the unit (7.1)",
     ru="модель блока (7.1)",
 )

@@ -7,20 +7,25 @@ an option of some commands.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import click
 
 from mikas.cli.config import CHECKSUMS, ECHO, INTERPRETATIONS, LANGUAGES, MAX_RETRIES
 from mikas.cli.language import localized
-from mikas.cli.options.parameter_types import any_file, choices, one_of, timeout, whole
+from mikas.cli.options.parameter_types import any_file, one_of, timeout, whole
 from mikas.i18n import Text
 
 
 class LocalizedOption(click.Option):
     """An option whose help is in both languages."""
 
-    def __init__(self, *args: Any, en: str, ru: str, **kwargs: Any) -> None:
+    def __init__(
+        self, *args: Any, en: str, ru: str, words: Iterable[str] = (), **kwargs: Any
+    ) -> None:
+        if words:
+            kwargs |= {"type": one_of(words), "metavar": f"[{'|'.join(words)}]"}
         super().__init__(*args, **kwargs)
         self.text = Text(en, ru)
 
@@ -72,8 +77,7 @@ def common_options() -> list[click.Parameter]:
         ),
         CommonOption(
             ["--echo"],
-            type=one_of(ECHO),
-            metavar=choices(ECHO),
+            words=ECHO,
             en="whether the adapter echoes what it sends (auto: detect)",
             ru="возвращает ли адаптер эхо (auto: определить)",
         ),
@@ -102,8 +106,7 @@ def common_options() -> list[click.Parameter]:
         ),
         CommonOption(
             ["--checksum"],
-            type=one_of(CHECKSUMS),
-            metavar=choices(CHECKSUMS),
+            words=CHECKSUMS,
             en="how a request's checksum of 0D or 40 is sent: stuffed as 40 CD, 40 00, or raw; "
             "responses are accepted in both forms (stuffed)",
             ru="как посылать контрольную сумму 0D или 40: stuffed — заменять на 40 CD, 40 00, "
@@ -124,8 +127,7 @@ def common_options() -> list[click.Parameter]:
         ),
         CommonOption(
             ["--interpretation"],
-            type=one_of(INTERPRETATIONS),
-            metavar=choices(INTERPRETATIONS),
+            words=INTERPRETATIONS,
             en="how the doubtful places of the protocol's source are interpreted (corrected)",
             ru="как толковать сомнительные места описания протокола (corrected)",
         ),
@@ -139,8 +141,7 @@ def common_options() -> list[click.Parameter]:
         ),
         CommonOption(
             ["--lang"],
-            type=one_of(LANGUAGES),
-            metavar=choices(LANGUAGES),
+            words=LANGUAGES,
             en="language",
             ru="язык: en или ru",
         ),

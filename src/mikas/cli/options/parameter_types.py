@@ -173,11 +173,6 @@ def one_of(words: Iterable[str]) -> Callable[[str], str]:
     return parse
 
 
-def choices(words: Iterable[str]) -> str:
-    """Return the words as the help shows them: `[auto|on|off]`."""
-    return f"[{'|'.join(words)}]"
-
-
 def any_file(text: str) -> Path:
     """Return a file's path; the file may be absent."""
     path, is_folder = Path(text), False

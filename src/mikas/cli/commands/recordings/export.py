@@ -13,7 +13,7 @@ import click
 from mikas.cli.click_extensions import OVERWRITE, command, option, output_option
 from mikas.cli.context import CommandContext
 from mikas.cli.language import current_language, localized
-from mikas.cli.options.parameter_types import choices, existing_file, one_of
+from mikas.cli.options.parameter_types import existing_file
 from mikas.errors import usage_error
 from mikas.i18n import plural
 from mikas.recording.export import DIALECTS
@@ -49,8 +49,7 @@ MOST_PROBLEMS = 20
 @output_option()
 @option(
     "--dialect",
-    type=one_of(DIALECTS),
-    metavar=choices(DIALECTS),
+    words=DIALECTS,
     en="form of a .csv: commas (plain), or for an Excel with a decimal comma (excel)",
     ru="вид файла .csv: через запятую (plain) или для таблиц с десятичной запятой (excel)",
 )

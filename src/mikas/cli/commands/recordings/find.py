@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -71,21 +72,19 @@ def _print_table(
     """Print a row a hit: seconds from the start, time of day if it is known, length, peak."""
     from mikas.recording.table.channels import calendar
 
-    columns = {
-        tr("from, s", "начало, с"): [decimal(f"{hit.begin - start:.1f}") for hit in hits],
-        tr("length, s", "длится, с"): [decimal(f"{hit.end - hit.begin:.1f}") for hit in hits],
+    columns: dict[str, Callable[[Hit], str]] = {
+        tr("from, s", "начало, с"): lambda hit: decimal(f"{hit.begin - start:.1f}"),
+        tr("length, s", "длится, с"): lambda hit: decimal(f"{hit.end - hit.begin:.1f}"),
     }
     if condition.peak_of:
-        columns[condition.peak_of] = [
-            "—" if hit.peak is None else decimal(f"{hit.peak:.6g}") for hit in hits
-        ]
+        columns[condition.peak_of] = lambda hit: (
+            "—" if hit.peak is None else decimal(f"{hit.peak:.6g}")
+        )
     if calendar(start) is not None:
-        moments = [calendar(hit.begin) for hit in hits]
-        columns[tr("time of day", "время")] = [
-            f"{at.astimezone():%d.%m.%Y %H:%M:%S}" if at else "" for at in moments
-        ]
-    rows = [list(cells) for cells in zip(*columns.values(), strict=True)]
-    context.output.table(list(columns), rows, right="012" if condition.peak_of else "01")
+        columns[tr("time of day", "время")] = lambda hit: (
+            f"{at.astimezone():%d.%m.%Y %H:%M:%S}" if (at := calendar(hit.begin)) else ""
+        )
+    context.output.listing(hits, columns, right="012" if condition.peak_of else "01")
 
 
 def _summary(hits: list[Hit], condition: SearchCondition) -> str:
