@@ -14,7 +14,7 @@ from enum import StrEnum
 from math import isfinite, nan
 from typing import TypeAlias
 
-from mikas.catalog import AlarmLimits, Catalog, Derived, Level, Parameter
+from mikas.catalog import Catalog, Derived, Level, Parameter
 from mikas.client.parameters.parameters import Reading
 from mikas.i18n import Text
 from mikas.sampling.derived import DerivedValue, number_of
@@ -60,26 +60,20 @@ class Alarms:
     """Compares each channel of `catalog` that has limits with these."""
 
     def __init__(self, catalog: Catalog) -> None:
-        self.states: dict[str, AlarmState] = {}
-        """The state of each channel that has limits, by name."""
-        self._limits: dict[str, AlarmLimits] = {}
         channels: tuple[Parameter | Derived, ...] = (*catalog.parameters, *catalog.derived.values())
-        for channel in channels:
-            if channel.alarm_limits is not None:
-                self.states[channel.name] = AlarmState(channel)
-                self._limits[channel.name] = channel.alarm_limits
+        self.states = {each.name: AlarmState(each) for each in channels if each.alarm_limits}
+        """The state of each channel that has limits, by name."""
 
     def update(self, values: Mapping[str, Value], time: float) -> list[AlarmChanged]:
         """Return the changes of level by this sample, in the order of the catalog."""
         events = []
-        for name, limits in self._limits.items():
-            state, value = self.states[name], _number(values.get(name), time)
-            if not isfinite(value):
+        for name, state in self.states.items():
+            if not isfinite(value := _number(values.get(name), time)):
                 continue
-            level, side, limit = _level_of(limits, state, value)
-            self.states[name] = AlarmState(state.channel, level, side, limit, value)
+            level, side, limit = _level_of(state, value)
+            self.states[name] = after = AlarmState(state.channel, level, side, limit, value)
             if (level, side) != (state.level, state.side):
-                events.append(_event(state, self.states[name], value, time))
+                events.append(_event(state, after, time))
         return events
 
     def continue_from(self, before: Alarms, time: float) -> list[AlarmChanged]:
@@ -88,10 +82,13 @@ class Alarms:
         """
         ended = []
         for name, state in before.states.items():
-            if self._limits.get(name) == before._limits[name]:
-                self.states[name] = replace(state, channel=self.states[name].channel)
+            now, channel = self.states.get(name), state.channel
+            if now is not None and now.channel.alarm_limits == channel.alarm_limits:
+                self.states[name] = replace(state, channel=now.channel)
             elif state.level is not Level.NONE:
-                ended.append(_other_limits(state, time))
+                en, ru = channel.text
+                text = Text(f"{en}: the limits were changed", f"{ru}: пределы изменены")
+                ended.append(_event(state, AlarmState(channel, value=state.value), time, text))
         return ended
 
 
@@ -101,10 +98,10 @@ def _number(value: Value, time: float) -> float:
     return nan if value is None else float(value)
 
 
-def _level_of(
-    limits: AlarmLimits, state: AlarmState, value: float
-) -> tuple[Level, Side | None, float | None]:
+def _level_of(state: AlarmState, value: float) -> tuple[Level, Side | None, float | None]:
     """Return the level of `value` after `state`, its side and its limit."""
+    limits = state.channel.alarm_limits
+    assert limits is not None
     if limits.for_flag:
         return (limits.when_true, Side.HIGH, 1.0) if value else (Level.NONE, None, None)
     for side, sign, on_side in ((Side.HIGH, 1, limits.highs), (Side.LOW, -1, limits.lows)):
@@ -116,37 +113,28 @@ def _level_of(
     return Level.NONE, None, None
 
 
-def _event(before: AlarmState, after: AlarmState, value: float, time: float) -> AlarmChanged:
+def _event(
+    before: AlarmState, after: AlarmState, time: float, text: Text | None = None
+) -> AlarmChanged:
+    """Return the event of a change; `text`: instead of a sentence on the value."""
     better = after.side is None or (
         after.side is before.side and _LEVELS.index(after.level) < _LEVELS.index(before.level)
     )
     crossed = before if better else after
     assert crossed.side is not None
     assert crossed.limit is not None
+    now = replace(crossed, level=after.level, value=after.value)
     return AlarmChanged(
         time,
         after.channel.name,
         after.level,
         before.level,
         crossed.side,
-        value,
+        after.value,
         crossed.limit,
-        _sentence(before.level, replace(crossed, level=after.level, value=value), better=better),
+        text or _sentence(before.level, now, better=better),
         better,
     )
-
-
-def _other_limits(state: AlarmState, time: float) -> AlarmChanged:
-    """Return the end of an alarm whose limits are no longer the same."""
-    assert state.side is not None
-    assert state.limit is not None
-    assert state.value is not None
-    name = state.channel.text
-    text = Text(f"{name.en}: the limits were changed", f"{name.ru}: пределы изменены")
-    return AlarmChanged(
-        time, state.channel.name, Level.NONE, state.level, state.side, state.value, state.limit,
-        text, True,
-    )  # fmt: skip
 
 
 def _sentence(before: Level, now: AlarmState, *, better: bool) -> Text:

@@ -23,7 +23,6 @@ from mikas.catalog import Catalog, Derived
 from mikas.catalog.formulas import Calculation
 from mikas.catalog.model import in_order
 from mikas.client.parameters.parameters import Reading
-from mikas.errors import usage_error
 
 if TYPE_CHECKING:
     import numpy as np
@@ -72,19 +71,16 @@ class DerivedValue:
 
 
 class DerivedChannels:
-    """The derived channels `names`, and the derived channels among their inputs.
-
-    Raises `UnknownParameter`, and `UsageError` for a name that is not a derived channel's.
-    """
+    """The derived channels `names`, as in the catalog, and those among their inputs."""
 
     def __init__(self, catalog: Catalog, names: Iterable[str]) -> None:
-        named = (_derived(catalog, name) for name in names)
-        self.channels = tuple({channel.name: channel for channel in named}.values())
+        names = tuple(dict.fromkeys(names))
+        self.channels = tuple(catalog.derived[name] for name in names)
         self._catalog = catalog
-        self._steps = _steps(catalog, [channel.name for channel in self.channels])
+        self._steps = _steps(catalog, names)
         self.totals = {each.name: Integral() for each, _ in self._steps if each.accumulates}
         """That of each accumulating channel, also while it has no value."""
-        self.requires = _required(catalog, [channel.name for channel in self.channels])
+        self.requires = _required(catalog, names)
 
     def continue_from(self, before: DerivedChannels, requested: Iterable[str]) -> None:
         """Take over the totals of `before`, also those of channels that are not requested now.
@@ -251,13 +247,3 @@ def _required(catalog: Catalog, names: Iterable[str]) -> tuple[str, ...]:
     """Return the parameters that these channels need, in the order of the catalog."""
     needed = {name for channel in in_order(catalog.derived, list(names)) for name in channel.inputs}
     return tuple(each.name for each in catalog.parameters if each.name in needed)
-
-
-def _derived(catalog: Catalog, name: str) -> Derived:
-    channel = catalog.channel(name)
-    if isinstance(channel, Derived):
-        return channel
-    raise usage_error(
-        f"{channel.name} is a parameter, not a derived channel",
-        f"{channel.name} — параметр, а не производный канал",
-    )
