@@ -251,7 +251,7 @@ class Dashboard:
 
     def _on_faults(self, reading: FaultReading, before: FaultReading | None) -> None:
         """Pass on a reading of the stored faults; in the sampling thread."""
-        self.session.know_faults(reading)
+        self.session.faults.know(reading)
         self.recorder.recorder.record_event(reading)
         self.freeze_frames.keep_frames_of(reading, before)
         if before is not None and set(reading.codes) != set(before.codes):

@@ -49,10 +49,7 @@ class Topics:
     @property
     def retained(self) -> tuple[str, ...]:
         """The topics whose latest message the broker keeps."""
-        return (
-            *(self.channels, self.unit, self.faults, self.alarms),
-            *(self.state, self.availability),
-        )
+        return (self.channels, self.unit, self.faults, self.alarms, self.state, self.availability)
 
     def value(self, name: str) -> str:
         """Return the topic of one channel."""

@@ -37,12 +37,11 @@ class FaultWatch:
     def __init__(self, in_streams: float | None = IN_STREAMS) -> None:
         self._in_streams = in_streams
         self._found = False  # its first values may come before its identity
-        self.latest: FaultReading | None = None
-        """The latest reading of this unit."""
         self._begin_unit()
 
     def _begin_unit(self) -> None:
-        self.latest = None
+        self.latest: FaultReading | None = None
+        """The latest reading of this unit."""
         self._lowest: float | None = None  # the latest MINERR
         self._streams = False
         self._tried = -inf

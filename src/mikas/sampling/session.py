@@ -69,7 +69,8 @@ class SamplingSession:
         self._acquisition: Acquisition | None = None
         self._answers = False  # a unit, on the present connection
         self._on_faults = on_faults or self._keep
-        self._faults = FaultWatch(in_streams)
+        self.faults = FaultWatch(in_streams)
+        """Knows the readings that it did not make by `know`, in the sampling thread."""
         self._readings: deque[FaultReading] = deque()  # made by jobs, to be yielded
         self._gaps = GapTracker()
         self._open: Gap | None = None  # as the recorder has it
@@ -110,7 +111,7 @@ class SamplingSession:
             yield from self.readings()
         yield from gaps
         yield event
-        if self._acquisition is not None and self.wants_faults() and self._faults.is_due(event):
+        if self._acquisition is not None and self.wants_faults() and self.faults.is_due(event):
             self._read(routine=True)
 
     @property
@@ -149,7 +150,7 @@ class SamplingSession:
 
         None: they are not wanted, the unit refuses to give them, or none answers.
         """
-        if not (self._answers and self.wants_faults()) or self._faults.refused:
+        if not (self._answers and self.wants_faults()) or self.faults.refused:
             return None
         return self._read(routine=False)
 
@@ -162,12 +163,8 @@ class SamplingSession:
 
         Raises a `NoConnection`.
         """
-        if not self._faults.refused and (reading := self._faults.read(ecu, routine=routine)):
+        if not self.faults.refused and (reading := self.faults.read(ecu, routine=routine)):
             self._on_faults(reading)
-
-    def know_faults(self, reading: FaultReading) -> None:
-        """Take a reading that was made for another reason, by whatever; in the sampling thread."""
-        self._faults.know(reading)
 
     def readings(self) -> Iterator[FaultReading]:
         """Yield the readings that were made since the last event."""
