@@ -32,7 +32,6 @@ from mikas.errors import (
     UsageError,
 )
 from mikas.link import Link
-from mikas.link.base import WireCount
 from mikas.link.reconnecting import ReconnectingPort
 from mikas.sampling.events import Event, MethodChosen
 from mikas.sampling.jobs import JobQueue
@@ -82,7 +81,7 @@ class Acquisition:
         request = self._request(names, method, rate)
         self._context = SamplingContext(request, JobQueue(port.url), strict=strict)
         self._make_ecu = make_ecu
-        self._port = port
+        self.port = port
         self._supervisor = ConnectionSupervisor(port, self._create_ecu, self._context, before)
         self._unsupported = UnsupportedParameters(self._context)
 
@@ -110,11 +109,6 @@ class Acquisition:
     def plan(self) -> Plan | None:
         """The present plan, inputs of derived channels included; None before the first."""
         return self._context.plan
-
-    @property
-    def wire(self) -> WireCount:
-        """The bytes on the line so far."""
-        return self._port.wire
 
     @property
     def unended(self) -> LineNotQuiet | None:

@@ -101,7 +101,7 @@ class SamplingSession:
         elif isinstance(event, UnitFound):
             self.unit = event.identity
             if self._acquisition is not None:
-                self._acquisition.wire.echoes = event.echo is not False
+                self._acquisition.port.wire.echoes = event.echo is not False
         with self._lock:
             gaps = self._gaps.gaps_of(event)
         if gaps or self._gaps.open is not self._open:
@@ -117,7 +117,7 @@ class SamplingSession:
     @property
     def wire_bytes(self) -> int:
         """The bytes on the wire of the present connection, or the last one."""
-        return 0 if self._acquisition is None else self._acquisition.wire.bytes
+        return 0 if self._acquisition is None else self._acquisition.port.wire.bytes
 
     def leave(self, time: float, reason: Text, error: MikasError | None = None) -> list[Gap]:
         """End a connection, by `error` or for `reason`; return the gap that ends with it.
