@@ -2,6 +2,7 @@
 // in workers of this page. Whatever differs between the two is a field here; the site has others.
 import type { Component } from "svelte";
 import type { ExportFormat, Text } from "../api/types";
+import { words } from "./words";
 
 /** What the page needs of a WebSocket. */
 export interface LiveSocket {
@@ -59,24 +60,5 @@ export const served: Host = {
   exports: ["csv", "msl", "mlg", "mf4", "parquet"],
   connectionNotices: null,
   connectionCard: null,
-  words: {
-    unreachable: {
-      en: "The mikas program does not answer. Is it still running? Click its icon, or look at the window it was started from.",
-      ru: "Программа mikas не отвечает. Она ещё запущена? Нажмите её значок или посмотрите в окно, из которого её запускали.",
-    },
-    ended: {
-      en: "The mikas program on the computer has ended or can't be reached. Start it again; this page reconnects by itself.",
-      ru: "Программа mikas на компьютере завершена или недоступна. Запустите её снова: страница подключится сама.",
-    },
-    returns: {
-      en: "The page reconnects when mikas runs again. Click its icon, or look at the window it was started from.",
-      ru: "Страница подключится сама, когда mikas снова заработает. Нажмите её значок или посмотрите в окно, из которого её запускали.",
-    },
-    otherPort: {
-      en: "for example socket://192.168.1.5:2000, /dev/ttyUSB0, COM3, sim:",
-      ru: "например socket://192.168.1.5:2000, /dev/ttyUSB0, COM3, sim:",
-    },
-    kept: null,
-    otherExports: null,
-  },
+  words,
 };
