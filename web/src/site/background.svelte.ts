@@ -22,7 +22,7 @@ export function background(program: Program, stores: Stores): void {
     $effect(() => program.follow({ recording, catalog }));
 
     const line = $derived(live.state?.line);
-    $effect(() => program.lineFree(line === "off"));
+    $effect(() => void (program.lineIsFree = line === "off"));
     $effect(() => {
       if (line !== "sampling") return;
       const timer = setTimeout(() => program.prepareReader(), SETTLED_MS);

@@ -20,7 +20,6 @@ export const t = dictionary({
   normal: { en: "Healthy engine, warm idle", ru: "Исправный мотор, прогрет, холостой ход" },
   low: { en: "If it is too low", ru: "Если ниже нормы" },
   high: { en: "If it is too high", ru: "Если выше нормы" },
-  unsure: { en: "unconfirmed", ru: "не подтверждено" },
 
   faults: { en: "Faults that concern it", ru: "Связанные ошибки" },
   stored: { en: "stored now", ru: "есть в памяти" },

@@ -4,7 +4,8 @@ export class ChannelEditor {
   /** Null: closed; an empty name: a new channel. */
   name = $state<string | null>(null);
   private made: (name: string) => void = () => undefined;
-  private readonly forgetting: ((name: string) => void)[] = [];
+  /** Called with each deleted channel. */
+  ondeleted: (name: string) => void = () => undefined;
 
   /** Make a new channel; `made` is called with its name when it has been saved. */
   create(made: (name: string) => void = () => undefined): void {
@@ -22,13 +23,8 @@ export class ChannelEditor {
     this.close();
   }
 
-  /** `forget` is called with each deleted channel: for what would go on showing it. */
-  whenDeleted(forget: (name: string) => void): void {
-    this.forgetting.push(forget);
-  }
-
   deleted(name: string): void {
-    for (const forget of this.forgetting) forget(name);
+    this.ondeleted(name);
     this.close();
   }
 

@@ -16,22 +16,17 @@ export class Subscriptions {
 
   constructor(private readonly app: Pick<Stores, "api" | "catalog" | "control" | "live" | "toasts">) {}
 
-  /** A preset is on the screen; `chosen`: a person has just selected it. */
-  setPreset(names: readonly string[], chosen: boolean): void {
-    this.preset = names;
-    if (chosen) this.chart = [];
-    void this.update(chosen);
-  }
-
-  setChart(names: readonly string[], chosen: boolean): void {
-    this.chart = names;
+  /** These are on the screen; `chosen`: a person has just selected them. */
+  set(where: "preset" | "chart", names: readonly string[], chosen: boolean): void {
+    if (where === "preset" && chosen) this.chart = [];
+    this[where] = names;
     void this.update(chosen);
   }
 
   /** For a component while it is initialised: what it shows, and whether a person has just selected that. */
   shows(where: "preset" | "chart", names: () => readonly string[] | null, chosen: () => boolean): void {
     watch(names, (shown) => {
-      if (shown?.length) this[where === "preset" ? "setPreset" : "setChart"](shown, chosen());
+      if (shown?.length) this.set(where, shown, chosen());
     });
   }
 

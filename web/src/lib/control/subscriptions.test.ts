@@ -47,15 +47,15 @@ describe("a selection beside another page", () => {
     catalog.loaded = loaded("2");
   });
   afterEach(() => {
-    subscriptions.setPreset([], false);
+    subscriptions.set("preset", [], false);
     live.link = "connecting";
     live.state = catalog.loaded = null;
   });
 
   it("is requested at once, and what the page shows by itself is not", () => {
-    subscriptions.setPreset(["TWAT"], false);
+    subscriptions.set("preset", ["TWAT"], false);
     expect(first).not.toHaveBeenCalled();
-    subscriptions.setPreset(["TWAT"], true);
+    subscriptions.set("preset", ["TWAT"], true);
     expect(first.mock.calls).toEqual([[["TWAT"]]]);
   });
 
@@ -66,8 +66,8 @@ describe("a selection beside another page", () => {
     ["the catalog of the state", () => (catalog.loaded = loaded("1")), () => (catalog.loaded = loaded("2"))],
   ])("waits for %s, and is requested once", (_, before, after) => {
     before();
-    subscriptions.setPreset(["TWAT"], true);
-    subscriptions.setPreset(["TWAT"], false); // the screen shows it
+    subscriptions.set("preset", ["TWAT"], true);
+    subscriptions.set("preset", ["TWAT"], false); // the screen shows it
     subscriptions.refresh();
     expect(first).not.toHaveBeenCalled();
     after();
@@ -78,7 +78,7 @@ describe("a selection beside another page", () => {
 
   it("does not wait for another client to give control back", () => {
     live.state = now({ controller: { you: false } as State["controller"] });
-    subscriptions.setPreset(["TWAT"], true);
+    subscriptions.set("preset", ["TWAT"], true);
     live.state = now();
     subscriptions.refresh();
     expect(first).not.toHaveBeenCalled();

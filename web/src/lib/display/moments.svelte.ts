@@ -5,7 +5,8 @@ import { countWhile } from "../series/columns";
 import type { Cursors } from "./cursors.svelte";
 
 export class Moments {
-  private words = $state.raw<() => string>(() => "");
+  /** What was looked for, as it is shown: in the language of now. */
+  title = $state.raw<() => string>(() => "");
   list = $state.raw<readonly Stretch[]>([]);
   /** The view of the chart in which they were found. */
   origin = $state<"scatter" | "table" | null>(null);
@@ -16,36 +17,28 @@ export class Moments {
 
   constructor(private readonly cursors: Cursors) {}
 
-  /** What was looked for, as it is shown: in the language of now. */
-  get title(): string {
-    return this.words();
-  }
-
   get current(): Stretch | undefined {
     return this.list[this.at];
   }
 
   /** Mark these, in the order of time; the first one becomes the current one. */
   mark(title: () => string, list: readonly Stretch[], origin: typeof this.origin = null): void {
-    this.words = title;
+    this.title = title;
     this.origin = origin;
     this.list = list;
     this.go(list.length > 0 ? 0 : -1);
   }
 
   clear(): void {
-    this.words = () => "";
+    this.title = () => "";
     this.list = [];
     this.origin = null;
     this.at = -1;
   }
 
-  next(): void {
-    if (this.list.length > 0) this.go((this.at + 1) % this.list.length);
-  }
-
-  previous(): void {
-    if (this.list.length > 0) this.go((this.at - 1 + this.list.length) % this.list.length);
+  /** To the next one, or to the previous one; around at the ends. */
+  turn(step: 1 | -1): void {
+    if (this.list.length > 0) this.go((this.at + step + this.list.length) % this.list.length);
   }
 
   /** The cursor goes along, unless both cursors hold a selection. */

@@ -21,7 +21,7 @@ export interface Source {
   readonly paused: boolean;
   toggle(): void;
   /** Called when another source is displayed: release the data. */
-  leave?(): void;
+  close?(): void;
 }
 
 class LiveSource implements Source {
@@ -89,7 +89,7 @@ export class Display {
     const left = this.source;
     this.live.resume();
     this.source = this.live;
-    left.leave?.();
+    left.close?.();
     this.onshown();
     frameClock.request();
   }

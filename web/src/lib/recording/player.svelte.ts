@@ -56,10 +56,6 @@ export class Player extends RecordingData implements Source {
     if (this.display.source === this) this.display.goLive();
   }
 
-  leave(): void {
-    this.close();
-  }
-
   play(): void {
     if (!this.detail || this.playing) return;
     if (this.position >= this.last) this.position = this.loop?.from ?? this.first;

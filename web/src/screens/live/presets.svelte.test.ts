@@ -37,7 +37,7 @@ it("saving one keeps those that another page has saved meanwhile", async () => {
   const preset = (id: string, name: string): Preset => ({ id, name: { en: name, ru: name }, shipped: false, tiles: [] });
   vi.spyOn(api, "presets").mockResolvedValue({ presets: [preset("own-1", "Theirs")] });
   const saved = vi.spyOn(api, "savePresets").mockImplementation((presets) => Promise.resolve({ presets }));
-  vi.spyOn(subscriptions, "setPreset").mockReturnValue();
+  vi.spyOn(subscriptions, "set").mockReturnValue();
   presets.own = [];
   presets.draft = preset("own-1", "Mine");
   await presets.save("Mine");

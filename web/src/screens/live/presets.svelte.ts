@@ -37,7 +37,7 @@ export class Presets {
     this.id = id;
     this.draft = null;
     saveSetting("preset", id);
-    if (this.chosen) this.app.subscriptions.setPreset(this.namesOf(this.chosen), true);
+    if (this.chosen) this.app.subscriptions.set("preset", this.namesOf(this.chosen), true);
   }
 
   /** All channels of a preset; a table without names has every channel. */

@@ -240,7 +240,7 @@ describe("the reader", () => {
 
   it("is not waited for while the line is free", async () => {
     line().say({ kind: "ready" });
-    program.lineFree(true);
+    program.lineIsFree = true;
     const asked = program.fetch("api/recordings");
     await line().answer("[]");
     expect(await (await asked).json()).toEqual([]);

@@ -15,7 +15,8 @@ export class Program {
   readonly line: Endpoint;
   private reader: Endpoint | null = null;
   private situation: Situation = { recording: null, catalog: null };
-  private lineIsFree = false;
+  /** Nothing waits for the line's worker: it reads a recording itself until the reader has started. */
+  lineIsFree = false;
 
   /** `shared`: whether both workers see the same files; else there is nothing that a reader could read. */
   constructor(
@@ -44,11 +45,6 @@ export class Program {
   follow(situation: Situation): void {
     this.situation = situation;
     this.reader?.tell(situation);
-  }
-
-  /** Say whether anything waits for the line's worker: if not, it reads a recording itself until the reader has started. */
-  lineFree(free: boolean): void {
-    this.lineIsFree = free;
   }
 
   /** Start the reader before it is needed; it takes seconds. */

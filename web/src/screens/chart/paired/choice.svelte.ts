@@ -60,20 +60,16 @@ export function leastOf(given: unknown): number | null {
 }
 
 export class Choice {
-  private kept = $state.raw<Stored>(readChoice(loadSetting("pairs")));
-
-  get now(): Stored {
-    return this.kept;
-  }
+  now = $state.raw<Stored>(readChoice(loadSetting("pairs")));
 
   change(change: Partial<Stored>): void {
-    this.kept = { ...this.kept, ...change };
-    saveSetting("pairs", JSON.stringify(this.kept));
+    this.now = { ...this.now, ...change };
+    saveSetting("pairs", JSON.stringify(this.now));
   }
 
   /** null: the defaults of the catalog again. */
   setEdges(name: string, edges: number[] | null): void {
-    const others = Object.entries(this.kept.edges).filter(([each]) => each !== name);
+    const others = Object.entries(this.now.edges).filter(([each]) => each !== name);
     this.change({ edges: Object.fromEntries(edges ? [...others, [name, edges]] : others) });
   }
 }
