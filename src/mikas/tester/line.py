@@ -170,7 +170,9 @@ class Line:
             if not chunk.data:
                 if not received:
                     self.count_silence()
-                raise self._nothing_more(wire, bytes(received), chunk.time)
+                    seconds = self.timing.response_timeout
+                    raise NoResponse(seconds=seconds, request=wire, received=b"", time=chunk.time)
+                raise damaged(wire, bytes(received), chunk.time, _CUT)
             if not received:
                 if not self.echo:
                     self._check_not_too_soon(wire, chunk, confirms=confirms)
@@ -239,13 +241,6 @@ class Line:
 
     def _pause(self) -> float:
         return self.timing.inter_byte_timeout + self.link.byte_time
-
-    def _nothing_more(self, wire: bytes, received: bytes, time: float) -> Exception:
-        if received:
-            return damaged(wire, received, time, _CUT)
-        return NoResponse(
-            seconds=self.timing.response_timeout, request=wire, received=received, time=time
-        )
 
     def arrived(self) -> bytes:
         """Return bytes that no request caused, without waiting (D2)."""

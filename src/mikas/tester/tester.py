@@ -24,7 +24,6 @@ from mikas.errors import (
     SyncLost,
     usage_error,
 )
-from mikas.framing import encode
 from mikas.link import Link
 from mikas.tester.ahead import RequestAhead
 from mikas.tester.exchange import Reply, Statistics, Timing
@@ -226,8 +225,7 @@ class Tester:
             try:
                 value = command.read(reply.body)
             except MikasError as error:
-                error.request = encode(command.body(), raw_checksum=self.line.raw_checksum)
-                error.received, error.time = reply.wire, reply.ended
+                error.request, error.received, error.time = wire, reply.wire, reply.ended
                 raise
         except LineError as error:
             self.sync.mark_lost(error)
