@@ -88,7 +88,7 @@ class Gate:
         self._tester.check_free()
         with self._one_at_a_time:
             if not approved:
-                self._ask(change)
+                self.ask(change)
             self._note(change, "started", None)
 
             def used() -> Change:
@@ -115,10 +115,12 @@ class Gate:
             return outcome
 
     def ask(self, change: Change) -> None:
-        """Confirm a change that is made in parts, each with `approved`. Raises `NotConfirmed`."""
+        """Confirm a change, which may be made in parts, each `approved`. Raises `NotConfirmed`."""
         self._tester.check_free()
         with self._one_at_a_time:
-            self._ask(change)
+            self.refuse_unasked(change.what, change.safety)
+            if self._confirm is not None and not self._confirm(change):
+                raise NotConfirmed(change=change.what, how=_DECLINED)
 
     def refuse_unasked(self, what: Text, safety: Safety) -> None:
         """Raise `NotConfirmed` for a dangerous change without `confirm`, as `make` does.
@@ -127,11 +129,6 @@ class Gate:
         """
         if self._confirm is None and safety >= Safety.DANGEROUS:
             raise NotConfirmed(change=what, how=_NO_CONFIRM)
-
-    def _ask(self, change: Change) -> None:
-        self.refuse_unasked(change.what, change.safety)
-        if self._confirm is not None and not self._confirm(change):
-            raise NotConfirmed(change=change.what, how=_DECLINED)
 
     def _note(self, change: Change, state: str, outcome: str | None) -> None:
         if self._journal is None:

@@ -50,48 +50,36 @@ class DataReader:
     def __init__(self, tester: Tester, cache: LimitsCache) -> None:
         self._tester = tester
         self._cache = cache
-        self._requests = _Requests(tester, cache)
+        self.requests = _Requests(tester, cache)
         self._silence = SilenceCheck(tester)  # of the present reading
         self._ambiguous: Counter[int] = Counter()  # answers 01 by code: datum or refusal
         self._too_long = 0  # failures in a row of a list length that has worked before
 
-    def batch(self, wanted: Sequence[Datum], *, again: bool = False) -> dict[int, RawDatum]:
+    def read(
+        self, wanted: Sequence[Datum], *, single: bool = False, again: bool = False
+    ) -> dict[int, RawDatum]:
         """Read `wanted`, of distinct codes, in the largest requests that the unit accepts.
 
-        The result lacks codes that the unit refuses; these are requested once more only with
-        `again`. Raises a `LineError`, a `NoConnection`, or `NotSupported` if 61 is unknown.
+        `single`: one request for each code. The result lacks codes that the unit refuses; these are
+        requested once more only with `again`. Raises a `LineError`, a `NoConnection`, or
+        `NotSupported` if 61 is unknown.
         """
         self._silence = SilenceCheck(self._tester)
-        return self._read_all(self._not_refused(wanted, again=again))
-
-    def single(self, wanted: Sequence[Datum], *, again: bool = False) -> dict[int, RawDatum]:
-        """As `batch`, one request for each code."""
-        self._silence = SilenceCheck(self._tester)
-        found: dict[int, RawDatum] = {}
-        for datum in self._not_refused(wanted, again=again):
-            found |= self._read([datum])
-        return found
+        return self._read_all(self._not_refused(wanted, again=again), single=single)
 
     def request_for(self, wanted: Sequence[Datum]) -> ReadParameters | None:
         """Return the one request that reads `wanted`; None: it takes more, or is not known yet."""
-        if not self._requests.has_answered(wanted[0].code):
+        if wanted[0].code not in self.requests.answered:
             return None
         part = self._not_refused(wanted)
         fits = 0 < len(part) <= self._cache.limits().max_list
-        return self._requests.request_for(part) if fits else None
-
-    def at_once(self, wanted: Sequence[Datum]) -> dict[int, RawDatum]:
-        """Read `wanted` by one request that is not repeated; its failure teaches nothing.
-
-        {} for an ambiguous 01. Raises a `LineError`, a `NoConnection`, or `NotSupported`.
-        """
-        return self._requests.send_once(wanted)
+        return self.requests.request_for(part) if fits else None
 
     def refuses(self, codes: Iterable[int]) -> bool:
         """Whether the unit refuses all `codes`, or answers them with ambiguous 01 only."""
         refused = {*self._cache.limits().refused}
         for code, times in self._ambiguous.items():
-            if times >= _AMBIGUOUS and not self._requests.has_answered(code):
+            if times >= _AMBIGUOUS and code not in self.requests.answered:
                 refused.add(code)
         return refused.issuperset(codes)
 
@@ -105,10 +93,10 @@ class DataReader:
             self._cache.keep()
         return [d for d in wanted if d.code not in limits.refused]
 
-    def _read_all(self, wanted: list[Datum]) -> dict[int, RawDatum]:
+    def _read_all(self, wanted: list[Datum], *, single: bool = False) -> dict[int, RawDatum]:
         found: dict[int, RawDatum] = {}
         while wanted:
-            most = self._cache.limits().max_list
+            most = 1 if single else self._cache.limits().max_list
             part, wanted = wanted[:most], wanted[most:]
             found |= self._read(part)
         return found
@@ -123,7 +111,7 @@ class DataReader:
             return self._request(part, halved=halved)
         except (NotSupported, NoResponse, WrongLength) as error:
             # Silent, short or refused (D11): too many codes, or an unknown one.
-            if not self._requests.answers_any(part):
+            if not self.requests.answers_any(part):
                 raise  # no code is answered
             if len(part) == 1:
                 return self._read_doubtful(part[0], error)
@@ -142,7 +130,7 @@ class DataReader:
 
     def _shorten(self, length: int) -> None:
         """Lower the limit below `length`, after several failures if that length worked before."""
-        requests = self._requests
+        requests = self.requests
         if length <= requests.longest_list:
             self._too_long += 1
             if self._too_long < _TOO_OFTEN:
@@ -157,9 +145,10 @@ class DataReader:
     ) -> dict[int, RawDatum]:
         """Read `datum`, whose request failed with `error`; {} if the unit proves to refuse it."""
         while True:
-            if isinstance(error, WrongLength) or self._requests.has_answered(datum.code):
+            if isinstance(error, WrongLength) or datum.code in self.requests.answered:
                 raise error  # the parameter is known: another size than requested, or a bad line
-            if error.received or self._silence.is_unknown(datum, self._requests.latest):
+            latest = next(reversed(self.requests.answered.values()))  # there is one: `answers_any`
+            if error.received or self._silence.is_unknown(datum, latest):
                 break
             if self._silence.gives_up(datum):
                 raise error
@@ -173,8 +162,8 @@ class DataReader:
         return {}
 
     def _request(self, part: list[Datum], *, halved: bool = False) -> dict[int, RawDatum]:
-        found = self._requests.send(part, halved=halved)
-        if len(part) == self._requests.longest_list:
+        found = self.requests.send(part, halved=halved)
+        if len(part) == self.requests.longest_list:
             self._too_long = 0
         if not found:
             self._ambiguous[part[0].code] += 1
@@ -186,32 +175,23 @@ class _Requests:
 
     def __init__(self, tester: Tester, cache: LimitsCache) -> None:
         self.longest_list = 1  # that this unit has answered
+        self.answered: dict[int, Datum] = {}  # codes that have answered with a datum, latest last
         self._tester = tester
         self._cache = cache
-        self._answered: dict[int, Datum] = {}  # codes that have answered with a datum
         self._ones: set[int] = set()  # those of them whose latest datum was 01
         self._silent: bool | None = None  # whether the unit refuses a pair by silence, not by 01
-
-    def has_answered(self, code: int) -> bool:
-        """Whether this code has answered with a datum."""
-        return code in self._answered
-
-    @property
-    def latest(self) -> Datum:
-        """The datum answered last. There must be one (`answers_any`)."""
-        return next(reversed(self._answered.values()))
 
     def answers_any(self, wanted: Iterable[Datum]) -> bool:
         """Whether the unit has sent any datum, or sends one of `COMMON` or `wanted` now."""
         for datum in islice(dict.fromkeys((*COMMON, *wanted)), _PROBES):
-            if self._answered:
+            if self.answered:
                 break
             with suppress(EcuRefused, LineError):
                 command = ReadParameters((datum,))
                 data, reply = self._tester.exchange(command, retries=0, trial=True)
                 if data != (_ONE,):
                     self._record([datum], data, reply)
-        return bool(self._answered)
+        return bool(self.answered)
 
     def request_for(self, part: Sequence[Datum]) -> ReadParameters:
         """Return the request that `send` would send."""
@@ -229,13 +209,13 @@ class _Requests:
         if lone and self._is_sent_twice(part):
             return self._send_twice(lone)
         retries = None
-        if lone and lone.code not in self._answered:
+        if lone and lone.code not in self.answered:
             return self._send_untried(lone)
         if halved:
             retries = 0  # the list's retries were enough; other parameters wait
         elif len(part) > self.longest_list:
             retries = 1  # it may be too long: halving is the better attempt
-        trial = len(part) > self.longest_list or part[0].code not in self._answered
+        trial = len(part) > self.longest_list or part[0].code not in self.answered
         data, reply = self._tester.exchange(
             ReadParameters(tuple(part)), retries=retries, trial=trial
         )
@@ -257,7 +237,10 @@ class _Requests:
         return self._record([datum], data, reply)
 
     def send_once(self, part: Sequence[Datum]) -> dict[int, RawDatum]:
-        """Request `part` without a repetition; return its data by code, {} for a lone 01."""
+        """Request `part` without a repetition; return its data by code, {} for a lone 01.
+
+        A failure teaches nothing. Raises a `LineError`, a `NoConnection`, or `NotSupported`.
+        """
         data, reply = self._tester.exchange(ReadParameters(tuple(part)), retries=0, trial=True)
         return {} if data == (_ONE,) else self._record(part, data, reply)
 
@@ -273,8 +256,8 @@ class _Requests:
         self.longest_list = max(self.longest_list, len(requested))
         found = {d.code: RawDatum(raw, reply.began) for d, raw in zip(requested, data, strict=True)}
         for datum in requested:
-            self._answered.pop(datum.code, None)
-            self._answered[datum.code] = datum
+            self.answered.pop(datum.code, None)
+            self.answered[datum.code] = datum
         ones = {code for code, each in found.items() if each.raw == _ONE}
         self._ones = (self._ones - found.keys()) | ones
         return found
@@ -311,7 +294,7 @@ class _Requests:
             return self.longest_list > 1
         if not self.answers_any([wanted]):
             return True  # no code is known
-        known = next(iter(self._answered.values()))
+        known = next(iter(self.answered.values()))
         for _ in range(_PAIR_TRIES):
             with suppress(NotSupported, NoResponse, WrongLength):
                 self._send_twice(known, retries=0)

@@ -168,11 +168,10 @@ class Parameters:
         return Wanted(parameters, self._interpretation)
 
     def fetch(
-        self, wanted: Wanted, method: str = "batch", *, again: bool = False
+        self, wanted: Wanted, *, single: bool = False, again: bool = False
     ) -> dict[int, RawDatum]:
-        """Read the data of `wanted`, each code once. Arguments and errors: `DataReader.batch`."""
-        read = self._data.single if method == "single" else self._data.batch
-        return read(wanted.data, again=again)
+        """Read the data of `wanted`, each code once. Arguments and errors: `DataReader.read`."""
+        return self._data.read(wanted.data, single=single, again=again)
 
     def announce(self, wanted: Wanted, *, listed: bool) -> None:
         """Announce (`Tester.announce`) the request that reads `wanted`, if it takes one.
@@ -185,9 +184,9 @@ class Parameters:
             self.tester.announce(c.ReadList(list_of(wanted.parameters)))
 
     def at_once(self, parameters: Sequence[Parameter]) -> dict[str, Reading]:
-        """Read `parameters` by one request; errors and result: `DataReader.at_once`."""
+        """Read `parameters` by one request; errors and result: `send_once`."""
         wanted = self.wanted(parameters)
-        return wanted.readings(self._data.at_once(wanted.data))
+        return wanted.readings(self._data.requests.send_once(wanted.data))
 
     def refuses(self, wanted: Sequence[Parameter]) -> bool:
         """Whether the unit is known to refuse every one of them."""

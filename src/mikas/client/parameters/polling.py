@@ -104,7 +104,7 @@ class RequestPoller(Poller):
     """61, 63 and 64. `again`: the first cycle also requests parameters refused before."""
 
     _parameters: Parameters
-    _method: FixedMethod
+    _single: bool
     _again: bool = False
 
     def cycle(self, turns: Sequence[Turn] = (), then: Turn | None = None) -> dict[str, Reading]:
@@ -119,7 +119,7 @@ class RequestPoller(Poller):
     def _read(self, turn: Turn) -> dict[str, Reading]:
         if turn.listed:
             return self._parameters.through_list(turn.wanted)
-        got = self._parameters.fetch(turn.wanted, self._method, again=self._again)
+        got = self._parameters.fetch(turn.wanted, single=self._single, again=self._again)
         return turn.wanted.readings(got)
 
     def close(self) -> None:
@@ -263,4 +263,4 @@ def create_poller(
     if method in STREAMS:
         stroke = int(method[-1]) if method.startswith("stroke") else None
         return StreamPoller(parameters, streamed, stroke)
-    return RequestPoller(parameters, method, again)
+    return RequestPoller(parameters, method == "single", again)
