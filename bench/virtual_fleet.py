@@ -24,8 +24,7 @@ from mikas.commands import Datum, ReadFaults, ReadParameters
 from mikas.framing import encode
 from mikas.i18n import Text
 from mikas.link.base import Direction
-from mikas.recording.annotations.car import car_note
-from mikas.recording.annotations.events import catalog_note, note_of
+from mikas.recording.annotations.events import car_note, catalog_note, note_of
 from mikas.recording.capture.writer import CaptureWriter
 from mikas.sampling.events import Gap, UnitFound
 from mikas.virtual.cars import EngineCar

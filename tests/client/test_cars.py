@@ -7,7 +7,7 @@ import json
 import pytest
 
 from mikas.client.cars import LONGEST, NO_CAR, CarBook, CarDetails, car_details
-from mikas.recording.annotations.car import car_note, car_of
+from mikas.recording.annotations.events import car_note, car_of
 from mikas.recording.capture.notes import Kind, Note
 from mikas.virtual import VIRTUAL_PASSPORT
 

@@ -19,7 +19,7 @@ from mikas.fleet.interpreting import InterpretingSettings
 from mikas.fleet.job import LARGEST
 from mikas.fleet.ledger import FOLDER, MARKER, begin, open_ledger
 from mikas.fleet.stores import DiskStore, store
-from mikas.recording.annotations.car import car_note
+from mikas.recording.annotations.events import car_note
 from mikas.recording.capture.writer import append_note
 
 TOTAL = "SELECT count(*), count(DISTINCT drive), (SELECT count(*) FROM drives) FROM samples"

@@ -14,7 +14,7 @@ from fleet_rig import BEGAN, DAY, SETTINGS, add_here, ask, make
 from mikas.catalog import load, shipped
 from mikas.client.cars import CarDetails
 from mikas.fleet.interpreting import InterpretingSettings, interpret
-from mikas.recording.annotations.car import car_note
+from mikas.recording.annotations.events import car_note
 from mikas.recording.capture.writer import append_note
 from mikas.recording.export import export
 from mikas.recording.recording import Recording

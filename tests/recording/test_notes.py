@@ -25,8 +25,7 @@ from mikas.errors import CaptureError
 from mikas.i18n import Text
 from mikas.link.base import Direction
 from mikas.recording import CaptureReader, CaptureWriter, Kind, Note
-from mikas.recording.annotations.car import car_note
-from mikas.recording.annotations.events import catalog_note, faults_note, note_of, unit_of
+from mikas.recording.annotations.events import car_note, catalog_note, faults_note, note_of, unit_of
 from mikas.recording.capture import blocks as pcapng
 from mikas.recording.capture import notes as blocks
 from mikas.recording.capture.notes import index

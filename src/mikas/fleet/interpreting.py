@@ -23,8 +23,7 @@ from mikas.fleet.cars import CarKey, car_key, partition
 from mikas.fleet.states import DriveState, StateCollector
 from mikas.fleet.writing import TableWriter, timestamp
 from mikas.i18n import Text
-from mikas.recording.annotations.car import car_of
-from mikas.recording.annotations.events import RecordedUnit, recorded_faults, unit_of
+from mikas.recording.annotations.events import RecordedUnit, car_of, recorded_faults, unit_of
 from mikas.recording.capture.notes import Note
 from mikas.recording.capture.reader import Source
 from mikas.recording.export.sheet import program

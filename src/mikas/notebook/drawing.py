@@ -10,6 +10,7 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -18,7 +19,6 @@ from matplotlib.colors import to_rgb
 from matplotlib.ticker import FuncFormatter, Locator, MaxNLocator
 from matplotlib.transforms import ScaledTranslation
 
-from mikas.i18n import Language
 from mikas.notebook.interruptions import united
 from mikas.notebook.panes import DAY, NIGHT, Palette
 from mikas.notebook.picture import Picture, PlottedLine
@@ -89,7 +89,7 @@ def draw(picture: Picture, figsize: tuple[float, float] | None, ax: Axes | None)
     _flags(panes, picture, palette)
     foot = panes[-1]
     foot.xaxis.set_major_locator(_RoundTimes(picture.zero))
-    foot.xaxis.set_major_formatter(FuncFormatter(_Times(picture).text))
+    foot.xaxis.set_major_formatter(FuncFormatter(partial(_time_label, picture)))
     foot.set_xlim(picture.begin, picture.end)
     _reasons(foot, picture, palette)
     return plot
@@ -332,16 +332,9 @@ class _RoundTimes(Locator):
         return [time - zero for time in round_times(zero + vmin, zero + vmax, origin)]
 
 
-class _Times:
-    """The label of a time: of the day, or since the first row."""
-
-    def __init__(self, picture: Picture) -> None:
-        self._picture = picture
-
-    def text(self, seconds: float, _: object = None) -> str:
-        picture = self._picture
-        language: Language = picture.language
-        step = step_of(picture.begin, picture.end)
-        if calendar(picture.zero) is None:
-            return elapsed(seconds, step, language)
-        return time_of_day(picture.zero + seconds, step, language)
+def _time_label(picture: Picture, seconds: float, _: object = None) -> str:
+    """Return the label of a time: of the day, or since the first row."""
+    step = step_of(picture.begin, picture.end)
+    if calendar(picture.zero) is None:
+        return elapsed(seconds, step, picture.language)
+    return time_of_day(picture.zero + seconds, step, picture.language)

@@ -21,7 +21,6 @@ from mikas.sampling.events import Gap, Marker
 
 if TYPE_CHECKING:
     from mikas.i18n import Text
-    from mikas.recording.exchanges.arrays import Floats
     from mikas.recording.recording import Recording
 
 _CURVE: Final = 120  # points of a channel's course, two for each of its columns
@@ -87,6 +86,7 @@ def _channels(recording: Recording) -> Iterator[ChannelOverview]:
             yield ChannelOverview(channel, is_derived)
             continue
         intervals = np.diff(times)
+        drawn = course(times, values, gaps, _CURVE)
         usual = float(np.median(intervals)) if intervals.size else 0.0
         yield ChannelOverview(
             channel,
@@ -96,9 +96,5 @@ def _channels(recording: Recording) -> Iterator[ChannelOverview]:
             most=float(values.max()),
             share=float(values.mean()) if channel.is_flag else None,
             rate=1 / usual if usual > 0 else None,
-            curve=_curve(*course(times, values, gaps, _CURVE)),
+            curve=tuple(zip(*(it.tolist() for it in drawn), strict=True)),
         )
-
-
-def _curve(times: Floats, values: Floats) -> Curve:
-    return tuple(zip(times.tolist(), values.tolist(), strict=True))

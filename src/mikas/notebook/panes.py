@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import cycle
 from typing import TYPE_CHECKING, Final
 
 from mikas.errors import usage_error
@@ -107,9 +108,5 @@ def by_unit(channels: Iterable[Channel]) -> list[list[Channel]]:
 
 def coloured(panes: Iterable[Sequence[Channel]]) -> list[Pane]:
     """Return the panes with the colours in their order, through all panes."""
-    coloured: list[Pane] = []
-    count = 0
-    for pane in panes:
-        coloured.append(tuple(Trace(it, (count + at) % 8) for at, it in enumerate(pane)))
-        count += len(pane)
-    return coloured
+    colours = cycle(range(len(DAY.traces)))
+    return [tuple(Trace(channel, next(colours)) for channel in pane) for pane in panes]

@@ -55,10 +55,8 @@ class RecordingStatus:
 class _Open:
     """One recording: its file, until that is closed, and the origin of its name."""
 
-    path: Path
-    named: Path  # by the user; `path` has a number in it if other files precede it
+    named: Path  # by the user; the file's own name has a number if other files precede it
     url: str
-    baud: int
     writer: CaptureWriter
     sink: Coalescer | CaptureWriter
     since: float | None
@@ -91,15 +89,7 @@ class Recorder:
 
     # For its users
 
-    def start(
-        self,
-        path: str | os.PathLike[str],
-        *,
-        url: str,
-        baud: int = 9600,
-        overwrite: bool = False,
-        pipe: bool = True,
-    ) -> None:
+    def start(self, path: str | os.PathLike[str], *, url: str, pipe: bool = True) -> None:
         """Record to `path` from here on; end a running recording first. As `CaptureWriter`.
 
         In mid-session the request of a running stream or list was sent before: pass `ask_in_full`
@@ -110,7 +100,7 @@ class Recorder:
         """
         with self._lock:
             named = Path(path)
-            opened = self._create(named, named, url, baud, overwrite=overwrite, pipe=pipe)
+            opened = self._create(named, named, url, pipe=pipe)
             self.stop()
             self._begin(opened)
 
@@ -168,7 +158,7 @@ class Recorder:
             written = it.written if it.failure else samples
             size = 0 if it.writer.deleted else it.writer.size
             lost = samples - written
-            return RecordingStatus(it.path, it.since, size, written, gaps, it.failure, lost)
+            return RecordingStatus(it.writer.path, it.since, size, written, gaps, it.failure, lost)
 
     @property
     def failure(self) -> CaptureError | None:
@@ -215,19 +205,10 @@ class Recorder:
     def _running(self) -> _Open | None:
         return self._open if self._open is not None and self._open.failure is None else None
 
-    def _create(
-        self,
-        path: Path,
-        named: Path,
-        url: str,
-        baud: int,
-        *,
-        overwrite: bool = False,
-        pipe: bool = False,
-    ) -> _Open:
-        writer = CaptureWriter(path, url=url, baud=baud, overwrite=overwrite, pipe=pipe)
-        sink = Coalescer(writer, baud=baud) if self._joined else writer
-        return _Open(path, named, url, baud, writer, sink, self._time)
+    def _create(self, path: Path, named: Path, url: str, *, pipe: bool = False) -> _Open:
+        writer = CaptureWriter(path, url=url, pipe=pipe)
+        sink = Coalescer(writer) if self._joined else writer
+        return _Open(named, url, writer, sink, self._time)
 
     def _begin(self, opened: _Open) -> None:
         self._open = opened
@@ -241,7 +222,7 @@ class Recorder:
             list(self._annotator.notes_of(another))  # its notes are the new file's head
         try:
             path = _next(before.named)
-            opened = self._create(path, before.named, before.url, before.baud)
+            opened = self._create(path, before.named, before.url)
         except (CaptureError, OSError) as error:
             if before.failure is None:
                 if not isinstance(error, CaptureError):

@@ -21,7 +21,6 @@ from mikas.recording.table.channels import Rows, all_channels, calendar, is_reco
 from mikas.sampling.events import Event, MethodChosen
 
 if TYPE_CHECKING:
-    from mikas.recording.table.conversion import Converter
     from mikas.recording.table.raw_recording import RawRecording
     from mikas.recording.table.window import Windows
 
@@ -191,10 +190,22 @@ class Recording:
         return iter(()) if session is None else self._stretches(session)
 
     def _stretches(self, session: int | None) -> Iterator[tuple[Source, Rows]]:
+        from mikas.recording.table.conversion import Converter
         from mikas.recording.table.derived import Deriver
 
+        recorded = [each.name for each in self._converter.channels]
+        wanted = {each.name for each in self.channels}
+        names = recorded if self._derived else [name for name in recorded if name in wanted]
+        converters = [self._converter]
+        if self._derived and self.interpretation != "corrected":
+            converters.append(Converter(self.catalog, "corrected", self.raw.codes))
+        raw, rising = self.raw, session is None
+        found = (
+            each.stretches(raw.stretches(session), names, rising=rising) for each in converters
+        )
         derivers: dict[Source, Deriver] = {}
-        for source, rows, corrected in self._with_corrected(session):
+        for stretch in zip(*found, strict=True):
+            (source, rows), (_, corrected) = stretch[0], stretch[-1]
             derived = {}
             if self._derived:
                 if source not in derivers:
@@ -228,25 +239,6 @@ class Recording:
     def to_arrow(self) -> Any:  # noqa: ANN401  (pyarrow may not be installed)
         """Return a `pyarrow.Table`; units and texts are in the metadata of its fields."""
         return self._frame("pyarrow")
-
-    def _with_corrected(self, session: int | None) -> Iterator[tuple[Source, Rows, Rows]]:
-        """Yield each stretch with its corrected values, for the derived channels."""
-        from mikas.recording.table.conversion import Converter
-
-        def of(converter: Converter) -> Iterator[tuple[Source, Rows]]:
-            raw, rising = self.raw.stretches(session), session is None
-            return converter.stretches(raw, names, rising=rising)
-
-        recorded = [each.name for each in self._converter.channels]
-        wanted = {each.name for each in self.channels}
-        names = recorded if self._derived else [name for name in recorded if name in wanted]
-        if not self._derived or self.interpretation == "corrected":
-            for source, rows in of(self._converter):
-                yield source, rows, rows
-            return
-        corrected = Converter(self.catalog, "corrected", self.raw.codes)
-        for (source, rows), (_, others) in zip(of(self._converter), of(corrected), strict=True):
-            yield source, rows, others
 
     def _chosen(self, rows: Rows) -> Rows:
         import numpy as np

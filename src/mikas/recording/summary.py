@@ -22,8 +22,13 @@ from mikas.errors import CaptureError, MikasError
 from mikas.files import open_regular
 from mikas.i18n import Text
 from mikas.link.base import Direction
-from mikas.recording.annotations.car import car_of
-from mikas.recording.annotations.events import RecordedUnit, comment_of, events_of, first_unit
+from mikas.recording.annotations.events import (
+    RecordedUnit,
+    car_of,
+    comment_of,
+    events_of,
+    first_unit,
+)
 from mikas.recording.annotations.fields import LONGEST_COMMENT
 from mikas.recording.capture import blocks as pcapng
 from mikas.recording.capture.notes import Note, index

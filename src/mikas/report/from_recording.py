@@ -11,9 +11,9 @@ from mikas.catalog import Catalog
 from mikas.cleaning import clean_line
 from mikas.client.cars import NO_CAR, CarDetails
 from mikas.guided.recorded import results_of
-from mikas.recording.annotations.car import car_of
 from mikas.recording.annotations.events import (
     RecordedUnit,
+    car_of,
     comment_of,
     events_of,
     unit_of,

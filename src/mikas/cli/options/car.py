@@ -67,7 +67,7 @@ class CarOptions:
         """Return the `car` of a `Recorder`: options are of the first unit, not of another one."""
         from mikas.client.cars import NO_CAR, CarBook
         from mikas.client.connecting import STATE_VARIABLE, state_folder
-        from mikas.recording.annotations.car import car_note
+        from mikas.recording.annotations.events import car_note
 
         virtual = bool(os.environ.get(STATE_VARIABLE))
         book = CarBook(state_folder() / "cars.json", virtual_units=virtual)

@@ -23,8 +23,7 @@ from mikas.dashboard.session.port_threads import SamplingThread
 from mikas.dashboard.settings import ensure_folder
 from mikas.errors import MikasError
 from mikas.i18n import Text
-from mikas.recording.annotations.car import car_note
-from mikas.recording.annotations.events import faults_note, note_of
+from mikas.recording.annotations.events import car_note, faults_note, note_of
 from mikas.recording.capture.notes import Note
 from mikas.recording.capture.writer import append_note
 from mikas.recording.recorder import Recorder, RecordingStatus, ask_in_full

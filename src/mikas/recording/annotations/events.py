@@ -15,6 +15,7 @@ from itertools import islice
 from typing import Any, Final
 
 from mikas.catalog import Catalog
+from mikas.client.cars import CarDetails, car_details
 from mikas.client.identity import UnitIdentity
 from mikas.commands.unit import version_of
 from mikas.i18n import Text
@@ -121,6 +122,11 @@ def faults_note(time: float, readings: Iterable[FaultReading]) -> Note:
 def comment_note(time: float, text: str) -> Note:
     """Return the note of a comment on the whole recording; it replaces the one before."""
     return Note(_COMMENT, time, {"text": text[:LONGEST_COMMENT]})
+
+
+def car_note(time: float, details: CarDetails) -> Note:
+    """Return the note of the car: name, plate, mileage, workshop; it replaces the one before."""
+    return Note(Kind.CAR, time, asdict(details))
 
 
 # Notes to events
@@ -253,6 +259,15 @@ def comment_of(notes: Iterable[Note]) -> str:
         text_of(note.data.get("text"), LONGEST_COMMENT) for note in notes if note.kind == _COMMENT
     ]
     return next((text for text in reversed(texts) if text is not None), "")
+
+
+def car_of(notes: Iterable[Note]) -> CarDetails:
+    """Return the details in the last note of a car; empty ones without such a note."""
+    found = CarDetails()
+    for note in notes:
+        if note.kind == Kind.CAR:
+            found = car_details(note.data)
+    return found
 
 
 def recorded_faults(notes: Iterable[Note]) -> Iterator[FaultReading]:

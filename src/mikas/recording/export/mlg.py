@@ -54,10 +54,9 @@ def write(path: Path, sheet: Sheet) -> None:
 
 def _head(sheet: Sheet) -> bytes:
     fields = [_FIELD.pack(_S32, b"Time", b"s", _FLOAT, 0.001, 0.0, 3)]
-    fields += [
-        _FIELD.pack(_F32, name, _fitting(channel.unit, 9), _FLOAT, 1.0, 0.0, _digits(channel))
-        for name, channel in zip(_names(sheet.channels), sheet.channels, strict=True)
-    ]
+    for name, channel in zip(_names(sheet.channels), sheet.channels, strict=True):
+        unit, digits = _fitting(channel.unit, 9), min(max(channel.decimals, 0), 9)
+        fields.append(_FIELD.pack(_F32, name, unit, _FLOAT, 1.0, 0.0, digits))
     info = heading(sheet) + b"\0"
     begins = _HEADER.size + _FIELD.size * len(fields)
     started = 0
@@ -101,10 +100,6 @@ def _record(channels: int) -> int:
 def _marker(written: int, mark: LogMark) -> bytes:
     clock = math.floor(mark.time * 100_000) % 65_536
     return _MARKER.pack(1, written % 256, clock, _fitting(mark.text, 49))
-
-
-def _digits(channel: Channel) -> int:
-    return min(max(channel.decimals, 0), 9)
 
 
 def _names(channels: tuple[Channel, ...]) -> list[bytes]:

@@ -11,6 +11,7 @@ whose extremes are computed once, when they are first needed.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Final
 
@@ -25,24 +26,35 @@ from mikas.recording.table.decimation import Pieces, extremes
 _SHORT: Final = 1 << 18  # rows of a recording that is not packed: 60 MB of all channels
 _BLOCK: Final = 64  # rows
 _ENOUGH: Final = 4  # blocks in a piece of time
+_ALL: Final = slice(None)
 _MISSING: Final = {2: np.iinfo(np.int16).min, 4: np.iinfo(np.int32).min}
 
 
+@dataclass(frozen=True, eq=False)
 class _Packed:
     """A column as whole numbers, or as floats if these would not restore every value."""
 
-    def __init__(self, numbers: NDArray[np.generic], conversion: Conversion | None) -> None:
-        self._numbers = numbers
-        self._conversion = conversion
+    numbers: NDArray[np.generic]
+    conversion: Conversion | None = None
 
-    def values(self, chosen: slice | Index) -> Floats:
+    def values(self, chosen: slice = _ALL) -> Floats:
         """Return the values of the rows `chosen`."""
-        return _unpacked(self._numbers[chosen], self._conversion)
+        numbers, conversion = self.numbers[chosen], self.conversion
+        if conversion is None:
+            return np.asarray(numbers, np.float64)
+        whole = numbers.astype(np.int64)
+        if conversion.is_flag:
+            values = whole.astype(np.float64)
+        else:
+            exact = whole * conversion.numerator + conversion.constant
+            values = exact / float(conversion.denominator)
+        values[whole == _MISSING[numbers.dtype.itemsize]] = np.nan
+        return values
 
     @cached_property
     def ends(self) -> tuple[Floats, Floats]:
         """The extremes of each block of rows, in their order."""
-        blocks = len(self._numbers) // _BLOCK
+        blocks = len(self.numbers) // _BLOCK
         first, second = np.empty(blocks), np.empty(blocks)
         for at in range(0, blocks, 1024):
             stop = min(blocks, at + 1024)
@@ -59,20 +71,20 @@ class Windows:
 
     def __init__(self, rows: Iterable[Rows], conversions: Mapping[str, Conversion]) -> None:
         times: list[Floats] = []
-        pieces: dict[str, list[tuple[Conversion | None, NDArray[np.generic]]]] = {}
+        pieces: dict[str, list[_Packed]] = {}
         count = 0
         for stretch in rows:
             times.append(stretch.times)
             is_long, count = count > _SHORT, count + len(stretch.times)
             for name, column in stretch.values.items():
                 parts = pieces.setdefault(name, [])
-                if count > _SHORT:
-                    conversion = conversions.get(name)
-                    if not is_long:
-                        parts[:] = [_packed(np.asarray(part), conversion) for _, part in parts]
-                    parts.append(_packed(column, conversion))
-                else:
-                    parts.append((None, column))
+                if count <= _SHORT:
+                    parts.append(_Packed(column))
+                    continue
+                conversion = conversions.get(name)
+                if not is_long:
+                    parts[:] = [_packed(part.values(), conversion) for part in parts]
+                parts.append(_packed(column, conversion))
         self.times: Floats = np.concatenate([np.empty(0), *times])
         order: Index | None = None
         if (np.diff(self.times) < 0).any():
@@ -141,44 +153,22 @@ def _alternating(ones: Floats, others: Floats) -> Floats:
     return both
 
 
-def _packed(
-    column: Floats, conversion: Conversion | None
-) -> tuple[Conversion | None, NDArray[np.generic]]:
+def _packed(column: Floats, conversion: Conversion | None) -> _Packed:
     if conversion is None or conversion.size > 2:
-        return None, column
+        return _Packed(column)
     size = 2 * conversion.size
     missing = np.isnan(column)
     numbers = np.where(missing, 0.0, column)
     if not conversion.is_flag:
         exact = numbers * float(conversion.denominator) - conversion.constant
         numbers = np.rint(exact / conversion.numerator)
-    packed = np.where(missing, _MISSING[size], numbers).astype(f"i{size}")
-    if np.array_equal(_unpacked(packed, conversion), column, equal_nan=True):
-        return conversion, packed
-    return None, column
+    packed = _Packed(np.where(missing, _MISSING[size], numbers).astype(f"i{size}"), conversion)
+    return packed if np.array_equal(packed.values(), column, equal_nan=True) else _Packed(column)
 
 
-def _unpacked(numbers: NDArray[np.generic], conversion: Conversion | None) -> Floats:
-    if conversion is None:
-        return np.asarray(numbers, np.float64)
-    whole = numbers.astype(np.int64)
-    if conversion.is_flag:
-        values = whole.astype(np.float64)
-    else:
-        exact = whole * conversion.numerator + conversion.constant
-        values = exact / float(conversion.denominator)
-    values[whole == _MISSING[numbers.dtype.itemsize]] = np.nan
-    return values
-
-
-def _joined(
-    pieces: list[tuple[Conversion | None, NDArray[np.generic]]], order: Index | None
-) -> _Packed:
-    conversion = pieces[0][0]
-    if any(each is not conversion for each, _ in pieces):
-        pieces = [(None, _unpacked(numbers, each)) for each, numbers in pieces]
-        conversion = None
-    numbers = np.concatenate([numbers for _, numbers in pieces])
-    if order is not None:
-        numbers = numbers[order]
-    return _Packed(numbers, conversion)
+def _joined(parts: list[_Packed], order: Index | None) -> _Packed:
+    conversion = parts[0].conversion
+    if any(part.conversion is not conversion for part in parts):
+        parts, conversion = [_Packed(part.values()) for part in parts], None
+    numbers = np.concatenate([part.numbers for part in parts])
+    return _Packed(numbers if order is None else numbers[order], conversion)

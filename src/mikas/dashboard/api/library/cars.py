@@ -14,8 +14,7 @@ from mikas.dashboard.api.errors import Described, errors
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.errors import NotConnected
 from mikas.dashboard.library.folder import RecordingFile
-from mikas.recording.annotations.car import car_note
-from mikas.recording.annotations.events import RecordedUnit
+from mikas.recording.annotations.events import RecordedUnit, car_note
 from mikas.recording.capture.writer import append_note
 
 router = APIRouter(tags=["recordings"])
