@@ -18,7 +18,7 @@ from math import inf
 
 from mikas.client import Ecu
 from mikas.client.parameters.data import COMMON, refused
-from mikas.client.parameters.polling import STREAMS, Turn, create_poller
+from mikas.client.parameters.polling import STREAMS
 from mikas.client.parameters.silence import SilenceCheck
 from mikas.commands import Datum, ReadParameters
 from mikas.errors import (
@@ -86,8 +86,8 @@ class UnsupportedParameters:
         parameters = [planned.parameter for planned in plan.parameters]
         requested = self._context.request
         again = requested.selection.explicit and requested is not self._retried
-        poller = create_poller(ecu.parameters, "batch", again=again or self._again)
-        fresh = poller.cycle([Turn(ecu.parameters.wanted(parameters))])
+        wanted = ecu.parameters.wanted(parameters)
+        fresh = wanted.readings(ecu.parameters.fetch(wanted, again=again or self._again))
         self._retried, self._again = requested, False
         self._context.knowledge.max_list = ecu.limits().max_list
         for name in self._context.dropped.intersection(fresh):
@@ -173,9 +173,8 @@ class UnsupportedParameters:
         parameters = [p.parameter for p in plan.parameters if datum_of(p.parameter) in answered]
         if not parameters:
             return
-        poller = create_poller(ecu.parameters, "batch")
-        fresh = poller.cycle([Turn(ecu.parameters.wanted(parameters))])
-        if fresh:
+        wanted = ecu.parameters.wanted(parameters)
+        if fresh := wanted.readings(ecu.parameters.fetch(wanted)):
             self._context.identity_check.check(ecu, lambda: None)
             yield from self._context.sampled(fresh)
 
