@@ -6,11 +6,11 @@ import re
 from pathlib import Path
 
 import mikas.report
-from mikas.report.labels import NAMES
+from mikas.report.labels import LABELS
 
 
 def test_every_label_is_on_the_page() -> None:
     folder = Path(mikas.report.__file__).parent
     text = "".join((folder / name).read_text("utf-8") for name in ("page.py", "page.html"))
     text += "".join(each.read_text("utf-8") for each in sorted(folder.glob("sections/*.py")))
-    assert {name for name in NAMES if not re.search(rf"""["']{name}["']""", text)} == set()
+    assert {name for name in LABELS if not re.search(rf"""["']{name}["']""", text)} == set()

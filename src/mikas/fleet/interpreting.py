@@ -174,8 +174,8 @@ class _Reader:
             assert drive is not None  # of the stretch that `with_gaps` has just read
             late = self._gaps_of(former, drive, rows)
             if former is not None and late:
-                yield former, _part(rows, slice(late))
-            yield drive, _part(rows, slice(late, None))
+                yield former, rows.part(slice(late))
+            yield drive, rows.part(slice(late, None))
             former = drive
         self._finish()
 
@@ -308,10 +308,6 @@ class _Reader:
             "program": program(), "catalog": self._catalog.version,
             "interpretation": self._settings.interpretation,
         }  # fmt: skip
-
-
-def _part(rows: Rows, part: slice) -> Rows:
-    return Rows(rows.times[part], {name: column[part] for name, column in rows.values.items()})
 
 
 def _by_recording(items: Iterable[_Numbered]) -> dict[int, list[_Numbered]]:

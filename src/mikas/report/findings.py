@@ -98,11 +98,6 @@ class Findings:
         return tuple(value for value in self.values if value.unrated is None)
 
     @property
-    def unrated(self) -> tuple[ChannelFinding, ...]:
-        """The values without a rating."""
-        return tuple(value for value in self.values if value.unrated is not None)
-
-    @property
     def abnormal(self) -> tuple[ChannelFinding, ...]:
         """The values outside their references."""
         return tuple(value for value in self.rated if value.mark is not BandPosition.INSIDE)

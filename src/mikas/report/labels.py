@@ -6,7 +6,7 @@ from typing import Final
 
 from mikas.i18n import Language, Text
 
-_LABELS: Final = {
+LABELS: Final = {
     "title": Text("Engine report", "Отчёт о двигателе"),
     "car": Text("Car", "Машина"),
     "plate": Text("Number plate", "Госномер"),
@@ -104,7 +104,6 @@ _LABELS: Final = {
     "date": Text("%d.%m.%Y %H:%M", "%d.%m.%Y %H:%M"),
     "no_date": Text("date unknown", "дата неизвестна"),
 }
-NAMES: Final = frozenset(_LABELS)
 
 
 class Labels:
@@ -114,5 +113,5 @@ class Labels:
         self.language: Language = language
 
     def __call__(self, name: str, **fields: object) -> str:
-        text = _LABELS[name].to(self.language)
+        text = LABELS[name].to(self.language)
         return text.format(**fields) if fields else text
