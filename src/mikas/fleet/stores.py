@@ -103,11 +103,9 @@ class DiskStore(Store):
             raise FleetError(shown(place), _NOT_UTF_8)
 
     def read(self, name: str) -> bytes | None:
-        with errors_of(self.place):
-            try:
-                return (self.root / name).read_bytes()
-            except FileNotFoundError:
-                return None
+        with errors_of(self.place), suppress(FileNotFoundError):
+            return (self.root / name).read_bytes()
+        return None
 
     def write(self, name: str, data: bytes) -> None:
         with errors_of(self.place):
@@ -130,11 +128,9 @@ class DiskStore(Store):
                     (self.root / folder).rmdir()
 
     def names(self, folder: str) -> list[str]:
-        with errors_of(self.place):
-            try:
-                return sorted(entry.name for entry in os.scandir(self.root / folder))
-            except FileNotFoundError:
-                return []
+        with errors_of(self.place), suppress(FileNotFoundError):
+            return sorted(path.name for path in (self.root / folder).iterdir())
+        return []
 
     @contextmanager
     def workshop(self, run: str) -> Iterator[Path]:
@@ -188,38 +184,30 @@ class UrlStore(Store):
         self.is_object_store = bool(known & _OBJECT_STORES)
 
     def read(self, name: str) -> bytes | None:
-        with errors_of(self.place):
-            try:
-                data: bytes = self.system.cat_file(self._at(name))
-            except FileNotFoundError:
-                return None
+        with errors_of(self.place), suppress(FileNotFoundError):
+            data: bytes = self.system.cat_file(self._at(name))
             return data
+        return None
 
     def write(self, name: str, data: bytes) -> None:
-        with errors_of(self.place):
-            target = self._target(name)
+        with self._target(name) as target:
             self.system.pipe_file(target, data)
-            self._finish(target, name)
 
     def put(self, name: str, file: Path) -> None:
-        with errors_of(self.place):
-            target = self._target(name)
+        with self._target(name) as target:
             self.system.put_file(str(file), target)
-            self._finish(target, name)
 
     def remove(self, name: str) -> None:
         with errors_of(self.place), suppress(FileNotFoundError):
             self.system.rm_file(self._at(name))
 
     def names(self, folder: str) -> list[str]:
-        with errors_of(self.place):
+        with errors_of(self.place), suppress(FileNotFoundError):
             self.system.invalidate_cache()
-            try:
-                listed = self.system.ls(self._at(folder), detail=False)
-            except FileNotFoundError:
-                return []
+            listed = self.system.ls(self._at(folder), detail=False)
             mine = self._at(folder).rstrip("/")  # as a console of S3 makes an empty folder
             return sorted(PurePosixPath(it).name for it in listed if it.rstrip("/") != mine)
+        return []
 
     def _read_all(self, folder: str, names: list[str]) -> dict[str, bytes]:
         if not names:
@@ -241,10 +229,9 @@ class UrlStore(Store):
             return {name for name in set(names) - listed if self.read(name) is None}
 
     def _found(self) -> list[str]:
-        try:
+        with suppress(FileNotFoundError):
             return list(self.system.find(self.root))
-        except FileNotFoundError:
-            return []
+        return []
 
     def clear(self, run: str) -> None:
         """Nothing: they are in the folders of the computers that did the work."""
@@ -255,10 +242,17 @@ class UrlStore(Store):
     def _at(self, name: str) -> str:
         return f"{self.root}/{name}"
 
-    def _target(self, name: str) -> str:
-        if not self.is_object_store:
+    @contextmanager
+    def _target(self, name: str) -> Iterator[str]:
+        """Give the path to write a file to, which has its name once it is whole."""
+        with errors_of(self.place):
+            if self.is_object_store:
+                yield self._at(name)
+                return
             self._make_folder(self._at(str(PurePosixPath(name).parent)))
-        return self._at(name) if self.is_object_store else f"{self._at(name)}.{uuid4().hex}.part"
+            part = f"{self._at(name)}.{uuid4().hex}.part"
+            yield part
+            self.system.mv(part, self._at(name))
 
     def _make_folder(self, path: str) -> None:
         for _ in range(_TIMES):
@@ -266,10 +260,6 @@ class UrlStore(Store):
             with suppress(Exception):  # another process made a part of it; a write says the rest
                 self.system.makedirs(path, exist_ok=True)
                 return
-
-    def _finish(self, target: str, name: str) -> None:
-        if target != self._at(name):
-            self.system.mv(target, self._at(name))
 
 
 def store(place: str) -> Store:
