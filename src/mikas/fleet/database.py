@@ -51,7 +51,6 @@ class Database:
     def __init__(self, dataset: str) -> None:
         files = store(dataset)
         self._place = shown(files.place)
-        self._registered = False
         while True:
             self.ledger: Ledger = open_ledger(files)
             _allow_open(sum(len(entry.files) for entry in self.ledger.entries.values()))
@@ -76,10 +75,8 @@ class Database:
 
     def close(self) -> None:
         """Drop the database."""
-        if self._registered:
-            with suppress(duckdb.Error):
-                self._connection.unregister_filesystem(_PROTOCOL)
-            self._registered = False
+        with suppress(duckdb.Error):
+            self._connection.unregister_filesystem(_PROTOCOL)
         self._connection.close()
 
     def ask(self, sql: str) -> QueryRows:
@@ -167,7 +164,6 @@ class Database:
         by_url = not isinstance(files, DiskStore) or bool(_MISREAD.search(str(files.root)))
         if by_url:
             self._connection.register_filesystem(_file_system(files))
-            self._registered = True
         root = f"{_PROTOCOL}://" if by_url else f"{files.root}/"  # type: ignore[attr-defined]  # a folder
         run("SET enable_progress_bar = false")
         run("SET TimeZone = 'UTC'")  # else `utc > now()` compares with the local time

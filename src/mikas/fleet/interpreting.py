@@ -189,9 +189,8 @@ class _Reader:
 
     def add_without_rows(self) -> None:
         """Add a drive for each session with readings of the faults and no rows."""
-        for source in sorted(
-            self._recording.raw.ports, key=lambda each: (each.recording, each.url)
-        ):
+        ports = self._recording.raw.ports
+        for source in sorted(ports, key=lambda each: (each.recording, each.url)):
             if source not in self._seen and self._readings.readings_of_port(source):
                 self._drive(source)
         self._finish()

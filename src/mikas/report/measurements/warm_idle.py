@@ -199,9 +199,9 @@ class _RuleWatch:
             first.name,
             first.least,
             first.most,
-            held=self._held,
-            missing=self._missing,
-            instead=self._instead,
+            self._held,
+            self._missing,
+            self._instead,
         )
 
     def holds(self, rows: SampleRows, passed: Column) -> Mask:
@@ -219,14 +219,15 @@ class _RuleWatch:
         return fits
 
 
+@dataclass(slots=True)
 class ChannelWatch:
     """One channel over the rows: where it is valid, where it fits the rule, and its range."""
 
-    def __init__(self, rule: IdleRule, name: str | None) -> None:
-        self.rule = rule
-        self.name = name
-        self.least, self.most = inf, -inf
-        self._last = (-inf, nan)  # time and value
+    rule: IdleRule
+    name: str | None
+    least: float = inf
+    most: float = -inf
+    _last: tuple[float, float] = (-inf, nan)  # time and value
 
     def look(self, rows: SampleRows) -> tuple[Mask, Mask]:
         """Where the channel's last value is fresh enough, and there within the rule."""
