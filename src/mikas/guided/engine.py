@@ -16,9 +16,9 @@ from typing import Final
 from mikas.catalog import Catalog
 from mikas.catalog.formulas import Calculation
 from mikas.guided.definition import GuidedStep, GuidedTest, Measure, parameters_of
-from mikas.guided.measuring import Measured, StepRows, Values, formulas_inputs, holds
-from mikas.guided.result import MOST_POINTS, Curve, StepDone, TestResult
-from mikas.guided.verdict import judge, number_of
+from mikas.guided.measuring import StepRows, Values, formulas_inputs, holds, number_of
+from mikas.guided.result import MOST_POINTS, Curve, Number, StepDone, TestResult
+from mikas.guided.verdict import judge
 from mikas.i18n import Text
 
 _BACK: Final = 0.5  # s by which rows may come late; more, and the clock has run back
@@ -65,7 +65,7 @@ class TestEngine:
         self.result: TestResult | None = None
         self._catalog = catalog
         self._values = Values(catalog)
-        self._measured: dict[str, Measured] = {}
+        self._numbers: dict[str, Number] = {}
         self._done: list[StepDone] = []
         self._curves = {name: _CurveBuilder() for name in test.chart}
         self._time: float | None = None
@@ -150,7 +150,7 @@ class TestEngine:
     def _leave(self, time: float, *, skipped: bool) -> None:
         run = self._step
         assert run is not None
-        self._measured |= run.measured(time, skipped=skipped)
+        self._numbers |= run.numbers(time, skipped=skipped)
         step = run.step
         self._done.append(StepDone(step.name, step.text, run.began, time, skipped))
         if len(self._done) < len(self.test.steps):
@@ -160,7 +160,7 @@ class TestEngine:
         self._finish(time)
 
     def _finish(self, time: float) -> None:
-        verdict = judge(self.test, self._measured)
+        verdict = judge(self.test, self._numbers)
         channels = ((self._catalog.channel(name), it) for name, it in self._curves.items())
         self.result = TestResult(
             test=self.test.name,
@@ -170,7 +170,7 @@ class TestEngine:
             outcome=verdict.outcome,
             findings=verdict.findings,
             missing=verdict.missing,
-            numbers=tuple(number_of(self._measured[name]) for name in self.test.measures),
+            numbers=tuple(self._numbers[name] for name in self.test.measures),
             steps=tuple(self._done),
             curves=tuple(
                 it.curve(channel.name, channel.short, channel.unit_text) for channel, it in channels
@@ -251,10 +251,10 @@ class _StepRun:
         values = self._values.at(time, self._until.inputs, self.step.longest_gap)
         return holds(self._until, {**values, "SECONDS": time - self.began})
 
-    def measured(self, time: float, *, skipped: bool) -> dict[str, Measured]:
-        """Return the measures at the end of the step."""
+    def numbers(self, time: float, *, skipped: bool) -> dict[str, Number]:
+        """Return the values of the measures at the end of the step."""
         if skipped:
-            return {each.name: Measured(each, None, why=_SKIPPED) for each in self._measures}
+            return {each.name: number_of(each, None, why=_SKIPPED) for each in self._measures}
         return {
             each.name: self._rows.measured(each, self.step, time, self._catalog)
             for each in self._measures

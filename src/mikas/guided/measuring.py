@@ -21,7 +21,7 @@ from mikas.catalog.formula_syntax import Parsed
 from mikas.catalog.formulas import Calculation
 from mikas.catalog.model import in_order
 from mikas.guided.definition import SECONDS, GuidedStep, Measure, Statistic, parameters_of
-from mikas.guided.result import digits
+from mikas.guided.result import Number, digits
 from mikas.i18n import Text
 
 Column = NDArray[np.float64]
@@ -32,18 +32,20 @@ _BINS: Final = 20
 _LEAST_RATE_SPAN: Final = 1.0  # s; a shorter part has no rate worth the name
 
 
-@dataclass(frozen=True, slots=True)
-class Measured:
-    """A measure's value; None, with the reason `why`, if the data do not give it.
-
-    `count`: the readings that it is made of; `rate`: those a second, 0: unknown.
-    """
-
-    measure: Measure
-    value: float | None
-    count: int = 0
-    rate: float = 0.0
-    why: Text = NO_TEXT
+def number_of(
+    measure: Measure, value: float | None, count: int = 0, rate: float = 0.0, why: Text = NO_TEXT
+) -> Number:
+    """Return a measure's value, made of `count` readings; None: there is none, for the reason."""
+    return Number(
+        measure.name,
+        measure.text,
+        value,
+        measure.unit,
+        measure.decimals,
+        count,
+        round(rate, 2),
+        why,
+    )
 
 
 class Values:
@@ -125,19 +127,19 @@ class StepRows:
 
     def measured(
         self, measure: Measure, step: GuidedStep, ended: float, catalog: Catalog
-    ) -> Measured:
+    ) -> Number:
         """Return the measure's value at the end of the part."""
         if self.started is None or not self._times:
-            return Measured(measure, None, why=_NO_ROWS)
+            return number_of(measure, None, why=_NO_ROWS)
         if self.is_full:
-            return Measured(measure, None, why=_TOO_LONG)
+            return number_of(measure, None, why=_TOO_LONG)
         times = np.array(self._times)
         since = self.started if measure.last is None else max(self.started, ended - measure.last)
         part: Mask = times >= since
         inputs = [name for formula in measure.formulas for name in formula.inputs]
         needed = parameters_of(catalog, tuple(inputs))
         if (why := self._hole(needed, step, times, since, ended)) is not None:
-            return Measured(measure, None, why=why)
+            return number_of(measure, None, why=why)
         fresh: Mask = np.zeros(times.size, np.bool_)
         for name in needed:
             fresh |= np.array(self._fresh[name])
@@ -156,13 +158,13 @@ class StepRows:
         rate = float((part & fresh).sum()) / span if span >= _LEAST_RATE_SPAN else 0.0
         if count < measure.fewest:
             why = _FEW.filled(count=count, fewest=measure.fewest)
-            return Measured(measure, None, count, rate, why)
+            return number_of(measure, None, count, rate, why)
         value = _STATISTICS[measure.statistic](
             _Sample(times[chosen], values[chosen], by[chosen], measure, step)
         )
         if not isfinite(value):
-            return Measured(measure, None, count, rate, _FEW.filled(count=count, fewest=count + 1))
-        return Measured(measure, value, count, rate)
+            return number_of(measure, None, count, rate, _FEW.filled(count=count, fewest=count + 1))
+        return number_of(measure, value, count, rate)
 
     def _hole(
         self, needed: tuple[str, ...], step: GuidedStep, times: Column, since: float, ended: float

@@ -26,7 +26,9 @@ MOST_POINTS: Final = 400  # of a curve
 
 @dataclass(frozen=True, slots=True)
 class Number:
-    """A measure. `value` None: not measured, for the reason `why`."""
+    """A measure. `value` None: not measured, for the reason `why`. `count`: the readings that it is
+    made of; `rate`: those a second, 0: unknown.
+    """
 
     name: str
     text: Text

@@ -13,8 +13,8 @@ from math import nan
 from typing import Final, NamedTuple
 
 from mikas.catalog.formulas import Calculation
-from mikas.guided.definition import GuidedTest, Rule, VerdictKind
-from mikas.guided.measuring import Measured, holds
+from mikas.guided.definition import GuidedTest, Measure, Rule, VerdictKind
+from mikas.guided.measuring import holds
 from mikas.guided.result import Finding, Number, digits
 from mikas.i18n import Text, joined
 
@@ -29,29 +29,29 @@ class Verdict(NamedTuple):
     missing: tuple[Text, ...]
 
 
-def judge(test: GuidedTest, measured: Mapping[str, Measured]) -> Verdict:
-    """Apply the rules of `test` to its measures."""
-    values = {name: nan if it.value is None else it.value for name, it in measured.items()}
+def judge(test: GuidedTest, numbers: Mapping[str, Number]) -> Verdict:
+    """Apply the rules of `test` to the numbers of its measures."""
+    values = {name: nan if it.value is None else it.value for name, it in numbers.items()}
     found: list[Finding] = []
     good: list[Finding] = []
     missing: dict[Text, None] = {}
     near_limit: dict[Text, None] = {}
     for rule in test.rules:
         calculation = Calculation(rule.when)
-        lacking = [name for name in calculation.inputs if measured[name].value is None]
+        lacking = [numbers[name] for name in calculation.inputs if numbers[name].value is None]
         if lacking:
-            missing |= {_why(measured[name]): None for name in lacking}
+            missing |= {joined(": ", (it.text, it.why)): None for it in lacking}
             continue
-        near = list(_near(rule, values, measured))
+        near = list(_near(rule, values, test.measures))
         if rule.outcome is not VerdictKind.GOOD:
             near_limit |= dict.fromkeys(near)
         if not holds(calculation, values):
             continue
         if rule.outcome is VerdictKind.UNKNOWN:
-            missing |= {_finding(rule, measured, []).text: None}
+            missing |= {_finding(rule, numbers, []).text: None}
         else:
             kept = good if rule.outcome is VerdictKind.GOOD else found
-            kept.append(_finding(rule, measured, near))
+            kept.append(_finding(rule, numbers, near))
     if found:
         worst = max((it.outcome for it in found), key=_ORDER.index)
         return Verdict(worst, tuple(found), tuple(missing))
@@ -62,23 +62,8 @@ def judge(test: GuidedTest, measured: Mapping[str, Measured]) -> Verdict:
     return Verdict(VerdictKind.UNKNOWN, (), (_NO_RULE,))
 
 
-def number_of(measured: Measured) -> Number:
-    """Return a measure for the result."""
-    measure = measured.measure
-    return Number(
-        name=measure.name,
-        text=measure.text,
-        value=measured.value,
-        unit=measure.unit,
-        decimals=measure.decimals,
-        count=measured.count,
-        rate=round(measured.rate, 2),
-        why=measured.why,
-    )
-
-
-def _finding(rule: Rule, measured: Mapping[str, Measured], near: list[Text]) -> Finding:
-    shown = {name: number_of(it).shown for name, it in measured.items()}
+def _finding(rule: Rule, numbers: Mapping[str, Number], near: list[Text]) -> Finding:
+    shown = {name: it.shown for name, it in numbers.items()}
     made = Finding(
         rule=rule.name,
         formula=rule.formula,
@@ -101,23 +86,19 @@ def _doubted(finding: Finding, near: Mapping[Text, None]) -> Finding:
 
 
 def _near(
-    rule: Rule, values: Mapping[str, float], measured: Mapping[str, Measured]
+    rule: Rule, values: Mapping[str, float], measures: Mapping[str, Measure]
 ) -> Iterator[Text]:
     """Yield the measures by which the rule would turn over, one step of the channel away."""
     calculation = Calculation(rule.when)
     now = holds(calculation, values)
     for name in calculation.inputs:
-        step = measured[name].measure.resolution
+        measure = measures[name]
+        step = measure.resolution
         moved = ({**values, name: values[name] + sign * step} for sign in (-0.5, 0.5))
         if step and any(holds(calculation, each) is not now for each in moved):
-            measure = measured[name].measure
             units = Text(*(f" {unit}" if unit else "" for unit in measure.unit))
             steps = joined("", (digits(step, measure.decimals), units))
             yield _NEAR.filled(text=measure.text, step=steps)
-
-
-def _why(measured: Measured) -> Text:
-    return joined(": ", (measured.measure.text, measured.why))
 
 
 _NEAR: Final = Text(
