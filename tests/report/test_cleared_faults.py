@@ -101,7 +101,7 @@ def erased(tmp_path: Path) -> Path:
 
 def test_a_report_of_a_recording_has_the_cleared_faults(erased) -> None:
     it = find_in_recording(mikas.open(erased))
-    assert it.faults == ()
+    assert it.subject.faults == ()
     (gone_,) = it.cleared
     assert (gone_.erased, {fault.code for fault in gone_.faults}) == (True, {13, 53})
     assert it.outcome is Outcome.OPEN

@@ -212,8 +212,9 @@ def test_the_sentence_begins_with_the_stored_faults(faults, en, ru) -> None:
 
 def test_a_fault_and_its_values_know_of_each_other() -> None:
     findings = found(faults=(13, 14, 21))
-    assert findings.faults is not None
-    assert [[v.channel.name for v in each.values] for each in findings.faults] == [
+    assert findings.subject.faults is not None
+    related = map(findings.values_of, findings.subject.faults)
+    assert [[v.channel.name for v in each] for each in related] == [
         ["JAIR"], ["JAIR"], ["TWAT"],
     ]  # fmt: skip
     bearing = {value.channel.name: value.sensor for value in findings.suspended}

@@ -96,7 +96,7 @@ def test_the_values_are_those_of_the_recording(drive: Path) -> None:
 
 def test_faults_that_were_never_read_are_not_known(tmp_path: Path) -> None:
     found = find_in_recording(mikas.open(record(tmp_path / "a.pcapng", count=50, faults=False)))
-    assert found.faults is None
+    assert found.subject.faults is None
 
 
 def test_the_last_answer_about_faults_counts(tmp_path: Path) -> None:
@@ -107,7 +107,7 @@ def test_the_last_answer_about_faults_counts(tmp_path: Path) -> None:
         ecu.erase_faults()
         for _ in ecu.watch(count=5):
             pass
-    assert find_in_recording(mikas.open(path)).faults == ()
+    assert find_in_recording(mikas.open(path)).subject.faults == ()
 
 
 def test_without_a_session_header_the_unit_is_unknown(tmp_path: Path) -> None:
@@ -172,7 +172,7 @@ def test_an_empty_recording_has_an_open_outcome(tmp_path: Path) -> None:
     with CaptureWriter(empty, url=IDLE):
         pass
     found = find_in_recording(mikas.open(empty))
-    assert (found.outcome, found.rated, found.faults) == (Outcome.OPEN, (), None)
+    assert (found.outcome, found.rated, found.subject.faults) == (Outcome.OPEN, (), None)
     assert render(found, "en")
     with pytest.raises(CaptureError, match="nowhere"):
         find_in_recording(mikas.open(tmp_path / "nowhere.pcapng"))

@@ -70,23 +70,14 @@ class ChannelFinding:
 
 
 @dataclass(frozen=True, slots=True)
-class FaultFinding:
-    """A stored fault, with the measured values related to it."""
-
-    fault: Fault
-    values: tuple[ChannelFinding, ...]
-
-
-@dataclass(frozen=True, slots=True)
 class Findings:
-    """The content of the report. `faults` None: not read. `at_idle`: the statistics are those of
-    warm idle, else of the whole time. `cleared`: real faults that were stored before. `sensor`: the
-    faults of each channel's sensor, also for channels that were not measured.
+    """The content of the report. `at_idle`: the statistics are those of warm idle, else of all the
+    time. `cleared`: real faults that were stored before. `sensor`: the faults of each channel's
+    sensor, also for channels that were not measured.
     """
 
     subject: ReportSubject
     measured: Measurements
-    faults: tuple[FaultFinding, ...] | None
     values: tuple[ChannelFinding, ...]
     at_idle: bool
     cleared: tuple[ClearedFaults, ...] = ()
@@ -115,9 +106,14 @@ class Findings:
         return tuple(test for test in latest.values() if test.outcome in bad)
 
     @property
-    def real_faults(self) -> tuple[FaultFinding, ...]:
+    def real_faults(self) -> tuple[Fault, ...]:
         """The stored faults without mere messages."""
-        return tuple(each for each in self.faults or () if not each.fault.informational)
+        return tuple(each for each in self.subject.faults or () if not each.informational)
+
+    def values_of(self, fault: Fault) -> tuple[ChannelFinding, ...]:
+        """Return the measured values related to a fault."""
+        measured = {value.channel.name: value for value in self.values}
+        return tuple(measured[name] for name in fault.parameters if name in measured)
 
     @property
     def outcome(self) -> Outcome:
@@ -127,7 +123,7 @@ class Findings:
         if self.real_faults or self.abnormal or self.measured.alarms or self.failed_tests:
             return Outcome.ATTENTION
         open_ones = any(is_open(self.subject, each) for each in self.cleared)
-        known = self.rated and self.faults is not None and not open_ones
+        known = self.rated and self.subject.faults is not None and not open_ones
         return Outcome.GOOD if known else Outcome.OPEN
 
 
@@ -135,8 +131,8 @@ def find(subject: ReportSubject, measured: Measurements) -> Findings:
     """Rate the measurements and return all findings."""
     at_idle = measured.idle.enough
     stats = measured.at_idle if at_idle else measured.whole
-    faults, gone = subject.faults, _real(subject.cleared)
-    stored = [fault for fault in faults or () if not fault.informational]
+    gone = _real(subject.cleared)
+    stored = [fault for fault in subject.faults or () if not fault.informational]
     sensor = _sensor_faults([*stored, *_stored_meanwhile(gone, measured)], subject.catalog)
     related = _by_channel(stored, lambda fault: fault.parameters)
     values = {
@@ -154,7 +150,6 @@ def find(subject: ReportSubject, measured: Measurements) -> Findings:
         subject=subject,
         measured=measured,
         cleared=gone,
-        faults=None if faults is None else tuple(_stored(fault, values) for fault in faults),
         values=tuple(values.values()),
         at_idle=at_idle,
         sensor=sensor,
@@ -225,10 +220,6 @@ def _stored_meanwhile(gone: Iterable[ClearedFaults], measured: Measurements) -> 
     for each in gone:
         if began is not None and each.time > began:
             yield from each.faults
-
-
-def _stored(fault: Fault, values: Mapping[str, ChannelFinding]) -> FaultFinding:
-    return FaultFinding(fault, tuple(values[name] for name in fault.parameters if name in values))
 
 
 def is_open(subject: ReportSubject, gone: ClearedFaults) -> bool:

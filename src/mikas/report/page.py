@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any, Final
 from markupsafe import Markup
 
 from mikas.cancellation import check_cancelled
+from mikas.catalog import Fault
 from mikas.errors import ExportError
 from mikas.i18n import Language, Text
 from mikas.recording.export.exporting import check_free, write_whole
@@ -25,7 +26,6 @@ from mikas.report.charts import chart
 from mikas.report.findings import (
     BandPosition,
     ChannelFinding,
-    FaultFinding,
     Findings,
     Unrated,
     is_open,
@@ -100,7 +100,7 @@ class _Page:
             "verdict": summary_sentence(found).to(language),
             "car": list(self._car()),
             "unit": list(self._unit()),
-            "faults": [self._fault(each) for each in found.faults or ()],
+            "faults": [self._fault(each) for each in found.subject.faults or ()],
             "faults_read": self._faults_read(),
             "gone": [self._gone(each) for each in found.subject.cleared],
             "sections": [it for make in SECTIONS if (it := make(found, language)) is not None],
@@ -156,9 +156,9 @@ class _Page:
     def _moment(self, time: float) -> str:
         return moment(time, self._found.measured.began).to(self._language)
 
-    def _fault(self, stored: FaultFinding) -> dict[str, str | int]:
-        fault, language = stored.fault, self._language
-        values = ", ".join(map(self._measured, stored.values))
+    def _fault(self, fault: Fault) -> dict[str, str | int]:
+        language = self._language
+        values = ", ".join(map(self._measured, self._found.values_of(fault)))
         message = self._label("message") if fault.informational else ""
         sure = CONFIDENCE[fault.confidence].to(language)
         return {

@@ -28,7 +28,7 @@ def frame_section(found: Findings, language: Language) -> PageSection | None:
     """Return the section; None if no fault is stored and none appeared."""
     appeared = _latest(found)
     parts = [_frame(frame, found, language) for frame in latest_frames(found)]
-    stored = [each.fault.code for each in found.real_faults]
+    stored = [each.code for each in found.real_faults]
     unknown = [code for code in stored if code in appeared and appeared[code].frame is None]
     before = [code for code in stored if code not in appeared]
     parts += [paragraph(text.to(language)) for text in _missing(unknown, before)]

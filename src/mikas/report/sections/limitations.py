@@ -32,7 +32,7 @@ def _of_the_unit(found: Findings) -> Iterator[Text]:
         yield Text(
             "The unit's passports: it does not report them.", "Паспорта блока: он их не сообщает."
         )
-    if found.faults is None:
+    if found.subject.faults is None:
         yield Text(
             "Which faults are stored: they were not read in this session.",
             "Какие ошибки в памяти: в этом сеансе они не считывались.",
@@ -44,7 +44,7 @@ def _of_the_unit(found: Findings) -> Iterator[Text]:
             "Были ли ошибки раньше: по одному источнику, блок хранит их около двух часов и "
             "теряет при отключении аккумулятора.",
         )
-    if any(each.fault.confidence is Confidence.UNKNOWN for each in found.faults or ()):
+    if any(each.confidence is Confidence.UNKNOWN for each in found.subject.faults or ()):
         yield Text(
             "The meaning of the unknown fault numbers.", "Значение неизвестных номеров ошибок."
         )
@@ -69,7 +69,7 @@ def _of_the_rating(found: Findings) -> Iterator[Text]:
             f"Насколько точны эти нормы: {names.ru}. Они из каталога пользователя.",
         )
     meanings = any(value.meaning.en for value in found.abnormal)
-    if meanings or any(each.fault.check.en for each in found.real_faults):
+    if meanings or any(each.check.en for each in found.real_faults):
         yield Text(
             "The cause: the checks are general knowledge of such engines, the easiest first.",
             "Причина: рекомендации по проверке — общие для таких двигателей, начиная с самых "

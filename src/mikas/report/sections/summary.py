@@ -48,7 +48,7 @@ def _bare(sentence: Text) -> Text:
 
 
 def _of_faults(found: Findings) -> Text:
-    if found.faults is None:
+    if found.subject.faults is None:
         return Text("The stored faults were not read", "Ошибки не считывались")
     stored = found.real_faults
     if not stored:
@@ -57,7 +57,7 @@ def _of_faults(found: Findings) -> Text:
             none = Text("No faults are stored now", "Сейчас ошибок в памяти блока нет")
         return joined("; ", (none, *(_cleared_sentence(found, gone) for gone in found.cleared)))
     number = counted(len(stored), ("fault is", "faults are"), ("ошибка", "ошибки", "ошибок"))
-    codes = ", ".join(str(each.fault.code) for each in stored)
+    codes = ", ".join(str(each.code) for each in stored)
     return Text(f"{number.en} stored: {codes}", f"В памяти блока {number.ru}: {codes}")
 
 

@@ -146,7 +146,8 @@ def _print_summary(context: CommandContext, out: Path, found: Findings) -> None:
     if not context.output.json:
         context.output.print_note(f"{localized(verdict)}\n{out}")
         return
-    faults = None if found.faults is None else [stored.fault.code for stored in found.faults]
+    stored = found.subject.faults
+    faults = None if stored is None else [fault.code for fault in stored]
     context.output.data(
         {
             "out": str(out),
