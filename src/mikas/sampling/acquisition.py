@@ -266,7 +266,7 @@ class Acquisition:
         """Return the requested method, or the fastest, measured if necessary; None: none works."""
         context, knowledge, baud = self._context, self._context.knowledge, ecu.tester.link.baud
         requested = context.request
-        if requested.method is not None and not knowledge.has_failed(requested.method):
+        if requested.method is not None and not knowledge.failures[requested.method]:
             return requested.method
         knowledge.begin_trials(ecu)
         measured = False

@@ -101,7 +101,7 @@ class SamplingContext:
         if request.selection.explicit:  # the named parameters are requested again
             self.refused.clear()
         if request.method is not None:
-            self.knowledge.reset_failures(request.method)
+            del self.knowledge.failures[request.method]
 
     @property
     def is_current(self) -> bool:

@@ -12,7 +12,7 @@ used any more.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from math import log2
 from statistics import median
@@ -52,7 +52,8 @@ class MethodKnowledge:
         self._ecu: Ecu | None = None
         self._confirmed: set[str] = set()  # kinds of adapter
         self._tried: set[FixedMethod] = set()
-        self._failures: Counter[FixedMethod] = Counter()
+        self.failures: Counter[FixedMethod] = Counter()
+        """How often a method has failed since it was requested; after twice it is not chosen."""
 
     def begin_trials(self, ecu: Ecu) -> None:
         """Identify the adapter if it may be another one; load the timings with its kind."""
@@ -80,13 +81,13 @@ class MethodKnowledge:
         good = best_method(rates, enough)
         if enough and good is not None and rates[good] >= enough and good in CANDIDATES:
             return None
-        left = untested(rates, enough, without=self._tried)
-        if not left and good is None and FALLBACK not in self._tried:
-            left = [FALLBACK]
-        if left:
-            self._tried.add(left[0])
-            return left[0]
-        return None
+        order = reversed(CANDIDATES) if enough else CANDIDATES
+        untested = [method for method in order if method not in rates]
+        if good is None:
+            untested.append(FALLBACK)
+        left = [method for method in untested if method not in self._tried]
+        self._tried.update(left[:1])
+        return left[0] if left else None
 
     def record(self, measured: TrialResult, plan: Plan, baud: int) -> None:
         """Record the result of a trial."""
@@ -107,7 +108,7 @@ class MethodKnowledge:
     def rates(self, plan: Plan, baud: int) -> dict[FixedMethod, float]:
         """Return cycles a second of every known method for `plan`."""
         rates = rates_of(plan, self._known, baud)
-        return rates | {m: 0.0 for m, count in self._failures.items() if count >= _OFTEN}
+        return rates | {m: 0.0 for m, count in self.failures.items() if count >= _OFTEN}
 
     def price(
         self, plan: Plan, method: FixedMethod | None, first: frozenset[str] = frozenset()
@@ -128,16 +129,8 @@ class MethodKnowledge:
 
     def record_failure(self, method: FixedMethod) -> None:
         """Count a failure of `method`; all methods are to be measured again."""
-        self._failures[method] += 1
+        self.failures[method] += 1
         self.invalidate()
-
-    def has_failed(self, method: FixedMethod) -> bool:
-        """Return whether `method` failed before."""
-        return self._failures[method] > 0
-
-    def reset_failures(self, method: FixedMethod) -> None:
-        """Forget the failures of `method`, which is requested again."""
-        del self._failures[method]
 
     def invalidate(self) -> None:
         """Forget the rates with this kind of adapter; refusals of the unit stay."""
@@ -239,15 +232,6 @@ def best_method(
             if working.get(method, 0.0) >= enough * _AMPLE:
                 return method
     return max(working, key=lambda method: working[method], default=None)
-
-
-def untested(
-    known: Iterable[FixedMethod], enough: float | None, without: Iterable[FixedMethod] = ()
-) -> list[FixedMethod]:
-    """Return the candidates outside `known`, in the order of the trials."""
-    skipped = {*known, *without}
-    order = reversed(CANDIDATES) if enough else CANDIDATES
-    return [method for method in order if method not in skipped]
 
 
 def _cost(plan: Plan, baud: int) -> tuple[float, float]:
