@@ -1,6 +1,8 @@
 // The service worker's end of a download: it asks the page that has the program, by a message port. As far as the browser wants more of the
 // file, the page is asked for more: a file never waits in memory.
 
+import { Deferred } from "../deferred";
+
 export type FromPage =
   /** This page has the program, and answers. */
   | { kind: "here" }
@@ -31,8 +33,8 @@ export async function askPages(pages: readonly Page[], address: string): Promise
   let timer: ReturnType<typeof setTimeout> | undefined;
   const late = new Promise<never>((_, fail) => (timer = setTimeout(() => fail(new Error("late")), HERE_MS)));
   try {
-    const here = await Promise.race([Promise.any(answers.map((answer) => answer.here)), late]);
-    return { response: await here.response, over: here.over };
+    const here = await Promise.race([Promise.any(answers.map(({ here }) => here.promise)), late]);
+    return { response: await here.response.promise, over: here.over.promise };
   } catch {
     return { response: text(503, NOBODY), over: Promise.resolve() };
   } finally {
@@ -44,19 +46,13 @@ const text = (status: number, words: string): Response =>
   new Response(words, { status, headers: { "Content-Type": "text/plain; charset=utf-8" } });
 
 class Answer {
-  readonly here: Promise<Answer>;
-  readonly response: Promise<Response>;
-  readonly over: Promise<void>;
-  private isHere!: (answer: Answer) => void;
-  private answer!: (response: Response) => void;
-  private end!: () => void;
+  readonly here = new Deferred<Answer>();
+  readonly response = new Deferred<Response>();
+  readonly over = new Deferred<void>();
   private body: ReadableStreamDefaultController<Uint8Array<ArrayBuffer>> | null = null;
   private readonly port: MessagePort;
 
   constructor(page: Page, address: string) {
-    this.here = new Promise((here) => (this.isHere = here));
-    this.response = new Promise((answer) => (this.answer = answer));
-    this.over = new Promise((end) => (this.end = end));
     const channel = new MessageChannel();
     this.port = channel.port1;
     this.port.onmessage = ({ data }: MessageEvent<FromPage>) => this.receive(data);
@@ -64,13 +60,13 @@ class Answer {
   }
 
   private receive(message: FromPage): void {
-    if (message.kind === "here") this.isHere(this);
+    if (message.kind === "here") this.here.keep(this);
     else if (message.kind === "head") this.begin(message.status, message.headers);
     else if (message.kind === "part") this.body?.enqueue(message.data);
     else {
       if (message.kind === "end") this.body?.close();
       else this.body?.error(new TypeError("the program has ended"));
-      this.answer(text(502, "The program has ended. Программа завершилась."));
+      this.response.keep(text(502, "The program has ended. Программа завершилась."));
       this.close();
     }
   }
@@ -87,7 +83,7 @@ class Answer {
       },
       { highWaterMark: 1 },
     );
-    this.answer(new Response(body, { status, headers }));
+    this.response.keep(new Response(body, { status, headers }));
   }
 
   private say(message: ToPage): void {
@@ -97,6 +93,6 @@ class Answer {
   private close(): void {
     this.body = null;
     this.port.close();
-    this.end();
+    this.over.keep();
   }
 }

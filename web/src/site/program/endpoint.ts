@@ -1,4 +1,5 @@
 // The page's end of one worker: requests and sockets of the page as messages. Nothing is sent before the program has started.
+import { Deferred } from "../deferred";
 import { Exchange } from "./exchange";
 import type { Broken, FromWorker, Headers as Pairs, Progress, Situation, ToWorker } from "./messages";
 import { WorkerSocket } from "./workerSocket";
@@ -27,8 +28,9 @@ interface Conversation {
 }
 
 export class Endpoint {
+  private readonly start = new Deferred<void>();
   /** Kept when the program answers; broken with its message when it can't. */
-  readonly ready: Promise<void>;
+  readonly ready = this.start.promise;
   /** Why there is no program any more; null: it runs or starts. */
   ended: string | null = null;
   /** Whether the program has answered at all. */
@@ -36,8 +38,6 @@ export class Endpoint {
   onprogress: ((progress: Progress) => void) | null = null;
   /** Called when a program that ran has ended. */
   onended: ((message: string) => void) | null = null;
-  private start!: () => void;
-  private fail!: (reason: Error) => void;
   private last = 0;
   private readonly conversations = new Map<number, Conversation>();
   private readonly post = (message: ToWorker, transfer: Transferable[] = []) => {
@@ -45,10 +45,6 @@ export class Endpoint {
   };
 
   constructor(private readonly port: Port) {
-    this.ready = new Promise((start, fail) => {
-      this.start = start;
-      this.fail = fail;
-    });
     this.ready.catch(() => undefined); // those who wait are told, nobody has to
     port.onmessage = ({ data }) => this.receive(data);
     // Later it is an error that the worker survives; one that it does not survive is a message.
@@ -97,7 +93,7 @@ export class Endpoint {
     if (message.kind === "progress") this.onprogress?.(message);
     else if (message.kind === "ready") {
       this.started = true;
-      this.start();
+      this.start.keep();
     } else if (message.kind === "broken") this.end(message.message, message.why);
     else this.conversations.get(message.id)?.receive(message);
   }
@@ -106,7 +102,7 @@ export class Endpoint {
     if (this.ended !== null) return;
     this.ended = message;
     this.port.terminate(); // its memory is needed, and it has the cable
-    this.fail(new ProgramEnded(message, why));
+    this.start.fail(new ProgramEnded(message, why));
     for (const conversation of [...this.conversations.values()]) conversation.lose(message);
     if (this.started) this.onended?.(message);
   }

@@ -1,5 +1,6 @@
 // One request to the program in a worker, and the Response made of its answer. As with `fetch`, the promise is kept with the head of the
 // answer, and the body follows as a stream.
+import { Deferred } from "../deferred";
 import type { FromWorker, ToWorker } from "./messages";
 
 /** Statuses whose responses must have no body. */
@@ -10,9 +11,8 @@ export interface Post {
 }
 
 export class Exchange {
-  readonly response: Promise<Response>;
-  private answer!: (response: Response) => void;
-  private refuse!: (reason: unknown) => void;
+  private readonly answer = new Deferred<Response>();
+  readonly response = this.answer.promise;
   private body: ReadableStreamDefaultController<Uint8Array<ArrayBuffer>> | null = null;
   private readonly aborted = () => {
     this.post({ kind: "abort", id: this.id });
@@ -26,10 +26,6 @@ export class Exchange {
     private readonly signal: AbortSignal | null,
     private readonly over: () => void,
   ) {
-    this.response = new Promise((answer, refuse) => {
-      this.answer = answer;
-      this.refuse = refuse;
-    });
     signal?.addEventListener("abort", this.aborted);
   }
 
@@ -56,11 +52,11 @@ export class Exchange {
         this.end();
       },
     });
-    this.answer(new Response(EMPTY.has(status) ? null : body, { status, headers }));
+    this.answer.keep(new Response(EMPTY.has(status) ? null : body, { status, headers }));
   }
 
   private fail(reason: unknown): void {
-    this.refuse(reason);
+    this.answer.fail(reason);
     this.body?.error(reason);
     this.end();
   }

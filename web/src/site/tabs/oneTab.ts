@@ -1,6 +1,7 @@
 // One tab has the program: two could neither share the cable nor the kept files. A Web Lock says which. Another tab waits for it, or asks the
 // first over a channel to leave it; that one refuses while it samples or records.
 import type { Refusal } from "../boot/start.svelte";
+import { Deferred } from "../deferred";
 
 const NAME = "mikas.program";
 /** ms in which a tab answers; its page has time even while it draws. */
@@ -25,10 +26,9 @@ export class OneTab {
   private readonly waiting = new AbortController();
   private owner: Owner | null = null;
   private owns = false;
-  private has!: () => void;
   private answered: ((refusal: Refusal | null) => void) | null = null;
   /** Kept when this tab has the program. */
-  private readonly mine = new Promise<void>((has) => (this.has = has));
+  private readonly mine = new Deferred<void>();
 
   constructor(
     private readonly locks: LockManager,
@@ -44,7 +44,7 @@ export class OneTab {
       elsewhere();
       this.hold({ signal: this.waiting.signal });
     }
-    await this.mine;
+    await this.mine.promise;
   }
 
   /** Ask the tab that has the program to leave it to this one. Null: it has. */
@@ -73,7 +73,7 @@ export class OneTab {
       decided?.(lock !== null);
       if (lock === null) return;
       this.owns = true;
-      this.has();
+      this.mine.keep();
       return new Promise<never>(() => undefined);
     });
     held.catch(() => {
