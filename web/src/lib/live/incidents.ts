@@ -27,15 +27,11 @@ export interface Incident {
 const MOST = 100;
 
 export function incidents(events: readonly LineEvent[]): Incident[] {
-  const found: Incident[] = [];
-  const gaps: Incident[] = [];
-  for (const event of events) {
-    if (event.kind !== "gap" && event.kind !== "adapter") continue;
-    const gap = event.kind === "gap" ? event : null;
-    const incident = { time: gap?.began ?? event.time, gap, moved: event.kind === "adapter" ? event : null, count: 0, errors: [] };
-    found.push(incident);
-    if (gap) gaps.push(incident);
-  }
+  const found = events.flatMap((event): Incident[] => {
+    if (event.kind === "gap") return [{ time: event.began, gap: event, moved: null, count: 0, errors: [] }];
+    return event.kind === "adapter" ? [{ time: event.time, gap: null, moved: event, count: 0, errors: [] }] : [];
+  });
+  const gaps = found.filter(({ gap }) => gap);
   for (const event of events) {
     if (event.kind !== "error") continue;
     const within = gaps.find(({ gap }) => gap!.began <= event.time && event.time <= (gap!.ended ?? Infinity));
