@@ -27,7 +27,7 @@ from mikas.client.memory import Memory
 from mikas.client.parameters.data import COMMON, DataReader
 from mikas.client.parameters.parameters import Parameters, Reading, Sample, WrittenParameter
 from mikas.client.parameters.polling import Method, fixed_method
-from mikas.client.parameters.unit_list import KeptLists, UnitList
+from mikas.client.parameters.unit_list import UnitList
 from mikas.client.parameters.watching import Watcher
 from mikas.client.scanning import Scan, ScannedCode
 from mikas.client.support import Support, try_commands
@@ -74,7 +74,7 @@ class Ecu:
         self.passports = PassportReader(tester, on_other=self.limits_cache.reset)
         self._gate = Gate(tester, self._whose, confirm, journal)
         data = DataReader(tester, self.limits_cache)
-        unit_list = UnitList(tester, self._gate, KeptLists(lists, self._identify))
+        unit_list = UnitList(tester, self._gate, lists, self._identify)
         self.parameters = Parameters(tester, catalog, interpretation, self._gate, data, unit_list)
         self.memory = Memory(tester, self._gate, self.limits_cache)
 

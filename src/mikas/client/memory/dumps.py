@@ -90,9 +90,7 @@ def read_manifest(file: Path) -> Manifest | None:
         version_code = version_of(stored["version_code"])
         passport = tuple(stored["passport"])
         manifest = Manifest(**{**stored, "version_code": version_code, "passport": passport})
-        _check_kinds(manifest)
-        check_range(manifest.space, manifest.first, manifest.size)
-        _check_numbers(manifest)
+        _check(manifest)
     except OSError as error:
         raise UsageError(problem=reason_at(path, error)) from error
     except (ValueError, TypeError, KeyError) as error:
@@ -100,8 +98,8 @@ def read_manifest(file: Path) -> Manifest | None:
     return manifest
 
 
-def _check_kinds(manifest: Manifest) -> None:
-    """Raise `TypeError` for a value of another kind: the file may be anybody's."""
+def _check(manifest: Manifest) -> None:
+    """Raise `TypeError` or `ValueError` for a value that can't be: the file may be anybody's."""
     kinds = get_type_hints(Manifest) | {"passport": tuple, "time": int | float}
     for name, kind in kinds.items():
         value = getattr(manifest, name)
@@ -109,10 +107,7 @@ def _check_kinds(manifest: Manifest) -> None:
             raise TypeError(name)
     if not all(isinstance(piece, str) for piece in manifest.passport):
         raise TypeError("passport")
-
-
-def _check_numbers(manifest: Manifest) -> None:
-    """Check the numbers of both passes. Raises `ValueError`."""
+    check_range(manifest.space, manifest.first, manifest.size)
     found, checked = manifest.differences, manifest.checked
     if not 0 <= checked <= manifest.size or (found is not None and found < 0):
         raise ValueError

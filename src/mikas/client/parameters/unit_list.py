@@ -12,6 +12,7 @@ import json
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from mikas import commands as c
@@ -61,61 +62,22 @@ _PERHAPS_LOST = Text(
 )
 
 
-class KeptLists:
-    """The parameters of a unit's last list, by name, in a file; `folder` None: not kept.
+@dataclass(slots=True, eq=False)
+class UnitList:
+    """The unit's list. `current`: its parameters, as set in this session; () if unknown.
 
-    `identify` returns version code and passports of the connected unit. A unit with empty passports
-    can't be distinguished, so its list is not kept.
+    The names of the last list are kept in a file of `folder`; None: they are not kept. `identify`
+    returns version code and passports of the connected unit. A unit with empty passports can't be
+    distinguished, so its list is not kept.
     """
 
-    def __init__(self, folder: Path | None, identify: Callable[[], Identity]) -> None:
-        self._folder = folder
-        self._identify = identify
-
-    def load(self) -> tuple[str, ...]:
-        """Return the names; () if none are kept. May read the passports, and raise their errors."""
-        if self._folder is None or not self._files():
-            return ()
-        file = self._file(self._folder)
-        with suppress(OSError, ValueError, TypeError, LookupError):
-            names = read_json(file, _MOST_BYTES)["names"] if file else ()
-            return tuple(str(name) for name in names)
-        return ()
-
-    def save(self, names: Sequence[str]) -> None:
-        """Keep `names` of the connected unit. A failure only requires a new 64, so it is silent."""
-        if self._folder is None:
-            return
-        with suppress(OSError, LineError, NoConnection):
-            if file := self._file(self._folder):
-                file.parent.mkdir(parents=True, exist_ok=True)
-                save(file, json.dumps({"names": list(names)}))
-
-    def drop(self) -> None:
-        """Drop the lists kept of all units. Raises `UsageError`: stale names would be worse."""
-        for file in self._files():
-            with naming_file(file):
-                file.unlink(missing_ok=True)
-
-    def _files(self) -> list[Path]:
-        """Return what may be read as a list: a folder can't, and can't be deleted as a file."""
-        found = self._folder.glob("*.json") if self._folder else ()
-        return [file for file in found if file.is_symlink() or not file.is_dir()]
-
-    def _file(self, folder: Path) -> Path | None:
-        version_code, passports = self._identify()
-        return unit_file(folder, version_code, passports) if any(passports) else None
-
-
-class UnitList:
-    """The unit's list. `current`: its parameters, as set in this session; () if unknown."""
-
-    def __init__(self, tester: Tester, gate: Gate, kept: KeptLists) -> None:
-        self.current: tuple[Parameter, ...] = ()
-        self._tester = tester
-        self._gate = gate
-        self._kept = kept
-        self._lock = threading.RLock()  # the unit has one list for all threads
+    _tester: Tester
+    _gate: Gate
+    _folder: Path | None
+    _identify: Callable[[], Identity]
+    current: tuple[Parameter, ...] = field(init=False, default=())
+    # The unit has one list for all threads.
+    _lock: threading.RLock = field(init=False, default_factory=threading.RLock)
 
     @contextmanager
     def held(self) -> Iterator[None]:
@@ -125,16 +87,46 @@ class UnitList:
             yield
 
     def kept(self) -> tuple[str, ...]:
-        """Return the names kept by an earlier session. Raises `NoList` if there are none."""
-        names = self._kept.load()
+        """Return the names kept by an earlier session. Raises `NoList` if there are none.
+
+        May read the passports, and raise their errors.
+        """
+        names: tuple[str, ...] = ()
+        if self._files() and (file := self._file()):
+            with suppress(OSError, ValueError, TypeError, LookupError):
+                names = tuple(str(name) for name in read_json(file, _MOST_BYTES)["names"])
         if not names:
             raise NoList
         return names
 
+    def _keep(self, names: Sequence[str]) -> None:
+        """Keep `names` of the connected unit. A failure only requires a new 64, so it is silent."""
+        with suppress(OSError, LineError, NoConnection):
+            if self._folder and (file := self._file()):
+                file.parent.mkdir(parents=True, exist_ok=True)
+                save(file, json.dumps({"names": list(names)}))
+
     def forget(self) -> None:
-        """Treat the unit's list as lost or changed."""
+        """Treat the unit's list as lost or changed; drop the lists kept of all units.
+
+        Raises `UsageError` if one can't be dropped: stale names would be worse.
+        """
         self.current = ()
-        self._kept.drop()
+        for file in self._files():
+            with naming_file(file):
+                file.unlink(missing_ok=True)
+
+    def _files(self) -> list[Path]:
+        """Return what may be read as a list: a folder can't, and can't be deleted as a file."""
+        found = self._folder.glob("*.json") if self._folder else ()
+        return [file for file in found if file.is_symlink() or not file.is_dir()]
+
+    def _file(self) -> Path | None:
+        """Return the file of the connected unit; None if it can't be distinguished."""
+        version_code, passports = self._identify()
+        if self._folder is None or not any(passports):
+            return None
+        return unit_file(self._folder, version_code, passports)
 
     def set(self, wanted: tuple[Parameter, ...], *, keep: bool = False) -> None:
         """Set the list (64); `keep`: for later sessions too.
@@ -157,7 +149,7 @@ class UnitList:
                 self._tester.request(c.WriteList(data))
             self.current = wanted
             if keep:
-                self._kept.save([p.name for p in wanted])
+                self._keep([p.name for p in wanted])
 
         with self.held():
             self._gate.make(_change(data, len(wanted)), act, lambda _: None)
