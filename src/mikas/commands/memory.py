@@ -65,7 +65,7 @@ class AtAddress(Command[T]):
 
 
 @dataclass(frozen=True, slots=True)
-class _ByteCommand(AtAddress[int]):
+class ByteCommand(AtAddress[int]):
     """A byte at `address`; both reading and writing answer `[address][byte]`."""
 
     def response_lengths(self) -> Sequence[int]:
@@ -79,7 +79,7 @@ class _ByteCommand(AtAddress[int]):
 
 
 @dataclass(frozen=True, slots=True)
-class _ByteWrite(_ByteCommand):
+class WriteByte(ByteCommand):
     """Writes `value`; the response repeats address and byte, which `read` returns."""
 
     value: int
@@ -92,7 +92,7 @@ class _ByteWrite(_ByteCommand):
 
 
 @row(0x11, "CREADI", Text("read a RAM byte", "чтение байта RAM"))
-class ReadRamByte(_ByteCommand):
+class ReadRamByte(ByteCommand):
     """11 CREADI: `11 A` → `A B`. Wire for address 40: `11 40 00 AF 0D`."""
 
     __slots__ = ()
@@ -100,7 +100,7 @@ class ReadRamByte(_ByteCommand):
 
 
 @row(0x12, "CWRTI", Text("write a RAM byte", "запись байта RAM"))
-class WriteRamByte(_ByteWrite):
+class WriteRamByte(WriteByte):
     """12 CWRTI: `12 A B` → `A B`. D6: the request is missing in the source; inferred."""
 
     __slots__ = ()
@@ -108,7 +108,7 @@ class WriteRamByte(_ByteWrite):
 
 
 @row(0x13, "CREADX", Text("read an XRAM byte", "чтение байта XRAM"))
-class ReadXramByte(_ByteCommand):
+class ReadXramByte(ByteCommand):
     """13 CREADX: `13 AL AH` → `AL AH B`."""
 
     __slots__ = ()
@@ -116,7 +116,7 @@ class ReadXramByte(_ByteCommand):
 
 
 @row(0x14, "CWRITX", Text("write an XRAM byte", "запись байта XRAM"))
-class WriteXramByte(_ByteWrite):
+class WriteXramByte(WriteByte):
     """14 CWRITX: `14 AL AH B` → `AL AH B`."""
 
     __slots__ = ()
@@ -124,7 +124,7 @@ class WriteXramByte(_ByteWrite):
 
 
 @row(0x15, "CREADC", Text("read a CODE byte", "чтение байта CODE"))
-class ReadCodeByte(_ByteCommand):
+class ReadCodeByte(ByteCommand):
     """15 CREADC: `15 AL AH` → `AL AH B`."""
 
     __slots__ = ()
@@ -132,7 +132,7 @@ class ReadCodeByte(_ByteCommand):
 
 
 @row(0x16, "CWRITC", Text("write a CODE byte", "запись байта CODE"))
-class WriteCodeByte(_ByteWrite):
+class WriteCodeByte(WriteByte):
     """16 CWRITC: `16 AL AH B` → `AL AH B`."""
 
     __slots__ = ()
@@ -141,7 +141,7 @@ class WriteCodeByte(_ByteWrite):
 
 
 @row(0x31, "CREADSFR", Text("read an SFR", "чтение SFR"))
-class ReadSfr(_ByteCommand):
+class ReadSfr(ByteCommand):
     """31 CREADSFR: `31 A` → `A B`, a special function register."""
 
     __slots__ = ()
@@ -149,7 +149,7 @@ class ReadSfr(_ByteCommand):
 
 
 @row(0x32, "SWRITSFR", Text("write an SFR", "запись SFR"))
-class WriteSfr(_ByteWrite):
+class WriteSfr(WriteByte):
     """32 SWRITSFR (spelled so in the source): `32 A B` → `A B`."""
 
     __slots__ = ()
@@ -170,7 +170,7 @@ def _check_block(space: Space, address: int, count: int) -> None:
 
 
 @dataclass(frozen=True, slots=True)
-class _ReadBlock(AtAddress[bytes]):
+class ReadBlock(AtAddress[bytes]):
     """`count` bytes from `address` on. `COUNT_FORMS`: whether the count is repeated (D7)."""
 
     count: int
@@ -200,7 +200,7 @@ class _ReadBlock(AtAddress[bytes]):
 
 
 @dataclass(frozen=True, slots=True)
-class _WriteBlock(Write, AtAddress[None]):
+class WriteBlock(Write, AtAddress[None]):
     """Writes `data` from `address` on. The source's rows 24, 26 lack the data bytes (D8)."""
 
     data: bytes
@@ -222,7 +222,7 @@ class _WriteBlock(Write, AtAddress[None]):
 
 
 @row(0x21, "CREADDI", Text("read RAM bytes", "чтение байтов RAM"))
-class ReadRamBlock(_ReadBlock):
+class ReadRamBlock(ReadBlock):
     """21 CREADDI: `21 A N` → `A N B1 … BN`."""
 
     __slots__ = ()
@@ -231,7 +231,7 @@ class ReadRamBlock(_ReadBlock):
 
 
 @row(0x22, "CWRITDI", Text("write RAM bytes", "запись байтов RAM"))
-class WriteRamBlock(_WriteBlock):
+class WriteRamBlock(WriteBlock):
     """22 CWRITDI: `22 A N B1 … BN` → `00` / `01`."""
 
     __slots__ = ()
@@ -239,7 +239,7 @@ class WriteRamBlock(_WriteBlock):
 
 
 @row(0x23, "CREADDX", Text("read XRAM bytes", "чтение байтов XRAM"))
-class ReadXramBlock(_ReadBlock):
+class ReadXramBlock(ReadBlock):
     """23 CREADDX: `23 AL AH N` → `AL AH B1 … BN`, or with the count as in 21 (D7)."""
 
     __slots__ = ()
@@ -248,7 +248,7 @@ class ReadXramBlock(_ReadBlock):
 
 
 @row(0x24, "CWRITDX", Text("write XRAM bytes", "запись байтов XRAM"))
-class WriteXramBlock(_WriteBlock):
+class WriteXramBlock(WriteBlock):
     """24 CWRITDX: `24 AL AH N B1 … BN` → `00` / `01` (D8)."""
 
     __slots__ = ()
@@ -256,7 +256,7 @@ class WriteXramBlock(_WriteBlock):
 
 
 @row(0x25, "CREADDC", Text("read CODE bytes", "чтение байтов CODE"))
-class ReadCodeBlock(_ReadBlock):
+class ReadCodeBlock(ReadBlock):
     """25 CREADDC: `25 AL AH N` → as 23 (D7)."""
 
     __slots__ = ()
@@ -265,7 +265,7 @@ class ReadCodeBlock(_ReadBlock):
 
 
 @row(0x26, "CWRITDC", Text("write CODE bytes", "запись байтов CODE"))
-class WriteCodeBlock(_WriteBlock):
+class WriteCodeBlock(WriteBlock):
     """26 CWRITDC: `26 AL AH N B1 … BN` → `00` / `01` (D8)."""
 
     __slots__ = ()

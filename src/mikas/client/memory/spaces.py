@@ -11,8 +11,9 @@ from dataclasses import dataclass
 from mikas import commands as c
 from mikas.client.gate import Change, Gate, journal_hex
 from mikas.client.limits import LimitsCache
-from mikas.client.memory.writing import Attempts, SpaceWriter, WriteBlock, WriteByte
+from mikas.client.memory.writing import Attempts, SpaceWriter
 from mikas.commands.base import check_byte, check_range
+from mikas.commands.memory import ByteCommand, ReadBlock, WriteBlock, WriteByte
 from mikas.errors import (
     EcuRefused,
     LineError,
@@ -39,9 +40,9 @@ def writing(count: int, where: str) -> Text:
 class _Commands:
     """The command classes of one space."""
 
-    read: type[c.ReadRamByte | c.ReadXramByte | c.ReadCodeByte | c.ReadSfr]
+    read: type[ByteCommand]
     write: type[WriteByte]
-    read_block: type[c.ReadRamBlock | c.ReadXramBlock | c.ReadCodeBlock] | None = None
+    read_block: type[ReadBlock] | None = None
     write_block: type[WriteBlock] | None = None
 
 

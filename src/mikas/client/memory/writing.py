@@ -12,6 +12,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 
 from mikas import commands as c
+from mikas.commands.memory import WriteBlock, WriteByte
 from mikas.errors import (
     LineError,
     MikasError,
@@ -23,9 +24,6 @@ from mikas.errors import (
 )
 from mikas.i18n import Text
 from mikas.tester import Tester
-
-WriteByte = c.WriteRamByte | c.WriteXramByte | c.WriteCodeByte | c.WriteSfr
-WriteBlock = c.WriteRamBlock | c.WriteXramBlock | c.WriteCodeBlock
 
 _LACKS_BLOCKS = 2  # writes in which blocks were refused, perhaps only by a bad line
 _SFR_ONLY = Text(
