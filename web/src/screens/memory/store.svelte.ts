@@ -5,7 +5,7 @@ import { loadSetting, saveSetting } from "../../lib/platform/storage";
 import type { Dump, LeftOutFile, MemoryRead, Space } from "../../lib/api/types";
 import { bytesOf, readsFor, restored, type Cell } from "./cells/cells";
 import { Glow } from "./cells/glow";
-import { SPACES, addressText, fromHex, parseAddress, spaceOf, type Charset } from "./cells/hex";
+import { SPACES, addressIn, addressText, fromHex, spaceOf, type Charset } from "./cells/hex";
 import type { ApiClient } from "../../lib/api/api";
 
 /** ms between two reads of the watched data, so that sampling continues. */
@@ -27,13 +27,11 @@ export class View {
     private readonly api: ApiClient,
     readonly name: Space,
   ) {
-    if (name === "sfr") this.typed = "80";
-    if (name === "sfr") this.count = 128;
+    if (name === "sfr") [this.typed, this.count] = ["80", 128];
   }
 
   get address(): number | null {
-    const address = parseAddress(this.typed);
-    return address !== null && address <= spaceOf(this.name).last ? address : null;
+    return addressIn(spaceOf(this.name), this.typed);
   }
 
   go(address: number): void {
@@ -47,18 +45,13 @@ export class View {
     const count = Math.min(this.count, spaceOf(this.name).last + 1 - address);
     const got = await this.read.run(() => this.api.memory(this.name, address, count));
     if (!got) return false;
-    this.show(got.address, fromHex(got.data), got.time);
-    return true;
-  }
-
-  show(first: number, data: Uint8Array, time: number): void {
-    this.glow.take(data, first, performance.now());
-    this.first = first;
+    const data = fromHex(got.data);
+    this.glow.take(data, got.address, performance.now());
+    this.first = got.address;
     this.data = data;
-    this.time = time;
-    if (this.chosen !== null && (this.chosen < first || this.chosen >= first + data.length)) {
-      this.chosen = null;
-    }
+    this.time = got.time;
+    if (this.chosen !== null && (this.chosen < this.first || this.chosen >= this.first + data.length)) this.chosen = null;
+    return true;
   }
 
   reset(): void {

@@ -35,6 +35,15 @@ export function parseAddress(text: string): number | null {
   return parseInt(match[1] ?? match[2] ?? "", 16);
 }
 
+/** The same within a space; null also beyond its end. */
+export function addressIn(space: Space, text: string): number | null {
+  const address = parseAddress(text);
+  return address !== null && address <= space.last ? address : null;
+}
+
+/** How messages name a space and its last address. */
+export const endOf = (space: Space) => ({ space: space.name.toUpperCase(), last: addressText(space.last, space) });
+
 /** Parse `0A FF`, `0aff`, `0A:FF` or `0x0A, 0xFF`; null for anything else and for nothing. */
 export function parseBytes(text: string): Uint8Array | null {
   const digits = text
