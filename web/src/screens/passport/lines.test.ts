@@ -1,7 +1,7 @@
 // What the sheet of a passport says, of units that answer everything and of those that do not.
 import { describe, expect, it } from "vitest";
 import type { Passport } from "../../lib/api/types";
-import { answerText, commandLines, lineLines, measuredLines, methodText, piecesText, unitLines } from "./lines";
+import { answerText, commandLines, fileName, lineLines, measuredLines, methodText, piecesText, sheetText, unitLines } from "./lines";
 
 const PASSPORT: Passport = {
   model: { en: "Mikas 7.1", ru: "Микас 7.1" },
@@ -77,5 +77,20 @@ describe("the lines of a passport", () => {
     const reason = { en: "the engine stands", ru: "двигатель стоит" };
     expect(answerText({ supported: null, reason })).toBe("unknown: the engine stands");
     expect(commandLines({ ...PASSPORT, supported: null })).toEqual([]);
+  });
+});
+
+describe("the passport sheet", () => {
+  it("has aligned columns", () => {
+    expect(
+      sheetText("T", [
+        ["a", "1"],
+        ["long", "2"],
+      ]),
+    ).toBe("T\n\na     1\nlong  2\n");
+  });
+  it("has a file name without special characters", () => {
+    expect(fileName(["Mikas 7.1", null, "  ", "А/Б:1"], "json")).toBe("Mikas-7.1-А-Б-1.json");
+    expect(fileName([null], "txt")).toBe("mikas.txt");
   });
 });

@@ -1,8 +1,10 @@
 // The passport as names and values, for the screen, the copied text and the saved file.
+import { byteText } from "../memory/cells/hex";
 import { DASH, number, localized } from "../../lib/i18n";
 import type { Passport, UnitCommand } from "../../lib/api/types";
-import type { Line } from "./sheet";
 import { methods, t } from "./messages";
+
+export type Line = readonly [name: string, value: string];
 
 type Method = Parameters<typeof methods>[0];
 const METHODS: readonly Method[] = ["stream", "list", "batch", "single"];
@@ -13,8 +15,6 @@ export function methodText(name: string | null): string {
   const known = METHODS.find((it) => it === name);
   return known ? methods(known) : name;
 }
-
-export const byteText = (value: number) => value.toString(16).toUpperCase().padStart(2, "0");
 
 /** The filled fields. Null (the ECU does not support the command) and "" (not filled in) have different texts. */
 export function piecesText(pieces: readonly (string | null)[]): string {
@@ -69,4 +69,17 @@ export function commandLines(passport: Passport): Line[] {
 export function answerText({ supported, reason }: Pick<UnitCommand, "supported" | "reason">): string {
   if (supported === null && reason) return t("not_tried_because", { reason: localized(reason) });
   return supported === null ? t("not_tried") : supported ? t("knows") : t("knows_not");
+}
+
+/** The passport as text: one line for each name and value, in aligned columns. */
+export function sheetText(title: string, lines: readonly Line[]): string {
+  const width = Math.max(0, ...lines.map(([name]) => name.length));
+  const body = lines.map(([name, value]) => `${name.padEnd(width)}  ${value}`.trimEnd());
+  return [title, "", ...body, ""].join("\n");
+}
+
+/** A file name such as `mikas-7.1-A1234.json`, without characters that file systems reject. */
+export function fileName(parts: readonly (string | null | undefined)[], suffix: string): string {
+  const clean = parts.map((part) => (part ?? "").replace(/[^\p{L}\p{N}.-]+/gu, "-").replace(/^[-.]+|[-.]+$/g, "")).filter(Boolean);
+  return `${clean.join("-") || "mikas"}.${suffix}`;
 }

@@ -19,10 +19,7 @@ export class PassportStore {
 
   async probe(): Promise<void> {
     this.probing = true;
-    try {
-      await this.read.run(() => this.app.api.probe());
-    } finally {
-      this.probing = false;
-    }
+    await this.read.run(() => this.app.api.probe());
+    this.probing = false;
   }
 }

@@ -17,11 +17,7 @@ export class RecordedTests {
     this.test = test;
     this.recording = recording;
     const { signal } = this.stop;
-    try {
-      await this.request.run(() => this.api.recordedTest(recording, test.name, signal));
-    } catch (error) {
-      if (!(error instanceof DOMException)) throw error;
-    }
+    await this.request.run(() => this.api.recordedTest(recording, test.name, signal));
   }
 
   /** Cancel the work, or put the answer away. */
