@@ -27,6 +27,8 @@ export class Live {
   /** The user has ended the program from this page; until it runs again. */
   ended = $state(false);
   state = $state.raw<State | null>(null);
+  /** Key of the data that are asked for while the socket is open, and then stay. */
+  readonly linked = $derived<true | null>(this.link === "open" || null);
   /** Whether an ECU answers now. */
   readonly answers = $derived(this.link === "open" && this.state !== null && answering(this.state));
   /** A key that changes when another ECU is connected: data read from the previous one is no longer valid. */

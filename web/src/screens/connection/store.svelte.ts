@@ -9,12 +9,12 @@ const SCAN_MS = 3000;
 
 export class ConnectionStore {
   readonly ports = new Resource({
-    of: () => this.open,
+    of: () => this.app.live.linked,
     ask: async () => (await this.app.api.ports()).ports,
-    every: () => (this.open ? SCAN_MS : 0),
+    every: () => (this.app.live.linked ? SCAN_MS : 0),
   });
   /** Another page may switch the network. */
-  readonly about = new Resource({ of: () => this.open, again: () => this.app.live.state?.lan, ask: () => this.app.api.about() });
+  readonly about = new Resource({ of: () => this.app.live.linked, again: () => this.app.live.state?.lan, ask: () => this.app.api.about() });
   readonly network = new ApiRequest<About>();
   /** Counts the answers of the switch: each has another link. */
   shares = $state(0);
@@ -38,10 +38,6 @@ export class ConnectionStore {
   /** The port that is or was checked, as the program says. */
   get checkedPort(): string | null {
     return this.steps[0]?.port ?? this.examined;
-  }
-
-  private get open(): true | null {
-    return this.app.live.link === "open" || null;
   }
 
   /** The file of a running recording. */

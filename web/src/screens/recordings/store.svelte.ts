@@ -8,7 +8,7 @@ import type { Stores } from "../../stores";
 export class RecordingStore {
   /** Asked for again when a recording starts or ends, and when the connection returns. */
   readonly list = new Resource({
-    of: () => this.open,
+    of: () => this.app.live.linked,
     again: () => this.app.live.state?.recording?.file,
     ask: async () => {
       const answer = await this.app.api.recordings();
@@ -18,11 +18,10 @@ export class RecordingStore {
     },
   });
   readonly references = new Resource({
-    of: () => this.open,
+    of: () => this.app.live.linked,
     again: () => this.app.live.state?.recording?.file,
     ask: () => this.app.api.references(),
   });
-  readonly about = new Resource({ of: () => this.open, ask: () => this.app.api.about(), once: true });
   search = $state("");
   /** Why the folder can't store recordings. */
   problem = $state.raw<Text | null>(null);
@@ -33,13 +32,9 @@ export class RecordingStore {
 
   constructor(private readonly app: Pick<Stores, "api" | "live" | "player" | "route" | "toasts">) {}
 
-  private get open(): true | null {
-    return this.app.live.link === "open" || null;
-  }
-
   /** For a component that shows the list. */
   need(): void {
-    for (const each of [this.list, this.references, this.about]) each.need();
+    for (const each of [this.list, this.references]) each.need();
   }
 
   async refresh(): Promise<void> {

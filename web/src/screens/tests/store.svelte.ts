@@ -9,18 +9,14 @@ const RUNNING = 250;
 const IDLE = 2000;
 
 export class Tests {
-  readonly list = new Resource({ of: () => this.open, ask: () => this.app.api.tests() });
-  readonly results = new Resource({ of: () => this.open, ask: () => this.app.api.testResults() });
+  readonly list = new Resource({ of: () => this.app.live.linked, ask: () => this.app.api.tests() });
+  readonly results = new Resource({ of: () => this.app.live.linked, ask: () => this.app.api.testResults() });
   run = $state.raw<TestRun | null>(null);
   busy = $state(false);
   /** Counts what this page changes: an answer to a question of before is of the run before. */
   private changes = 0;
 
   constructor(private readonly app: Pick<Stores, "api" | "live" | "toasts">) {}
-
-  private get open(): true | null {
-    return this.app.live.link === "open" || null;
-  }
 
   /** Follow the run until the returned function is called. */
   follow(): () => void {

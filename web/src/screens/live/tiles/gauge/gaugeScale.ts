@@ -44,34 +44,36 @@ export function bandsOf(channel: Pick<Channel, "limits"> | undefined, range: Ran
   return bands.filter(({ from, to }) => to > from);
 }
 
+/** The centre, and the angles, of the arc. */
+const X = 100;
+const Y = 92;
 const START = 150;
 const SWEEP = 240;
 
-const point = (at: number, radius: number, x: number, y: number): string => {
+const point = (at: number, radius: number): string => {
   const angle = ((START + SWEEP * at) * Math.PI) / 180;
-  return `${(x + radius * Math.cos(angle)).toFixed(2)} ${(y + radius * Math.sin(angle)).toFixed(2)}`;
+  return `${(X + radius * Math.cos(angle)).toFixed(2)} ${(Y + radius * Math.sin(angle)).toFixed(2)}`;
 };
 
 /** A part of the arc as an SVG path, between two shares. */
-export function arc(from: number, to: number, radius: number, x = 100, y = 92): string {
+export function arc(from: number, to: number, radius: number): string {
   const large = (to - from) * SWEEP > 180 ? 1 : 0;
-  return `M${point(from, radius, x, y)}A${radius} ${radius} 0 ${large} 1 ${point(to, radius, x, y)}`;
+  return `M${point(from, radius)}A${radius} ${radius} 0 ${large} 1 ${point(to, radius)}`;
 }
 
 /** The dash pattern that shows only this part of the whole arc, if its `pathLength` is 1. */
 export const dash = (from: number, to: number): string => `0 ${from.toFixed(4)} ${(to - from).toFixed(4)} 1`;
 
 /** The transform that turns what stands at the arc's start to this share. */
-export const turned = (at: number, x = 100, y = 92): string => `rotate(${(SWEEP * at).toFixed(2)} ${x} ${y})`;
+export const turned = (at: number): string => `rotate(${(SWEEP * at).toFixed(2)} ${X} ${Y})`;
 
 /** A mark across the arc. */
-export const tick = (at: number, inner: number, outer: number, x = 100, y = 92): string =>
-  `M${point(at, inner, x, y)}L${point(at, outer, x, y)}`;
+export const tick = (at: number, inner: number, outer: number): string => `M${point(at, inner)}L${point(at, outer)}`;
 
 /** An arrow at an end of the arc that points beyond it. */
 export function endArrow(side: "low" | "high"): string {
   // 240° and −60° of direction: where a needle would go on.
   const out = side === "low" ? -0.045 : 1.045;
   const end = side === "low" ? 0.012 : 0.988;
-  return `M${point(end, 64, 100, 92)}L${point(out, 80, 100, 92)}L${point(end, 96, 100, 92)}Z`;
+  return `M${point(end, 64)}L${point(out, 80)}L${point(end, 96)}Z`;
 }
