@@ -51,6 +51,13 @@ export class ChannelValue {
     return limitState(this.value, this.channel);
   });
   readonly level = $derived(this.limitState?.level ?? null);
+  /** Of a flag that is on and means trouble: the level at which it alarms, or the colour that the catalog gives it without an alarm. */
+  readonly trouble = $derived.by<Level | null>(() => {
+    if (!this.channel || !this.value) return null;
+    const { alarm_when_true: alarm, lamp } = this.channel;
+    const level = alarm === "none" ? lamp?.trouble : alarm;
+    return level && level !== "none" ? level : null;
+  });
 
   constructor(private readonly name: () => string) {}
 }
