@@ -11,28 +11,23 @@ export interface Entry extends RawEntry {
   codes: number[] | null;
 }
 
-function same(a: RawEntry, b: RawEntry): boolean {
-  return (
-    a.port === b.port &&
-    a.command === b.command &&
-    JSON.stringify(a.change) === JSON.stringify(b.change) &&
-    JSON.stringify(a.before ?? null) === JSON.stringify(b.before ?? null)
-  );
-}
+/** What the two entries of a change have in common. */
+const keyOf = ({ port, command, change, before }: RawEntry) => JSON.stringify([port, command, change, before]);
 
 /** Merge the two entries of each change. Newest first, as the server sends them. */
 export function mergeEntries(entries: readonly RawEntry[]): Entry[] {
   const out: Entry[] = [];
-  const ends: RawEntry[] = [];
+  const ends: string[] = [];
   for (const entry of entries) {
+    const key = keyOf(entry);
     if (entry.state === "started") {
-      const at = ends.findIndex((end) => same(end, entry));
+      const at = ends.indexOf(key);
       if (at >= 0) {
         ends.splice(at, 1);
         continue; // its result is in the list
       }
     } else {
-      ends.push(entry);
+      ends.push(key);
     }
     out.push(entryOf(entry));
   }

@@ -31,13 +31,16 @@ export function newCell(space: SpaceName, address: number): Cell {
   return { id, space, address, name: "", formula: "b", unit: "" };
 }
 
-export function sizeOf(cell: Cell): number {
+/** Null: the formula is invalid. */
+function compiled({ formula }: Cell): ReturnType<typeof compile> | null {
   try {
-    return compile(cell.formula).size;
+    return compile(formula);
   } catch {
-    return 1;
+    return null;
   }
 }
+
+const sizeOf = (cell: Cell): number => compiled(cell)?.size ?? 1;
 
 export function readsFor(cells: readonly Cell[]): Read[] {
   const reads: Read[] = [];
@@ -69,13 +72,7 @@ export function bytesOf(cell: Cell, read: Read, data: Uint8Array): Uint8Array {
 }
 
 /** The cell's value; null: invalid formula, too few bytes, or no number. */
-export function valueOf(cell: Cell, bytes: Uint8Array): number | null {
-  try {
-    return compile(cell.formula).value(bytes);
-  } catch {
-    return null;
-  }
-}
+export const valueOf = (cell: Cell, bytes: Uint8Array): number | null => compiled(cell)?.value(bytes) ?? null;
 
 /** The stored list without its invalid entries. */
 export function restored(text: string | null): Cell[] {

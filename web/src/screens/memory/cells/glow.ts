@@ -32,12 +32,8 @@ export class Glow {
 
   /** ms until the next byte stops glowing; null: none glows. */
   next(now: number): number | null {
-    let next: number | null = null;
-    for (const time of this.#changed.values()) {
-      const left = Math.max(0, time + GLOW_MS - now);
-      next = next === null ? left : Math.min(next, left);
-    }
-    return next;
+    if (this.#changed.size === 0) return null;
+    return Math.max(0, Math.min(...this.#changed.values()) + GLOW_MS - now);
   }
 
   /** Forget all bytes, for another space or ECU. */
