@@ -50,7 +50,7 @@ def played(path, code=THR):
     """The data of a code; of a response that has two, the last one."""
     found = []
     for series in {id(place[0]): place[0] for place in load(path).places.get(code, [])}.values():
-        place = series.layout.last_of(code)
+        place = series.layout.last.get(code)
         found += [series.datum(at, *place).hex() for at in range(len(series.times))]
     return sorted(found)
 

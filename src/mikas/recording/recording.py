@@ -56,7 +56,7 @@ class Recording:
         self.interpretation = interpretation
         self._converter = Converter(catalog, interpretation, self.raw.codes)
         recorded = {channel.name: channel for channel in self._converter.channels}
-        known = all_channels(self._converter.channels, catalog, recorded, wanted)
+        known = all_channels(recorded, catalog, wanted)
         self.channels = tuple(known[name] for name in dict.fromkeys(wanted or known))
         self._derived = [each.name for each in self.channels if each.name in catalog.derived]
         self.absent = tuple(

@@ -93,7 +93,7 @@ class Contents:
     def is_routine(self, series: Series, port: RecordedPort) -> bool:
         """Return whether one more response in `series` without 01s brings only data."""
         refused = (code for code, it in self._data.refused.items() if it.values[-1])
-        if any(series.layout.last_of(code) is not None for code in refused):
+        if any(code in series.layout.last for code in refused):
             return False
         return port.resolver.is_quiet(series.layout)
 
@@ -166,7 +166,7 @@ class Contents:
         """Keep data; their codes are not refused now."""
         series, time, began, request = response
         for code, refused in self._data.refused.items():
-            if series.layout.last_of(code) is not None:
+            if code in series.layout.last:
                 refused.add(time, value=False)
         series.add(time, body)
         if request.body[0] in c.StreamAtStroke.CODES:

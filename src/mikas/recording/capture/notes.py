@@ -26,7 +26,7 @@ from typing import Any, BinaryIO, Final
 from mikas.cancellation import check_cancelled
 from mikas.cleaning import clean_json, is_in_calendar
 from mikas.recording.capture import blocks as pcapng
-from mikas.recording.capture.scan import Scanner, is_headless, read_whole
+from mikas.recording.capture.scan import RawBlock, Scanner, read_whole, scan
 
 ENTERPRISE: Final = 32473  # RFC 5612: for documentation
 TAG: Final = b"mikas/1\n"
@@ -142,7 +142,8 @@ def index(file: BinaryIO) -> FileIndex:
     """
     scanner = Scanner(file)
     found = FileIndex(size=scanner.size)
-    if is_headless(file):
+    first = next((item for item in scan(file) if isinstance(item, RawBlock)), None)
+    if first is not None and first.kind != pcapng.SECTION:  # the file has lost its begin
         found.sections.append(0)
         found.orders.append("<")
     is_known, end = True, 0  # of the last section or note

@@ -23,9 +23,10 @@ from mikas.recording.capture import blocks as pcapng
 from mikas.recording.capture.clock import RecordingClock
 from mikas.recording.capture.notes import Note, index, read_block
 from mikas.recording.capture.scan import (
+    LARGEST,
     RawBlock,
+    Scanner,
     Unreadable,
-    goes_on_as_one,
     is_section_start,
     scan,
 )
@@ -276,7 +277,7 @@ def _problem(file: BinaryIO) -> Text | None:
             return _CLASSIC
         if head.startswith(b"\x1f\x8b"):
             return _COMPRESSED
-        if head.startswith(_ZIP) or not goes_on_as_one(file):
+        if head.startswith(_ZIP) or not Scanner(file, LARGEST).goes_on_as_one():
             return _NOT_PCAPNG
     other = _foreign_link_type(file)
     return None if other is None else _OTHER_LINK_TYPE.filled(type=other)

@@ -142,7 +142,9 @@ class Scanner:
         return RawBlock(kind, body, order, offset, offset + total)
 
     def goes_on_as_one(self) -> bool:
-        """Return whether a section begins somewhere, or some blocks follow each other."""
+        """Return whether this is a pcapng file without its first bytes: a section begins somewhere,
+        or some blocks follow each other.
+        """
         for first in self._extents(0, _OURS):
             if first.kind == pcapng.SECTION:
                 return True
@@ -248,17 +250,3 @@ def is_section_start(head: bytes) -> bool:
     if len(head) < _SMALLEST:
         return _SECTION_BYTES.startswith(head[:4])
     return head.startswith(_SECTION_BYTES) and pcapng.byte_order(head[8:12]) is not None
-
-
-def goes_on_as_one(file: BinaryIO, within: int = LARGEST) -> bool:
-    """Return whether the file is a pcapng file without its first bytes.
-
-    It is if, `within` so many bytes, a section begins or some blocks follow each other.
-    """
-    return Scanner(file, within).goes_on_as_one()
-
-
-def is_headless(file: BinaryIO) -> bool:
-    """Return whether the first whole block of the file begins no section."""
-    first = next((item for item in scan(file) if isinstance(item, RawBlock)), None)
-    return first is not None and first.kind != pcapng.SECTION

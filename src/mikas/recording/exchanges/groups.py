@@ -50,10 +50,6 @@ class ResponseGroup:
     rows: Index
     fitting: Index
 
-    def only(self, fitting: Index) -> ResponseGroup:
-        """Return the same rows with only these as rows with values."""
-        return replace(self, fitting=fitting)
-
 
 class ResponseClassifier:
     """The responses of one port by layout. Keeps the list that the last 64 has set."""
@@ -142,7 +138,7 @@ class RefusalColumns:
                 certain.append(group)
             elif request[0] in STREAMS:
                 doubtful = self._beginnings(group, responses)
-                certain.append(group.only(np.setdiff1d(group.fitting, doubtful)))
+                certain.append(replace(group, fitting=np.setdiff1d(group.fitting, doubtful)))
                 continued = np.unique(responses.requests[certain[-1].fitting]).tolist()
                 serials = responses.requests[doubtful].tolist()
                 self._begun.update(zip(serials, (doubtful + self._taken).tolist(), strict=True))

@@ -25,7 +25,7 @@ DATA: Final = (c.ReadParameters, c.StreamCyclic, c.StreamAtStroke)
 class Layout:
     """A body of `length` bytes; `places`: (code, where its datum begins, its size), in order.
 
-    `last`: by code, the place of its last datum.
+    `last`: by code, where its last datum begins, and its size.
     """
 
     length: int
@@ -35,10 +35,6 @@ class Layout:
     def __post_init__(self) -> None:
         last = {code: (begin, size) for code, begin, size in self.places}
         object.__setattr__(self, "last", last)
-
-    def last_of(self, code: int) -> tuple[int, int] | None:
-        """Return where the code's last datum begins, and its size; None if it has none."""
-        return self.last.get(code)
 
 
 class Layouts:

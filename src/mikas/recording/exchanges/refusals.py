@@ -159,7 +159,7 @@ class RefusalResolver(Generic[T]):
 
     def _followed(self, layout: Layout) -> list[tuple[int, int, int]]:
         if layout not in self._places:
-            places = ((code, layout.last_of(code)) for code in self._codes)
+            places = ((code, layout.last.get(code)) for code in self._codes)
             self._places[layout] = [(code, *place) for code, place in places if place]
         return self._places[layout]
 
@@ -182,6 +182,6 @@ def was_one(code: int, latest: Mapping[Layout, tuple[int, bytes]]) -> bool:
     data = [
         (order, body[place[0] : sum(place)])
         for layout, (order, body) in latest.items()
-        if (place := layout.last_of(code)) is not None
+        if (place := layout.last.get(code)) is not None
     ]
     return bool(data) and max(data)[1] == ERROR

@@ -109,10 +109,10 @@ def is_recorded(name: str, catalog: Catalog, recorded: Iterable[str]) -> bool:
 
 
 def all_channels(
-    read: Iterable[Channel], catalog: Catalog, recorded: Iterable[str], wanted: Iterable[str]
+    recorded: Mapping[str, Channel], catalog: Catalog, wanted: Iterable[str]
 ) -> dict[str, Channel]:
     """Return the recorded channels, those derived from them, and the wanted ones, by name."""
-    known = {channel.name: channel for channel in read}
+    known = dict(recorded)
     derived = [each.name for each in catalog.derived.values()]
     for name in (*(name for name in derived if is_recorded(name, catalog, recorded)), *wanted):
         if name not in known:
