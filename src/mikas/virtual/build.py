@@ -49,8 +49,8 @@ def build_bus(
     engine = Engine(scenario, given.integer("seed", 0))
     car = EngineCar(engine, shipped(), faults=_faults(settings.get("faults", "")), start=start)
     model = given.choice("model", "7.1", MODELS)
-    passports = scenario.passports or _passports(model)
-    identity = Identity(MODELS[model], passports)
+    passports = f"МИКАС {model}", VIRTUAL_PASSPORT, "", "2000.09.27", "ЗМЗ-4062.10", "", "", ""
+    identity = Identity(MODELS[model], scenario.passports or passports)
     responder = Responder(car, identity, memory=EcuMemory(scenario.memory))
     return wired(responder, settings, watcher=watcher)
 
@@ -92,10 +92,6 @@ def wired(
         ),
     )
     return bus if given.choice("adapter", "kkl", ADAPTERS) == "kkl" else Elm327(bus.ecu)
-
-
-def _passports(model: str) -> tuple[str, ...]:
-    return (f"МИКАС {model}", VIRTUAL_PASSPORT, "", "2000.09.27", "ЗМЗ-4062.10", "", "", "")
 
 
 def _faults(text: str) -> list[int]:

@@ -235,8 +235,9 @@ class Bus:
                 self._deliver(self.unit, self.tester)
                 if not self.tester.queue:
                     self._deliver_rest(min(now, self.ecu.next_change()))
-            else:
-                self._transmit_response(time)
+            elif wire := self.ecu.transmit(time):
+                for sent in self.fault_injector.respond(wire):
+                    self.unit.transmit(sent.data, time + sent.delay)
             if not self.ecu.on and self.unit.queue:
                 self.unit.clear(time)
             self._next = self._next_on_wire()
@@ -261,12 +262,6 @@ class Bus:
             # delayed or doubled is on the wire longer than the unit knows.
             due = self.tester.idle_from(max(due, self.unit.free_at, self._at))
         return min(due, self.ecu.next_change())
-
-    def _transmit_response(self, time: float) -> None:
-        wire = self.ecu.transmit(time)
-        if wire:
-            for sent in self.fault_injector.respond(wire):
-                self.unit.transmit(sent.data, time + sent.delay)
 
     def _deliver(self, transmitter: Transmitter, other: Transmitter) -> None:
         byte = transmitter.queue.popleft()

@@ -16,7 +16,7 @@ from mikas.virtual.model.program import Program
 from mikas.virtual.model.sensors import NOTHING, LostSignals, Signals
 from mikas.virtual.model.vehicle import Board, Heat, Vehicle
 from mikas.virtual.scenarios.scenario import Condition, Scenario, Start
-from mikas.virtual.scenarios.timeline import Inputs, ScenarioTimeline
+from mikas.virtual.scenarios.timeline import ScenarioTimeline
 
 NOISE = 16381  # entries, 8.5 minutes; a prime, so that every stride visits all of them
 SETTLING = 1920  # steps of a running engine before second 0: a minute
@@ -140,7 +140,8 @@ class Plant:
         inputs = self._timeline.at(number * STEP)
         self._turn_key(inputs.key)
         rpm = self.crank / TO_RADIANS
-        self._drive(inputs, rpm, table[(number * 7 + 4001) % NOISE])
+        alive, road = not program.sensors.lost.crank, table[(number * 7 + 4001) % NOISE]
+        self.vehicle.drive(inputs, rpm, self.heat.coolant, alive=alive, road=road)
         signals.demand = ph.demand(rpm)
         charge, flow = self._breathe(rpm, signals.demand)
         if inputs.key:
@@ -168,10 +169,6 @@ class Plant:
             sensors = self.program.sensors
             self.program.restart(sensors.coolant, sensors.intake_air)
         self.key = key
-
-    def _drive(self, inputs: Inputs, rpm: float, road: float) -> None:
-        alive = not self.program.sensors.lost.crank
-        self.vehicle.drive(inputs, rpm, self.heat.coolant, alive=alive, road=road)
 
     def _knock_limit(self, rpm: float, charge: float, number: int) -> float:
         chance = 1.1 * self._noise[(number * 11 + 7001) % NOISE]
