@@ -81,11 +81,7 @@ class KeptFile(Generic[Content]):
 
     def save(self, value: object) -> None:
         """Replace the content by `value`, as `save_json`. Raises `UsageError`."""
-        try:
-            self._read()
-        except FileNotFoundError:
-            pass
-        except (OSError, *_UNFIT):
+        if self.problem is not None:
             with naming_file(self.path):
                 self.path.rename(self._aside)
         save_json(self.path, value)

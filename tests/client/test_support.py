@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import inf
+
 import pytest
 from client_harness import bench, ecu_on, lines
 from hypothesis import given
@@ -50,7 +52,7 @@ def test_every_stream_is_ended(stream_end):
     it = bench(stream_end=stream_end)
     ecu = ecu_on(it)
     for support in ecu.supported():
-        assert not it.bus.ecu.is_streaming, support
+        assert it.bus.ecu.next_transmission() == inf, support
         assert support.known is not False
     assert ecu.read("TWAT")["TWAT"].raw == DATA[0x1A]
 
@@ -183,7 +185,7 @@ def test_whatever_happens_on_the_line_it_is_left_usable(line_faults, turning):
             break
         except (LineError, EcuRefused, NoConnection) as error:
             assert not last, error
-    assert not it.bus.ecu.is_streaming
+    assert it.bus.ecu.next_transmission() == inf
 
 
 def test_an_unplugged_adapter_ends_the_trials():

@@ -175,9 +175,9 @@ class LocalizedGroup(LocalizedCommand, click.Group):
     def list_commands(self, ctx: click.Context) -> list[str]:
         return list(self.homes)
 
-    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command:
         if cmd_name not in self.homes:
-            return None
+            raise click.UsageError(self._unknown(cmd_name), ctx)
         command: click.Command = getattr(import_module(self.homes[cmd_name][0]), cmd_name)
         return command
 
@@ -186,14 +186,6 @@ class LocalizedGroup(LocalizedCommand, click.Group):
             write_error(f"{ctx.get_help()}\n")
             ctx.exit(2)
         return super().parse_args(ctx, args)
-
-    def resolve_command(
-        self, ctx: click.Context, args: list[str]
-    ) -> tuple[str | None, click.Command | None, list[str]]:
-        command = self.get_command(ctx, args[0])
-        if command is None:
-            raise click.UsageError(self._unknown(args[0]), ctx)
-        return args[0], command, args[1:]
 
     def _unknown(self, name: str) -> str:
         from difflib import get_close_matches

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import time
 from abc import ABC, abstractmethod
+from dataclasses import dataclass
 from enum import Enum
 from math import inf
 from typing import NamedTuple, Protocol, Self
@@ -183,13 +184,12 @@ class Sink(Protocol):
         """Record `data`; `time` is the link's clock and never runs back."""
 
 
+@dataclass(slots=True)
 class WireCount:
     """The bytes on the wire of links that follow each other; an echo is not counted twice."""
 
-    def __init__(self) -> None:
-        self.bytes = 0
-        self.echoes = True
-        """Whether the line echoes what is sent; to be set once that is known."""
+    bytes: int = 0
+    echoes: bool = True  # whether the line echoes what is sent; to be set once that is known
 
 
 class CaptureTee(LinkWrapper):

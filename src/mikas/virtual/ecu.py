@@ -1,9 +1,9 @@
 """The virtual Mikas on its wire: bytes in, bytes out, on the caller's clock (§3, D12, D15, D16).
 
 No I/O, no clock, no sleep: the same times and bytes give the same responses. The bus calls
-`receive` with the bytes on the wire, `next_event` for the time of the next `transmit`, and puts the
-returned bytes on the wire. While the line is busy (D2), `next_transmission` can wait, `next_change`
-cannot.
+`receive` with the bytes on the wire, and `transmit` at the earlier one of `next_change` and
+`next_transmission`, and puts the returned bytes on the wire. While the line is busy (D2),
+`next_transmission` can wait, `next_change` cannot.
 """
 
 from __future__ import annotations
@@ -93,10 +93,6 @@ class VirtualEcu:
         self._free_at = min(self._free_at, now)
         self._end_stream(now)
 
-    def next_event(self) -> float:
-        """Return when to call `transmit` next; infinity: not before bytes are received."""
-        return min(self.next_change(), self.next_transmission())
-
     def next_change(self) -> float:
         """Return when the supply changes next."""
         if self._change is None or self._change <= self._latest:
@@ -161,11 +157,6 @@ class VirtualEcu:
         if isinstance(stream, c.StreamAtStroke):
             return self.responder.car.next_stroke(stream.stroke, ready)
         return ready
-
-    @property
-    def is_streaming(self) -> bool:
-        """Whether a stream has been requested and not ended."""
-        return self._stream is not None
 
     def _end_stream(self, now: float) -> None:
         if self._stream:
