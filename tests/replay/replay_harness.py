@@ -8,6 +8,7 @@ from pathlib import Path
 from capture_writing_harness import appending, coalescing
 from mikas.client import connect
 from mikas.link.base import Direction
+from mikas.replay import car_on
 
 SENT, RECEIVED = Direction.SENT, Direction.RECEIVED
 METHODS = ["single", "batch", "list", "stream"]
@@ -37,6 +38,14 @@ def sim(**settings):
 
 def again(path, **settings):
     return f"replay:{path}?clock=simulated&" + "&".join(f"{k}={v}" for k, v in settings.items())
+
+
+def begun(bus):
+    """The wire of a replay that plays since second 0 of its clock, not since the first request."""
+    car = car_on(bus)
+    car.powered(0.0)
+    car.seek(0.0, 0.0)
+    return bus
 
 
 def do(ecu, steps):

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from replay_harness import METHODS, NAMES, again, do, session, sim
+from replay_harness import METHODS, NAMES, again, begun, do, session, sim
 
 from capture_writing_harness import coalescing
 from mikas.errors import RecordingOver
@@ -101,9 +101,7 @@ def test_the_car_runs_at_another_speed_and_the_wire_does_not(tmp_path, speed):
     path = tmp_path / "a.pcapng"
     with session(sim(scenario="city"), tmp_path, path) as ecu:
         do(ecu, [("batch", ["FREQ", "THR"], 200, 0)])
-    plain, other = (
-        VirtualLink(replay_bus(path, {"speed": str(it)}, start=0.0)) for it in (1, speed)
-    )
+    plain, other = (VirtualLink(begun(replay_bus(path, {"speed": str(it)}))) for it in (1, speed))
     request = encode(b"\x61\x29\x20")
     ends = []
     for link, now in ((plain, 2.0), (other, 2.0 / speed)):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from contextlib import closing
 
 import pytest
-from replay_harness import again, do, session, sim
+from replay_harness import again, begun, do, session, sim
 
 from mikas.catalog import shipped
 from mikas.cli.language import set_language
@@ -88,7 +88,7 @@ def read_on(link):
 
 def test_on_a_wire_it_is_silence_and_nothing_else(drive):
     """What `sim --replay` serves is a wire: it has no words."""
-    link = VirtualLink(replay_bus(drive, start=0.0))
+    link = VirtualLink(begun(replay_bus(drive)))
     link.read(load(drive).duration + 1)
     with session_on(link) as ecu, pytest.raises(EchoOnly):
         ecu.tester.connect()

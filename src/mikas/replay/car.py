@@ -37,8 +37,8 @@ class _Playing:
 class ReplayCar:
     """Data from a recording; implements `mikas.virtual.responder.Car`.
 
-    At `start` of the owner's clock the recording is at second `seek`; None: it waits for the first
-    byte of a request. `speed`: of the car, not of the wire; 0 holds it. `loop`: restart at the end.
+    With the first byte of a request the recording is at second `seek`. `speed`: of the car, not of
+    the wire; 0 holds it. `loop`: restart at the end.
     """
 
     def __init__(
@@ -46,7 +46,6 @@ class ReplayCar:
         recorded: ReplayData,
         catalog: Catalog,
         *,
-        start: float | None = None,
         seek: float = 0.0,
         speed: float = 1.0,
         loop: bool = False,
@@ -56,9 +55,9 @@ class ReplayCar:
         self.loop = loop
         self.speed = speed
         self._catalog = catalog
-        self._waiting = start is None
-        self._now = 0.0 if start is None else start
-        self._playing = _Playing(self._now, seek, 0.0 if self._waiting else speed)
+        self._waiting = True
+        self._now = 0.0
+        self._playing = _Playing(0.0, seek, 0.0)
         self._written: dict[int, bytes] = {}
         self._faults: list[int] = []
         self._faults_index: int | None = None  # of the recorded list that `_faults` was

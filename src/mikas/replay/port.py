@@ -9,7 +9,7 @@ client waits for a silent ECU, but not for an ended recording: at the end the po
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Final
 
 from mikas.catalog import Catalog, shipped
@@ -25,7 +25,6 @@ from mikas.virtual.build import WIRE_SETTINGS, wired
 
 if TYPE_CHECKING:
     from mikas.virtual.bus import Bus
-    from mikas.virtual.ecu import EcuEvent
 
 SETTINGS: Final = ("speed", "seek", "loop", *WIRE_SETTINGS)
 """Names of all settings, as texts: those of this module, and those of `mikas.virtual.build`.
@@ -41,12 +40,9 @@ def replay_bus(
     path: str | os.PathLike[str],
     settings: Mapping[str, str] | None = None,
     *,
-    start: float | None = None,
     catalog: Catalog | None = None,
-    watcher: Callable[[EcuEvent], None] | None = None,
 ) -> Bus:
-    """Return the wire with the recorded ECU. The recording begins at `start` of the owner's clock;
-    None: with the first byte of a request.
+    """Return the wire with the recorded ECU. The recording begins with the first byte of a request.
 
     Raise `UsageError` for a setting that does not exist or is invalid, `CaptureError` for a
     file that can't be read or holds no response.
@@ -64,12 +60,12 @@ def replay_bus(
             f"seek={seek:g} is behind the end: the recording has {length} s",
             f"seek={seek:g} — за концом: в записи {length} с",
         )
-    car = ReplayCar(recorded, catalog, start=start, seek=seek, speed=speed, loop=loop)
+    car = ReplayCar(recorded, catalog, seek=seek, speed=speed, loop=loop)
     wire = {"echo": "1" if recorded.echo else "0"}
     if recorded.baud in _BAUDS:
         wire["baud"] = str(recorded.baud)
     wire |= {name: value for name, value in settings.items() if name in WIRE_SETTINGS}
-    return wired(ReplayResponder(car), wire, watcher=watcher)
+    return wired(ReplayResponder(car), wire)
 
 
 def open_replay(url: str, options: dict[str, str]) -> Link:
