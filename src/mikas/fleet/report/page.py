@@ -83,7 +83,7 @@ def _context(found: FleetFindings, language: Language) -> dict[str, Any]:
     seconds = sum(car.seconds for car in figures.cars)
     drives = sum(car.drives for car in figures.cars)
     ranked = sorted(found.cars, key=lambda car: not car.found)  # stable: then by name
-    drawn = found.cars if len(found.cars) <= _MOST_CARS else [it for it in ranked if it.found]
+    draws_all = len(found.cars) <= _MOST_CARS
     return {
         "language": language,
         "label": label,
@@ -99,8 +99,7 @@ def _context(found: FleetFindings, language: Language) -> dict[str, Any]:
         "cars": [_row(car, language) for car in ranked],
         "values": [_value(*each, found, language) for each in found.values.items()],
         "parts": [
-            _part(car, found, began, language, draws=any(car is each for each in drawn))
-            for car in ranked
+            _part(car, found, began if draws_all or car.found else None, language) for car in ranked
         ],
         "legend": label["legend"].format(date=date(began)) if began else "",
         "how": [text.to(language) for text in method(found)],
@@ -142,13 +141,9 @@ def _value(
 
 
 def _part(
-    car: CarFindings,
-    found: FleetFindings,
-    began: datetime | None,
-    language: Language,
-    *,
-    draws: bool,
+    car: CarFindings, found: FleetFindings, began: datetime | None, language: Language
 ) -> dict[str, object]:
+    """Return the part of a car; `began`: of its charts, None: it has none."""
     check_cancelled()
     return {
         "car": car.figures.car,
@@ -157,7 +152,7 @@ def _part(
         "sentences": [text.to(language) for text in car_sentences(car, found)],
         "remarks": [text.to(language) for text in remarks(car)],
         "faults": [_fault(fault, language) for fault in car.faults],
-        "charts": list(_charts(car, found, began, language)) if draws and began else [],
+        "charts": list(_charts(car, found, began, language)) if began else [],
     }
 
 

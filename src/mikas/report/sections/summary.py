@@ -92,13 +92,11 @@ def _of_values(found: Findings) -> Iterator[Text]:
     yield _of_ratings(found) if found.at_idle else no_idle_sentence(found.measured.idle)
     if found.suspended:
         named = Text("{name} ({codes})", "{name} ({codes})")
-        listed = joined(
-            ", ",
-            (
-                named.filled(name=within(v.channel.text), codes=", ".join(map(str, v.sensor)))
-                for v in found.suspended
-            ),
+        sensors = (
+            named.filled(name=within(v.channel.text), codes=", ".join(map(str, v.sensor)))
+            for v in found.suspended
         )
+        listed = joined(", ", sensors)
         yield Text(
             f"not rated because of a fault of the sensor: {listed.en}",
             f"без оценки из-за ошибки датчика: {listed.ru}",
