@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from datetime import datetime, timedelta
 from typing import Final
@@ -72,18 +73,27 @@ class FleetFigures:
     now: datetime
 
 
+@dataclass(slots=True)
+class _Drive:
+    """A drive of a known car. `began`: None without a right date; `stored`: the faults in it."""
+
+    car: CarFigures
+    is_idle: bool
+    began: datetime | None = None
+    stored: set[int] = field(default_factory=set)
+
+
 def figures(database: Database, catalog: Catalog, now: datetime) -> FleetFigures:
     """Return the figures of a dataset. `now`: UTC; a drive after it has a wrong clock."""
     cars: dict[str, CarFigures] = {}
-    dated: dict[str, tuple[CarFigures, datetime]] = {}
-    car_of: dict[str, CarFigures] = {}
-    idle: set[str] = set()
+    drives: dict[str, _Drive] = {}
     unknown = 0
     for car, drive, began, seconds, known_by, name, plate, warm in database.rows(_DRIVES):
         if car is None:
             unknown += 1
             continue
-        it = car_of[drive] = cars.setdefault(car, CarFigures(car))
+        it = cars.setdefault(car, CarFigures(car))
+        drives[drive] = _Drive(it, is_idle=(warm or 0.0) >= ENOUGH)
         it.drives += 1
         it.seconds += seconds or 0.0
         it.known_by |= {KnownBy(known_by)} if known_by in tuple(KnownBy) else set()
@@ -95,55 +105,40 @@ def figures(database: Database, catalog: Catalog, now: datetime) -> FleetFigures
             it.ahead += 1
         else:
             it.first, it.last = it.first or began, began
-            dated[drive] = it, began
-            if (warm or 0.0) >= ENOUGH:
-                idle.add(drive)
-    stored = _add_readings(database, car_of, dated)
-    _add_series(database, catalog, dated, idle, stored)
+            drives[drive].began = began
+    _add_readings(database, drives)
+    _add_series(database, catalog, drives)
     return FleetFigures(tuple(cars.values()), unknown, now)
 
 
-def _add_readings(
-    database: Database,
-    car_of: dict[str, CarFigures],
-    dated: dict[str, tuple[CarFigures, datetime]],
-) -> dict[str, set[int]]:
+def _add_readings(database: Database, drives: Mapping[str, _Drive]) -> None:
     """Add the readings of the faults, each once: several recordings may have one that was before
-    them. Return the faults that were stored in each drive.
+    them.
     """
-    stored: dict[str, set[int]] = defaultdict(set)
     found: dict[str, set[DatedFaults]] = defaultdict(set)
     for drive, before, time, codes in database.rows(_FAULTS):
-        stored[drive] = set(codes or ()) | (set() if before else stored[drive])
-        if drive in car_of:
-            car_of[drive].read = True
-        if drive in dated and time is not None:
-            found[dated[drive][0].car].add(DatedFaults(time, tuple(codes or ())))
-    for car, _ in dated.values():
-        car.readings = sorted(found[car.car], key=lambda reading: (reading.time, reading.codes))
-    return stored
+        if (it := drives.get(drive)) is None:
+            continue
+        it.stored = set(codes or ()) | (set() if before else it.stored)
+        it.car.read = True
+        if it.began is not None and time is not None:
+            found[it.car.car].add(DatedFaults(time, tuple(codes or ())))
+    for it in drives.values():
+        readings = found[it.car.car]
+        it.car.readings = sorted(readings, key=lambda reading: (reading.time, reading.codes))
 
 
-def _add_series(
-    database: Database,
-    catalog: Catalog,
-    dated: dict[str, tuple[CarFigures, datetime]],
-    idle: set[str],
-    stored: dict[str, set[int]],
-) -> None:
+def _add_series(database: Database, catalog: Catalog, drives: Mapping[str, _Drive]) -> None:
     """Add the values, but those from a sensor whose circuit was faulty in that drive."""
     measures = {(each.name, each.state.value): each.key for each in MEASURES}
     for drive, channel, state, value in database.rows(_STATISTICS, FEWEST):
-        key = measures.get((channel, state))
-        if (
-            key is None
-            or drive not in dated
-            or (state == DriveState.WARM_IDLE and drive not in idle)
-        ):
+        key, it = measures.get((channel, state)), drives.get(drive)
+        if key is None or it is None or it.began is None:
             continue
-        if not any(channel in catalog.fault(code).sensor for code in stored.get(drive, ())):
-            car, began = dated[drive]
-            car.series.setdefault(key, []).append((began, value))
-    for car, _ in dated.values():
-        for series in car.series.values():
+        if state == DriveState.WARM_IDLE and not it.is_idle:
+            continue
+        if not any(channel in catalog.fault(code).sensor for code in it.stored):
+            it.car.series.setdefault(key, []).append((it.began, value))
+    for it in drives.values():
+        for series in it.car.series.values():
             series.sort()
