@@ -109,7 +109,9 @@ class DiskStore(Store):
 
     def write(self, name: str, data: bytes) -> None:
         with errors_of(self.place):
-            part = self._part()
+            parts = self.root / PARTS
+            parts.mkdir(parents=True, exist_ok=True)
+            part = parts / uuid4().hex
             try:
                 part.write_bytes(data)
                 self._rename(part, name)
@@ -155,11 +157,6 @@ class DiskStore(Store):
             with suppress(OSError):
                 if time() - left.stat().st_mtime > _OLD:
                     rmtree(left, ignore_errors=True) if left.is_dir() else left.unlink()
-
-    def _part(self) -> Path:
-        folder = self.root / PARTS
-        folder.mkdir(parents=True, exist_ok=True)
-        return folder / uuid4().hex
 
     def _rename(self, part: Path, name: str) -> None:
         with part.open("rb+") as file:

@@ -89,8 +89,9 @@ def set_channel(
     text, limits = keys["text"], keys.get("limits")
     same = text["en"] == text["ru"]
     # As a whole: constants and limits that are left out are gone.
+    before = known.derived[name].constants if name in known.derived else ()
     tables = {
-        "constants": {**dict.fromkeys(dict(_constants(known, name))), **keys.get("constants", {})},
+        "constants": {**dict.fromkeys(dict(before)), **keys.get("constants", {})},
         "limits": _limits(limits or {}, None),
     }
     written = {**keys, "text": text["en"] if same else dict(text), **tables}
@@ -203,7 +204,3 @@ def _wanted(key: str, value: Any) -> object:  # noqa: ANN401  (any key's)
     if not any(named.get(name) is not None for name in LIMITS):
         named["hysteresis"] = 0  # of no limits
     return [named.get(name) for name in _LIMITS]
-
-
-def _constants(known: Catalog, name: str) -> Iterable[tuple[str, float]]:
-    return known.derived[name].constants if name in known.derived else ()
