@@ -60,10 +60,11 @@ class Runner(ABC):
     """Does the jobs; `close` ends it, at once unless all is done."""
 
     window: int
+    _executor: Executor
 
-    @abstractmethod
     def submit(self, work: Work, file: FoundFile) -> Future[FileOutcome]:
         """Begin a job."""
+        return self._executor.submit(work, file)
 
     @abstractmethod
     def close(self) -> None:
@@ -110,14 +111,11 @@ class ProcessRunner(Runner):
     def __init__(self, workers: int) -> None:
         self._workers = workers
         self.window = workers * _EACH
-        self._pool, self._lifeline = self._start(workers)
-
-    def submit(self, work: Work, file: FoundFile) -> Future[FileOutcome]:
-        return self._pool.submit(work, file)
+        self._executor, self._lifeline = self._start(workers)
 
     def close(self) -> None:
         self._lifeline.close()
-        self._pool.shutdown(wait=True, cancel_futures=True)
+        self._executor.shutdown(wait=True, cancel_futures=True)
 
     def failed(
         self, work: Work, files: list[FoundFile], error: BaseException
@@ -127,14 +125,14 @@ class ProcessRunner(Runner):
             raise error
         for file in files:
             self.close()
-            self._pool, self._lifeline = self._start(1)
+            self._executor, self._lifeline = self._start(1)
             future = self.submit(work, file)
             try:
                 yield self._result(future)
             except BrokenProcessPool:
                 yield FileOutcome(file, bad=_DIED)
         self.close()
-        self._pool, self._lifeline = self._start(self._workers)
+        self._executor, self._lifeline = self._start(self._workers)
 
     def _result(self, future: Future[FileOutcome]) -> FileOutcome:
         while True:
@@ -190,10 +188,7 @@ class DaskRunner(Runner):
             self.close()
             raise FleetError(place, _NO_WORKERS.filled(host=host))
         self.window = threads * _EACH
-        self._executor: Executor = self._client.get_executor(pure=False)
-
-    def submit(self, work: Work, file: FoundFile) -> Future[FileOutcome]:
-        return self._executor.submit(work, file)
+        self._executor = self._client.get_executor(pure=False)
 
     def close(self) -> None:
         with suppress(Exception):  # the scheduler may be gone
