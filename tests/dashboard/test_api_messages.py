@@ -7,7 +7,7 @@ import json
 from pydantic import TypeAdapter
 
 from mikas.dashboard.api.catalog import HistoryResponse
-from mikas.dashboard.api.memory import JournalResponse
+from mikas.dashboard.api.changes import JournalResponse
 from mikas.dashboard.api.messages import FieldsMessage, LiveMessage, PingMessage
 from mikas.dashboard.app import openapi_description
 

@@ -24,7 +24,6 @@ from mikas.dashboard.api import (
     errors,
     guided_tests,
     live,
-    memory,
     network,
     search,
     unit,
@@ -56,7 +55,7 @@ Live data: WebSocket `/api/live?client=…`, described in docs/reference/api.md.
 """
 
 _PARTS = (catalog, channels, connection, live, network, unit,
-          guided_tests, memory, dumps, changes, recordings, files, cars, recorded,
+          guided_tests, dumps, changes, recordings, files, cars, recorded,
           report, search)  # fmt: skip
 
 # Of all applications of the process: FastAPI analyses the routes of a router when it is first asked

@@ -20,7 +20,7 @@ from mikas.catalog import Catalog
 from mikas.client import Info, Support
 from mikas.client.cars import CarBook, CarDetails
 from mikas.client.identity import UnitIdentity
-from mikas.client.parameters.polling import FixedMethod
+from mikas.client.parameters.polling import Method
 from mikas.dashboard.library.folder import RecordingFolder
 from mikas.dashboard.library.references import References
 from mikas.dashboard.library.service import RecordingService
@@ -157,7 +157,7 @@ class Dashboard:
         url: str | None,
         *,
         echo: str = "auto",
-        method: FixedMethod | None = None,
+        method: Method = "auto",
         rate: float | None = None,
     ) -> None:
         """Connect as `Connection.connect`, sampling by `method`, at most at `rate`."""

@@ -27,6 +27,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from types import FrameType
 
 import uvicorn
@@ -215,15 +216,16 @@ class PhaseReports:
             request.end()
 
 
+@dataclass(slots=True)
 class _Request:
     """One request, of which both ways are followed."""
 
-    def __init__(
-        self, guard: TcpConnections, connection: TcpConnection, receive: Receive, send: Send
-    ) -> None:
-        self._guard, self._connection = guard, connection
-        self._receive, self._send = receive, send
-        self._is_whole = self._is_over = False
+    _guard: TcpConnections
+    _connection: TcpConnection
+    _receive: Receive
+    _send: Send
+    _is_whole: bool = False
+    _is_over: bool = False
 
     async def receive(self) -> Message:
         """Receive, and report the wait for the body."""

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 from mikas.catalog.own.file import NAME, OwnCatalog
 from mikas.client.connecting import STATE_VARIABLE, ConnectionOptions, state_folder
-from mikas.client.parameters.polling import FixedMethod
+from mikas.client.parameters.polling import Method
 from mikas.dashboard.listening import own_addresses
 from mikas.errors import UsageError, reason_of
 from mikas.i18n import Language, Text
@@ -159,7 +159,7 @@ class PlanSettings:
     """
 
     every: dict[str, int]
-    method: FixedMethod | None = None
+    method: Method = "auto"
     rate: float | None = None
     first: tuple[str, ...] = ()
 

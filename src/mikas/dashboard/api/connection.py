@@ -141,8 +141,7 @@ def ports(dashboard: TheDashboard) -> PortsResponse:
 async def connect(dashboard: TheDashboard, client: Controller, body: ConnectRequest) -> State:
     """Connect; the state shows the progress."""
     await check_port(dashboard, client, body.port)
-    method = None if body.method == "auto" else body.method
-    await dashboard.connect(body.port, echo=body.echo, method=method, rate=body.rate)
+    await dashboard.connect(body.port, echo=body.echo, method=body.method, rate=body.rate)
     return state_of(dashboard, client)
 
 
@@ -211,7 +210,7 @@ def _settings(
     every: dict[str, int] = {}
     for channel in body.wanted:
         every.setdefault(catalog.channel(channel.name).name, channel.every)
-    return PlanSettings(every, None if body.method == "auto" else body.method, rate)
+    return PlanSettings(every, body.method, rate)
 
 
 class DiagnosisRequest(BaseModel):

@@ -187,7 +187,7 @@ def shared_state(dashboard: Dashboard) -> State:
                     for name, every in request.every.items()
                 ],
                 first=list(request.first),
-                method=request.method or "auto",
+                method=request.method,
                 rate=request.rate,
             ),
             dropped_parameters=list(monitor.dropped),

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from mikas.catalog import Catalog
@@ -19,6 +18,7 @@ from mikas.catalog.lookup import is_corrected
 from mikas.catalog.own.file import OwnCatalog
 from mikas.dashboard.errors import CatalogOutdated
 from mikas.errors import CatalogError
+from mikas.recording.table.channels import Rows
 from mikas.sampling.derived import DerivedChannels
 
 if TYPE_CHECKING:
@@ -74,12 +74,6 @@ def changed_channels(catalog: Catalog, before: Catalog) -> list[str]:
     return [name for name in names if not catalog.gives_same_values(name, before)]
 
 
-@dataclass(frozen=True, slots=True)
-class _Rows:
-    times: Any
-    values: Mapping[str, Any]
-
-
 def computing(catalog: Catalog, names: Sequence[str], interpretation: str) -> Compute | None:
     """Return the computation of the derived channels among `names` from columns of parameters.
 
@@ -104,7 +98,7 @@ def computing(catalog: Catalog, names: Sequence[str], interpretation: str) -> Co
         times: Sequence[float], columns: Mapping[str, Sequence[float]]
     ) -> dict[str, Sequence[float]]:
         values = {name: np.array(column) for name, column in columns.items()}
-        made: dict[str, Any] = {**channels.columns(_Rows(np.array(times), values))}
+        made: dict[str, Any] = {**channels.columns(Rows(np.array(times), values))}
         return made
 
     return compute

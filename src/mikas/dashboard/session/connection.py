@@ -265,9 +265,7 @@ class SamplingPlanner:
         """Sample `request` from now on, or from the next connection. Raises `UnknownParameter` …"""
         with self._lock:  # two requests at once: the one that is sampled is the one that is shown
             if (thread := self._connection.thread) is not None:
-                thread.acquisition.reconfigure(
-                    request.names, request.method or "auto", request.rate
-                )
+                thread.acquisition.reconfigure(request.names, request.method, request.rate)
             else:
                 for name in request.every:
                     self._catalog.channel(name)
@@ -319,7 +317,7 @@ class SamplingPlanner:
             request = replace(self.request, every=every, first=first)
             if (thread := self._connection.thread) is not None:
                 thread.acquisition.reconfigure(
-                    request.names, request.method or "auto", request.rate, catalog=catalog
+                    request.names, request.method, request.rate, catalog=catalog
                 )
                 thread.acquisition.prefer(first)
             self.request = request

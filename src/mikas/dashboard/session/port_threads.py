@@ -111,7 +111,7 @@ class SamplingThread(threading.Thread):
             options.create_ecu,
             options.catalog,
             request.names,
-            method=request.method or "auto",
+            method=request.method,
             rate=request.rate,
             before=before,
         )

@@ -17,10 +17,10 @@ from pydantic import BaseModel, Field
 from mikas.client import Ecu
 from mikas.client.memory.dumps import Manifest, differences, identity_of
 from mikas.commands.base import check_range
+from mikas.dashboard.api.changes import Space
 from mikas.dashboard.api.dependencies import Controller, TheDashboard
 from mikas.dashboard.api.errors import content, errors, made_of
 from mikas.dashboard.api.library.files import LeftOutFile, OpenFile, left_out
-from mikas.dashboard.api.memory import Space
 from mikas.dashboard.error_responses import ErrorBody, body_of
 from mikas.dashboard.library.folder import opened
 from mikas.dashboard.session.dump_jobs import DumpJob
