@@ -28,14 +28,7 @@ from mikas.dashboard.api import (
     search,
     unit,
 )
-from mikas.dashboard.api.library import (
-    cars,
-    dumps,
-    files,
-    recorded,
-    recordings,
-    report,
-)
+from mikas.dashboard.api.library import cars, dumps, files, recorded, recordings, report
 from mikas.dashboard.api.messages import FieldsMessage, LiveMessage, PingMessage, component_schemas
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.ending import Ending

@@ -45,22 +45,8 @@ DRIVES: Final = {
     "warm-up": Drive("cold-start", 600, 1, Text("cold start, warm-up", "холодный пуск, прогрев")),
     "drive": Drive("city", 195, 5, Text("city drive", "поездка по городу")),
 }
-
-
-@dataclass(frozen=True, slots=True)
-class VirtualReference:
-    """A recording of the virtual car, of a unit of this model."""
-
-    id: str
-    model: str
-    text: Text
-
-
-VIRTUAL: Final = tuple(
-    VirtualReference(f"{_PREFIX}{name}:{model}", model, drive.text)
-    for model in MODELS
-    for name, drive in DRIVES.items()
-)
+VIRTUAL: Final = {f"{_PREFIX}{name}:{model}": (name, model) for model in MODELS for name in DRIVES}
+"""The recordings of the virtual car by id: the drive, and the unit's model."""
 
 
 class References:
@@ -89,9 +75,9 @@ class References:
         """
         if not identity.startswith(_PREFIX):
             return None
-        if identity not in [reference.id for reference in VIRTUAL]:
+        if identity not in VIRTUAL:
             raise NotFound(name=identity[:60])
-        _, drive, model = identity.split(":")
+        drive, model = VIRTUAL[identity]
         file = self._folder / f"{drive}-{model}-{version('mikas')}.pcapng"
         with naming_file(file):
             if not file.is_file():

@@ -36,7 +36,7 @@ from mikas.dashboard.api.messages import LiveRows, RecordedEvent
 from mikas.dashboard.api.state import State, state_of
 from mikas.dashboard.errors import ADVICE, NotFound
 from mikas.dashboard.library.folder import RecordingFile
-from mikas.dashboard.library.references import VIRTUAL
+from mikas.dashboard.library.references import DRIVES, VIRTUAL
 from mikas.dashboard.library.service import RecordingService
 from mikas.dashboard.session.history import json_columns
 from mikas.dashboard.settings import check_folder
@@ -392,7 +392,10 @@ def references(library: TheLibrary) -> ReferencesResponse:
 
     The latter are made when they are first read, which takes seconds.
     """
-    virtual = [VirtualReferenceInfo(id=it.id, model=it.model, text=two(it.text)) for it in VIRTUAL]
+    virtual = [
+        VirtualReferenceInfo(id=identity, model=model, text=two(DRIVES[drive].text))
+        for identity, (drive, model) in VIRTUAL.items()
+    ]
     return ReferencesResponse(marked=library.references.marked(), virtual=virtual)
 
 
