@@ -289,11 +289,6 @@ def qr(request: Request, client: Viewer) -> Response:
 @router.get("/catalog", responses=errors())
 def catalog(dashboard: TheDashboard) -> CatalogResponse:
     """Return every channel."""
-    return catalog_of(dashboard)
-
-
-def catalog_of(dashboard: Dashboard) -> CatalogResponse:
-    """Return the catalog in use."""
     known, own = dashboard.catalog, dashboard.catalogs.own.entries()
     problem = dashboard.catalogs.problem
     return CatalogResponse(

@@ -26,7 +26,7 @@ from mikas.catalog.lookup import is_corrected
 from mikas.catalog.model import in_order
 from mikas.catalog.own import changes
 from mikas.client import Reading
-from mikas.dashboard.api.catalog import CatalogResponse, catalog_of
+from mikas.dashboard.api.catalog import CatalogResponse, catalog
 from mikas.dashboard.api.dependencies import (
     Controller,
     KnownClient,
@@ -127,7 +127,7 @@ def change_keys(
     dashboard.catalogs.change(
         body.version, lambda own, known: changes.set_keys(own, known, name, keys)
     )
-    return catalog_of(dashboard)
+    return catalog(dashboard)
 
 
 @router.delete("/channels/{name}/keys", responses=errors(404, 409))
@@ -145,7 +145,7 @@ def reset_keys(
     dashboard.catalogs.change(
         version, lambda own, known: changes.reset_keys(own, known, name, named)
     )
-    return catalog_of(dashboard)
+    return catalog(dashboard)
 
 
 @router.put("/channels/{name}", responses=errors(409))
@@ -159,7 +159,7 @@ def change_channel(
         body.version,
         lambda own, known: changes.set_channel(own, known, name, keys, new=body.new),
     )
-    return catalog_of(dashboard)
+    return catalog(dashboard)
 
 
 @router.delete("/channels/{name}", responses=errors(409))
@@ -168,7 +168,7 @@ def delete_channel(
 ) -> CatalogResponse:
     """Delete a derived channel from the user's own catalog."""
     dashboard.catalogs.change(version, lambda own, known: changes.remove_channel(own, known, name))
-    return catalog_of(dashboard)
+    return catalog(dashboard)
 
 
 class ChannelValue(BaseModel):

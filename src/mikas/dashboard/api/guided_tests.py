@@ -12,7 +12,6 @@ from pydantic import BaseModel, Field
 
 from mikas.dashboard.api.dependencies import Controller, KnownClient, TheDashboard
 from mikas.dashboard.api.errors import Described, TwoTexts, errors, made_of, two_or_none
-from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.session.guided_tests import KeptResult
 from mikas.guided.definition import Certainty, VerdictKind
 from mikas.guided.engine import ProgressPhase
@@ -206,44 +205,12 @@ def tests(dashboard: TheDashboard) -> TestList:
 def start(dashboard: TheDashboard, _: Controller, name: Name) -> TestRunState:
     """Start a test; it takes the values that are sampled from now on."""
     dashboard.guided.start(name)
-    return _state(dashboard)
+    return run(dashboard)
 
 
 @router.get("/run", responses=errors())
 def run(dashboard: TheDashboard) -> TestRunState:
     """Return the state of the running or finished test."""
-    return _state(dashboard)
-
-
-@router.post("/run/skip", responses=errors(409))
-def skip(dashboard: TheDashboard, _: Controller) -> TestRunState:
-    """Skip the present step; without its numbers nothing can be good."""
-    dashboard.guided.skip()
-    return _state(dashboard)
-
-
-@router.post("/run/cancel", responses=errors(409))
-def cancel(dashboard: TheDashboard, _: Controller) -> TestRunState:
-    """End the test without a result, or put a finished one away."""
-    dashboard.guided.cancel()
-    return _state(dashboard)
-
-
-@router.get("/results", responses=errors())
-def results(dashboard: TheDashboard) -> TestResults:
-    """Return the kept results of this unit."""
-    return TestResults(results=[verdict_of(kept) for kept in dashboard.guided.results])
-
-
-@router.put("/results/{name}", responses=errors(404))
-def put_in_report(
-    dashboard: TheDashboard, _: KnownClient, name: Name, body: InReportRequest
-) -> TestVerdict:
-    """Put a result into the report on the connected car, or take it out."""
-    return verdict_of(dashboard.guided.put_in_report(name, wanted=body.in_report))
-
-
-def _state(dashboard: Dashboard) -> TestRunState:
     found = dashboard.guided.progress
     if found is None:
         return TestRunState(run=None)
@@ -264,6 +231,34 @@ def _state(dashboard: Dashboard) -> TestRunState:
             result=verdict_of(kept) if kept else None,
         )
     )
+
+
+@router.post("/run/skip", responses=errors(409))
+def skip(dashboard: TheDashboard, _: Controller) -> TestRunState:
+    """Skip the present step; without its numbers nothing can be good."""
+    dashboard.guided.skip()
+    return run(dashboard)
+
+
+@router.post("/run/cancel", responses=errors(409))
+def cancel(dashboard: TheDashboard, _: Controller) -> TestRunState:
+    """End the test without a result, or put a finished one away."""
+    dashboard.guided.cancel()
+    return run(dashboard)
+
+
+@router.get("/results", responses=errors())
+def results(dashboard: TheDashboard) -> TestResults:
+    """Return the kept results of this unit."""
+    return TestResults(results=[verdict_of(kept) for kept in dashboard.guided.results])
+
+
+@router.put("/results/{name}", responses=errors(404))
+def put_in_report(
+    dashboard: TheDashboard, _: KnownClient, name: Name, body: InReportRequest
+) -> TestVerdict:
+    """Put a result into the report on the connected car, or take it out."""
+    return verdict_of(dashboard.guided.put_in_report(name, wanted=body.in_report))
 
 
 def verdict_of(kept: KeptResult) -> TestVerdict:

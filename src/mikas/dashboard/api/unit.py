@@ -268,7 +268,8 @@ class FreezeFrameRows(LiveRows):
 @router.get("/freeze-frames", responses=errors())
 def freeze_frames(dashboard: TheDashboard, _: Viewer) -> FreezeFramesResponse:
     """Return the freeze frames of the connected unit, or of the last one."""
-    return _response(dashboard)
+    frames = dashboard.freeze_frames.frames
+    return FreezeFramesResponse(frames=[frame_info(it, dashboard.catalog) for it in frames])
 
 
 @router.get("/freeze-frames/{identity}", responses=errors(404))
@@ -284,17 +285,12 @@ def freeze_frame(dashboard: TheDashboard, _: Viewer, identity: str) -> FreezeFra
 
 @router.delete("/freeze-frames/{identity}", responses=errors(404, 409))
 def delete_freeze_frame(
-    dashboard: TheDashboard, _: Controller, identity: str
+    dashboard: TheDashboard, client: Controller, identity: str
 ) -> FreezeFramesResponse:
     """Delete one freeze frame from this computer; the unit's fault stays."""
     if not dashboard.freeze_frames.delete(identity):
         raise NotFound(name=identity)
-    return _response(dashboard)
-
-
-def _response(dashboard: Dashboard) -> FreezeFramesResponse:
-    frames = dashboard.freeze_frames.frames
-    return FreezeFramesResponse(frames=[frame_info(it, dashboard.catalog) for it in frames])
+    return freeze_frames(dashboard, client)
 
 
 def frame_info(frame: FreezeFrame, catalog: Catalog) -> FreezeFrameInfo:

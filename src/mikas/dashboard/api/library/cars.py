@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import asdict, replace
-from typing import Self
 
 from fastapi import APIRouter
 from pydantic import BaseModel, Field
@@ -48,20 +47,15 @@ class CarResponse(CarInfo):
     unit: bool = Field(description="a unit answers whose car can be kept: it has a passport")
     asked: bool = Field(description="the details were given, or put off, once")
 
-    @classmethod
-    def of_connected_unit(cls, dashboard: Dashboard) -> Self:
-        """Return the kept details of the connected unit's car."""
-        version_code, pieces = _unit(dashboard)
-        kept = dashboard.cars.details_of(version_code, pieces)
-        shown = kept or CarDetails(workshop=dashboard.cars.workshop)
-        keeps = dashboard.cars.keeps(version_code, pieces)
-        return cls(**asdict(shown), unit=keeps, asked=kept is not None)
-
 
 @router.get("/car", responses=errors())
 def car(dashboard: TheDashboard) -> CarResponse:
     """Return the details of the connected unit's car."""
-    return CarResponse.of_connected_unit(dashboard)
+    unit = _unit(dashboard)
+    kept = dashboard.cars.details_of(*unit)
+    shown = kept or CarDetails(workshop=dashboard.cars.workshop)
+    keeps = dashboard.cars.keeps(*unit)
+    return CarResponse(**asdict(shown), unit=keeps, asked=kept is not None)
 
 
 @router.put("/car", responses=errors(409, 503))
@@ -78,7 +72,7 @@ def write_car(dashboard: TheDashboard, _: KnownClient, body: CarRequest) -> CarR
     dashboard.car_now = unit.identity, details
     if details:
         dashboard.recorder.describe(details)
-    return CarResponse.of_connected_unit(dashboard)
+    return car(dashboard)
 
 
 @router.put("/recordings/{identity}/car", responses=errors(404, 409, 504))

@@ -10,7 +10,7 @@ import time
 from itertools import islice
 from typing import Annotated, Literal
 
-from fastapi import APIRouter, Body, Path, Query
+from fastapi import APIRouter, Body, Depends, Path, Query
 from fastapi.responses import Response
 from pydantic import BaseModel, Field
 
@@ -28,7 +28,16 @@ from mikas.dashboard.session.dump_jobs import DumpJob
 router = APIRouter(tags=["dumps"])
 
 _MAX_SHOWN = 1000
-DumpId = Annotated[str, Path(max_length=240)]
+
+
+async def _dump(
+    dashboard: TheDashboard, identity: Annotated[str, Path(alias="id", max_length=240)]
+) -> DumpJob:
+    return dashboard.dump_jobs.one(identity)
+
+
+TheDump = Annotated[DumpJob, Depends(_dump)]
+"""The dump of the path's id. Raises `NotFound`."""
 
 
 class DumpRequest(BaseModel):
@@ -115,23 +124,21 @@ async def dumps(dashboard: TheDashboard) -> DumpsResponse:
 
 
 @router.get("/dumps/{id}", responses=errors(404))
-async def dump(dashboard: TheDashboard, id: DumpId) -> DumpResponse:  # noqa: A002  (the API's name)
+async def dump(job: TheDump) -> DumpResponse:
     """Return one dump."""
-    return _response(dashboard.dump_jobs.one(id))
+    return _response(job)
 
 
 @router.post("/dumps/{id}/pause", responses=errors(404, 409))
-async def pause(dashboard: TheDashboard, _: Controller, id: DumpId) -> DumpResponse:  # noqa: A002  (as above)
+async def pause(dashboard: TheDashboard, _: Controller, job: TheDump) -> DumpResponse:
     """Pause reading; the bytes read so far are kept."""
-    job = dashboard.dump_jobs.one(id)
     await dashboard.dump_jobs.pause(job)
     return _response(job)
 
 
 @router.post("/dumps/{id}/resume", responses=errors(404, 409))
-async def resume(dashboard: TheDashboard, _: Controller, id: DumpId) -> DumpResponse:  # noqa: A002  (as above)
+async def resume(dashboard: TheDashboard, _: Controller, job: TheDump) -> DumpResponse:
     """Resume reading after the bytes read so far."""
-    job = dashboard.dump_jobs.one(id)
     if job.phase != "done":
         dashboard.dump_jobs.start(job)
     return _response(job)
@@ -142,26 +149,23 @@ async def resume(dashboard: TheDashboard, _: Controller, id: DumpId) -> DumpResp
     response_class=Response,
     responses=errors(404) | content("application/octet-stream", "the bytes read so far"),
 )
-def file(dashboard: TheDashboard, id: DumpId) -> Response:  # noqa: A002  (the API's name)
+def file(job: TheDump) -> Response:
     """Return the bytes read so far."""
-    job = dashboard.dump_jobs.one(id)
-    kept, size = opened(job.file, id), job.manifest.size
+    kept, size = opened(job.file, job.id), job.manifest.size
     return OpenFile(kept, job.file.name, "application/octet-stream", most=size)
 
 
 @router.post("/dumps/{id}/compare", responses=errors(404))
 async def compare(
-    dashboard: TheDashboard,
-    id: DumpId,  # noqa: A002  (the API's name)
+    job: TheDump,
     other: Annotated[bytes, Body(media_type="application/octet-stream")],
     first: Annotated[int | None, Query(ge=0, le=0xFFFF)] = None,
 ) -> DifferencesResponse:
     """Compare this dump (`a`) with the body (`b`, beginning at `first`)."""
-    job = dashboard.dump_jobs.one(id)
     begin = job.manifest.first if first is None else first
 
     def work() -> DifferencesResponse:
-        with opened(job.file, id) as file:
+        with opened(job.file, job.id) as file:
             own = file.read(job.manifest.size)
         found = differences(own, job.manifest.first, other, begin)
         shown = [
