@@ -201,13 +201,6 @@ def tests(dashboard: TheDashboard) -> TestList:
     )
 
 
-@router.post("/{name}/start", responses=errors(404, 409))
-def start(dashboard: TheDashboard, _: Controller, name: Name) -> TestRunState:
-    """Start a test; it takes the values that are sampled from now on."""
-    dashboard.guided.start(name)
-    return run(dashboard)
-
-
 @router.get("/run", responses=errors())
 def run(dashboard: TheDashboard) -> TestRunState:
     """Return the state of the running or finished test."""
@@ -231,6 +224,13 @@ def run(dashboard: TheDashboard) -> TestRunState:
             result=verdict_of(kept) if kept else None,
         )
     )
+
+
+@router.post("/{name}/start", responses=errors(404, 409))
+def start(dashboard: TheDashboard, _: Controller, name: Name) -> TestRunState:
+    """Start a test; it takes the values that are sampled from now on."""
+    dashboard.guided.start(name)
+    return run(dashboard)
 
 
 @router.post("/run/skip", responses=errors(409))
