@@ -249,13 +249,13 @@ class DumpJobs:
                 raise _PieceRead
 
         try:
-            if wanted.complete and now.complete:  # else the file was cut, or is not whole yet
-                dump.check(PIECE, block=job.block, progress=lambda _: None)
-            else:
+            if not wanted.complete:
                 with suppress(_PieceRead):
                     dump.advance(block=job.block, progress=progress)
                 if ecu.tester.statistics.failed > failed:
                     job.retried |= {*range(began // job.cell, now.bytes_read // job.cell + 1)}
+            elif now.complete:  # else the file was cut: the missing part is read in the next turn
+                dump.check(PIECE, block=job.block, progress=lambda _: None)
         finally:
             job.manifest = now
         return not now.finished
