@@ -8,7 +8,7 @@ import pytest
 
 from dashboard.rig import ME, OTHER, rig
 from mikas.commands import WriteList
-from mikas.dashboard.security.confirmations import LIFETIME
+from mikas.dashboard.security.control import LIFETIME
 from protocol_codes import SIMULATED
 
 

@@ -9,7 +9,7 @@ import pytest
 from mikas.client import Change
 from mikas.commands import Safety
 from mikas.dashboard.errors import ConfirmationOutdated
-from mikas.dashboard.security.confirmations import WriteApproval
+from mikas.dashboard.security.control import WriteApproval
 from mikas.errors import NotConfirmed
 from mikas.i18n import Text
 

@@ -8,8 +8,13 @@ import pytest
 
 from dashboard.rig import OTHER as SOMEBODY
 from mikas.dashboard.errors import Locked, NotAllowed, NotController
-from mikas.dashboard.security.confirmations import WriteLock
-from mikas.dashboard.security.control import AFTER_REQUEST, AFTER_SOCKET, Client, ControlLease
+from mikas.dashboard.security.control import (
+    AFTER_REQUEST,
+    AFTER_SOCKET,
+    Client,
+    ControlLease,
+    WriteLock,
+)
 
 ME, OTHER, VIEWER = Client("me", "Me", True), Client("it", "", True), Client("v", "", False)
 

@@ -8,8 +8,7 @@ import pytest
 
 from mikas.catalog import shipped
 from mikas.dashboard.errors import ConfirmationExpired
-from mikas.dashboard.security.confirmations import LIFETIME, ConfirmationStore, PendingChange
-from mikas.dashboard.security.control import Client
+from mikas.dashboard.security.control import LIFETIME, Client, ConfirmationStore, PendingChange
 from mikas.dashboard.session.history import FaultHistory
 from mikas.i18n import Text
 

@@ -24,8 +24,12 @@ from mikas.client.parameters.polling import Method
 from mikas.dashboard.library.folder import RecordingFolder
 from mikas.dashboard.library.references import References
 from mikas.dashboard.library.service import RecordingService
-from mikas.dashboard.security.confirmations import ConfirmationStore, WriteApproval, WriteLock
-from mikas.dashboard.security.control import ControlLease
+from mikas.dashboard.security.control import (
+    ConfirmationStore,
+    ControlLease,
+    WriteApproval,
+    WriteLock,
+)
 from mikas.dashboard.session.catalog_in_use import (
     CatalogInUse,
     changed_channels,
@@ -129,7 +133,7 @@ class Dashboard:
             self.fault_history,
             self._approval,
             options.interpretation,
-            options.catalog,
+            self.catalogs,
         )
         self.diagnosis: Diagnosis | None = None
         """The diagnosis that has the port."""
@@ -186,7 +190,6 @@ class Dashboard:
         options = replace(self.settings.connection, catalog=catalog)
         self.settings = replace(self.settings, connection=options)
         self.library.use_catalog(catalog)
-        self.changes.catalog = catalog
         changed = changed_channels(catalog, before)
         self.monitor.await_catalog(catalog.version, changed)
         self.plan.use_catalog(catalog)

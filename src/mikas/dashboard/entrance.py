@@ -12,8 +12,7 @@ import asyncio
 import logging
 import socket
 import ssl
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Final
 from weakref import WeakSet
@@ -94,7 +93,7 @@ class Entrance:
 
     async def _admit(self, accepted: AcceptedSocket) -> None:
         loop = asyncio.get_running_loop()
-        with _closed_on_error(accepted):
+        try:
             context = self.context
             is_plain = self.plain or accepted.getsockname()[0] == PLAIN
             if not is_plain and context is None:  # closed to the network
@@ -113,12 +112,5 @@ class Entrance:
             self._network.add(transport)
             if self.context is not context:  # closed, or opened again, during the handshake
                 transport.abort()
-
-
-@contextmanager
-def _closed_on_error(accepted: AcceptedSocket) -> Iterator[None]:
-    """Close the connection if it can't be admitted: plain HTTP, silence, an early end."""
-    try:
-        yield
-    except OSError:  # those of TLS are, too
-        accepted.close()
+        except OSError:  # of TLS, too: plain HTTP, silence, an early end
+            accepted.close()

@@ -27,6 +27,10 @@ class ApiRefusal(MikasError):
 
     status: ClassVar[int] = 400
 
+    def __init_subclass__(cls, *, status: int | None = None) -> None:
+        super().__init_subclass__()
+        cls.status = cls.status if status is None else status
+
 
 class BadRequest(ApiRefusal):
     """Invalid request."""
@@ -37,16 +41,13 @@ class BadRequest(ApiRefusal):
     )
 
 
-class TooLarge(BadRequest):
+class TooLarge(BadRequest, status=413):
     """The body is larger than any request of the API."""
 
-    status = 413
 
-
-class TokenRequired(ApiRefusal):
+class TokenRequired(ApiRefusal, status=401):
     """A request from the network without the token."""
 
-    status = 401
     what = Text(
         "Access from the network needs the token",
         "Из сети панель доступна только по ссылке с ключом",
@@ -57,10 +58,9 @@ class TokenRequired(ApiRefusal):
     )
 
 
-class Forbidden(ApiRefusal):
+class Forbidden(ApiRefusal, status=403):
     """A foreign host, or the page of another site."""
 
-    status = 403
     what = Text("Refused: {problem}", "Отказано: {problem}")
     advice = Text(
         "Open the dashboard at the address that it printed at its start.",
@@ -68,10 +68,9 @@ class Forbidden(ApiRefusal):
     )
 
 
-class NotAllowed(ApiRefusal):
+class NotAllowed(ApiRefusal, status=403):
     """The client has view rights only."""
 
-    status = 403
     what = Text("This client may view but not control", "Этому клиенту доступен только просмотр")
     advice = Text(
         "Use the laptop itself, or allow control on its Connection screen.",
@@ -79,10 +78,9 @@ class NotAllowed(ApiRefusal):
     )
 
 
-class NotFromNetwork(ApiRefusal):
+class NotFromNetwork(ApiRefusal, status=403):
     """A port that only this computer's own user may choose."""
 
-    status = 403
     what = Text("“{url}” can't be chosen from the network", "Из сети нельзя выбрать «{url}»")
     advice = Text(
         "Available from here: the adapters that the laptop lists, and its virtual cars. Choose "
@@ -92,10 +90,9 @@ class NotFromNetwork(ApiRefusal):
     )
 
 
-class OnlyHere(ApiRefusal):
+class OnlyHere(ApiRefusal, status=403):
     """A client in the network wants to open or close the dashboard to the network."""
 
-    status = 403
     what = Text(
         "Access from the network is switched on the computer itself",
         "Доступ из сети включают только на самом компьютере",
@@ -106,10 +103,9 @@ class OnlyHere(ApiRefusal):
     )
 
 
-class Locked(ApiRefusal):
+class Locked(ApiRefusal, status=403):
     """Writing has not been unlocked."""
 
-    status = 403
     what = Text("Writing is locked", "Запись заблокирована")
     advice = Text(
         "Unlock writing first. It is locked again automatically after some minutes.",
@@ -123,10 +119,9 @@ _AT_HOME = Text(
 )
 
 
-class NotFound(ApiRefusal):
+class NotFound(ApiRefusal, status=404):
     """The resource does not exist."""
 
-    status = 404
     what = Text("Not found: {name}", "Не найдено: {name}")
     advice = Text("Reload the list.", "Обновите список.")
 
@@ -136,10 +131,9 @@ class NotFound(ApiRefusal):
         return cls(name=path, advice=_AT_HOME)
 
 
-class NotController(ApiRefusal):
+class NotController(ApiRefusal, status=409):
     """Another client has control."""
 
-    status = 409
     what = Text("{holder} has control", "Управляет {holder}")
     advice = Text(
         "View only, ask the other client to release control, or take control over.",
@@ -153,10 +147,9 @@ _CHANGED_SINCE = Text(
 )
 
 
-class ConfirmationOutdated(ApiRefusal):
+class ConfirmationOutdated(ApiRefusal, status=409):
     """The content that was shown before the change is no longer the same."""
 
-    status = 409
     what = Text("{found}; nothing was changed", "{found}; ничего не изменено")
     advice = Text("Check it again, then confirm again.", "Проверьте ещё раз и подтвердите снова.")
 
@@ -164,10 +157,9 @@ class ConfirmationOutdated(ApiRefusal):
         super().__init__(found=found)
 
 
-class CatalogOutdated(ApiRefusal):
+class CatalogOutdated(ApiRefusal, status=409):
     """The catalog was changed since the client has loaded it."""
 
-    status = 409
     what = Text(
         "The catalog was changed meanwhile, on another page or in its file",
         "Каталог тем временем изменили на другой странице или в его файле",
@@ -178,17 +170,15 @@ class CatalogOutdated(ApiRefusal):
     )
 
 
-class Busy(ApiRefusal):
+class Busy(ApiRefusal, status=409):
     """Another request is in the way."""
 
-    status = 409
     what = Text("Not now: {problem}", "Не сейчас: {problem}")
 
 
-class TookTooLong(ApiRefusal):
+class TookTooLong(ApiRefusal, status=504):
     """Reading a recording, a report or an export passed its deadline; it was cancelled."""
 
-    status = 504
     what = Text(
         "This took longer than {seconds} s and was cancelled",
         "Это заняло больше {seconds} с и прервано",
@@ -201,10 +191,9 @@ class TookTooLong(ApiRefusal):
     )
 
 
-class ConfirmationExpired(ApiRefusal):
+class ConfirmationExpired(ApiRefusal, status=410):
     """An unknown, expired or used confirmation, or that of another client."""
 
-    status = 410
     what = Text(
         "This confirmation has expired or was already used",
         "Подтверждение истекло или уже использовано",
@@ -212,10 +201,9 @@ class ConfirmationExpired(ApiRefusal):
     advice = Text("Start the change again.", "Начните изменение заново.")
 
 
-class NotConnected(ApiRefusal):
+class NotConnected(ApiRefusal, status=503):
     """No unit answers at the moment."""
 
-    status = 503
     what = Text("There is no connection to a unit", "Нет связи с блоком")
     advice = Text(
         "Connect first; the state line shows how far the connection has come.",
@@ -223,10 +211,9 @@ class NotConnected(ApiRefusal):
     )
 
 
-class InternalError(ApiRefusal):
+class InternalError(ApiRefusal, status=500):
     """A bug in mikas."""
 
-    status = 500
     what = Text("Internal error in mikas ({kind})", "Внутренняя ошибка mikas ({kind})")
     advice = Text("Please report it.", "Сообщите о ней разработчикам.")
 

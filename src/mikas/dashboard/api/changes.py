@@ -23,15 +23,15 @@ from mikas.dashboard.api.errors import TwoTexts, errors, made_of
 from mikas.dashboard.api.state import State, state_of
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.errors import NotConnected, api_hex
-from mikas.dashboard.security.confirmations import (
+from mikas.dashboard.security.control import (
     LIFETIME,
+    Client,
     Content,
     DumpShown,
     FaultShown,
     PendingChange,
     RecordingShown,
 )
-from mikas.dashboard.security.control import Client
 from mikas.dashboard.session.changes import recording_deletion
 from mikas.files import open_regular
 

@@ -40,6 +40,7 @@ from mikas.dashboard.api.errors import TwoTexts, errors, made_of, two
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.errors import NotFound, api_hex
 from mikas.dashboard.library.folder import RecordingFile
+from mikas.dashboard.session.catalog_in_use import all_names
 from mikas.errors import FormulaError, UnknownParameter, ValueDoesNotFit
 from mikas.i18n import Text
 from mikas.recording.table.channels import Rows
@@ -263,7 +264,7 @@ async def try_formula(requester: TheRequester, _: KnownClient, body: TrialReques
 def _parsed(known: Catalog, body: TrialRequest) -> Parsed:
     """Return the formula. Raises `FormulaError`, also for a channel that does not exist."""
     parsed = parse(body.formula, body.constants)
-    names = [*(parameter.name for parameter in known.parameters), *known.derived]
+    names = all_names(known)
     for name, span in zip(parsed.inputs, parsed.places, strict=True):
         if name not in names:
             raise FormulaError(does_not_exist(name, (*names, *body.constants)), span)

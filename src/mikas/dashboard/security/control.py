@@ -1,8 +1,9 @@
-"""The control lease: one client at a time controls the line, the others view.
+"""Who may change anything, and what: the control lease, confirmations, the lock on writing.
 
-A client is known by its id, a secret that it chose. The id itself is not kept: it is replaced by a
-digest with a key of this process, and what others see of a client, the handle, is derived from that
-digest. So nothing that is shown, logged or stored gives a client's rights to another.
+One client at a time controls the line, the others view. A client is known by its id, a secret that
+it chose. The id itself is not kept: it is replaced by a digest with a key of this process, and what
+others see of a client, the handle, is derived from that digest. So nothing that is shown, logged or
+stored gives a client's rights to another.
 
 A client takes the lease by a request while it is free. The lease is free again when its holder has
 been away: 15 s after its page's WebSocket closed (a reload, a lid shut for a moment), 60 s after
@@ -10,6 +11,13 @@ the last request of a client that never had one (a script). Another page's WebSo
 id does not keep the lease. A request of a page whose WebSocket is gone counts as the former: the
 page is being reloaded, or was closed. An invalid or refused request is undone: it did not use the
 lease. Viewing (`take` False) needs a lease that is free or one's own, and does not take it.
+
+A change that was shown to a person is kept until that person confirms it by its nonce, once. A
+nonce is bound to its client, to the content shown and to the present unit; it lasts two minutes,
+and the attempt uses it up, whatever its result. The lock on memory and parameters is open for some
+minutes, on one connection, for the client that opened it, while that has control. The approval
+lets the client library's gate pass exactly the confirmed change, and the sampler's own reversible
+ones.
 """
 
 from __future__ import annotations
@@ -18,12 +26,22 @@ import hmac
 import secrets
 import threading
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Self
+from typing import Final, Self
 
-from mikas.dashboard.errors import NotAllowed, NotController
+from mikas.client import Change
+from mikas.commands import Safety
+from mikas.dashboard.errors import (
+    ConfirmationExpired,
+    ConfirmationOutdated,
+    Locked,
+    NotAllowed,
+    NotController,
+)
+from mikas.i18n import Text
 
 AFTER_SOCKET = 15.0
 AFTER_REQUEST = 60.0
@@ -169,3 +187,157 @@ class ControlLease:
         if (before and before.id) != (client and client.id):
             self._page = None
             self._changed()
+
+
+LIFETIME: Final = 120.0
+_MAX_KEPT: Final = 100
+
+
+@dataclass(frozen=True, slots=True)
+class FaultShown:
+    """A stored fault that would be erased."""
+
+    en: str
+    ru: str
+    code: int
+
+
+@dataclass(frozen=True, slots=True)
+class ValueShown:
+    """A parameter's value. `raw`: hex."""
+
+    value: bool | int | float
+    unit: str
+    raw: str
+
+
+@dataclass(frozen=True, slots=True)
+class RecordingShown:
+    """A recording that would be deleted."""
+
+    id: str
+    bytes: int
+
+
+@dataclass(frozen=True, slots=True)
+class DumpShown:
+    """A dump that would be deleted."""
+
+    id: str
+    file: str
+    done: int
+    total: int
+
+
+Content = list[int] | ValueShown | RecordingShown | DumpShown | str | None
+"""Of faults: their codes. Of memory: hex. None: not readable, or deleted."""
+
+
+@dataclass(frozen=True, slots=True)
+class PendingChange:
+    """A change, ready to be confirmed. `make` makes it, and returns the content after it.
+
+    `make` checks once more whether `before` still holds, and raises `ConfirmationOutdated` if not.
+    `lost`: the destroyed content; `needs_unlock`: only while writing is unlocked.
+    """
+
+    what: Text
+    before: Content
+    after: Content
+    make: Callable[[], Awaitable[Content]]
+    danger: bool = False
+    lost: tuple[FaultShown | RecordingShown | DumpShown, ...] = ()
+    meaning: Text | None = None
+    needs_unlock: bool = False
+
+
+@dataclass(slots=True)
+class ConfirmationStore:
+    """Pending changes by nonce. Any thread may call. `clock`: seconds that never run back."""
+
+    clock: Callable[[], float]
+    _kept: dict[tuple[str, str], tuple[float, PendingChange]] = field(default_factory=dict)
+    """The end and the change, by client and nonce."""
+    _lock: threading.Lock = field(default_factory=threading.Lock)
+
+    def keep(self, client: Client, change: PendingChange) -> str:
+        """Keep `change` and return the nonce that confirms it."""
+        nonce = secrets.token_urlsafe(16)
+        with self._lock:
+            now = self.clock()
+            self._kept = {key: kept for key, kept in self._kept.items() if kept[0] > now}
+            while len(self._kept) >= _MAX_KEPT:
+                del self._kept[next(iter(self._kept))]
+            self._kept[client.id, nonce] = (now + LIFETIME, change)
+        return nonce
+
+    def use(self, client: Client, nonce: str) -> PendingChange:
+        """Return the change that `nonce` confirms, once. Raises `ConfirmationExpired`."""
+        with self._lock:
+            until, change = self._kept.pop((client.id, nonce), (0.0, None))
+        if change is None or self.clock() >= until:
+            raise ConfirmationExpired
+        return change
+
+    def clear(self) -> None:
+        """Drop all; called when the unit is another one, or disconnected."""
+        with self._lock:
+            self._kept.clear()
+
+
+@dataclass(slots=True)
+class WriteLock:
+    """`clock`: seconds that never run back. Closed whenever the control lease changes hands."""
+
+    clock: Callable[[], float]
+    _until: float | None = None
+    _client: str = ""
+
+    def open(self, client: Client, seconds: float) -> None:
+        """Unlock writing by `client` for `seconds`."""
+        self._client, self._until = client.id, self.clock() + seconds
+
+    def close(self) -> None:
+        """Lock writing."""
+        self._until = None
+
+    def check(self, client: Client) -> None:
+        """Raise `Locked`, unless writing is unlocked for `client`."""
+        if self.left is None or self._client != client.id:
+            raise Locked
+
+    @property
+    def left(self) -> float | None:
+        """Seconds until the lock closes automatically; None: it is closed."""
+        until = self._until
+        left = 0.0 if until is None else until - self.clock()
+        return left if left > 0 else None
+
+
+class WriteApproval:
+    """Belongs to the sampling thread, where changes are made as jobs inside `given`.
+
+    The gate asks last, with the content that it has just read. If that content differs from the
+    one shown, nothing is sent.
+    """
+
+    def __init__(self) -> None:
+        self._before: str | None = None
+        self._in_force = False
+
+    @contextmanager
+    def given(self, before: str | None) -> Iterator[None]:
+        """Approve the one change made inside; `before`: the content shown, in spaced hex."""
+        self._before, self._in_force = before, True
+        try:
+            yield
+        finally:
+            self._in_force = False
+
+    def confirm(self, change: Change) -> bool:
+        """Answer the gate's question. Raises `ConfirmationOutdated`."""
+        if not self._in_force:
+            return change.safety <= Safety.REVERSIBLE
+        if change.before != self._before:
+            raise ConfirmationOutdated
+        return True

@@ -13,7 +13,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 
-from mikas.catalog import Catalog, Parameter
+from mikas.catalog import Parameter
 from mikas.client import Ecu, Reading
 from mikas.client.ecu import erasing
 from mikas.client.gate import journal_hex
@@ -23,7 +23,7 @@ from mikas.commands.base import check_range
 from mikas.dashboard.errors import BadRequest, Busy, ConfirmationOutdated, NotFound, api_hex
 from mikas.dashboard.library.folder import RecordingFile
 from mikas.dashboard.library.service import RecordingService
-from mikas.dashboard.security.confirmations import (
+from mikas.dashboard.security.control import (
     DumpShown,
     FaultShown,
     PendingChange,
@@ -31,6 +31,7 @@ from mikas.dashboard.security.confirmations import (
     ValueShown,
     WriteApproval,
 )
+from mikas.dashboard.session.catalog_in_use import CatalogInUse
 from mikas.dashboard.session.connection import Connection
 from mikas.dashboard.session.history import FaultHistory
 from mikas.errors import NotSupported, UsageError
@@ -64,7 +65,7 @@ class UnitChanges:
     _fault_history: FaultHistory
     _approval: WriteApproval
     _interpretation: str
-    catalog: Catalog
+    _catalogs: CatalogInUse
 
     async def erase_faults(self) -> PendingChange:
         """Prepare erasing the stored faults."""
@@ -94,7 +95,7 @@ class UnitChanges:
 
         Raises for an unknown parameter, and for a value that does not fit it.
         """
-        parameter = self.catalog.parameter(name)
+        parameter = self._catalogs.catalog.parameter(name)
         if (value is None) == (raw is None):
             raise BadRequest(
                 problem=Text(

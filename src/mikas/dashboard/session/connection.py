@@ -22,6 +22,7 @@ from mikas.catalog import Catalog
 from mikas.client import Ecu
 from mikas.client.connecting import ConnectionOptions
 from mikas.dashboard.errors import Busy, NotConnected
+from mikas.dashboard.session.catalog_in_use import all_names
 from mikas.dashboard.session.monitor import (
     DIAGNOSIS,
     DISCONNECTED,
@@ -251,15 +252,17 @@ class SamplingPlanner:
         self, connection: Connection, monitor: ConnectionMonitor, options: ConnectionOptions
     ) -> None:
         self._connection, self._monitor, self._options = connection, monitor, options
-        self._catalog = options.catalog
         self._lock = threading.Lock()
         self.request = PlanSettings(dict.fromkeys(self.channels, 1))
 
     @property
+    def _catalog(self) -> Catalog:
+        return self._options.catalog
+
+    @property
     def channels(self) -> list[str]:
         """The names of all channels of the catalog."""
-        parameters = (parameter.name for parameter in self._catalog.parameters)
-        return [*parameters, *self._catalog.derived]
+        return all_names(self._catalog)
 
     def sample(self, request: PlanSettings) -> None:
         """Sample `request` from now on, or from the next connection. Raises `UnknownParameter` …"""
@@ -306,8 +309,7 @@ class SamplingPlanner:
     def use_catalog(self, catalog: Catalog) -> None:
         """Sample by another catalog, on the same connection: its new derived channels too."""
         with self._lock:
-            before, self._catalog = self._catalog, catalog
-            self._options = replace(self._options, catalog=catalog)
+            before, self._options = self._catalog, replace(self._options, catalog=catalog)
             for made in ("_unconnected", "_inputs"):  # with the other catalog
                 self.__dict__.pop(made, None)
             every = {name: n for name, n in self.request.every.items() if _is_known(catalog, name)}

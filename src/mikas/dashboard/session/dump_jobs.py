@@ -24,7 +24,7 @@ from mikas.client import Ecu
 from mikas.client.memory.dumps import Dump, Manifest, manifest_path, read_manifest
 from mikas.dashboard.errors import Busy, InternalError, NotConnected, NotFound
 from mikas.dashboard.library.folder import LeftOut, files_in
-from mikas.dashboard.security.confirmations import DumpShown, PendingChange
+from mikas.dashboard.security.control import DumpShown, PendingChange
 from mikas.dashboard.session.changes import DUMP, Found, deletion
 from mikas.dashboard.session.connection import Connection
 from mikas.dashboard.settings import ensure_folder
