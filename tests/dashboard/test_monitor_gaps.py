@@ -109,7 +109,7 @@ def test_silence_is_reported_before_its_reason_is_known():
     sample(monitor, 1.0, 1.2)
     assert monitor.silent(3.0) is None
     assert monitor.silent(3.7) == SILENT
-    monitor.busy()
+    monitor.session.pause(OTHER_REQUEST)
     assert monitor.silent(3.7) == OTHER_REQUEST
     take(monitor, CycleFailed(4.0, NoResponse(seconds=0.5)))
     assert monitor.silent(4.1) == ADVICE.text(NoResponse(seconds=0.5))

@@ -276,7 +276,7 @@ class Dashboard:
         self.write_lock.close()
 
     def _measure(self, thread: SamplingThread) -> None:
-        now, ecu = thread.now(), thread.ecu
+        now, ecu = thread.now(), thread.acquisition.ecu
         with self.monitor.lock:
             self.monitor.meters.wire(now, self.session.wire_bytes)
             if ecu is not None:

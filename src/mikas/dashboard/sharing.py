@@ -58,7 +58,7 @@ class Sharing:
         self._lock = asyncio.Lock()
         self._create: Callable[[socket.socket, ssl.SSLContext], Entrance] | None = None
         self._first: Sequence[Entrance] = ()
-        self._opened: list[tuple[socket.socket, Entrance]] = []
+        self._opened: list[Entrance] = []
 
     def attach(
         self,
@@ -90,7 +90,7 @@ class Sharing:
                 taken = {own.getsockname()[0] for own in sockets}
                 here = tuple(name for name in here if name in taken or not _is_number(name))
                 for own in sockets:
-                    self._opened.append((own, self._create(own, certificate.context)))
+                    self._opened.append(self._create(own, certificate.context))
             for entrance in self._first:
                 entrance.admit_network(certificate.context)
             self._access.share(certificate.hosts(here), certificate.fingerprint, control=control)
@@ -113,11 +113,11 @@ class Sharing:
         self._dashboard.lan = False
         self._dashboard.control.expel()
         opened, self._opened = self._opened, []
-        for entrance in (*self._first, *(entrance for _, entrance in opened)):
+        for entrance in (*self._first, *opened):
             entrance.admit_network(None)
-        for own, entrance in opened:
+        for entrance in opened:
             await entrance.close()
-            own.close()
+            entrance.own.close()
 
     def _bound(self, numbers: Sequence[str]) -> list[socket.socket]:
         """Return a socket for each address at which the port is free. Raises `Busy` if none is."""

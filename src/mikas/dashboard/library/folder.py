@@ -154,10 +154,6 @@ class RecordingFolder:
                 pass
         raise NotFound(name=clean_line(identity, _MAX_SHOWN))
 
-    def open(self, file: RecordingFile) -> BinaryIO:
-        """Open the file to read it. Raises `NotFound` if it is gone, `UsageError`."""
-        return opened(file.path, file.id)
-
     def new_path(self, name: str | None) -> Path:
         """Return the path of a new recording: of `name`, or of the date and time."""
         stem = file_stem(name, SUFFIX) or time.strftime("%Y-%m-%d %H-%M-%S")

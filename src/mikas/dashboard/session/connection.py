@@ -27,6 +27,7 @@ from mikas.dashboard.session.monitor import (
     DIAGNOSIS,
     DISCONNECTED,
     OTHER_PORT,
+    OTHER_REQUEST,
     RECONNECTED,
     ConnectionMonitor,
 )
@@ -187,7 +188,7 @@ class Connection:
             raise self.not_connected()
 
         def in_turn(ecu: Ecu) -> T:
-            self._monitor.busy()
+            self._monitor.session.pause(OTHER_REQUEST)
             return job(ecu)
 
         return await result_in_turn(thread.acquisition.call(in_turn), seconds)

@@ -257,10 +257,6 @@ class ConnectionMonitor:
                     self.method = event.plan.method
                     self.session.pause(OTHER_PLAN)
 
-    def busy(self) -> None:
-        """Note that another request has the line now."""
-        self.session.pause(OTHER_REQUEST)
-
     def end_connection(
         self, time: float, error: MikasError | None, why: Text = DISCONNECTED
     ) -> None:

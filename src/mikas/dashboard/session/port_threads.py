@@ -14,7 +14,6 @@ from collections.abc import Callable
 from contextlib import closing
 from dataclasses import replace
 
-from mikas.client import Ecu
 from mikas.client.doctor import Step, examine
 from mikas.client.gate import Confirm
 from mikas.client.identity import UnitIdentity
@@ -121,16 +120,11 @@ class SamplingThread(threading.Thread):
         """Stop sampling and close the port; may take seconds. A second call does nothing."""
         self._stoppable.stopping.set()
         self.acquisition.stop()
-        if (ecu := self.ecu) is not None and ecu.tester.sync.streaming:
+        if (ecu := self.acquisition.ecu) is not None and ecu.tester.sync.streaming:
             self.join(_END)  # it ends the stream, without which the unit would go on (D12)
         self._stoppable.close()
         if self.is_alive():
             self.join(_JOIN)
-
-    @property
-    def ecu(self) -> Ecu | None:
-        """The unit, for reading its attributes only."""
-        return self.acquisition.ecu
 
     @property
     def adapter(self) -> str:

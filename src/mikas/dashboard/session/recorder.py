@@ -140,18 +140,11 @@ class SessionRecorder:
         self._monitor.log(Marker(time, label))
         return time
 
-    def name_marker(self, time: float, label: str) -> None:
-        """Give another name to the marker of that time, or bring it back, in its recording, too.
+    def change_marker(self, marker: Marker) -> None:
+        """Rename the marker of that time, remove it or bring it back, in its recording, too.
 
         Raises `NotFound`: there was no such marker; `CaptureError`: its file can't be written.
         """
-        self._change_marker(Marker(time, label, renamed=True))
-
-    def remove_marker(self, time: float) -> None:
-        """Remove the marker of that time, in its recording, too. Raises as `name_marker`."""
-        self._change_marker(Marker(time, removed=True))
-
-    def _change_marker(self, marker: Marker) -> None:
         events = self._monitor.events
         if not any(isinstance(it, Marker) and it.time == marker.time for it in events):
             raise NotFound(name=_MARKER)

@@ -38,7 +38,7 @@ from mikas.dashboard.api.dependencies import (
     split_names,
 )
 from mikas.dashboard.api.errors import TwoTexts, content, errors, two
-from mikas.dashboard.library.folder import LeftOut
+from mikas.dashboard.library.folder import LeftOut, opened
 from mikas.dashboard.settings import ensure_folder
 from mikas.errors import CaptureError, reason_of
 from mikas.i18n import Language
@@ -132,7 +132,7 @@ async def _delete(folder: Path) -> None:
 def file(library: TheLibrary, identity: str) -> Response:
     """Return the recording itself (.pcapng); of one in progress, the part written so far."""
     found = library.folder.one(identity)
-    return OpenFile(library.folder.open(found), found.id, _CAPTURE)
+    return OpenFile(opened(found.path, found.id), found.id, _CAPTURE)
 
 
 @router.get("/{identity}/export", response_class=Response, responses=errors(404, 409, 504) | _FILE)

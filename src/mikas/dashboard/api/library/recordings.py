@@ -184,14 +184,14 @@ def name_marker(dashboard: TheDashboard, _: Controller, body: NamedMarker) -> Ma
 
     A removed marker comes back.
     """
-    dashboard.recorder.name_marker(body.time, body.label)
+    dashboard.recorder.change_marker(Marker(body.time, body.label, renamed=True))
     return MarkerResponse(time=body.time)
 
 
 @router.delete("/recording/marker", responses=errors(404, 409))
 def remove_marker(dashboard: TheDashboard, _: Controller, time: MarkerTime) -> MarkerResponse:
     """Remove the marker of exactly that time; its recording notes it, too."""
-    dashboard.recorder.remove_marker(time)
+    dashboard.recorder.change_marker(Marker(time, removed=True))
     return MarkerResponse(time=time)
 
 

@@ -106,7 +106,7 @@ def _of_connection(dashboard: Dashboard) -> Findings:
 
     catalog, monitor, connection = dashboard.catalog, dashboard.monitor, dashboard.connection
     thread, port = connection.thread, connection.port
-    ecu = thread.ecu if thread else None
+    ecu = thread.acquisition.ecu if thread else None
     with monitor.lock:
         unit, method, errors_ = monitor.unit, monitor.method or "", monitor.meters.errors
         events = monitor.events
