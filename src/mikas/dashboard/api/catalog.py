@@ -21,7 +21,6 @@ from mikas.catalog import Catalog, Confidence, Derived, Level, Parameter, shippe
 from mikas.catalog.own.file import left_out
 from mikas.dashboard.api.dependencies import KnownClient, Names, TheDashboard, Viewer, split_names
 from mikas.dashboard.api.errors import (
-    Described,
     TwoTexts,
     content,
     errors,
@@ -47,7 +46,7 @@ _MOST_BYTES: Final = 1 << 24  # of the file of presets; a request's body has 1 M
 _ChannelName = Annotated[str, Field(min_length=1, max_length=40)]
 
 
-class ChannelLimits(Described):
+class ChannelLimits(BaseModel):
     """The limits of a channel; a value beyond one is an alarm."""
 
     danger_low: float | None
@@ -57,7 +56,7 @@ class ChannelLimits(Described):
     hysteresis: Annotated[float, Field(description="how far inside a limit its alarm ends")] = 0
 
 
-class LampTexts(Described):
+class LampTexts(BaseModel):
     """The texts of a flag's lamp."""
 
     on: TwoTexts
@@ -148,10 +147,7 @@ def channel_info(known: Catalog, channel: Parameter | Derived, own: Entries) -> 
         special = _NOT_DERIVED | {
             "writable": not channel.is_flag,
             "formula": channel.formula(),
-            "errata": [
-                ChannelErratum(id=name, text=two(known.errata[name].reason))
-                for name in channel.errata
-            ],
+            "errata": [{"id": it, "text": known.errata[it].reason} for it in channel.errata],
             "meaning": meaning
             and made_of(
                 ChannelMeaning,

@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel
 from starlette.exceptions import HTTPException
 
 from mikas.dashboard.error_responses import ErrorResponse, json_response
@@ -25,13 +25,7 @@ M = TypeVar("M", bound=BaseModel)
 _log = logging.getLogger("mikas.dashboard")
 
 
-class Described(BaseModel):
-    """A model that may be given an object with its fields as attributes."""
-
-    model_config = ConfigDict(from_attributes=True)
-
-
-class TwoTexts(Described):
+class TwoTexts(BaseModel):
     """The same sentence in both languages."""
 
     en: str
@@ -82,9 +76,12 @@ def two_or_none(text: Text | None) -> TwoTexts | None:
 
 
 def made_of(model: type[M], source: object, /, **more: object) -> M:
-    """Return `model` with `more`, and the attributes of `source` as its other fields."""
+    """Return `model` with `more`, and the attributes of `source` as its other fields.
+
+    A field that is itself a model may be given an object with its fields as attributes.
+    """
     own = {name: getattr(source, name) for name in model.model_fields if name not in more}
-    return model.model_validate(own | more)
+    return model.model_validate(own | more, from_attributes=True)
 
 
 def install(app: FastAPI) -> None:

@@ -11,7 +11,7 @@ from fastapi import APIRouter, Path
 from pydantic import BaseModel, Field
 
 from mikas.dashboard.api.dependencies import Controller, KnownClient, TheDashboard
-from mikas.dashboard.api.errors import Described, TwoTexts, errors, made_of, two_or_none
+from mikas.dashboard.api.errors import TwoTexts, errors, made_of, two_or_none
 from mikas.dashboard.session.guided_tests import KeptResult
 from mikas.guided.definition import Certainty, VerdictKind
 from mikas.guided.engine import ProgressPhase
@@ -21,7 +21,7 @@ router = APIRouter(prefix="/tests", tags=["tests"])
 Name = Annotated[str, Path(max_length=80)]
 
 
-class _Model(Described):
+class _Model(BaseModel):
     __test__ = False  # for pytest
 
 

@@ -13,7 +13,7 @@ from pydantic import AfterValidator, BaseModel, Field
 from mikas.catalog.formula_syntax import LONGEST
 from mikas.catalog.lookup import is_corrected
 from mikas.dashboard.api.dependencies import KnownClient, Line, TheDashboard, TheRequester
-from mikas.dashboard.api.errors import Described, errors, made_of
+from mikas.dashboard.api.errors import errors, made_of
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.library.folder import RecordingFile
 from mikas.dashboard.session.history import row_time
@@ -34,7 +34,7 @@ Time = Annotated[float, AfterValidator(row_time)]
 """The time that a row has in the API."""
 
 
-class HitInfo(Described):
+class HitInfo(BaseModel):
     """A moment: the times of its first and last row; `peak` null: nothing is compared."""
 
     begin: Time

@@ -16,7 +16,7 @@ from mikas.catalog import Catalog, Confidence, Fault
 from mikas.client import Ecu, Info, Support
 from mikas.commands.unit import version_text
 from mikas.dashboard.api.dependencies import NO_CLIENT_ID, Controller, TheDashboard, Viewer
-from mikas.dashboard.api.errors import Described, TwoTexts, errors, made_of, two, two_or_none
+from mikas.dashboard.api.errors import TwoTexts, errors, made_of, two_or_none
 from mikas.dashboard.api.messages import LiveRows
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.errors import BadRequest, NotAllowed, NotController, NotFound
@@ -58,7 +58,7 @@ class FaultsResponse(BaseModel):
     count: int
 
 
-class UnitLimits(Described):
+class UnitLimits(BaseModel):
     """The measured limits of this unit, and the codes it refuses."""
 
     max_list: int
@@ -223,10 +223,10 @@ def _used(dashboard: Dashboard) -> frozenset[int]:
 
 def _command(support: Support, used: frozenset[int]) -> UnitCommand:
     supported = True if support.code in used else support.known
-    return UnitCommand(
-        code=support.code,
+    return made_of(
+        UnitCommand,
+        support,
         name=support.command.__name__,
-        title=two(support.title),
         source_name=support.command.SOURCE_NAME,
         supported=supported,
         reason=two_or_none(support.reason) if supported is None else None,

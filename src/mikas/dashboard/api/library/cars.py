@@ -9,7 +9,7 @@ from pydantic import BaseModel, Field
 
 from mikas.client.cars import LONGEST, MOST_MILEAGE, CarDetails, car_details
 from mikas.dashboard.api.dependencies import KnownClient, Line, TheDashboard, TheRequester
-from mikas.dashboard.api.errors import Described, errors
+from mikas.dashboard.api.errors import errors
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.errors import NotConnected
 from mikas.dashboard.library.folder import RecordingFile
@@ -19,7 +19,7 @@ from mikas.recording.capture.writer import append_note
 router = APIRouter(tags=["recordings"])
 
 
-class CarInfo(Described):
+class CarInfo(BaseModel):
     """A car as its owner or a workshop names it; empty or null: not given."""
 
     car: str

@@ -20,7 +20,7 @@ from mikas.commands.base import check_range
 from mikas.dashboard.api.changes import Space
 from mikas.dashboard.api.dependencies import Controller, TheDashboard
 from mikas.dashboard.api.errors import content, errors, made_of
-from mikas.dashboard.api.library.files import LeftOutFile, OpenFile, left_out
+from mikas.dashboard.api.library.files import LeftOutFile, OpenFile
 from mikas.dashboard.error_responses import ErrorBody, body_of
 from mikas.dashboard.library.folder import opened
 from mikas.dashboard.session.dump_jobs import DumpJob
@@ -118,9 +118,7 @@ async def start(dashboard: TheDashboard, _: Controller, body: DumpRequest) -> Du
 async def dumps(dashboard: TheDashboard) -> DumpsResponse:
     """Return all dumps."""
     jobs = sorted(dashboard.dump_jobs.jobs.values(), key=lambda job: job.started, reverse=True)
-    return DumpsResponse(
-        dumps=[_response(job) for job in jobs], left_out=left_out(dashboard.dump_jobs.left_out)
-    )
+    return made_of(DumpsResponse, dashboard.dump_jobs, dumps=[_response(job) for job in jobs])
 
 
 @router.get("/dumps/{id}", responses=errors(404))

@@ -14,7 +14,7 @@ import asyncio
 import os
 import shutil
 import tempfile
-from collections.abc import AsyncIterator, Iterable
+from collections.abc import AsyncIterator
 from contextlib import AsyncExitStack, suppress
 from math import inf
 from pathlib import Path
@@ -37,8 +37,8 @@ from mikas.dashboard.api.dependencies import (
     TheRequester,
     split_names,
 )
-from mikas.dashboard.api.errors import TwoTexts, content, errors, two
-from mikas.dashboard.library.folder import LeftOut, opened
+from mikas.dashboard.api.errors import TwoTexts, content, errors
+from mikas.dashboard.library.folder import opened
 from mikas.dashboard.settings import ensure_folder
 from mikas.errors import CaptureError, reason_of
 from mikas.i18n import Language
@@ -65,11 +65,6 @@ class LeftOutFile(BaseModel):
 
     name: str
     problem: TwoTexts
-
-
-def left_out(files: Iterable[LeftOut]) -> list[LeftOutFile]:
-    """Return the models of `files`."""
-    return [LeftOutFile(name=each.name, problem=two(each.problem)) for each in files]
 
 
 class OpenFile(StreamingResponse):

@@ -31,7 +31,7 @@ from mikas.dashboard.api.dependencies import (
 )
 from mikas.dashboard.api.errors import TwoTexts, errors, made_of, two, two_or_none
 from mikas.dashboard.api.library.cars import CarInfo
-from mikas.dashboard.api.library.files import LeftOutFile, left_out
+from mikas.dashboard.api.library.files import LeftOutFile
 from mikas.dashboard.api.messages import LiveRows, RecordedEvent
 from mikas.dashboard.api.state import State, state_of
 from mikas.dashboard.errors import ADVICE, NotFound
@@ -211,9 +211,8 @@ async def recordings(requester: TheRequester) -> Response:
     def described() -> Response:
         marked = library.references.marked()
         found = [_info(library, file, summary, marked) for file, summary in listed]
-        answer = RecordingsResponse(
-            recordings=found, problem=_problem(library), left_out=left_out(left)
-        )
+        more = {"recordings": found, "problem": _problem(library), "left_out": left}
+        answer = RecordingsResponse.model_validate(more, from_attributes=True)
         return Response(answer.model_dump_json(), media_type="application/json")
 
     return await asyncio.to_thread(described)
@@ -325,7 +324,6 @@ def _info(
         rate=None if summary.rate is None else round(summary.rate, 2),
         gaps=None if summary.problem else summary.gaps,
         markers=None if summary.problem else summary.markers,
-        car=CarInfo.model_validate(summary.car),
         open=library.is_growing(file),
         reference=file.id in library.references.marked() if marked is None else file.id in marked,
         virtual=VIRTUAL_PASSPORT in (summary.passport or ()),
