@@ -7,7 +7,7 @@ as a report does, so it is work in the lane of files. Nothing is kept.
 from __future__ import annotations
 
 from math import inf
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 from fastapi import APIRouter, Path
 from pydantic import BaseModel, Field
@@ -25,9 +25,6 @@ from mikas.recording.capture.notes import Kind
 from mikas.recording.freeze_frames import first_seen
 from mikas.recording.recorded_faults import RecordedFaults, faults_in
 from mikas.recording.recording import Recording
-
-if TYPE_CHECKING:
-    from mikas.guided.result import TestResult
 
 router = APIRouter(tags=["recordings"])
 
@@ -111,12 +108,10 @@ async def recorded_test(
         by_hand = [step for step in test.steps if step.by_hand]
         recording = library.opened(library.of_any(identity), latest=True)
         found = run_over(test, recording, [step.name for step in by_hand])
-        return _answer(found, [two(step.text) for step in by_hand])
+        return RecordedTest(
+            result=None if isinstance(found, Text) else verdict_of(KeptResult("", found)),
+            why=two(found) if isinstance(found, Text) else None,
+            left_out=[two(step.text) for step in by_hand],
+        )
 
     return await requester.make(identity, work)
-
-
-def _answer(found: TestResult | Text, left_out: list[TwoTexts]) -> RecordedTest:
-    if isinstance(found, Text):
-        return RecordedTest(result=None, why=two(found), left_out=left_out)
-    return RecordedTest(result=verdict_of(KeptResult("", found)), why=None, left_out=left_out)
