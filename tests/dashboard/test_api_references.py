@@ -8,8 +8,8 @@ import pytest
 
 from dashboard.recordings_rig import record
 from dashboard.rig import rig
-from mikas.dashboard.library import references
-from mikas.dashboard.library.references import References
+from mikas.dashboard.library import service
+from mikas.dashboard.library.service import References
 
 IDLE = "virtual:warm-idle:7.1"
 
@@ -51,9 +51,9 @@ def test_marks_in_a_damaged_file_are_none(tmp_path):
 
 
 def test_the_virtual_car_is_read_like_a_recording_and_changed_like_none(desk, monkeypatch):
-    drive = references.DRIVES["warm-idle"]
-    short = references.Drive(drive.scenario, 2.0, drive.rate, drive.text)
-    monkeypatch.setitem(references.DRIVES, "warm-idle", short)
+    drive = service.DRIVES["warm-idle"]
+    short = service.Drive(drive.scenario, 2.0, drive.rate, drive.text)
+    monkeypatch.setitem(service.DRIVES, "warm-idle", short)
     assert IDLE in [it["id"] for it in desk.get("/references")["virtual"]]
     detail = desk.get(f"/recordings/{IDLE}")
     assert (detail["id"], detail["virtual"], detail["faults"]) == (IDLE, True, [])
@@ -68,9 +68,9 @@ def test_the_virtual_car_is_read_like_a_recording_and_changed_like_none(desk, mo
 
 
 def test_the_same_version_makes_the_same_recording(tmp_path, monkeypatch):
-    drive = references.DRIVES["drive"]
-    short = references.Drive(drive.scenario, 3.0, drive.rate, drive.text)
-    monkeypatch.setitem(references.DRIVES, "drive", short)
+    drive = service.DRIVES["drive"]
+    short = service.Drive(drive.scenario, 3.0, drive.rate, drive.text)
+    monkeypatch.setitem(service.DRIVES, "drive", short)
     one, other = (
         References(tmp_path / "m", tmp_path / name).virtual("virtual:drive:5.4") for name in "ab"
     )

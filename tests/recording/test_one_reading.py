@@ -12,8 +12,7 @@ from crafted_harness import counted
 import mikas
 from mikas.catalog import shipped
 from mikas.dashboard.library.folder import RecordingFolder
-from mikas.dashboard.library.references import References
-from mikas.dashboard.library.service import RecordingService
+from mikas.dashboard.library.service import RecordingService, References
 from mikas.fleet.interpreting import InterpretingSettings, interpret
 from mikas.guided.loading import load as load_tests
 from mikas.guided.recorded import run_over

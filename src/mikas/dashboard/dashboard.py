@@ -22,8 +22,7 @@ from mikas.client.cars import CarBook, CarDetails
 from mikas.client.identity import UnitIdentity
 from mikas.client.parameters.polling import Method
 from mikas.dashboard.library.folder import RecordingFolder
-from mikas.dashboard.library.references import References
-from mikas.dashboard.library.service import RecordingService
+from mikas.dashboard.library.service import RecordingService, References
 from mikas.dashboard.security.control import (
     ConfirmationStore,
     ControlLease,

@@ -6,6 +6,11 @@ some seconds later.
 
 Files are read in two lanes (`lanes.py`): `views`, what a screen waits for, and `files`, reports and
 exports, which take long. In each lane one file is read by one thread at a time.
+
+References are recordings to compare with: those that the user marked, and those of the virtual car.
+The marks are names of files in a file beside the presets. A recording of the virtual car is made
+when it is first requested, on the simulated clock (seconds), and kept in a folder of its own; the
+same version of mikas makes the same bytes. Its id contains colons, which no file's name has.
 """
 
 from __future__ import annotations
@@ -15,17 +20,29 @@ import threading
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import Final, NamedTuple
+from importlib.metadata import version
+from pathlib import Path
+from typing import Final
 
+import mikas
+from mikas.cancellation import check_cancelled
 from mikas.catalog import Catalog
-from mikas.dashboard.errors import TookTooLong
+from mikas.dashboard.errors import NotFound, TookTooLong
 from mikas.dashboard.library.folder import LeftOut, RecordingFile, RecordingFolder
 from mikas.dashboard.library.lanes import Lane, LaneLimits
-from mikas.dashboard.library.references import References
+from mikas.errors import naming_file
 from mikas.i18n import Text
+from mikas.recording import CaptureWriter
+from mikas.recording.annotations.annotator import SessionAnnotator
 from mikas.recording.recording import Recording
 from mikas.recording.summary import Summary, summarise
+from mikas.sampling.events import UnitFound
+from mikas.saving import KeptFile
 
+MOST_MARKED: Final = 100
+_MOST_BYTES: Final = 1 << 17
+_PREFIX: Final = "virtual:"
+MODELS: Final = ("7.1", "5.4")
 _MAX_OPEN: Final = 2
 _GROWING: Final = 10.0  # s until the recording in progress is read again
 VIEWS: Final = LaneLimits(slots=3, deadline=60.0, places=32, per_address=8)
@@ -44,11 +61,90 @@ _NOT_YET: Final = Text(
 )
 
 
-class Listed(NamedTuple):
-    """A recording in the list."""
+@dataclass(frozen=True, slots=True)
+class Drive:
+    """A drive to record: `seconds` of a scenario, `rate` sets of values per second."""
 
-    file: RecordingFile
-    summary: Summary
+    scenario: str
+    seconds: float
+    rate: float
+    text: Text
+
+
+DRIVES: Final = {
+    "warm-idle": Drive("warm-idle", 60, 5, Text("warm idle", "прогретый, холостой ход")),
+    "warm-up": Drive("cold-start", 600, 1, Text("cold start, warm-up", "холодный пуск, прогрев")),
+    "drive": Drive("city", 195, 5, Text("city drive", "поездка по городу")),
+}
+VIRTUAL: Final = {f"{_PREFIX}{name}:{model}": (name, model) for model in MODELS for name in DRIVES}
+"""The recordings of the virtual car by id: the drive, and the unit's model."""
+
+
+class References:
+    """`marks`: the file of the marked names; `folder`: of the virtual car's recordings."""
+
+    def __init__(self, marks: Path, folder: Path) -> None:
+        self.file = KeptFile(marks, _MOST_BYTES, _names)
+        self._folder = folder
+        self._changing = threading.Lock()
+
+    def marked(self) -> list[str]:
+        """Return the marked recordings, the latest first; none if their file can't be used."""
+        return (self.file.load() or [])[:MOST_MARKED]
+
+    def mark(self, name: str, *, on: bool) -> None:
+        """Mark a recording, or remove its mark. Raises `UsageError` if that can't be kept."""
+        with self._changing:
+            names = [other for other in self.marked() if other != name]
+            names = [name, *names][:MOST_MARKED] if on else names
+            self.file.save(names)
+
+    def virtual(self, identity: str) -> RecordingFile | None:
+        """Return a recording of the virtual car, made now if need be; None: another kind of id.
+
+        Raises `NotFound` for an unknown one, `UsageError` if it can't be kept.
+        """
+        if not identity.startswith(_PREFIX):
+            return None
+        if identity not in VIRTUAL:
+            raise NotFound(name=identity[:60])
+        drive, model = VIRTUAL[identity]
+        file = self._folder / f"{drive}-{model}-{version('mikas')}.pcapng"
+        with naming_file(file):
+            if not file.is_file():
+                self._folder.mkdir(parents=True, exist_ok=True)
+                _record(file, DRIVES[drive], model)
+        return RecordingFolder(self._folder).one(file.name)
+
+
+def _names(stored: object) -> list[str]:
+    """Return the marks in the file. Raises `TypeError`."""
+    if not isinstance(stored, list) or not all(isinstance(name, str) for name in stored):
+        raise TypeError("no list of names")
+    return stored
+
+
+def _record(file: Path, drive: Drive, model: str) -> None:
+    """Record the virtual car, as a session does; all of it or nothing."""
+    url = f"sim:?clock=simulated&seed=1&scenario={drive.scenario}&model={model}"
+    part = file.with_name(f"{file.name}.part")
+    try:
+        sink = CaptureWriter(part, url=url, overwrite=True)
+        with sink, mikas.connect(url, sink=sink) as ecu:
+            now, unit = ecu.tester.link.now, ecu.version_code
+            found = UnitFound(now(), unit, ecu.passport(), catalog=ecu.catalog.version)
+            for note in SessionAnnotator().notes_of(found):
+                sink.note(note)
+            ecu.faults()
+            end = now() + drive.seconds
+            names = [parameter.name for parameter in ecu.catalog.parameters]
+            for _ in ecu.watch(*names, method="batch", rate=drive.rate):
+                check_cancelled()
+                if now() >= end:
+                    break
+        part.replace(file)
+    finally:
+        part.unlink(missing_ok=True)
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,7 +198,9 @@ class RecordingService:
         """Return a recording of the folder, or of the virtual car. Raises `NotFound`."""
         return self.references.virtual(identity) or self.folder.one(identity)
 
-    async def all(self, address: str | None) -> tuple[list[Listed], list[LeftOut]]:
+    async def all(
+        self, address: str | None
+    ) -> tuple[list[tuple[RecordingFile, Summary]], list[LeftOut]]:
         """Return the recordings, the latest first, and the files left out. Raises `Busy`.
 
         A summary that takes too long has a `problem`; the next call continues with the others.
@@ -118,7 +216,7 @@ class RecordingService:
                 if summary is None:
                     left = min(_SUMMARY_TIME, end - self.clock())
                     summary = await self._read_for_list(file, left, address)
-                listed.append(Listed(file, summary))
+                listed.append((file, summary))
         return listed, left_out
 
     def summary(self, file: RecordingFile) -> Summary:

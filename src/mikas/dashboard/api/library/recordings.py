@@ -36,8 +36,7 @@ from mikas.dashboard.api.messages import LiveRows, RecordedEvent
 from mikas.dashboard.api.state import State, state_of
 from mikas.dashboard.errors import ADVICE, NotFound
 from mikas.dashboard.library.folder import RecordingFile
-from mikas.dashboard.library.references import DRIVES, VIRTUAL
-from mikas.dashboard.library.service import RecordingService
+from mikas.dashboard.library.service import DRIVES, VIRTUAL, RecordingService
 from mikas.dashboard.session.history import json_columns
 from mikas.dashboard.settings import check_folder
 from mikas.errors import UsageError
