@@ -142,9 +142,9 @@ def test_of_two_plans_at_once_the_sampled_one_is_reported(monkeypatch):
             assert over.wait(60)  # the second one has its way here, or waits for the first
 
     sampling = SimpleNamespace(acquisition=SimpleNamespace(reconfigure=reconfigure))
-    connection = SimpleNamespace(thread=sampling)
     monitor = SimpleNamespace(set_names=lambda every: reported.append(list(every)))
-    planner = SamplingPlanner(connection, monitor, ConnectionOptions())
+    connection = SimpleNamespace(thread=sampling, monitor=monitor)
+    planner = SamplingPlanner(connection, ConnectionOptions())
     monkeypatch.setattr(planner, "_lock", Lock(over), raising=False)
     planner.sample(PlanSettings({"TWAT": 1}))
     thread.join()

@@ -89,7 +89,7 @@ class Dashboard:
             self._on_request_end,
             PortSettings(port, options.echo) if port else None,
         )
-        self.plan = SamplingPlanner(self.connection, self.monitor, options)
+        self.plan = SamplingPlanner(self.connection, options)
         folder = RecordingFolder(settings.recordings)
         self.cars = CarBook(settings.in_state("cars.json"), virtual_units=settings.virtual_units)
         self.car_now: tuple[UnitIdentity, CarDetails] | None = None
@@ -101,21 +101,11 @@ class Dashboard:
             settings.virtual_units,
         )
         self.recorder = SessionRecorder(
-            self.connection,
-            self.monitor,
-            self.fault_history,
-            folder,
-            self.cars,
-            options.interpretation,
+            self.connection, self.fault_history, folder, self.cars, options.interpretation
         )
         self.session.record = self.recorder.record_event
         self.guided = GuidedTests(
-            settings,
-            self.connection,
-            self.monitor,
-            self.plan,
-            self.recorder.recorder,
-            self.catalogs,
+            settings, self.connection, self.plan, self.recorder.recorder, self.catalogs
         )
         self.library = RecordingService(
             folder,

@@ -83,7 +83,7 @@ class Connection:
     """
 
     _settings: Settings
-    _monitor: ConnectionMonitor
+    monitor: ConnectionMonitor
     create: Callable[[PortSettings], SamplingThread]
     on_end: Callable[[SamplingThread, Text], None]
     port: PortSettings | None = None
@@ -184,11 +184,11 @@ class Connection:
         `NotConnected`, what opening raises, and `Busy` if its turn does not come in `seconds`.
         """
         thread = self.thread
-        if thread is None or thread.ended or self._monitor.line not in _MAY_ANSWER:
+        if thread is None or thread.ended or self.monitor.line not in _MAY_ANSWER:
             raise self.not_connected()
 
         def in_turn(ecu: Ecu) -> T:
-            self._monitor.session.pause(OTHER_REQUEST)
+            self.monitor.session.pause(OTHER_REQUEST)
             return job(ecu)
 
         return await result_in_turn(thread.acquisition.call(in_turn), seconds)
@@ -205,7 +205,7 @@ class Connection:
 
     def not_connected(self) -> NotConnected:
         """Return the error for a unit that does not answer, with the reason if it is known."""
-        reason = self._monitor.reason
+        reason = self.monitor.reason
         return NotConnected(advice=reason) if reason else NotConnected()
 
     @asynccontextmanager
@@ -249,10 +249,8 @@ class SamplingPlanner:
     them come first (`prefer`), so it leaves no hole in the values.
     """
 
-    def __init__(
-        self, connection: Connection, monitor: ConnectionMonitor, options: ConnectionOptions
-    ) -> None:
-        self._connection, self._monitor, self._options = connection, monitor, options
+    def __init__(self, connection: Connection, options: ConnectionOptions) -> None:
+        self._connection, self._options = connection, options
         self._lock = threading.Lock()
         self.request = PlanSettings(dict.fromkeys(self.channels, 1))
 
@@ -274,7 +272,7 @@ class SamplingPlanner:
                 for name in request.every:
                     self._catalog.channel(name)
             self.request = replace(request, first=self.request.first)
-            self._monitor.set_names(request.every)
+            self._connection.monitor.set_names(request.every)
 
     def prefer(self, names: Sequence[str]) -> None:
         """Let these channels come first, as `Acquisition.prefer`. Raises `UnknownParameter`."""
@@ -324,7 +322,7 @@ class SamplingPlanner:
                 )
                 thread.acquisition.prefer(first)
             self.request = request
-            self._monitor.set_names(request.every)
+            self._connection.monitor.set_names(request.every)
 
     def relearn(self) -> None:
         """Drop the measured speeds and limits of this unit. Raises `NotConnected`."""

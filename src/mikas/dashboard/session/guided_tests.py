@@ -18,7 +18,6 @@ from mikas.client.limits import unit_file
 from mikas.dashboard.errors import Busy, NotFound
 from mikas.dashboard.session.catalog_in_use import CatalogInUse
 from mikas.dashboard.session.connection import Connection, SamplingPlanner
-from mikas.dashboard.session.monitor import ConnectionMonitor
 from mikas.dashboard.settings import PlanSettings, Settings
 from mikas.errors import UsageError
 from mikas.i18n import Text
@@ -66,7 +65,6 @@ class GuidedTests:
 
     _settings: Settings
     _connection: Connection
-    _monitor: ConnectionMonitor
     _plan: SamplingPlanner
     _recorder: Recorder
     _catalogs: CatalogInUse
@@ -187,7 +185,7 @@ class GuidedTests:
 
     @property
     def _unit(self) -> tuple[int, tuple[str, ...]]:
-        unit = self._monitor.unit
+        unit = self._connection.monitor.unit
         version = unit.version_code if unit and unit.version_code is not None else 0
         return version, unit.passport.pieces if unit and unit.passport else ()
 

@@ -18,7 +18,6 @@ from mikas.dashboard.errors import ADVICE, Busy, NotConnected, NotFound
 from mikas.dashboard.library.folder import RecordingFolder
 from mikas.dashboard.session.connection import Connection
 from mikas.dashboard.session.history import FaultHistory, RecordingChanged
-from mikas.dashboard.session.monitor import ConnectionMonitor
 from mikas.dashboard.session.port_threads import SamplingThread
 from mikas.dashboard.settings import ensure_folder
 from mikas.errors import MikasError
@@ -40,7 +39,6 @@ class SessionRecorder:
     """The recorder of the connection, with the folder of its files."""
 
     _connection: Connection
-    _monitor: ConnectionMonitor
     _faults: FaultHistory
     _folder: RecordingFolder
     _cars: CarBook
@@ -80,7 +78,7 @@ class SessionRecorder:
         try:
             await self._connection.ask(between_cycles)
         except NotConnected:
-            if self._monitor.unit is None:
+            if self._connection.monitor.unit is None:
                 raise
             # The unit is silent: no stream runs that would have to be restarted.
             self._start(path, thread)
@@ -109,7 +107,10 @@ class SessionRecorder:
 
         Never raises.
         """
-        if self.file_name is None or (future := self._monitor.session.read_now()) is None:
+        if (
+            self.file_name is None
+            or (future := self._connection.monitor.session.read_now()) is None
+        ):
             return
         waiting = asyncio.wrap_future(future)
         waiting.add_done_callback(lambda it: it.cancelled() or it.exception())
@@ -137,7 +138,7 @@ class SessionRecorder:
             self._marked[time] = status.path
             if len(self._marked) > _MOST_MARKED:
                 self._marked.popitem(last=False)
-        self._monitor.log(Marker(time, label))
+        self._connection.monitor.log(Marker(time, label))
         return time
 
     def change_marker(self, marker: Marker) -> None:
@@ -145,10 +146,10 @@ class SessionRecorder:
 
         Raises `NotFound`: there was no such marker; `CaptureError`: its file can't be written.
         """
-        events = self._monitor.events
+        events = self._connection.monitor.events
         if not any(isinstance(it, Marker) and it.time == marker.time for it in events):
             raise NotFound(name=_MARKER)
-        self._monitor.log(marker)
+        self._connection.monitor.log(marker)
         if (path := self._marked.get(marker.time)) is not None:
             self.append_note(path, note_of(marker))  # the recording may have ended since
 
@@ -189,17 +190,19 @@ class SessionRecorder:
     def _start(self, path: Path, thread: SamplingThread) -> None:
         self.recorder.start(ensure_folder(path.parent) / path.name, url=thread.url, pipe=False)
         self._reported = None
-        unit = self._monitor.unit
+        unit = self._connection.monitor.unit
         if unit is not None and (car := self._car_note(unit)) is not None:
             self.recorder.describe(replace(car, time=thread.now()))  # not the last file's mileage
         if readings := self._faults.readings:  # from before this file
             self.recorder.note(faults_note(thread.now(), readings))
         self._log_start(path)
-        self._monitor.session.read_now()
+        self._connection.monitor.session.read_now()
 
     def _log_start(self, path: Path) -> None:
-        self._monitor.log(RecordingChanged(self._connection.now(), path.name, on=True))
+        self._connection.monitor.log(RecordingChanged(self._connection.now(), path.name, on=True))
 
     def _log_end(self, file: str, failure: MikasError | None) -> None:
         text = ADVICE.text(failure) if failure else None
-        self._monitor.log(RecordingChanged(self._connection.now(), file, on=False, failure=text))
+        self._connection.monitor.log(
+            RecordingChanged(self._connection.now(), file, on=False, failure=text)
+        )
