@@ -10,8 +10,8 @@ from websockets.exceptions import ConnectionClosed
 
 from dashboard.rig import ME, OTHER, rig
 from mikas.dashboard.dashboard import Dashboard
-from mikas.dashboard.ending import AWAY, Ending
 from mikas.dashboard.errors import Busy
+from mikas.dashboard.program import AWAY, Ending
 from mikas.dashboard.security.control import Client
 from mikas.dashboard.settings import Settings
 

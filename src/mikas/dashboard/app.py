@@ -31,13 +31,12 @@ from mikas.dashboard.api import (
 from mikas.dashboard.api.library import cars, dumps, files, recorded, recordings, report
 from mikas.dashboard.api.messages import FieldsMessage, LiveMessage, PingMessage, component_schemas
 from mikas.dashboard.dashboard import Dashboard
-from mikas.dashboard.ending import Ending
 from mikas.dashboard.error_responses import ErrorResponse
+from mikas.dashboard.program import Ending, Sharing
 from mikas.dashboard.security.access import Access
 from mikas.dashboard.security.certificate import Certificate
 from mikas.dashboard.security.middleware import AccessMiddleware
 from mikas.dashboard.settings import Settings
-from mikas.dashboard.sharing import Sharing
 
 _DESCRIPTION = """
 Everything that the page does, a script can do. Every client sends `X-Mikas-Client` (8 to 64

@@ -93,7 +93,7 @@ class Settings:
     tests: Path | None = None
     """The folder of the user's guided tests; None: only the shipped ones."""
     desktop: bool = False
-    """Whether an icon has started the program: no terminal ends it (`mikas.dashboard.ending`)."""
+    """Whether an icon has started the program: no terminal ends it (`mikas.dashboard.program`)."""
     made_again: Path | None = None
     """The folder of what can be made again; None: that of the state."""
 

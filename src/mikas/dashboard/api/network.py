@@ -8,8 +8,7 @@ from pydantic import BaseModel, Field
 from mikas.dashboard.api.catalog import AboutResponse, about
 from mikas.dashboard.api.dependencies import LocalClient, TheDashboard
 from mikas.dashboard.api.errors import errors
-from mikas.dashboard.ending import Ending
-from mikas.dashboard.sharing import Sharing
+from mikas.dashboard.program import Ending, Sharing
 
 router = APIRouter(tags=["about"])
 

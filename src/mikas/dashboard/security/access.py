@@ -47,7 +47,7 @@ _FORWARDING = ("forwarded", "via", "x-forwarded-for", "x-forwarded-host", "x-rea
 class Access:
     """The rules in force. `hosts`: this computer's names in the network, with `lan`.
 
-    `share` and `unshare` switch the network at run time (`mikas.dashboard.sharing`).
+    `share` and `unshare` switch the network at run time (`mikas.dashboard.program`).
 
     `fingerprint`: of the certificate, in pairs of digits; None: the network gets plain HTTP.
     """

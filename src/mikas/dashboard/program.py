@@ -1,13 +1,17 @@
-"""The switch that opens the dashboard to the network, and closes it again, while it runs.
+"""What this computer's page switches of the program: its side in the network, and its end.
 
 Off, the program listens on 127.0.0.1 only. On, it listens in addition on each of this computer's
 addresses in the network, at the same port, with TLS: `Access` gets a new token, the names and the
 fingerprint. Off again, the token is void before anything else happens; then the listening sockets
 and all connections of the network are closed. A program that was started with `--lan` listens on
-all addresses from its start; its network side is switched alike, but the socket stays.
+all addresses from its start; its network side is switched alike, but the socket stays. Nothing is
+kept: a start without `--lan` begins closed.
 
-Nothing is kept: a start without `--lan` begins closed. Only a client on this computer may switch
-(`api.network`).
+A program that an icon has started has no terminal for Ctrl-C: the page's button ends it. It also
+ends by itself, ten minutes after its last page was closed, so that nothing forgotten holds the
+adapter; not while it records or reads a dump.
+
+Only a client on this computer may switch (`api.network`).
 """
 
 from __future__ import annotations
@@ -18,7 +22,7 @@ import socket
 import ssl
 from collections.abc import Callable, Sequence
 from datetime import UTC, datetime
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.errors import Busy
@@ -41,10 +45,17 @@ _NOT_ENCRYPTED = Text(
     "the program was started with --no-tls. Restart it without that option",
     "программа запущена с --no-tls. Перезапустите её без этого ключа",
 )
+AWAY: Final = 600.0
+"""Seconds without a page. A page that the browser has only put to sleep keeps its connection."""
+
+_TERMINAL: Final = Text(
+    "the program was started in a terminal. End it there, with Ctrl-C",
+    "программа запущена из терминала. Завершите её там клавишами Ctrl-C",
+)
 
 
 class Sharing:
-    """The switch. All of it runs in the event loop.
+    """The switch of the network. All of it runs in the event loop.
 
     `certificate`: the one in use since the start (`--lan`); None: mikas makes its own when it is
     needed.
@@ -145,3 +156,41 @@ def _is_number(name: str) -> bool:
         return isinstance(ipaddress.ip_address(name), ipaddress.IPv4Address)
     except ValueError:
         return False
+
+
+class Ending:
+    """Ends `dashboard`'s program. All of it runs in the event loop."""
+
+    def __init__(self, dashboard: Dashboard) -> None:
+        self._dashboard = dashboard
+        self._end: Callable[[], None] | None = None
+        self._used = dashboard.clock()
+
+    def attach(self, end: Callable[[], None]) -> None:
+        """Set how the program ends; called by the server."""
+        self._end = end
+        self._used = self._dashboard.clock()
+
+    def end_program(self) -> None:
+        """End the program in good order: the recording and the port are closed. Raises `Busy`."""
+        if not self._dashboard.settings.desktop or self._end is None:
+            raise Busy(problem=_TERMINAL)
+        self._end()
+
+    def check(self) -> None:
+        """End the program if it is not used any more; the server calls this once a second."""
+        if not self._dashboard.settings.desktop:
+            return
+        now = self._dashboard.clock()
+        if self._is_used():
+            self._used = now
+        elif now - self._used >= AWAY:
+            self.end_program()
+
+    def _is_used(self) -> bool:
+        dashboard = self._dashboard
+        return bool(
+            dashboard.control.viewers
+            or dashboard.recorder.file_name
+            or any(job.phase == "running" for job in dashboard.dump_jobs.jobs.values())
+        )
