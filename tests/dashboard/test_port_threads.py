@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from types import SimpleNamespace
 
 import pytest
 
@@ -21,7 +22,8 @@ from mikas.sampling.events import LineState, Sampled, StateChanged
 class OneThat:
     """A session that lives on a clock that stands."""
 
-    adapter, baud, ecu, ended = "", 9600, None, False
+    adapter, baud, ended = "", 9600, False
+    acquisition = SimpleNamespace(ecu=None)
 
     def now(self):
         return 5.0

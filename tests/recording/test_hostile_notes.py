@@ -19,7 +19,6 @@ from dashboard.recordings_rig import record
 from mikas.catalog import shipped
 from mikas.cleaning import clean_line, clean_text, is_in_calendar
 from mikas.dashboard.api.errors import made_of, two_or_none
-from mikas.dashboard.api.library.cars import CarInfo
 from mikas.dashboard.api.library.recordings import RecordingInfo
 from mikas.recording import CaptureReader
 from mikas.recording.annotations import fields
@@ -100,7 +99,6 @@ def list_entry(path):
         bytes=1,
         model=two_or_none(summary.model),
         open=False,
-        car=CarInfo.model_validate(summary.car),
         reference=False,
         virtual=False,
     )
