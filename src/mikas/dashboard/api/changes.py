@@ -25,7 +25,6 @@ from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.errors import NotConnected, api_hex
 from mikas.dashboard.security.control import (
     LIFETIME,
-    Client,
     Content,
     DumpShown,
     FaultShown,
@@ -122,7 +121,8 @@ async def prepare(
 ) -> ChangeProposal:
     """Read the present content and return the effect of the change; changes nothing."""
     change = await _prepared(dashboard, body)
-    _check_lock(dashboard, client, change)
+    if change.needs_unlock:
+        dashboard.write_lock.check(client)
     nonce = dashboard.confirmations.keep(client, change)
     return made_of(
         ChangeProposal, change, nonce=nonce, expires=dashboard.connection.now() + LIFETIME
@@ -135,7 +135,8 @@ async def confirm(
 ) -> ChangeResult:
     """Make the change that was shown, once, if the content is still the same."""
     change = dashboard.confirmations.use(client, nonce)
-    _check_lock(dashboard, client, change)
+    if change.needs_unlock:
+        dashboard.write_lock.check(client)
     return ChangeResult(before=change.before, after=await change.make())
 
 
@@ -155,11 +156,6 @@ async def _prepared(dashboard: Dashboard, body: ChangeRequest) -> PendingChange:
             return await recording_deletion(dashboard.library, body.id)
         case DeleteDumpRequest():
             return await dashboard.dump_jobs.deletion(body.id)
-
-
-def _check_lock(dashboard: Dashboard, client: Client, change: PendingChange) -> None:
-    if change.needs_unlock:
-        dashboard.write_lock.check(client)
 
 
 class MemoryResponse(BaseModel):

@@ -21,7 +21,7 @@ from mikas.dashboard.api.messages import LiveRows
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.errors import BadRequest, NotAllowed, NotController, NotFound
 from mikas.dashboard.security.control import Client
-from mikas.dashboard.session.history import StoredFaults, plain
+from mikas.dashboard.session.history import plain
 from mikas.recording.freeze_frames import FreezeFrame, shown_first
 
 T = TypeVar("T")
@@ -99,16 +99,17 @@ class PassportResponse(BaseModel):
 @router.get("/faults", responses=errors(409, 502, 503))
 async def faults(dashboard: TheDashboard, client: Viewer, *, last: bool = False) -> FaultsResponse:
     """Read the stored faults. Without control, or with `last`: as they were last read."""
-    if last:
-        if (known := dashboard.fault_history.latest) is None:
-            raise dashboard.connection.not_connected()
-        return _faults_response(dashboard, known)
-    return _faults_response(
-        dashboard,
-        await _latest(
-            dashboard, client, dashboard.fault_history.latest, dashboard.fault_history.read
-        ),
-    )
+    history = dashboard.fault_history
+    stored = history.latest
+    if not last:
+        stored = await _latest(dashboard, client, stored, history.read)
+    elif stored is None:
+        raise dashboard.connection.not_connected()
+    shown = [
+        fault_info(fault, stored.first_seen[fault.code], _frame_of(dashboard, fault.code))
+        for fault in stored.faults
+    ]
+    return FaultsResponse(time=stored.time, faults=shown, count=len(shown))
 
 
 @router.get("/passport", responses=errors(409, 502, 503))
@@ -151,14 +152,6 @@ async def _latest(
             raise
         return known
     return await dashboard.connection.ask(job)
-
-
-def _faults_response(dashboard: Dashboard, stored: StoredFaults) -> FaultsResponse:
-    shown = [
-        fault_info(fault, stored.first_seen[fault.code], _frame_of(dashboard, fault.code))
-        for fault in stored.faults
-    ]
-    return FaultsResponse(time=stored.time, faults=shown, count=len(shown))
 
 
 def _frame_of(dashboard: Dashboard, code: int) -> str | None:

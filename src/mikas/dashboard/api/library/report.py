@@ -182,7 +182,7 @@ def _since(rows: Rows, events: list[Event]) -> Rows:
     """Return the rows since the present unit was first found, without those of another car."""
     found = (each.time for each in events if isinstance(each, UnitFound) and each.another)
     first = bisect_left(rows.times, max(found, default=float("-inf")))
-    return Rows(rows.times[first:], {name: column[first:] for name, column in rows.values.items()})
+    return rows.part(slice(first, None))
 
 
 def _of_this_unit(events: list[Event]) -> list[Event]:
