@@ -26,7 +26,6 @@ from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.error_responses import status_of
 from mikas.dashboard.errors import BadRequest, NotAllowed, OnlyHere
 from mikas.dashboard.library.folder import RecordingFile
-from mikas.dashboard.library.service import RecordingService
 from mikas.dashboard.security.access import check_from_network
 from mikas.dashboard.security.control import Client
 from mikas.errors import MikasError
@@ -92,10 +91,6 @@ def _dashboard(request: Request) -> Dashboard:
 TheDashboard = Annotated[Dashboard, Depends(_dashboard)]
 
 
-def _library(dashboard: TheDashboard) -> RecordingService:
-    return dashboard.library
-
-
 def _viewer(request: Request, client_id: ClientId = None, client_name: ClientName = None) -> Client:
     if client_id is None:
         return Client("", "", request.scope["state"]["rights"] == "control")
@@ -151,7 +146,6 @@ class Requester:
             pass
 
 
-TheLibrary = Annotated[RecordingService, Depends(_library)]
 TheRequester = Annotated[Requester, Depends(Requester)]
 Viewer = Annotated[Client, Depends(_viewer)]
 """Any client; one without an id has an empty one."""

@@ -33,7 +33,7 @@ from mikas.dashboard.api.dependencies import (
     GONE,
     LocalClient,
     Names,
-    TheLibrary,
+    TheDashboard,
     TheRequester,
     split_names,
 )
@@ -124,9 +124,9 @@ async def _delete(folder: Path) -> None:
 
 
 @router.get("/{identity}/file", response_class=Response, responses=errors(404) | _FILE)
-def file(library: TheLibrary, identity: str) -> Response:
+def file(dashboard: TheDashboard, identity: str) -> Response:
     """Return the recording itself (.pcapng); of one in progress, the part written so far."""
-    found = library.folder.one(identity)
+    found = dashboard.library.folder.one(identity)
     return OpenFile(opened(found.path, found.id), found.id, _CAPTURE)
 
 
@@ -181,19 +181,20 @@ class AddedRecording(BaseModel):
 
 @router.post("", responses=errors(409), openapi_extra=_BODY)
 async def add(
-    library: TheLibrary,
+    dashboard: TheDashboard,
     _: LocalClient,
     request: Request,
     name: Annotated[str, Query(max_length=300, description="of the file, elsewhere")],
 ) -> AddedRecording:
     """Add a recording made elsewhere, a .pcapng; the body is the file."""
-    await asyncio.to_thread(ensure_folder, library.folder.folder)
-    path = library.folder.new_path(name)
+    folder = dashboard.library.folder
+    await asyncio.to_thread(ensure_folder, folder.folder)
+    path = folder.new_path(name)
     new = path.with_name(f"{path.name}.{token_hex(4)}.new")  # of this request alone
 
     def keep() -> Path:
         CaptureReader(new)  # raises for other files
-        return new.rename(library.folder.new_path(name))
+        return new.rename(folder.new_path(name))
 
     try:
         await _write(new, request.stream())

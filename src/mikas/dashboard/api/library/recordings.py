@@ -24,7 +24,6 @@ from mikas.dashboard.api.dependencies import (
     Names,
     Requester,
     TheDashboard,
-    TheLibrary,
     TheRequester,
     Words,
     split_names,
@@ -384,7 +383,7 @@ class ReferenceRequest(BaseModel):
 
 
 @router.get("/references", responses=errors())
-def references(library: TheLibrary) -> ReferencesResponse:
+def references(dashboard: TheDashboard) -> ReferencesResponse:
     """Return the marked recordings, and those of the virtual car.
 
     The latter are made when they are first read, which takes seconds.
@@ -393,7 +392,7 @@ def references(library: TheLibrary) -> ReferencesResponse:
         VirtualReferenceInfo(id=identity, model=model, text=two(DRIVES[drive].text))
         for identity, (drive, model) in VIRTUAL.items()
     ]
-    return ReferencesResponse(marked=library.references.marked(), virtual=virtual)
+    return ReferencesResponse(marked=dashboard.library.references.marked(), virtual=virtual)
 
 
 @router.put("/recordings/{identity}/reference", responses=errors(404, 409, 504))
@@ -404,6 +403,6 @@ async def mark(
 
     def write(file: RecordingFile) -> ReferencesResponse:
         requester.library.references.mark(file.id, on=body.on)
-        return references(requester.library)
+        return references(requester.dashboard)
 
     return await requester.view(identity, write)
