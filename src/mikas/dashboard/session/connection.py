@@ -252,16 +252,7 @@ class SamplingPlanner:
     def __init__(self, connection: Connection, options: ConnectionOptions) -> None:
         self._connection, self._options = connection, options
         self._lock = threading.Lock()
-        self.request = PlanSettings(dict.fromkeys(self.channels, 1))
-
-    @property
-    def _catalog(self) -> Catalog:
-        return self._options.catalog
-
-    @property
-    def channels(self) -> list[str]:
-        """The names of all channels of the catalog."""
-        return all_names(self._catalog)
+        self.request = PlanSettings(dict.fromkeys(all_names(options.catalog), 1))
 
     def sample(self, request: PlanSettings) -> None:
         """Sample `request` from now on, or from the next connection. Raises `UnknownParameter` …"""
@@ -270,14 +261,14 @@ class SamplingPlanner:
                 thread.acquisition.reconfigure(request.names, request.method, request.rate)
             else:
                 for name in request.every:
-                    self._catalog.channel(name)
+                    self._options.catalog.channel(name)
             self.request = replace(request, first=self.request.first)
             self._connection.monitor.set_names(request.every)
 
     def prefer(self, names: Sequence[str]) -> None:
         """Let these channels come first, as `Acquisition.prefer`. Raises `UnknownParameter`."""
         with self._lock:
-            first = tuple(dict.fromkeys(self._catalog.channel(name).name for name in names))
+            first = tuple(dict.fromkeys(self._options.catalog.channel(name).name for name in names))
             if (thread := self._connection.thread) is not None:
                 thread.acquisition.prefer(first)
             self.request = replace(self.request, first=first)
@@ -302,19 +293,19 @@ class SamplingPlanner:
     @cached_property
     def _inputs(self) -> dict[str, tuple[str, ...]]:
         """The parameters of each derived channel."""
-        catalog = self._catalog
+        catalog = self._options.catalog
         return {it: tuple(DerivedChannels(catalog, [it]).requires) for it in catalog.derived}
 
     def use_catalog(self, catalog: Catalog) -> None:
         """Sample by another catalog, on the same connection: its new derived channels too."""
         with self._lock:
-            before, self._options = self._catalog, replace(self._options, catalog=catalog)
+            before, self._options = self._options.catalog, replace(self._options, catalog=catalog)
             for made in ("_unconnected", "_inputs"):  # with the other catalog
                 self.__dict__.pop(made, None)
             every = {name: n for name, n in self.request.every.items() if _is_known(catalog, name)}
             every |= {name: 1 for name in catalog.derived if name not in before.derived}
             first = tuple(name for name in self.request.first if _is_known(catalog, name))
-            every = every or dict.fromkeys(self.channels, 1)
+            every = every or dict.fromkeys(all_names(catalog), 1)
             request = replace(self.request, every=every, first=first)
             if (thread := self._connection.thread) is not None:
                 thread.acquisition.reconfigure(
@@ -340,4 +331,4 @@ class SamplingPlanner:
     def _unconnected(self) -> Acquisition:
         """An acquisition that never runs: it knows the costs on a unit with default limits."""
         port = ReconnectingPort("sim:")
-        return Acquisition(port, self._options.create_ecu, self._catalog)
+        return Acquisition(port, self._options.create_ecu, self._options.catalog)

@@ -264,7 +264,7 @@ async def comment(
     def write(file: RecordingFile) -> RecordingInfo:
         dashboard.recorder.append_note(file.path, note)
         written = library.folder.one(identity)
-        return _info(library, written, library.summary(written))
+        return _info(library, written, library.summary(written), library.references.marked())
 
     return await requester.view(identity, write)
 
@@ -307,12 +307,8 @@ def _problem(library: RecordingService) -> TwoTexts | None:
 
 
 def _info(
-    library: RecordingService,
-    file: RecordingFile,
-    summary: Summary,
-    marked: Collection[str] | None = None,
+    library: RecordingService, file: RecordingFile, summary: Summary, marked: Collection[str]
 ) -> RecordingInfo:
-    """`marked`: the marked references, where many recordings are described; None: read now."""
     return made_of(
         RecordingInfo,
         summary,
@@ -323,7 +319,7 @@ def _info(
         gaps=None if summary.problem else summary.gaps,
         markers=None if summary.problem else summary.markers,
         open=library.is_growing(file),
-        reference=file.id in library.references.marked() if marked is None else file.id in marked,
+        reference=file.id in marked,
         virtual=VIRTUAL_PASSPORT in (summary.passport or ()),
     )
 
@@ -335,7 +331,8 @@ def _detail(
 
     `recording` None: the file can't be read.
     """
-    detail: dict[str, Any] = _info(library, file, summary).model_dump(mode="json")
+    marked = library.references.marked()
+    detail: dict[str, Any] = _info(library, file, summary, marked).model_dump(mode="json")
     detail |= {"channels": [], "events": [], "problems": [], "method": None}
     if recording is None:
         return detail | {"first": None, "last": None}
