@@ -16,7 +16,7 @@ from fastapi import APIRouter
 from fastapi.responses import Response
 
 from mikas.catalog.lookup import is_corrected
-from mikas.dashboard.api.dependencies import Requester, TheDashboard, TheRequester
+from mikas.dashboard.api.dependencies import Requester, TheRequester
 from mikas.dashboard.api.errors import content, errors
 from mikas.dashboard.api.library.cars import car_of_connection
 from mikas.dashboard.api.library.files import attachment
@@ -41,11 +41,14 @@ _PAGE: Final = content("text/html", "the page")
 
 @router.get("/report", response_class=Response, responses=errors(409, 503, 504) | _PAGE)
 async def report(
-    dashboard: TheDashboard, requester: TheRequester, *, lang: Language = "en", inline: bool = False
+    requester: TheRequester, *, lang: Language = "en", inline: bool = False
 ) -> Response:
     """Return a page on the connected car, made of the last quarter of an hour."""
-    page = await _made(requester, _LIVE, lambda: _of_connection(dashboard), lang)
-    return _response(page, "mikas.html", inline=inline)
+
+    def findings() -> Findings:
+        return _of_connection(requester.dashboard)
+
+    return await _page(requester, _LIVE, findings, lang, None if inline else "mikas.html")
 
 
 @router.get(
@@ -65,36 +68,36 @@ async def recording_report(
 
         return find_in_recording(library.opened(file, latest=True))
 
-    page = await _made(requester, file.id, findings, lang)
-    return _response(page, f"{file.path.stem}.html", inline=inline)
+    name = None if inline else f"{file.path.stem}.html"
+    return await _page(requester, file.id, findings, lang, name)
 
 
-async def _made(
-    requester: Requester, key: str, findings: Callable[[], Findings], language: Language
-) -> str:
-    def page() -> str:
-        from mikas.report.page import render
-
-        return render(findings(), language)
-
-    return await requester.make(key, page)
-
-
-def _response(page: str, name: str, *, inline: bool) -> Response:
+async def _page(
+    requester: Requester,
+    key: str,
+    findings: Callable[[], Findings],
+    language: Language,
+    name: str | None,
+) -> Response:
     """Return a report with the content policy that it needs; scripts never run in it.
 
-    `inline`: the dashboard's page may show it in a frame, and print it from there.
+    `name`: of the file to save; None: the dashboard's page may show it in a frame, and print it
+    from there.
     """
-    from mikas.report.page import policy
 
-    framing = "frame-ancestors 'none'; sandbox"
-    headers = {}
-    if inline:
+    def make() -> tuple[str, str]:
+        from mikas.report.page import policy, render
+
+        return render(findings(), language), policy()
+
+    page, policy = await requester.make(key, make)
+    if name is None:
         framing = "frame-ancestors 'self'; sandbox allow-same-origin allow-modals"
-        headers["X-Frame-Options"] = "SAMEORIGIN"
+        headers = {"X-Frame-Options": "SAMEORIGIN"}
     else:
-        headers["Content-Disposition"] = attachment(name)
-    headers["Content-Security-Policy"] = f"{policy()}; {framing}"
+        framing = "frame-ancestors 'none'; sandbox"
+        headers = {"Content-Disposition": attachment(name)}
+    headers["Content-Security-Policy"] = f"{policy}; {framing}"
     return Response(page, media_type="text/html", headers=headers)
 
 
@@ -110,14 +113,8 @@ def _of_connection(dashboard: Dashboard) -> Findings:
     with monitor.lock:
         unit, method, errors_ = monitor.unit, monitor.method or "", monitor.meters.errors
         events = monitor.events
-    rows = _since(
-        _judged(
-            dashboard.history.rows(MINUTES * 60),
-            catalog,
-            dashboard.settings.connection.interpretation,
-        ),
-        events,
-    )
+    rows = dashboard.history.rows(MINUTES * 60)
+    rows = _since(_judged(rows, catalog, dashboard.settings.connection.interpretation), events)
     if unit is None and not len(rows.times):
         raise NotConnected
     measuring = MeasurementCollector(catalog, rows.values, _of_this_unit(events))
