@@ -43,7 +43,8 @@ def test_the_rows_added_since_a_count_are_of_all_plans(monkeypatch):
         history.add(float(number), names, row)
     for first in range(11):
         for last in range(first, 11):
-            times, (a, x) = history.added(first, last, ["A", "X"])
+            times, columns = history.added(first, last, ["A", "X"])
+            a, x = columns["A"], columns["X"]
             assert times.tolist() == list(range(first, last))
             assert plain(a) == [n if n < 5 else None for n in range(first, last)]
             assert plain(x) == [None] * (last - first)

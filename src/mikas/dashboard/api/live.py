@@ -213,7 +213,7 @@ class Broadcaster:
 def _tail(batch: Batch, events: Sequence[Mapping[str, Any]], fields: Fields) -> str:
     text = ""
     if batch.times:
-        columns = zip(batch.names, batch.columns, strict=True)
+        columns = batch.columns.items()
         shown = {name: each for name, each in columns if fields is None or name in fields}
         data = {
             "names": list(shown),

@@ -44,7 +44,7 @@ class _Block:
     def __init__(self, names: tuple[str, ...]) -> None:
         self.names = names
         self.times = array("d")
-        self.columns = [array("d") for _ in names]
+        self.columns = {name: array("d") for name in names}
 
     @property
     def size(self) -> int:
@@ -52,14 +52,14 @@ class _Block:
 
     def recomputed(self, names: Sequence[str], compute: Compute | None) -> _Block:
         """Return another block, as this one may be read at the moment."""
-        own = dict(zip(self.names, self.columns, strict=True))
+        own = dict(self.columns)
         made = compute(self.times, own) if compute else {}
         for name in names:
             own.pop(name, None)
             if name in made:
                 own[name] = array("d", made[name])
         block = _Block(tuple(own))
-        block.times, block.columns = self.times, list(own.values())
+        block.times, block.columns = self.times, own
         return block
 
 
@@ -88,13 +88,13 @@ class History:
                 self._blocks.append(block)
                 self._drop_old(time)
             block.times.append(time)
-            for column, value in zip(block.columns, row, strict=True):
+            for column, value in zip(block.columns.values(), row, strict=True):
                 column.append(value)
             self.count += 1
 
     def added(
         self, first: int, last: int, names: Sequence[str]
-    ) -> tuple[array[float], list[array[float]]]:
+    ) -> tuple[array[float], dict[str, array[float]]]:
         """Return times and columns `names` of the rows from number `first` to before `last`."""
         parts: list[_Part] = []
         with self._lock:
@@ -105,8 +105,7 @@ class History:
                 begin = end - len(block.times)
                 parts.insert(0, (block, slice(max(first - begin, 0), max(last - begin, 0))))
                 end = begin
-            times, columns = _joined(parts, names)
-        return times, list(columns.values())
+            return _joined(parts, names)
 
     def rows(self, seconds: float, names: Sequence[str] | None = None) -> Rows:
         """Return the rows of the last `seconds`, of `names` or of every channel that they have."""
@@ -150,7 +149,7 @@ def _joined(
     for block, part in parts:
         some = block.times[part]
         times += some
-        own = dict(zip(block.names, block.columns, strict=True))
+        own = block.columns
         for name, column in columns.items():
             column.extend(own[name][part] if name in own else repeat(nan, len(some)))
     return times, columns

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import threading
 from collections import deque
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from math import nan
 from typing import Final
@@ -66,11 +66,10 @@ _NOTHING: Final[tuple[str, frozenset[str]]] = ("", frozenset())
 
 @dataclass(slots=True)
 class Batch:
-    """What came since the last one. `names`: of the `columns` over `times`, in the plan's order."""
+    """What came since the last one. `columns`: over `times`, by channel in the plan's order."""
 
-    names: tuple[str, ...]
     times: Sequence[float]
-    columns: Sequence[Sequence[float]]
+    columns: Mapping[str, Sequence[float]]
     events: Sequence[Event]
 
 
@@ -210,8 +209,7 @@ class ConnectionMonitor:
             events, self._events = self._events, []
             first, self._drained = self._drained, self.history.count
             last = min(self._drained, first + _ROWS)
-            times, columns = self.history.added(first, last, self._names)
-            return Batch(self._names, times, columns, events)
+            return Batch(*self.history.added(first, last, self._names), events)
 
     @property
     def events(self) -> list[Event]:
