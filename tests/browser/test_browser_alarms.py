@@ -78,10 +78,10 @@ def test_a_value_beyond_its_limit_is_seen_until_it_is_well_inside(
     expect(tile).to_contain_class(level)
     expect(tile.locator(".gauge")).to_contain_class(level)
     expect(tile.locator("h2")).to_contain_text(word)
-    expect(band(tab, "1 alarm")).to_contain_class(level)
+    expect(band(tab, "1 alarm")).to_contain_class(f"signal-{level}")
     lines = listed(tab, "1 alarm")
     expect(lines).to_have_count(1)
-    expect(lines).to_contain_class(level)
+    expect(lines).to_contain_class(f"signal-{level}")
     expect(lines).to_contain_text(said)
     shut(tab)
     volts(car, tab, still)  # inside the limit, not yet by the hysteresis
@@ -97,14 +97,14 @@ def test_of_two_alarms_the_worse_one_is_shown(car, visitor):
     tab = visitor(car.url, locale="ru-RU").show("live")
     car.garage.set("TWAT", "91")
     car.garage.set("UACC", "B5")
-    expect(band(tab, "2 тревоги")).to_contain_class("danger")
+    expect(band(tab, "2 тревоги")).to_contain_class("signal-danger")
     lines = listed(tab, "2 тревоги")
     expect(lines).to_have_count(2)
-    expect(lines.filter(has_text="105 °C, выше 100 °C")).to_contain_class("warning")
-    expect(lines.filter(has_text="18,1 В, выше 18 В")).to_contain_class("danger")
+    expect(lines.filter(has_text="105 °C, выше 100 °C")).to_contain_class("signal-warning")
+    expect(lines.filter(has_text="18,1 В, выше 18 В")).to_contain_class("signal-danger")
     shut(tab)
     car.garage.set("UACC", "8A")
-    expect(band(tab, "1 тревога")).to_contain_class("warning")
+    expect(band(tab, "1 тревога")).to_contain_class("signal-warning")
 
 
 def test_an_alarm_is_kept_in_the_recording(car, visitor):
