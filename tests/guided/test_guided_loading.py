@@ -12,8 +12,8 @@ from mikas.catalog import shipped
 from mikas.catalog.loading.fields import schema_of
 from mikas.catalog.loading.source import parse_source
 from mikas.errors import CatalogError
-from mikas.guided.definition import GuidedStep, Measure, Rule, Statistic
-from mikas.guided.loading import FORM, from_source, load
+from mikas.guided.definition import GuidedStep, GuidedTest, Measure, Rule, Statistic
+from mikas.guided.loading import from_source, load
 
 DOCS = (Path(__file__).parents[2] / "docs" / "reference" / "guided-tests.md").read_text("utf-8")
 CAR, EXAMPLE = re.findall(r"```toml\n(.*?)```", DOCS, re.DOTALL)
@@ -23,8 +23,8 @@ def test_the_documented_example_loads_and_all_keys_are_documented() -> None:
     test = from_source(parse_source("fan.toml", EXAMPLE.encode()), shipped(), own=True)
     assert (test.name, test.title.ru, test.channels) == ("fan", "Вентилятор", ("TWAT", "FREQ"))
     assert (test.steps[0].whole, test.steps[0].watch, test.own) == (True, ("TWAT",), True)
-    parts = (key for kind in (GuidedStep, Measure, Rule) for key in schema_of(kind))
-    for key in (*FORM, *parts, *Statistic):
+    parts = (key for kind in (GuidedTest, GuidedStep, Measure, Rule) for key in schema_of(kind))
+    for key in (*parts, *Statistic):
         assert f"`{key}`" in DOCS or f"`{key}." in DOCS or f"[{key}." in DOCS, key
     for name in load(shipped()).tests:
         assert f"| `{name}` |" in DOCS

@@ -20,6 +20,7 @@ from mikas.catalog.loading.fields import (
     boolean,
     choice,
     integer,
+    schema_of,
     span,
     string,
     strings,
@@ -162,15 +163,15 @@ class GuidedTest:
     """
 
     name: str
-    title: Text
-    finds: Text
-    minutes: float
-    needs: Text
-    start: Parsed | None
-    chart: tuple[str, ...]
-    steps: tuple[GuidedStep, ...]
-    measures: Mapping[str, Measure]
-    rules: tuple[Rule, ...]
+    title: Annotated[Text, TEXT]
+    finds: Annotated[Text, TEXT]
+    minutes: Annotated[float, between(0.1, 600)]
+    needs: Annotated[Text, TEXT]
+    start: Annotated[Parsed | None, string]
+    chart: Annotated[tuple[str, ...], strings]
+    steps: Annotated[tuple[GuidedStep, ...], {ANY: schema_of(GuidedStep)}, "step"]
+    measures: Annotated[Mapping[str, Measure], {ANY: schema_of(Measure)}, "measure"]
+    rules: Annotated[tuple[Rule, ...], {ANY: schema_of(Rule)}, "rule"]
     channels: tuple[str, ...]
     own: bool = False
 

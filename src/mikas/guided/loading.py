@@ -18,17 +18,7 @@ from mikas.catalog import Catalog, Derived
 from mikas.catalog.conversion import NO_TEXT
 from mikas.catalog.formula_syntax import Parsed, parse
 from mikas.catalog.loading.build import does_not_exist
-from mikas.catalog.loading.fields import (
-    ANY,
-    TEXT,
-    Schema,
-    between,
-    made,
-    read_table,
-    schema_of,
-    string,
-    strings,
-)
+from mikas.catalog.loading.fields import made, read_table, schema_of
 from mikas.catalog.loading.source import CatalogFile, KeyPath, read_source
 from mikas.errors import CatalogError, MikasError, UsageError, reason_of
 from mikas.guided.definition import (
@@ -109,25 +99,12 @@ def from_source(source: CatalogFile, catalog: Catalog, *, own: bool = False) -> 
     return _Builder(source, catalog).test(own=own)
 
 
-FORM: Schema = {
-    "title": TEXT,
-    "finds": TEXT,
-    "minutes": between(0.1, 600),
-    "needs": TEXT,
-    "start": string,
-    "chart": strings,
-    "step": {ANY: schema_of(GuidedStep)},
-    "measure": {ANY: schema_of(Measure)},
-    "rule": {ANY: schema_of(Rule)},
-}
-
-
 class _Builder:
     """Builds one test, every mistake with its line."""
 
     def __init__(self, source: CatalogFile, catalog: Catalog) -> None:
         self._source, self._catalog = source, catalog
-        self._form = read_table(source, (), source.tables, FORM)
+        self._form = read_table(source, (), source.tables, schema_of(GuidedTest))
 
     def test(self, *, own: bool) -> GuidedTest:
         form = self._form

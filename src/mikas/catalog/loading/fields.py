@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
+from functools import cache
 from typing import Any, TypeAlias, TypeVar, get_type_hints
 
 from mikas.catalog.loading.source import CatalogFile, KeyPath
@@ -310,6 +311,7 @@ FAMILIES: Mapping[str, Family] = {
 }
 
 
+@cache
 def schema_of(kind: type) -> dict[str, Reader | Schema]:
     """Return the keys of a table for a dataclass: of each field with a rule in its annotation.
 
