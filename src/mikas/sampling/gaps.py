@@ -102,10 +102,10 @@ class GapTracker:
                     return began
         return []
 
-    def pause(self, reason: Text, error: MikasError | None = None) -> None:
+    def pause(self, reason: Text) -> None:
         """Begin a requested pause; the first of several reasons counts."""
         if self._pause is None:
-            self._pause = reason, error
+            self._pause = reason, None
 
     def disconnect(self, time: float, reason: Text, error: MikasError | None = None) -> list[Gap]:
         """End a connection and its gap; a pause lasts until the next connection's values."""

@@ -155,7 +155,7 @@ class LiveTable:
             return "–", ""
         alarm = self._alarms.get(channel.name)
         style = _STYLES[alarm.level] if alarm else ""
-        fresh = channel.name in fresh_values(self._cycle)
+        fresh = channel.name in self._cycle.fresh or channel.name in self._cycle.derived
         if fresh and not silence.seconds:
             return value_text(latest), style
         age = silence.seconds + (0.0 if fresh else max(0.0, self._cycle.time - latest.time))
