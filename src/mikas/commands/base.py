@@ -78,6 +78,7 @@ class Command(ABC, Generic[T]):
     SAFETY: ClassVar[Safety] = Safety.READ
     STREAM: ClassVar[bool] = False  # answered again and again, until ended by D12
     ANSWERED: ClassVar[bool] = True  # False: no response is expected (D9)
+    LENGTHS: ClassVar[tuple[int, ...]] = ()  # of the response's body, if all requests have the same
 
     @property
     def code(self) -> int:
@@ -107,9 +108,9 @@ class Command(ABC, Generic[T]):
     def body(self) -> bytes:
         """Return the request's body."""
 
-    @abstractmethod
     def response_lengths(self) -> Sequence[int]:
         """Return the possible lengths of the response's body, the usual one first."""
+        return self.LENGTHS
 
     def read(self, body: bytes) -> T:
         """Decode the response `body`.
@@ -180,9 +181,7 @@ class ReadNumber(OnlyCode[int]):
     """A command without arguments, answered by one byte."""
 
     __slots__ = ()
-
-    def response_lengths(self) -> Sequence[int]:
-        return (1,)
+    LENGTHS = (1,)
 
     def _read(self, body: bytes) -> int:
         return body[0]
@@ -195,9 +194,7 @@ class Write(Command[None]):
     """A command answered by a completion code: `00` ok, `01` error."""
 
     __slots__ = ()
-
-    def response_lengths(self) -> Sequence[int]:
-        return (1,)
+    LENGTHS = (1,)
 
     def _read(self, body: bytes) -> None:
         if body == ERROR:

@@ -73,9 +73,6 @@ class GoTo(AtAddress[bytes]):
     ANSWERED: ClassVar[bool] = False
     SPACE = Space.CODE
 
-    def response_lengths(self) -> Sequence[int]:
-        return ()
-
     def read(self, body: bytes) -> bytes:
         """Return the response, whose form is not specified."""
         return body
@@ -116,6 +113,8 @@ class _ReadPassport(OnlyCode[str]):
 
     part: int
 
+    LENGTHS: ClassVar[tuple[int, ...]] = (PASSPORT_LENGTH,)
+
     def __post_init__(self) -> None:
         if not 1 <= self.part <= len(self.CODES):
             raise ValueError(f"part must be 1 to {len(self.CODES)}")
@@ -123,9 +122,6 @@ class _ReadPassport(OnlyCode[str]):
     @property
     def code(self) -> int:
         return self.CODES[self.part - 1]
-
-    def response_lengths(self) -> Sequence[int]:
-        return (PASSPORT_LENGTH,)
 
     def _read(self, body: bytes) -> str:
         return passport_text(body.rstrip(b"\x00"))  # only the padding goes
