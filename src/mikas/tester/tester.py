@@ -18,18 +18,16 @@ from mikas.errors import (
     EcuRefused,
     LineError,
     MikasError,
-    NoConnection,
     NoResponse,
     NotSupported,
     SyncLost,
     usage_error,
 )
 from mikas.link import Link
-from mikas.tester.ahead import RequestAhead
 from mikas.tester.exchange import Reply, Statistics, Timing
 from mikas.tester.handshake import Echo, handshake, late_answer, refuse_elm
 from mikas.tester.line import Line
-from mikas.tester.line_sync import LineSync
+from mikas.tester.line_sync import LineSync, RequestAhead
 from mikas.tester.stream import Stream
 
 T = TypeVar("T")
@@ -66,7 +64,7 @@ class Tester:
         self._lock = threading.Lock()
         self._stream: Stream | None = None
         self._stream_thread: int | None = None
-        self._ahead = RequestAhead(self.line, self.sync, self.statistics)
+        self._ahead = RequestAhead(self.sync, self.statistics)
         self._known: set[int] = set()  # command codes that this unit has answered
 
     def connect(self, *, listening_since: float = inf) -> int:
@@ -241,16 +239,12 @@ class Tester:
 
     def _verdict(self, command: c.Command[Any], error: LineError) -> MikasError:
         """Return the error after the last attempt: of the line, the command, or the ignition."""
-        if isinstance(error, NoResponse) and command.code not in self._known:
-            self._ensure_in_sync()  # raises NoEcho or EchoOnly if no ECU answers
-            return NotSupported(
-                command=command.name, request=error.request, received=b"", time=error.time
-            )
         if isinstance(error, NoResponse):
-            try:
-                self._ensure_in_sync()
-            except NoConnection as cause:
-                return cause
+            self._ensure_in_sync()  # raises NoEcho or EchoOnly if no ECU answers
+            if command.code not in self._known:
+                return NotSupported(
+                    command=command.name, request=error.request, received=b"", time=error.time
+                )
         return error
 
     def time_echo(self, body: bytes) -> float:
