@@ -157,21 +157,21 @@ class Parameters:
     def read(self, names: Sequence[str]) -> dict[str, Reading]:
         """As `Ecu.read`."""
         wanted = self.wanted(self.named(names))
-        got = self.fetch(wanted, again=bool(names))
+        readings = self.fetch(wanted, again=bool(names))
         for parameter in wanted.parameters:
-            if parameter.code not in got and (names or not got):
+            if parameter.name not in readings and (names or not readings):
                 raise refused(parameter.name, parameter.code)
-        return wanted.readings(got)
+        return readings
+
+    def fetch(
+        self, wanted: Wanted, *, single: bool = False, again: bool = False
+    ) -> dict[str, Reading]:
+        """Read `wanted`, each code once. Arguments and errors: `DataReader.read`."""
+        return wanted.readings(self._data.read(wanted.data, single=single, again=again))
 
     def wanted(self, parameters: Sequence[Parameter]) -> Wanted:
         """Return `parameters`, to be read together."""
         return Wanted(parameters, self._interpretation)
-
-    def fetch(
-        self, wanted: Wanted, *, single: bool = False, again: bool = False
-    ) -> dict[int, RawDatum]:
-        """Read the data of `wanted`, each code once. Arguments and errors: `DataReader.read`."""
-        return self._data.read(wanted.data, single=single, again=again)
 
     def announce(self, wanted: Wanted, *, listed: bool) -> None:
         """Announce (`Tester.announce`) the request that reads `wanted`, if it takes one.
@@ -289,12 +289,10 @@ class Parameters:
         return self._gate.make(change, act, lambda w: journal_hex(w.after.raw) if w.after else None)
 
     def _one(self, parameter: Parameter) -> Reading | None:
-        wanted = self.wanted([parameter])
         try:
-            got = self.fetch(wanted)
+            return self.fetch(self.wanted([parameter])).get(parameter.name)
         except NotSupported:
             return None
-        return wanted.readings(got).get(parameter.name)
 
 
 def datum_to_write(

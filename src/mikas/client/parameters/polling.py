@@ -119,8 +119,7 @@ class RequestPoller(Poller):
     def _read(self, turn: Turn) -> dict[str, Reading]:
         if turn.listed:
             return self._parameters.through_list(turn.wanted)
-        got = self._parameters.fetch(turn.wanted, single=self._single, again=self._again)
-        return turn.wanted.readings(got)
+        return self._parameters.fetch(turn.wanted, single=self._single, again=self._again)
 
     def close(self) -> None:
         self._parameters.tester.settle()

@@ -87,7 +87,7 @@ class UnsupportedParameters:
         requested = self._context.request
         again = requested.selection.explicit and requested is not self._retried
         wanted = ecu.parameters.wanted(parameters)
-        fresh = wanted.readings(ecu.parameters.fetch(wanted, again=again or self._again))
+        fresh = ecu.parameters.fetch(wanted, again=again or self._again)
         self._retried, self._again = requested, False
         self._context.knowledge.max_list = ecu.limits().max_list
         for name in self._context.dropped.intersection(fresh):
@@ -174,7 +174,7 @@ class UnsupportedParameters:
         if not parameters:
             return
         wanted = ecu.parameters.wanted(parameters)
-        if fresh := wanted.readings(ecu.parameters.fetch(wanted)):
+        if fresh := ecu.parameters.fetch(wanted):
             self._context.identity_check.check(ecu, lambda: None)
             yield from self._context.sampled(fresh)
 
