@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from mikas.client.ecu import erasing
-from mikas.client.memory import writing
+from mikas.client.memory.spaces import writing
 from mikas.i18n import byte_count
 
 

@@ -56,7 +56,7 @@ def test_a_file_that_is_there_is_not_touched(mikas, tmp_path):
 @pytest.fixture
 def cut(mikas, monkeypatch, tmp_path):
     """A dump whose adapter was pulled out after 100 bytes."""
-    from mikas.client.memory import MemorySpace
+    from mikas.client.memory.spaces import MemorySpace
 
     blocks = MemorySpace.blocks
 

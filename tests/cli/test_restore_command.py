@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from cli_harness import is_one_short_paragraph, is_russian
 
-from mikas.client.memory import MemorySpace
+from mikas.client.memory.spaces import MemorySpace
 from mikas.errors import LinkLost
 
 

@@ -9,7 +9,7 @@ from mikas.client.ecu import Ecu, Erased
 from mikas.client.gate import Change, Confirm
 from mikas.client.identity import Info, Passport
 from mikas.client.limits import Limits
-from mikas.client.memory import Memory, MemorySpace, Run, Written
+from mikas.client.memory.spaces import Memory, MemorySpace, Run, Written
 from mikas.client.parameters.parameters import Reading, Sample, WrittenParameter
 from mikas.client.parameters.polling import METHODS, Method
 from mikas.client.scanning import Answer, ScannedCode

@@ -16,7 +16,7 @@ from typing import Any, Concatenate, Generic, ParamSpec, Self, TypeVar
 from mikas.catalog import Catalog, Model
 from mikas.client.connecting import connect
 from mikas.client.ecu import Ecu
-from mikas.client.memory import Memory, MemorySpace
+from mikas.client.memory.spaces import Memory, MemorySpace
 from mikas.client.parameters.parameters import Reading
 from mikas.errors import LinkLost
 from mikas.i18n import Text

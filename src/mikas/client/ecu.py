@@ -23,7 +23,7 @@ from mikas.client.identity import (
     count_parameters,
 )
 from mikas.client.limits import Limits, LimitsCache, LimitsStore, MethodTiming
-from mikas.client.memory import Memory
+from mikas.client.memory.spaces import Memory
 from mikas.client.parameters.data import COMMON, DataReader
 from mikas.client.parameters.parameters import Parameters, Reading, Sample, WrittenParameter
 from mikas.client.parameters.polling import Method, fixed_method

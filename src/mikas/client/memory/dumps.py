@@ -17,7 +17,7 @@ from typing import Any, BinaryIO, get_type_hints
 
 from mikas.cleaning import clean_text, is_in_calendar
 from mikas.client.ecu import Ecu
-from mikas.client.memory import MemorySpace
+from mikas.client.memory.spaces import MemorySpace
 from mikas.commands.base import check_range
 from mikas.commands.unit import version_of, version_text
 from mikas.errors import UsageError, naming_file, reason_at, usage_error

@@ -17,7 +17,6 @@ from itertools import zip_longest
 from pathlib import Path
 
 from mikas.client.ecu import Ecu
-from mikas.client.memory import MemorySpace, Run
 from mikas.client.memory.dumps import (
     SCHEMA,
     Difference,
@@ -29,6 +28,7 @@ from mikas.client.memory.dumps import (
     read_dump,
     read_manifest,
 )
+from mikas.client.memory.spaces import MemorySpace, Run
 from mikas.commands import LARGEST_BLOCK
 from mikas.commands.base import check_range
 from mikas.errors import ReadBackDiffers, UsageError, hex_dump, naming_file

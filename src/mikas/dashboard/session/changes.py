@@ -17,7 +17,7 @@ from mikas.catalog import Parameter
 from mikas.client import Ecu, Reading
 from mikas.client.ecu import erasing
 from mikas.client.gate import journal_hex
-from mikas.client.memory import writing
+from mikas.client.memory.spaces import writing
 from mikas.client.parameters.parameters import datum_to_write, decode
 from mikas.commands.base import check_range
 from mikas.dashboard.errors import BadRequest, Busy, ConfirmationOutdated, NotFound, api_hex
