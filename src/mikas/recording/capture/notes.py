@@ -130,10 +130,6 @@ class FileIndex:
         """Return the number of the section at `offset`; -1: before the first one."""
         return bisect_right(self.sections, offset) - 1
 
-    def order(self, offset: int) -> pcapng.Order:
-        """Return the byte order at `offset`."""
-        return self.orders[max(0, self.section(offset))]
-
 
 def index(file: BinaryIO) -> FileIndex:
     """Search a capture; `file` is seekable.

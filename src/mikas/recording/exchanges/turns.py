@@ -11,6 +11,7 @@ import os
 from array import array
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Iterator, Sequence
+from functools import lru_cache
 from itertools import accumulate
 from typing import Any, BinaryIO, Final
 
@@ -33,7 +34,6 @@ from mikas.recording.exchanges.runs import PacketRun, read, stretches, walk
 from mikas.recording.exchanges.scalar import DecodedDamage, DecodedFrame, PortDecoder
 
 _LONGEST: Final = 4096  # bytes of a frame: the decoder's limit
-_MOST_REQUESTS: Final = 4096  # that are remembered
 _Frames = list[tuple[float, bytes, int]]
 
 
@@ -116,7 +116,6 @@ class TurnMatcher:
         self._port = PortDecoder(source)
         self.matching = self._port.matching
         self._last: float | None = None
-        self._requests: dict[bytes, bytes | None] = {}  # body by packet; None: not regular
 
     def feed(self, run: PacketRun) -> Exchanges:
         """Return the exchanges that these packets complete."""
@@ -145,7 +144,7 @@ class TurnMatcher:
     def _regular(self, run: PacketRun, sent: bytes, start: int, found: FoundExchanges) -> int:
         """Take the regular turns from the packet `start` on; return the packet after them."""
         times, data = run.times, run.data
-        bodies, number_of, known = found.bodies, self.matching.number, self._requests
+        bodies, number_of = found.bodies, self.matching.number
         echoes = bool(self.matching.echoes)
         numbers, asked, lengths = (column.append for column in found.requests)
         began, serials, answered, after, begins, sizes, wires = (
@@ -157,7 +156,7 @@ class TurnMatcher:
         at, count = start, len(times)
         while at < count:
             wire = data[at]
-            request = known[wire] if wire in known else self._request(wire)
+            request = _request(wire)
             stop = sent.find(1, at + 1)
             stop = count if stop < 0 else stop
             if request is None or stop == at + 1:
@@ -187,17 +186,6 @@ class TurnMatcher:
             self.matching.follow(serial - first, before, body, data[last])
             self._port.pass_over(times[last], times[at - 1])
         return at
-
-    def _request(self, wire: bytes) -> bytes | None:
-        """Return the body of a packet that is one regular request; else None."""
-        events = Decoder().feed(wire)
-        body = None
-        if len(events) == 1 and isinstance(event := events[0], Frame):
-            is_plain = event.wire == wire and not event.raw_checksum
-            body = event.body if is_plain and event.body != AVAILABILITY else None
-        if len(self._requests) < _MOST_REQUESTS:
-            self._requests[wire] = body
-        return body
 
     def _received(self, run: PacketRun, start: int, stop: int, echo: bytes) -> _Frames | None:
         """Return the frames after the echo in the packets of a turn, as `_frames` does."""
@@ -237,6 +225,15 @@ class TurnMatcher:
             frames.append((min(times[packets[0]], *begun), frame, len(frame) + 1))
             start = stop
         return frames
+
+
+@lru_cache(maxsize=4096)
+def _request(wire: bytes) -> bytes | None:
+    """Return the body of a packet that is one regular request; else None."""
+    events = Decoder().feed(wire)
+    if len(events) != 1 or not isinstance(event := events[0], Frame) or event.raw_checksum:
+        return None
+    return event.body if event.wire == wire and event.body != AVAILABILITY else None
 
 
 def _append(columns: Iterable[array[Any]], *row: float) -> None:

@@ -27,7 +27,7 @@ def write(path: Path, sheet: Sheet) -> None:
             file.write(b"\xef\xbb\xbf")
         header = ["Time (msec)", *(_title(channel, sheet) for channel in sheet.channels)]
         file.write(lines([[cell] for cell in header], dialect.separator))
-        for times, columns in sheet.batches:
+        for times, columns in sheet.batches():
             milliseconds = map(str, np.rint(times * 1000).astype(np.int64).tolist())
             cells = (formatted(each, missing="", decimal=dialect.decimal) for each in columns)
             file.write(lines([list(milliseconds), *cells], dialect.separator))

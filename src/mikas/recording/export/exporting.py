@@ -107,7 +107,7 @@ def export(
     sheet = Sheet(channels, rows, events, about or {}, language=language, dialect=dialect)
     write = import_module(f"mikas.recording.export.{wanted.module}").write
     write_whole(out, lambda part: write(part, sheet), overwrite=overwrite)
-    return Result(sheet.batches.rows, tuple(channel.name for channel in channels), out)
+    return Result(sheet.rows, tuple(channel.name for channel in channels), out)
 
 
 def _check(out: Path, channels: Sequence[Channel], *, overwrite: bool) -> None:

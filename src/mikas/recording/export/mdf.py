@@ -51,7 +51,7 @@ def write(path: Path, sheet: Sheet) -> None:
         started = sheet.started or _UNKNOWN
         mdf.start_time = started if started < _BEYOND else _UNKNOWN
         mdf.header.comment = _comment(sheet)
-        batches = iter(sheet.batches)
+        batches = sheet.batches()
         empty = np.empty(0)
         times, columns = next(batches, (empty, [empty] * len(sheet.channels)))
         mdf.append(_signals(sheet, times, columns), common_timebase=True)

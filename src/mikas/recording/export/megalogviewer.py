@@ -76,7 +76,7 @@ def marked(sheet: Sheet) -> Iterator[Piece | LogMark]:
         LogMark(f"MARK {number:03d} - {without(moment.text.to(sheet.language))}", moment.time)
         for number, moment in enumerate(sheet.moments)
     )
-    for times, columns in sheet.batches:
+    for times, columns in sheet.batches():
         done = 0
         while waiting:
             later = np.flatnonzero(times[done:] >= waiting[0].time)

@@ -10,7 +10,7 @@ import json
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from mikas.recording.export.sheet import Sheet, program
+from mikas.recording.export.sheet import BATCH, Sheet, program
 from mikas.recording.parquet import ParquetTable
 
 _GROUP = 122_880  # rows, duckdb's own choice
@@ -19,13 +19,12 @@ _VECTOR = 2_048  # rows; a group is a multiple
 
 def write(path: Path, sheet: Sheet) -> None:
     """Write the whole sheet."""
-    longest = sheet.batches.longest
     rows = min(_GROUP, 4_000_000 // (len(sheet.channels) + 1)) // _VECTOR * _VECTOR
     with (
         TemporaryDirectory(dir=path.parent, prefix=f"{path.name}.") as folder,
-        ParquetTable(Path(folder), ["time"], sheet.channels, longest) as table,
+        ParquetTable(Path(folder), ["time"], sheet.channels, BATCH) as table,
     ):
-        for times, values in sheet.batches:
+        for times, values in sheet.batches():
             table.add((times, *values), len(times))
         query = f"SELECT {', '.join(('time', *table.channel_columns()))} FROM collected"
         table.copy(query, path, _metadata(sheet), f"ROW_GROUP_SIZE {max(rows, _VECTOR)}")

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib.metadata import version
-from itertools import chain
+from itertools import chain, islice
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
@@ -29,31 +29,54 @@ BATCH = 32_768  # × 24 columns × 8 bytes: 6 MB
 Column = NDArray[np.float64]
 
 
-class Batches:
-    """The rows, to be iterated once, at most `longest` at a time; times count from `zero`.
+def _joined(pieces: list[list[Column]]) -> list[Column]:
+    if len(pieces) == 1:
+        return pieces[0]
+    return [np.concatenate(columns) for columns in zip(*pieces, strict=True)]
 
-    `first`: the first row's time on the link's clock, None without rows. `rows`: how many were
-    yielded.
+
+class Sheet:
+    """All input of a writer; the parameters are those of `export`.
+
+    `about` has no line breaks. `moments`: in the order of their times. `rows`: how many were
+    yielded. Only the first rows are read at once, for the time of the beginning, `zero`; the writer
+    reads the others.
     """
 
-    def __init__(self, channels: Sequence[Channel], source: Iterable[Rows]) -> None:
-        self.longest = BATCH
+    def __init__(
+        self,
+        channels: Sequence[Channel],
+        rows: Iterable[Rows],
+        events: Iterable[Event],
+        about: Mapping[str, str],
+        *,
+        language: Language,
+        dialect: Dialect,
+    ) -> None:
+        events = list(events)
+        self.channels = tuple(channels)
         self.rows = 0
-        self.zero = 0.0
-        self._names = [channel.name for channel in channels]
-        pieces = (self._columns(rows) for rows in source if len(rows.times))
-        piece = next(pieces, None)
-        self.first = None if piece is None else float(piece[0][0])
-        self._pieces = pieces if piece is None else chain([piece], pieces)
+        pieces = (self._columns(each) for each in with_gaps(rows, events) if len(each.times))
+        first = list(islice(pieces, 1))
+        self._pieces = chain(first, pieces)
+        begins = [float(first[0][0][0])] if first else map(_begin, events)
+        zero = min(begins, default=None)
+        self.zero = zero or 0.0
+        self.started = None if zero is None else calendar(zero)
+        moments = _moments(events, self.zero)
+        self.moments = tuple(sorted(moments, key=attrgetter("time")))
+        self.about = {without(title): without(text) for title, text in about.items()}
+        self.language = language
+        self.dialect = dialect
 
-    def __iter__(self) -> Iterator[tuple[Column, list[Column]]]:
-        """Yield (times from zero, the channels' values in their order); never empty."""
+    def batches(self) -> Iterator[tuple[Column, list[Column]]]:
+        """Yield (times from `zero`, the channels' values in their order), once; never empty."""
         for columns in self._gathered():
             self.rows += len(columns[0])
             yield columns[0] - self.zero, columns[1:]
 
     def _gathered(self) -> Iterator[list[Column]]:
-        size, count = self.longest, 0
+        size, count = BATCH, 0
         held: list[list[Column]] = []  # each: times, then the channels in their order
         for piece in self._pieces:
             held.append(piece)
@@ -71,7 +94,7 @@ class Batches:
     def _columns(self, rows: Rows) -> list[Column]:
         times = np.asarray(rows.times, np.float64)
         columns = [times]
-        for name in self._names:
+        for name in (channel.name for channel in self.channels):
             values = rows.values.get(name)
             if values is None:
                 values = np.full(len(times), np.nan)
@@ -79,44 +102,6 @@ class Batches:
                 raise ValueError(f"{name}: values: {len(values)}, times: {len(times)}")
             columns.append(np.asarray(values, np.float64))
         return columns
-
-
-def _joined(pieces: list[list[Column]]) -> list[Column]:
-    if len(pieces) == 1:
-        return pieces[0]
-    return [np.concatenate(columns) for columns in zip(*pieces, strict=True)]
-
-
-class Sheet:
-    """All input of a writer; the parameters are those of `export`.
-
-    `about` has no line breaks. `moments`: in the order of their times. Only the first rows are read
-    at once, for the time of the beginning; the writer reads the others.
-    """
-
-    def __init__(
-        self,
-        channels: Sequence[Channel],
-        rows: Iterable[Rows],
-        events: Iterable[Event],
-        about: Mapping[str, str],
-        *,
-        language: Language,
-        dialect: Dialect,
-    ) -> None:
-        events = list(events)
-        self.channels = tuple(channels)
-        self.batches = Batches(channels, with_gaps(rows, events))
-        zero = self.batches.first
-        if zero is None:
-            zero = min(map(_begin, events), default=None)
-        self.batches.zero = zero or 0.0
-        self.started = None if zero is None else calendar(zero)
-        moments = _moments(events, self.batches.zero)
-        self.moments = tuple(sorted(moments, key=attrgetter("time")))
-        self.about = {without(title): without(text) for title, text in about.items()}
-        self.language = language
-        self.dialect = dialect
 
 
 def program() -> str:
