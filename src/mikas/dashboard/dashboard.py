@@ -26,7 +26,6 @@ from mikas.dashboard.library.service import RecordingService, References
 from mikas.dashboard.security.control import (
     ConfirmationStore,
     ControlLease,
-    WriteApproval,
     WriteLock,
 )
 from mikas.dashboard.session.catalog_in_use import (
@@ -116,13 +115,8 @@ class Dashboard:
             in_progress=lambda: self.recorder.file_name,
         )
         self.dump_jobs = DumpJobs(self.connection, settings.dumps, clock)
-        self._approval = WriteApproval()
         self.changes = UnitChanges(
-            self.connection,
-            self.fault_history,
-            self._approval,
-            options.interpretation,
-            self.catalogs,
+            self.connection, self.fault_history, options.interpretation, self.catalogs
         )
         self.diagnosis: Diagnosis | None = None
         """The diagnosis that has the port."""
@@ -198,7 +192,7 @@ class Dashboard:
             self.settings,
             request,
             sink=self.recorder.recorder,
-            confirm=self._approval.confirm,
+            confirm=self.changes.approval.confirm,
             on_event=self._on_event,
             on_end=self._on_end,
             before=self.session.unit,  # another unit may answer now

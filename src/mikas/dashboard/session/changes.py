@@ -10,7 +10,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 
 from mikas.catalog import Parameter
@@ -63,9 +63,9 @@ class UnitChanges:
 
     _connection: Connection
     _fault_history: FaultHistory
-    _approval: WriteApproval
     _interpretation: str
     _catalogs: CatalogInUse
+    approval: WriteApproval = field(default_factory=WriteApproval, init=False)
 
     async def erase_faults(self) -> PendingChange:
         """Prepare erasing the stored faults."""
@@ -73,7 +73,7 @@ class UnitChanges:
         codes = [fault.code for fault in stored.faults]
 
         def erase(ecu: Ecu) -> list[int]:
-            with self._approval.given(journal_hex(bytes(codes))):
+            with self.approval.given(journal_hex(bytes(codes))):
                 erased = ecu.erase_faults()
             self._fault_history.add(erased.after, ecu.tester.link.now(), erased=True)
             return [fault.code for fault in erased.after]
@@ -107,7 +107,7 @@ class UnitChanges:
         before = await self._connection.ask(lambda ecu: _read(ecu, parameter))
 
         def write(ecu: Ecu) -> ValueShown | None:
-            with self._approval.given(journal_hex(before.raw) if before else None):
+            with self.approval.given(journal_hex(before.raw) if before else None):
                 return _shown(ecu.write_parameter(parameter.name, raw=datum).after)
 
         after = decode(parameter, datum, self._connection.now(), self._interpretation)
@@ -131,7 +131,7 @@ class UnitChanges:
         )
 
         def write(ecu: Ecu) -> str | None:
-            with self._approval.given(journal_hex(before)):
+            with self.approval.given(journal_hex(before)):
                 return api_hex(ecu.memory[space].write_block(address, data).after)
 
         danger = space == "code"
