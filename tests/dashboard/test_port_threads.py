@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from math import inf
 from types import SimpleNamespace
 
 import pytest
@@ -89,7 +90,7 @@ def test_the_unit_sends_no_stream_when_sampling_has_ended(tmp_path, method, stop
             thread._stoppable.stopping.wait(60)  # noqa: SLF001
 
     def look(_, event):
-        if isinstance(event, Sampled) and link.bus.ecu.is_streaming:
+        if isinstance(event, Sampled) and link.bus.ecu.next_transmission() < inf:
             to_stop.set()
 
     link.write = written
@@ -106,7 +107,7 @@ def test_the_unit_sends_no_stream_when_sampling_has_ended(tmp_path, method, stop
     assert to_stop.wait(60)
     thread.stop()
     link.bus.advance(link.now() + 1)  # what was sent arrives
-    assert not link.bus.ecu.is_streaming
+    assert link.bus.ecu.next_transmission() == inf
     with pytest.raises(LinkLost):
         link.write(b"\x00")
 
