@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from io import BytesIO
 from typing import ClassVar, NamedTuple, Self, TypeVar
 
 from mikas.commands.base import (
@@ -70,11 +71,8 @@ class _DataCommand(_ForParameters[Data]):
         return (sum(p.size for p in self.parameters),)
 
     def _read(self, body: bytes) -> Data:
-        data, start = [], 0
-        for parameter in self.parameters:
-            data.append(body[start : start + parameter.size])
-            start += parameter.size
-        return tuple(data)
+        rest = BytesIO(body)
+        return tuple(rest.read(parameter.size) for parameter in self.parameters)
 
     def respond(self, value: Data) -> bytes:
         return b"".join(value)

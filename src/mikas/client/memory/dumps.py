@@ -189,7 +189,10 @@ class Dump:
                 "it was begun on another unit (its passport differs)",
                 "он начат на другом блоке (паспорт не тот)",
             )
-        size = self._size() if there else 0
+        size = 0
+        if there:
+            with naming_file(self._file), open_regular(self._file, "r+b") as file:
+                size = file.seek(0, os.SEEK_END)
         if size > wanted.size:
             raise self._error(
                 "it is longer than its manifest says, so it is another file",
@@ -224,10 +227,6 @@ class Dump:
             raise UsageError(problem=reason_at(self._file, error)) from error
         finally:
             self._write_manifest()
-
-    def _size(self) -> int:
-        with naming_file(self._file), open_regular(self._file, "r+b") as file:
-            return file.seek(0, os.SEEK_END)
 
     def _opened(self) -> BinaryIO:
         try:
