@@ -17,7 +17,7 @@ from mikas.recording.formatting import (
     with_unit,
     within,
 )
-from mikas.report.labels import NAMES, Labels
+from mikas.report.labels import LABELS, Labels
 
 
 @pytest.mark.parametrize(
@@ -77,7 +77,7 @@ def test_every_confidence_has_words() -> None:
 
 def test_every_label_speaks_both_languages() -> None:
     english, russian = Labels("en"), Labels("ru")
-    for name in NAMES - {"date"}:
+    for name in LABELS.keys() - {"date"}:
         assert english(name) != russian(name), name
     assert russian("sample_rate", count=3, rate="1,5") == "3, 1,5 опр/с"
 
