@@ -53,7 +53,7 @@ def refused(call, *arguments, **named):
 # Importing takes longest: here, where it has the time.
 import importlib.metadata
 importlib.metadata.version = lambda name: "0"
-from mikas.dashboard.library.folder import RecordingFolder
+from mikas.dashboard.library.folder import RecordingFolder, opened
 from mikas.errors import CaptureError
 from mikas.link.base import Direction
 from mikas.recording.capture.reader import CaptureReader
@@ -282,8 +282,8 @@ gone.close()
 recordings = RecordingFolder(Path(kept) / "recordings")
 (file,) = recordings.all().files
 assert file.id == "r.pcapng" and file.bytes == file.path.stat().st_size
-with recordings.open(file) as opened:
-    assert len(opened.read()) == file.bytes
+with opened(file.path, file.id) as kept_file:
+    assert len(kept_file.read()) == file.bytes
 `);
 });
 
