@@ -35,7 +35,8 @@ class FrameClock {
   request(): void {
     if (this.pending || !globalThis.document || document.hidden) return;
     this.pending = true;
-    const draw = () => requestAnimationFrame((now) => this.frame(now));
+    // The page may have gone while the timer ran: a test ends, and its document with it.
+    const draw = () => globalThis.document && requestAnimationFrame((now) => this.frame(now));
     const wait = this.lastFast + FAST - EARLY - performance.now();
     if (wait > 0) setTimeout(draw, wait);
     else draw();
