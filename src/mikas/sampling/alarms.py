@@ -39,7 +39,7 @@ class Side(StrEnum):
     HIGH = "high"
 
 
-_BEYOND = {Side.LOW: Text("below", "ниже"), Side.HIGH: Text("above", "выше")}
+BEYOND = {Side.LOW: Text("below", "ниже"), Side.HIGH: Text("above", "выше")}
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,7 +150,7 @@ def _sentence(before: Level, now: AlarmState, *, better: bool) -> Text:
     limit = _with_unit(f"{now.limit:.10g}", unit)
     en, ru = f"{name.en} {value.en}", f"{name.ru} {value.ru}"
     if not better:
-        where = _BEYOND[now.side]
+        where = BEYOND[now.side]
         return Text(
             f"{en} is {where.en} {limit.en}: {level.en}",
             f"{ru} {where.ru} {limit.ru}: {level.ru}",

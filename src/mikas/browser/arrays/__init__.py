@@ -4,7 +4,7 @@
 
 Results are those of numpy (tests/arrays holds them together), errors are errors, and all else of
 numpy raises `NotImplementedError`: never a wrong number. Sums and means are nearer to the exact
-ones than numpy's. There is no `numpy.lib`, so recorded exchanges come from the scalar matcher.
+ones than numpy's. There is no `numpy.lib`, so recorded exchanges are matched by turns.
 """
 
 from __future__ import annotations

@@ -80,7 +80,7 @@ class Output:
 class StatusLine:
     """A line at the end of stderr, redrawn in place; on a terminal only. Any thread may call.
 
-    `live`: whether stderr is a terminal. `before`: stands in front of the text.
+    `live`: whether stderr is a terminal.
     """
 
     def __init__(self, output: Output, text: Callable[[], str]) -> None:

@@ -15,9 +15,8 @@ from mikas.report.findings import Findings
 from mikas.report.labels import Labels
 from mikas.report.measurements.alarms import Alarm, worst
 from mikas.report.sections.section import PageSection, items
-from mikas.sampling.alarms import LEVEL_TEXTS, Side
+from mikas.sampling.alarms import BEYOND, LEVEL_TEXTS, Side
 
-_BEYOND = {Side.LOW: Text("below", "ниже"), Side.HIGH: Text("above", "выше")}
 _PEAK = {Side.LOW: Text("lowest", "наименьшее"), Side.HIGH: Text("highest", "наибольшее")}
 
 
@@ -48,7 +47,7 @@ def _crossed(alarm: Alarm) -> Text:
     channel, limit = alarm.channel, alarm.limit
     if channel.is_flag:
         return channel.text
-    where = _BEYOND[limit.side]
+    where = BEYOND[limit.side]
 
     def said(language: Language) -> str:
         unit = channel.unit_text.to(language)
