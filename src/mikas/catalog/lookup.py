@@ -44,6 +44,13 @@ class Catalog:
     def _sizes(self) -> dict[int, int]:
         return {parameter.code: parameter.size for parameter in self.parameters}
 
+    @cached_property
+    def _sharing(self) -> dict[int, tuple[Parameter, ...]]:
+        found: dict[int, tuple[Parameter, ...]] = {}
+        for parameter in self.parameters:
+            found[parameter.code] = (*found.get(parameter.code, ()), parameter)
+        return found
+
     @property
     def codes(self) -> tuple[tuple[int, int], ...]:
         """Each distinct code with its size, in the order of the table."""
@@ -55,7 +62,7 @@ class Catalog:
 
     def by_code(self, code: int) -> tuple[Parameter, ...]:
         """Return the parameters that share a code (07 has three flags)."""
-        return tuple(each for each in self.parameters if each.code == code)
+        return self._sharing.get(code, ())
 
     def parameter(self, name: str) -> Parameter:
         """Return a parameter by name in any case, or by code: `0x1A`, with 1 to 4 bytes `0x3F:2`.

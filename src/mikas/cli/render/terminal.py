@@ -44,14 +44,12 @@ class EscapingStream:
 
     def write(self, text: str) -> int:
         """Write `text`, escaped; return the length of `text`."""
-        with _output_errors():
-            self.raw.write(self._make_safe(text))
+        _pass_on(self.raw.write, self._make_safe(text))
         return len(text)
 
     def flush(self) -> None:
         """Pass on what was written so far."""
-        with _output_errors():
-            self.raw.flush()
+        _pass_on(self.raw.flush)
 
     def writelines(self, lines: Iterable[str]) -> None:
         """Write each of `lines`."""
@@ -62,10 +60,9 @@ class EscapingStream:
         return getattr(self.raw, name)
 
 
-@contextmanager
-def _output_errors() -> Iterator[None]:
+def _pass_on(operation: Callable[..., object], *text: str) -> None:
     try:
-        yield
+        operation(*text)
     except BrokenPipeError:
         raise
     except OSError as error:
