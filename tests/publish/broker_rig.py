@@ -77,6 +77,21 @@ class InProcessBroker:
     def __init__(self) -> None:
         from amqtt.broker import Broker
 
+        class DeliveringBroker(Broker):
+            """amqtt drops what a client sent just before its DISCONNECT and still waits here."""
+
+            async def _client_message_loop(self, client_session, handler) -> None:
+                wait = handler.wait_disconnect
+
+                async def wait_until_delivered() -> object:
+                    packet = await wait()
+                    while not client_session.delivered_message_queue.empty():
+                        await asyncio.sleep(0)
+                    return packet
+
+                handler.wait_disconnect = wait_until_delivered
+                await super()._client_message_loop(client_session, handler)
+
         self.port = free_port()
         self._loop = _Loop()
         self._broker: Broker | None = None
@@ -87,7 +102,7 @@ class InProcessBroker:
         }
 
         async def begin() -> None:
-            self._broker = Broker(config)
+            self._broker = DeliveringBroker(config)
             self._broker._subscriptions = _Subscriptions()  # noqa: SLF001
             await self._broker.start()
 
