@@ -243,7 +243,7 @@ class _Request:
             self.end()
 
     def end(self) -> None:
-        """Report the end, once: by then the next request may have begun."""
+        """Report the end, once: by then the next request may be in progress."""
         if not self._is_over:
             self._is_over = True
             self._connection.enter(TcpPhase.REQUEST, self._guard.clock())

@@ -315,7 +315,7 @@ FAMILIES: Mapping[str, Family] = {
 def schema_of(kind: type) -> dict[str, Reader | Schema]:
     """Return the keys of a table for a dataclass: of each field with a rule in its annotation.
 
-    `hold: Annotated[float, between(0, 3600)]` is the key `hold`; a text behind the rule is the key
+    `hold: Annotated[float, between(0, 3600)]` is the key `hold`; a text after the rule is the key
     of a field with another name.
     """
     hints = get_type_hints(kind, include_extras=True)

@@ -1,7 +1,7 @@
 """The line frame by frame: what its frames are, and which request each one answers.
 
 Each direction has a decoder of its own (§2); `exchanges.matching` has the rules. It is the
-reference for `exchanges.columnar` and `exchanges.turns`, which take what is not regular from here.
+reference for `exchanges.columnar` and `exchanges.turns`, which take irregular frames from here.
 """
 
 from __future__ import annotations

@@ -80,7 +80,7 @@ class SamplingContext:
         self.pending_alarms.clear()
 
     def forget_totals(self) -> None:
-        """Begin derived channels and alarms anew: those before are another car's."""
+        """Reset derived channels and alarms: those before are another car's."""
         self._derived = DerivedChannels(self._selection.catalog, self._selection.derived)
         self._alarms = Alarms(self._selection.catalog)
 
