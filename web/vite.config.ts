@@ -26,6 +26,8 @@ export default defineConfig({
   test: {
     restoreMocks: true,
     unstubGlobals: true,
+    // No test here is about time, and loading a Python takes seconds on a busy computer.
+    testTimeout: 60_000,
     // A process of its own for each file takes four times as long. So nothing may be left behind.
     isolate: false,
     projects: [
