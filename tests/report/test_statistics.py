@@ -54,7 +54,7 @@ def test_memory_does_not_grow_with_computed_values() -> None:
     random = np.random.default_rng(1)
     for _ in range(20):
         spread.add(random.random(10_000))
-    assert spread._values.size <= 101  # noqa: SLF001
+    assert spread.values.size <= 101
 
 
 def test_the_edges_belong_to_the_band() -> None:

@@ -185,18 +185,21 @@ class _LimitWatch:
         times, values = times[there], column[there] * self.limit.sign
         if not times.size:
             return
+        self._last, last = float(times[-1]), self._last
         on = self._states(values)
-        steps = np.diff(times, prepend=self._last)
+        if not (self._on or on.any()):
+            return
+        steps = np.diff(times, prepend=last)
         before = np.concatenate(([self._on], on[:-1]))
         counted = before & (steps > 0) & (steps <= HOLDS)  # false for the first value: NaN
         self._seconds += float(steps[counted].sum())
         self._begins.append(times[on & ~before])
         self._ends.append(times[~on & before])
         beyond = np.where(on, values, -inf)
-        if on.any() and beyond.max() > self._peak:
+        if beyond.max() > self._peak:
             at = int(beyond.argmax())
             self._peak, self._peaked = float(beyond[at]), float(times[at])
-        self._on, self._last = bool(on[-1]), float(times[-1])
+        self._on = bool(on[-1])
 
     def _states(self, values: Column) -> NDArray[np.bool_]:
         """Return whether the alarm is on after each value: on beyond the limit, off when it is back
@@ -206,6 +209,8 @@ class _LimitWatch:
             return np.not_equal(values, 0)
         over = values - self.limit.sign * self.limit.value
         begins, ends = over > 0, over <= -self._hysteresis
+        if not (self._on or begins.any()):
+            return begins  # the usual case, quick
         settled = np.where(begins | ends, np.arange(values.size), -1)
         latest = np.maximum.accumulate(settled)
         states: NDArray[np.bool_] = np.where(latest >= 0, begins[latest], self._on)

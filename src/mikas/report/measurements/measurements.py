@@ -67,7 +67,7 @@ class MeasurementCollector:
         self._channels = tuple(catalog.channel(name) for name in names)
         self._finder = WarmIdleFinder(channel.name for channel in self._channels)
         counted = [each for each in self._channels if not getattr(each, "accumulates", False)]
-        self._whole = {each.name: ValueCounts(each.decimals + _FINER) for each in counted}
+        self._elsewhere = {each.name: ValueCounts(each.decimals + _FINER) for each in counted}
         self._at_idle = {each.name: ValueCounts(each.decimals + _FINER) for each in counted}
         self._curves: dict[str, Envelope] = {}
         self._began: float | None = None
@@ -83,6 +83,7 @@ class MeasurementCollector:
             self._curves = {each.name: Envelope() for each in self._channels}
         times = BlockTimes(rows.times, self._began)
         idle = self._finder.find(rows)
+        elsewhere = ~idle
         self._alarms.add(rows)
         for channel in self._channels:
             column = rows.values.get(channel.name)
@@ -90,16 +91,18 @@ class MeasurementCollector:
                 continue
             check_cancelled()
             self._curves[channel.name].add(times, column)
-            if channel.name in self._whole:
-                self._whole[channel.name].add(column)
+            if channel.name in self._at_idle:
                 self._at_idle[channel.name].add(column[idle])
+                self._elsewhere[channel.name].add(column[elsewhere])
         self._ended = float(np.max(rows.times))
         self._rows += len(rows.times)
 
     @property
     def measured(self) -> Measurements:
         """The measurements so far, without channels that had no value."""
-        whole = self._stats(self._whole)
+        whole = self._stats(
+            {name: idle.with_others(self._elsewhere[name]) for name, idle in self._at_idle.items()}
+        )
         present = {name for name, curve in self._curves.items() if np.isfinite(curve.most).any()}
         return Measurements(
             channels=tuple(each for each in self._channels if each.name in present),

@@ -42,43 +42,54 @@ class ValueCounts:
 
     def __init__(self, places: int) -> None:
         self._places = places
-        self._values: Column = np.empty(0)
-        self._counts: NDArray[np.int64] = np.empty(0, np.int64)
+        self.values: Column = np.empty(0)
+        self.counts: NDArray[np.int64] = np.empty(0, np.int64)
 
     def add(self, column: Column) -> None:
         """Add values; NaN means missing."""
-        values, counts = np.unique(column[np.isfinite(column)], return_counts=True)
+        if column.size:
+            values, counts = np.unique(column[np.isfinite(column)], return_counts=True)
+            self._merge(np.round(values, self._places), counts)
+
+    def with_others(self, others: ValueCounts) -> ValueCounts:
+        """Return the counts of both together."""
+        both = ValueCounts(self._places)
+        for each in (self, others):
+            both._merge(each.values, each.counts)
+        return both
+
+    def _merge(self, values: Column, counts: NDArray[np.int64]) -> None:
         if values.size:
-            both = np.concatenate((self._values, np.round(values, self._places)))
-            self._values, place = np.unique(both, return_inverse=True)
-            weights = np.concatenate((self._counts, counts))
-            self._counts = np.bincount(place, weights).astype(np.int64)
+            both = np.concatenate((self.values, values))
+            self.values, place = np.unique(both, return_inverse=True)
+            weights = np.concatenate((self.counts, counts))
+            self.counts = np.bincount(place, weights).astype(np.int64)
 
     def stats(self, reference: tuple[float, float] | None = None) -> ChannelStatistics | None:
         """Return the statistics; None without values."""
-        count = int(self._counts.sum())
+        count = int(self.counts.sum())
         if not count:
             return None
         return ChannelStatistics(
             count=count,
-            mean=float((self._values * self._counts).sum() / count),
+            mean=float((self.values * self.counts).sum() / count),
             median=self._ranked(0.5),
             low=self._ranked(0.05),
             high=self._ranked(0.95),
-            least=float(self._values[0]),
-            most=float(self._values[-1]),
+            least=float(self.values[0]),
+            most=float(self.values[-1]),
             inside=None if reference is None else self._inside(*reference) / count,
         )
 
     def _ranked(self, share: float) -> float:
         """Return the quantile: the least value that `share` of all values do not exceed."""
-        upto = np.cumsum(self._counts)
+        upto = np.cumsum(self.counts)
         rank = max(1, int(np.ceil(share * upto[-1])))
-        return float(self._values[np.searchsorted(upto, rank)])
+        return float(self.values[np.searchsorted(upto, rank)])
 
     def _inside(self, low: float, high: float) -> int:
-        inside = (self._values >= low - _INSIDE) & (self._values <= high + _INSIDE)
-        return int(self._counts[inside].sum())
+        inside = (self.values >= low - _INSIDE) & (self.values <= high + _INSIDE)
+        return int(self.counts[inside].sum())
 
 
 def is_inside(value: float, band: tuple[float, float]) -> bool:
@@ -94,14 +105,15 @@ class BlockTimes:
     def __init__(self, times: Column, began: float) -> None:
         self.is_inside = times >= began
         self.since: Column = np.maximum(times - began, 0.0)
-        self._columns: dict[float, NDArray[np.intp]] = {}
+        self._runs: dict[float, tuple[NDArray[np.intp], NDArray[np.intp]]] = {}
 
-    def columns(self, width: float) -> NDArray[np.intp]:
-        """Return the columns of that width."""
-        if width not in self._columns:
-            place = (self.since / width).astype(np.intp)
-            self._columns[width] = np.minimum(place, COLUMNS - 1)  # rounding
-        return self._columns[width]
+    def runs(self, width: float) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """Return where rows of one column begin, and in which column; they are far fewer."""
+        if width not in self._runs:
+            place = np.minimum((self.since / width).astype(np.intp), COLUMNS - 1)  # rounding
+            begins = np.flatnonzero(np.diff(place, prepend=-1))
+            self._runs[width] = begins, place[begins]
+        return self._runs[width]
 
 
 class Envelope:
@@ -123,10 +135,11 @@ class Envelope:
         last = times.since[valid].max()
         while last >= COLUMNS * self.width:
             self._halve()
-        place, values = times.columns(self.width)[valid], values[valid]
-        runs = np.flatnonzero(np.diff(place, prepend=-1))  # of one column; far fewer
-        np.fmin.at(self.least, place[runs], np.fmin.reduceat(values, runs))
-        np.fmax.at(self.most, place[runs], np.fmax.reduceat(values, runs))
+        begins, place = times.runs(self.width)
+        if not valid.all():
+            values = np.where(valid, values, np.nan)
+        np.fmin.at(self.least, place, np.fmin.reduceat(values, begins))
+        np.fmax.at(self.most, place, np.fmax.reduceat(values, begins))
 
     def _halve(self) -> None:
         self.width *= 2
