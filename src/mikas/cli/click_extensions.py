@@ -19,7 +19,6 @@ from mikas.i18n import Text
 
 F = TypeVar("F", bound=Callable[..., Any])
 T = TypeVar("T")
-_OPTION = "option"  # key of a field's metadata
 
 
 def option(*names: str, en: str, ru: str, **settings: Any) -> Callable[[F], F]:
@@ -27,19 +26,19 @@ def option(*names: str, en: str, ru: str, **settings: Any) -> Callable[[F], F]:
     return click.option(*names, cls=LocalizedOption, en=en, ru=ru, **settings)
 
 
-def option_field(default: T, *names: str, en: str, ru: str, **settings: Any) -> T:
-    """Return a field of a dataclass for `grouped`: an option of the field's name."""
-    return field(default=default, metadata={_OPTION: option(*names, en=en, ru=ru, **settings)})
+def option_field(default: T, *, en: str, ru: str, **settings: Any) -> T:
+    """Return a field of a dataclass for `grouped`: of a field `a_name`, the option `--a-name`."""
+    return field(default=default, metadata={"en": en, "ru": ru, **settings})
 
 
-def optional_field(*names: str, parse: Callable[[str], T], **settings: Any) -> T | None:
+def optional_field(*, parse: Callable[[str], T], **settings: Any) -> T | None:
     """As `option_field`, for a text that `parse` reads; None: the option is not given."""
-    return option_field(None, *names, type=parse, **settings)
+    return option_field(None, type=parse, **settings)
 
 
-def flag_field(*names: str, en: str, ru: str) -> bool:
+def flag_field(*, en: str, ru: str) -> bool:
     """As `option_field`, for an option without a value."""
-    return option_field(False, *names, is_flag=True, en=en, ru=ru)
+    return option_field(False, is_flag=True, en=en, ru=ru)
 
 
 def grouped(
@@ -50,7 +49,11 @@ def grouped(
     The command gets an instance of `kind` as the argument after the context, before those of the
     decorators above. A field without an option is filled by the parameter of its name.
     """
-    options = [each.metadata[_OPTION] for each in fields(kind) if _OPTION in each.metadata]
+    options = [
+        option(f"--{each.name.replace('_', '-')}", **each.metadata)
+        for each in fields(kind)
+        if each.metadata
+    ]
 
     def decorate(function: Callable[..., Any]) -> Callable[..., Any]:
         @wraps(function)
@@ -214,29 +217,25 @@ def _require_command(ctx: click.Context) -> None:
 
 
 def command(
-    name: str, *, en: str, ru: str, **settings: Any
+    *, en: str, ru: str, **settings: Any
 ) -> Callable[[Callable[..., Any]], LocalizedCommand]:
-    """Make a function a command with the common options.
+    """Make a function the command of its name, with the common options.
 
     It is called with a `CommandContext`, then with its own arguments.
     """
 
     def decorate(function: Callable[..., Any]) -> LocalizedCommand:
-        return click.command(name, cls=LocalizedCommand, en=en, ru=ru, **settings)(
-            click.pass_context(_with_run(function))
-        )
+        @click.command(function.__name__, cls=LocalizedCommand, en=en, ru=ru, **settings)
+        @click.pass_context
+        @wraps(function)
+        def call(ctx: click.Context, *args: Any, **kwargs: Any) -> Any:  # noqa: ANN401  (the command's)
+            from mikas.cli.context import CommandContext
+            from mikas.cli.render.output import log_to_stderr
+
+            context = CommandContext.from_options(ctx.find_root().ensure_object(dict))
+            with log_to_stderr() if context.logs else nullcontext():
+                return function(context, *args, **kwargs)
+
+        return call
 
     return decorate
-
-
-def _with_run(function: Callable[..., Any]) -> Callable[..., Any]:
-    @wraps(function)
-    def call(ctx: click.Context, *args: Any, **kwargs: Any) -> Any:  # noqa: ANN401  (the command's)
-        from mikas.cli.context import CommandContext
-        from mikas.cli.render.output import log_to_stderr
-
-        context = CommandContext.from_options(ctx.find_root().ensure_object(dict))
-        with log_to_stderr() if context.logs else nullcontext():
-            return function(context, *args, **kwargs)
-
-    return call

@@ -42,7 +42,6 @@ class DashStart:
 
 
 @command(
-    "dash",
     en="Opens the dashboard in the browser: live values, charts, faults, memory, recordings. "
     "With --port it connects at once, otherwise on request. No data leave this computer "
     "unless you allow phones and other computers to look on: with --lan, or with the switch "
@@ -82,7 +81,6 @@ def dash(context: CommandContext, options: DashboardOptions, *, desktop: bool) -
 
 
 @command(
-    "demo",
     en="Opens the dashboard with a virtual car in this process: a cold start and warm-up, with "
     "one stored fault. The same in a terminal: mikas watch --port sim:",
     ru="Открывает панель с виртуальным автомобилем в этом же процессе: холодный пуск и прогрев, "

@@ -15,7 +15,6 @@ from mikas.link import CaptureTee, Link, choose_port, open_link
 
 
 @command(
-    "doctor",
     en="Checks the connection step by step: port, echo, baud rate by echo timing, latency, line "
     "errors, ECU, supported commands; says what to fix. Nothing is changed but the unit's list "
     "(64): one that another program has set is lost.",

@@ -27,7 +27,6 @@ if TYPE_CHECKING:
 
 
 @command(
-    "test",
     en="Leads through the guided test NAME step by step, and ends with a verdict, its rule, its "
     "doubt, and what to check next; without NAME, lists the tests. Only values are read. "
     "With --recording the test is done over FILE, if its steps are found there.",

@@ -36,7 +36,6 @@ if TYPE_CHECKING:
 
 
 @command(
-    "log",
     en="Records everything on the line to FILE (.pcapng) while reading each NAME until Ctrl-C. "
     "The file is valid at any moment, even if the computer loses power. If the adapter is "
     "unplugged or the ignition switched off, it waits and continues in the same file; another "

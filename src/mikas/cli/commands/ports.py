@@ -22,7 +22,6 @@ _READABLE = 0o644  # by udev and everybody
 
 
 @command(
-    "ports",
     en="Lists the serial adapters of this computer, the most likely first. With --install-rules "
     "(Linux): prints the udev rules for adapters and installs them, after a question. They "
     "keep ModemManager and brltty off, let you open the port, and set an FT232 to 1 ms.",

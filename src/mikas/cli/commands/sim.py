@@ -26,7 +26,6 @@ _LINE_FAULTS = ", ".join(it.value for it in LineFault if it is not LineFault.DAM
 
 
 @command(
-    "sim",
     en="Serves a virtual ECU in real time until Ctrl-C. Its address is the first line on stdout, "
     "for --port of another command or for any other tester.",
     ru="Виртуальный блок в реальном времени до Ctrl-C. Первая строка вывода — его адрес: он "

@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 
 
 @command(
-    "watch",
     en="Shows each NAME live until Ctrl-C; with no name, all parameters. NAME/10: every tenth "
     "cycle, so that the others are read more often. A value that could not be read is a dash, "
     "never the last number. If the adapter is unplugged or the ignition switched off, it "

@@ -23,7 +23,6 @@ MOST_WORKERS = 61  # that a pool may have on Windows
 
 
 @command(
-    "add",
     en="Adds all recordings (.pcapng) in each FOLDER and below it, or a single file, to DATASET. "
     "What is there already is skipped; a recording that has grown, or another version of the "
     "catalog, replaces what was there. A file that can't be read is reported and passed over. "

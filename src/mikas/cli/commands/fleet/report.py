@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 
 
 @command(
-    "report",
     en="Reports on all cars of DATASET: faults over time, values at warm idle that drift or leave "
     "their normal range, charging and thermostat, and cars that differ from the others. With "
     "-o a page to read, print or send; without it the findings as text.",

@@ -27,7 +27,6 @@ MOST = 1000
 
 
 @command(
-    "sql",
     en="Asks DATASET by SQL (DuckDB's): SELECT, DESCRIBE, SUMMARIZE or EXPLAIN. Its tables: "
     "drives, samples, statistics, faults, gaps, alarms, each with car and day. DATASET is only "
     "read, and SQL can reach no other file.",

@@ -18,7 +18,6 @@ SPACE = one_of(("ram", "xram", "code", "sfr"))
 
 
 @command(
-    "read",
     en="Shows COUNT bytes (1) from ADDR. Addresses are hex. SPACE: ram, xram, code, sfr.",
     ru="Показывает COUNT байт (1) с адреса ADDR. Адреса шестнадцатеричные. SPACE: ram, xram, "
     "code, sfr.",
@@ -38,7 +37,6 @@ def read(context: CommandContext, space: str, address: int, count: int) -> None:
 
 
 @command(
-    "write",
     en="Writes the bytes HEX from ADDR: asks first, reads them back, adds them to the journal. "
     "A unit that lacks single-byte commands gets blocks, one that lacks blocks single bytes. "
     "Writing CODE can make the unit unusable.",
@@ -84,7 +82,6 @@ def write(context: CommandContext, space: str, address: int, data: bytes, *, yes
 
 
 @command(
-    "goto",
     en="Makes the ECU jump to ADDR. The most dangerous command: the unit executes the bytes at "
     "that address. Always asks; --yes alone is not enough.",
     ru="Переход блока на адрес ADDR. Самая опасная команда: блок выполнит то, что там записано. "

@@ -40,7 +40,6 @@ BLOCK = option(
 
 
 @command(
-    "dump",
     en="Reads a whole SPACE, or --from to --to, into FILE (plain binary) and writes its manifest "
     "FILE.json. --resume continues an interrupted dump.",
     ru="Считывает дамп SPACE, целиком или от --from до --to, в FILE (двоичный) и его описание в "
@@ -139,7 +138,6 @@ def _show_differences(context: CommandContext, found: Sequence[Difference], what
 
 
 @command(
-    "restore",
     en="Writes the dump FILE back to SPACE. Compares first, shows how many bytes differ and "
     "where, and asks; then writes only those, reads each back and adds it to the journal. "
     "Without a terminal and --yes it only compares. FILE must fit its manifest FILE.json and "
@@ -254,7 +252,6 @@ def _write_back(context: CommandContext, job: Restore) -> None:
 
 
 @command(
-    "verify",
     en="Compares FILE with the unit's memory, starting at the address in FILE's manifest (else "
     "--from).",
     ru="Сравнивает дамп FILE с памятью блока, начиная с адреса из его описания (иначе --from).",
@@ -283,7 +280,6 @@ def verify(
 
 
 @command(
-    "diff",
     en="Compares two dumps byte by byte at the addresses in their manifests (else from 0). Needs "
     "no port.",
     ru="Сравнивает два дампа побайтно по адресам из их описаний (иначе с 0). Порт не нужен.",

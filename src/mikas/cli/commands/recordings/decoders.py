@@ -24,7 +24,6 @@ _EXAMPLE = "sigrok-cli -i line.sr -P uart:baudrate=9600:rx=D0,mikas -A mikas"
 
 
 @command(
-    "wireshark",
     en="Prints a plugin for Wireshark and tshark, in Lua: recordings (.pcapng) then open there "
     "frame by frame, with every parameter as a field to filter by. With --install it is put "
     "where Wireshark looks for it. It knows your own catalog, too: run the command again after "
@@ -81,7 +80,6 @@ def wireshark(context: CommandContext, *, install: bool) -> None:
 
 
 @command(
-    "sigrok",
     en="Prints the protocol decoder for sigrok and PulseView: a logic analyser's recording "
     "of the line as frames, requests, responses and values. It has your own catalog, and the "
     "language and the interpretation of this command by default. With --install it goes where "

@@ -31,7 +31,6 @@ MOST_PROBLEMS = 20
 
 
 @command(
-    "export",
     en="Exports a recording (.pcapng) as a table for other programs. OUT's suffix sets the "
     "format: .csv, .mf4, .parquet, .msl or .mlg. With no NAME it has every recorded parameter "
     "and every channel that can be derived from them.",
@@ -143,7 +142,6 @@ def _watched(context: CommandContext, stretches: Iterable[Rows]) -> Iterator[Row
 
 
 @command(
-    "decode",
     en="Shows a capture (.pcapng) frame by frame: time, direction, bytes, meaning; damage with "
     "its reason and offset. Of a truncated file the readable part is shown.",
     ru="Показывает запись (.pcapng) по кадрам: время, направление, байты, значение; повреждения "

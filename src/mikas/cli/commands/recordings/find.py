@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 
 
 @command(
-    "find",
     en="Finds the moments of a recording (.pcapng) at which EXPRESSION holds: a formula of "
     "parameters and derived channels, as in a catalog file. A moment ends where the formula "
     "is false or has no value for two seconds. PEAK is the extreme of what the first "

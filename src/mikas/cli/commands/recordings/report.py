@@ -32,7 +32,6 @@ _SECONDS = 30.0
 
 
 @command(
-    "report",
     en="Makes a report on the car (OUT.html) to read, print or send: stored faults in plain "
     "words, values at warm idle with their normal range, charts, and what remains unknown. "
     "Made from the recording FILE or, without it, from the connected car: measured for half a "

@@ -14,7 +14,6 @@ from mikas.cli.options.parameter_types import one_of
 
 
 @command(
-    "faults",
     en="Shows the stored faults with their text, its confidence, and what to check. "
     "`faults erase` erases them and reads the memory again.",
     ru="Показывает ошибки в памяти блока: описание, его достоверность, что проверить. "

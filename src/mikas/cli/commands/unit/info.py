@@ -21,7 +21,6 @@ _BAUD = 9600  # §1
 
 
 @command(
-    "info",
     en="Shows the ECU's model and passports and the commands that it knows. Every command is "
     "tried once that changes nothing but the unit's list (64; a list that another program has "
     "set is lost): 1 s for each without a response, 2 s for each stream; streams by strokes "

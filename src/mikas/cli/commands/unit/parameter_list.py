@@ -32,7 +32,6 @@ list = LocalizedGroup(  # noqa: A001  (the command's name)
 
 
 @command(
-    "set",
     en="Sets the unit's list to each NAME (64): asks first. Changes nothing else in the unit, and "
     "is undone by its next power-off. The names are kept for `mikas list read`.",
     ru="Записывает в блок список из NAME (64): спрашивает подтверждение. Больше в блоке ничего не "
@@ -54,7 +53,6 @@ def set(context: CommandContext, names: tuple[str, ...], *, yes: bool) -> None: 
 
 
 @command(
-    "read",
     en="Reads the unit's list once (63), as `mikas list set` has set it last. The unit does not "
     "say which parameters it has: a list set by another program needs each NAME in order.",
     ru="Читает список блока один раз (63), каким его последний раз задала `mikas list set`. Блок "

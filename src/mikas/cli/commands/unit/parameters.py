@@ -22,7 +22,6 @@ from mikas.json_values import picked
 
 
 @command(
-    "params",
     en="Lists every known parameter with its code, unit, formula, limits and errata, then the "
     "derived channels. Needs no port.",
     ru="Показывает все известные параметры: код, единицу, формулу, пределы, сомнительные места; "
@@ -99,7 +98,6 @@ def _parameter_json(catalog: Catalog, parameter: Parameter, interpretation: str)
 
 
 @command(
-    "read",
     en="Reads each NAME once; with no name, every parameter that the unit knows. A raw code is "
     "written 0x1A, or 0x3F:2 for two bytes.",
     ru="Читает каждый параметр NAME один раз; без имён — все, которые знает блок. Код без имени "
@@ -149,7 +147,6 @@ def _reference(reading: Reading) -> str:
 
 
 @command(
-    "write",
     en="Writes parameter NAME by its physical VALUE or by raw bytes (low byte first): asks "
     "first, then reads it back.",
     ru="Записывает в параметр NAME физическое значение VALUE или байты (младший первым): "

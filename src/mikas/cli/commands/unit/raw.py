@@ -12,7 +12,6 @@ from mikas.i18n import Text
 
 
 @command(
-    "raw",
     en="Sends HEX as a request's body (checksum, stuffing and 0D are added) and prints the "
     "response's body. Asks first, unless the request is known to be harmless. For a jump (41) "
     "and writes to CODE (16, 26) --yes alone is not enough.",

@@ -27,7 +27,6 @@ _CODES = 0x100
 
 
 @command(
-    "scan",
     en="Requests every code 00–FF by command 61 and shows which of them the unit answers, with "
     "size and value, beside the number that command 60 promises. A silent code takes about "
     "2 s, all of them about ten minutes (--timeout 0.2 or --retries 0 shorten that). Changes "
