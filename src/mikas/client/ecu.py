@@ -6,7 +6,7 @@ threads may use one `Ecu`.
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterator, Mapping
+from collections.abc import Generator, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
@@ -48,6 +48,10 @@ def erasing(count: int) -> Text:
     """Return the text for erasing `count` faults."""
     faults = counted(count, ("stored fault", "stored faults"), ("ошибку", "ошибки", "ошибок"))
     return Text("erase {faults}", "сбросить {faults}").filled(faults=faults)
+
+
+def _codes(faults: Sequence[Fault]) -> bytes:
+    return bytes(fault.code for fault in faults)
 
 
 class Ecu:
@@ -214,13 +218,7 @@ class Ecu:
     def erase_faults(self) -> Erased:
         """Erase the faults by two writes (§3). Raises `NotConfirmed`, `WriteRefused`."""
         before = self.faults()
-        change = Change(
-            what=erasing(len(before)),
-            safety=c.WriteParameter.SAFETY,
-            command=c.WriteParameter.SOURCE_NAME,
-            before=journal_hex(bytes(fault.code for fault in before)),
-            after="",
-        )
+        change = Change.by(c.WriteParameter, erasing(len(before)), _codes(before), b"")
 
         def act() -> Erased:
             try:
@@ -232,9 +230,7 @@ class Ecu:
                 self.tester.in_a_row(*c.ERASE_FAULTS)
             return Erased(before, self.faults())
 
-        return self._gate.make(
-            change, act, lambda erased: journal_hex(bytes(fault.code for fault in erased.after))
-        )
+        return self._gate.make(change, act, lambda erased: _codes(erased.after))
 
     def goto(self, address: int) -> bytes:
         """Make the ECU jump to `address` (41), the most dangerous command; return its response.
@@ -242,13 +238,9 @@ class Ecu:
         The expected silence (D9) is returned as empty bytes.
         """
         command = c.GoTo(address)
-        change = Change(
-            what=Text(f"jump to {address:04X}", f"перейти на {address:04X}"),
-            safety=command.SAFETY,
-            command=command.SOURCE_NAME,
-            after=journal_hex(command.body()),
-        )
-        return self._gate.make(change, lambda: self.tester.raw(command.body()) or b"", journal_hex)
+        what = Text(f"jump to {address:04X}", f"перейти на {address:04X}")
+        change = Change.by(command, what, after=command.body())
+        return self._gate.make(change, lambda: self.tester.raw(command.body()) or b"", bytes)
 
     def raw(self, body: bytes) -> bytes | None:
         """Send any request body; return the response's body, None for silence.
@@ -273,7 +265,7 @@ class Ecu:
                 self.forget_list()
             return self.tester.raw(body)
 
-        return self._gate.make(change, act, journal_hex)
+        return self._gate.make(change, act, lambda response: response)
 
     def limits(self) -> Limits:
         """Return a copy of the learnt limits. May read the unit's passport and raise its errors."""

@@ -12,9 +12,9 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, Self, TypeVar
 
-from mikas.commands import Safety
+from mikas.commands import Command, Safety
 from mikas.errors import JournalError, LinkLost, MikasError, NotConfirmed, reason_of
 from mikas.i18n import Text
 from mikas.saving import append_line
@@ -32,6 +32,18 @@ class Change:
     command: str
     before: str | None = None
     after: str | None = None
+
+    @classmethod
+    def by(
+        cls,
+        command: Command[Any] | type[Command[Any]],
+        what: Text,
+        before: bytes | None = None,
+        after: bytes | None = None,
+    ) -> Self:
+        """Return the change that `command` makes."""
+        texts = journal_hex(before), journal_hex(after)
+        return cls(what, command.SAFETY, command.SOURCE_NAME, *texts)
 
 
 Confirm = Callable[[Change], bool]
@@ -72,12 +84,12 @@ class Gate:
         self,
         change: Change,
         act: Callable[[], T],
-        read_back: Callable[[T], str | None],
+        read_back: Callable[[T], bytes | None],
         commands: Callable[[], str] | None = None,
         *,
         approved: bool = False,
     ) -> T:
-        """Confirm, journal, act, and journal the outcome with the hex bytes of `read_back`.
+        """Confirm, journal, act, and journal the outcome with the bytes of `read_back`.
 
         `approved`: the change is a part of one that `ask` has confirmed.
         `commands`: returns the commands that `act` has used, if they may not be `change.command`.
@@ -108,7 +120,7 @@ class Gate:
                     self._note(used(), "interrupted", type(error).__name__)
                 raise
             try:
-                self._note(used(), "done", read_back(outcome))
+                self._note(used(), "done", journal_hex(read_back(outcome)))
             except JournalError as error:
                 error.advice = _NO_OUTCOME
                 raise

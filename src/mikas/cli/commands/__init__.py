@@ -1,7 +1,7 @@
 """The list of commands: the module of each, and its line in the help.
 
 A command's module is imported only when the command is called: `mikas --help` must appear at once.
-A new command is a function with `@command`, named as the command, and an entry here.
+A new command is a function with `@command`, which gives it its name, and an entry here.
 """
 
 from mikas.i18n import Text

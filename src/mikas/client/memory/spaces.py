@@ -9,7 +9,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 
 from mikas import commands as c
-from mikas.client.gate import Change, Gate, journal_hex
+from mikas.client.gate import Change, Gate
 from mikas.client.limits import LimitsCache
 from mikas.client.memory.writing import Attempts, SpaceWriter
 from mikas.commands.base import check_byte, check_range
@@ -207,8 +207,7 @@ class MemorySpace:
         for run in runs:
             check_range(self.name, run.address, len(run.data))
         if runs:
-            command = self._writer.planned(runs[0].address, runs[0].data)
-            self._gate.ask(Change(what, self._commands.write.SAFETY, command))
+            self._gate.ask(Change.by(self._writer.planned(runs[0].address, runs[0].data), what))
         return map(self._write_run, runs)
 
     def _write_run(self, run: Run) -> Written:
@@ -234,13 +233,7 @@ class MemorySpace:
         except NotSupported as error:
             error.advice = _UNREADABLE
             raise
-        change = Change(
-            what=what,
-            safety=self._commands.write.SAFETY,
-            command=self._writer.planned(address, data),
-            before=journal_hex(before),
-            after=journal_hex(data),
-        )
+        change = Change.by(self._writer.planned(address, data), what, before, data)
         attempts = Attempts()
 
         def act() -> Written:
@@ -260,7 +253,7 @@ class MemorySpace:
         return self._gate.make(
             change,
             act,
-            lambda written: journal_hex(written.after),
+            lambda written: written.after,
             lambda: attempts.names,
             approved=in_parts,
         )

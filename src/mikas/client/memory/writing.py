@@ -70,9 +70,9 @@ class SpaceWriter:
     _most: int = c.LARGEST_BLOCK  # a longer one was refused
     _without_blocks: int = 0  # writes that took single bytes after a block was refused
 
-    def planned(self, address: int, data: bytes) -> str:
-        """Return the source's name of the command that `write` sends first."""
-        return next(self._ways(address, data[: self._count(data)])).SOURCE_NAME
+    def planned(self, address: int, data: bytes) -> WriteByte | WriteBlock:
+        """Return the command that `write` sends first."""
+        return next(self._ways(address, data[: self._count(data)]))
 
     def write(self, address: int, data: bytes, before: bytes, attempts: Attempts) -> None:
         """Write `data` from `address`, where `before` was read; list the commands in `attempts`.

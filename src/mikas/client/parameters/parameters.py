@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from mikas import commands as c
 from mikas.catalog import Catalog, Conversion, Parameter
-from mikas.client.gate import Change, Gate, journal_hex
+from mikas.client.gate import Change, Gate
 from mikas.client.parameters.data import DataReader, RawDatum, distinct, refused
 from mikas.client.parameters.unit_list import UnitList, list_of
 from mikas.errors import (
@@ -262,13 +262,8 @@ class Parameters:
         parameter = self.catalog.parameter(name)
         data = datum_to_write(parameter, value, raw, self._interpretation)
         before = self._one(parameter)
-        change = Change(
-            what=Text(f"write parameter {parameter.name}", f"записать параметр {parameter.name}"),
-            safety=c.WriteParameter.SAFETY,
-            command=c.WriteParameter.SOURCE_NAME,
-            before=journal_hex(before.raw) if before else None,
-            after=journal_hex(data),
-        )
+        what = Text(f"write parameter {parameter.name}", f"записать параметр {parameter.name}")
+        change = Change.by(c.WriteParameter, what, before.raw if before else None, data)
 
         def act() -> WrittenParameter:
             try:
@@ -286,7 +281,7 @@ class Parameters:
                 )
             return WrittenParameter(parameter.name, before, after)
 
-        return self._gate.make(change, act, lambda w: journal_hex(w.after.raw) if w.after else None)
+        return self._gate.make(change, act, lambda it: it.after.raw if it.after else None)
 
     def _one(self, parameter: Parameter) -> Reading | None:
         try:

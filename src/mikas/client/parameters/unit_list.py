@@ -17,7 +17,7 @@ from pathlib import Path
 
 from mikas import commands as c
 from mikas.catalog import Parameter
-from mikas.client.gate import Change, Gate, journal_hex
+from mikas.client.gate import Change, Gate
 from mikas.client.limits import unit_file
 from mikas.client.parameters.data import RawDatum, distinct
 from mikas.errors import (
@@ -201,15 +201,11 @@ def _change(data: tuple[c.Datum, ...], count: int) -> Change:
     parameters = counted(
         count, ("parameter", "parameters"), ("параметр", "параметра", "параметров")
     )
-    return Change(
-        what=Text(
-            f"set the unit's list to {parameters.en}",
-            f"задать список блока: {parameters.ru}",
-        ),
-        safety=c.WriteList.SAFETY,
-        command=c.WriteList.SOURCE_NAME,
-        after=journal_hex(bytes(d.code for d in data)),
+    what = Text(
+        f"set the unit's list to {parameters.en}",
+        f"задать список блока: {parameters.ru}",
     )
+    return Change.by(c.WriteList, what, after=bytes(d.code for d in data))
 
 
 def list_of(parameters: Sequence[Parameter]) -> tuple[c.Datum, ...]:
