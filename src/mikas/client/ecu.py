@@ -7,7 +7,7 @@ threads may use one `Ecu`.
 from __future__ import annotations
 
 from collections.abc import Generator, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Self
@@ -16,12 +16,7 @@ from mikas import commands as c
 from mikas.catalog import Catalog, Fault, Model
 from mikas.catalog.model import check_interpretation
 from mikas.client.gate import Change, Confirm, Gate, Journal, journal_hex
-from mikas.client.identity import (
-    Info,
-    Passport,
-    PassportReader,
-    count_parameters,
-)
+from mikas.client.identity import Info, Passport, PassportReader, count_parameters
 from mikas.client.limits import Limits, LimitsCache, LimitsStore, MethodTiming
 from mikas.client.memory.spaces import Memory
 from mikas.client.parameters.data import COMMON, DataReader
@@ -78,8 +73,8 @@ class Ecu:
         self.passports = PassportReader(tester, on_other=self.limits_cache.reset)
         self._gate = Gate(tester, self._whose, confirm, journal)
         data = DataReader(tester, self.limits_cache)
-        unit_list = UnitList(tester, self._gate, lists, self._identify)
-        self.parameters = Parameters(tester, catalog, interpretation, self._gate, data, unit_list)
+        self._list = UnitList(tester, self._gate, lists, self._identify)
+        self.parameters = Parameters(tester, catalog, interpretation, self._gate, data, self._list)
         self.memory = Memory(tester, self._gate, self.limits_cache)
 
     def use_catalog(self, catalog: Catalog) -> None:
@@ -161,14 +156,17 @@ class Ecu:
         fixed = fixed_method(method) or "batch"
         return Watcher(self.parameters, names, fixed, rate).samples(count)
 
+    @contextmanager
     def stream(
         self, *names: str, stroke: int | None = None
-    ) -> AbstractContextManager[Iterator[dict[str, Reading]]]:
+    ) -> Iterator[Iterator[dict[str, Reading]]]:
         """Stream readings until the `with` ends (71, 7F–83, D12): `with ecu.stream("FREQ") as …`.
 
         `stroke`: 0 … 4 for one response an engine cycle (D15).
         """
-        return self.parameters.stream(names, stroke=stroke)
+        wanted = self.parameters.wanted(self.parameters.named(names))
+        with self.parameters.stream(wanted, stroke) as stream:
+            yield (wanted.of_item(item) for item in stream)
 
     def set_list(self, *names: str) -> tuple[str, ...]:
         """Set the list that `read_list` reads (64); return the names in it.
@@ -176,7 +174,9 @@ class Ecu:
         The names are kept for later sessions with this unit. Raises `UnknownParameter`,
         `NotConfirmed`, `WriteRefused`, `NotSupported`.
         """
-        return self.parameters.set_list(names)
+        wanted = self.parameters.named(names)
+        self._list.set(wanted, keep=True)
+        return tuple(p.name for p in wanted)
 
     def read_list(self, *names: str) -> dict[str, Reading]:
         """Read each parameter of the list once (63): of `names`, or as mikas has set it last.
@@ -185,11 +185,18 @@ class Ecu:
         Raises `NoList` without a `set_list`, also after a failure, `ListLost` for a refusal (the
         unit has lost its list), `WrongLength` for another list, `NoResponse`.
         """
-        return self.parameters.read_list(names)
+        parameters, unit_list = self.parameters, self._list
+        with unit_list.held():
+            if names:
+                listed = parameters.named(names)
+            else:
+                listed = unit_list.current or parameters.named(unit_list.kept())
+            data = unit_list.read(listed, named=bool(names))
+            return parameters.wanted(listed).readings(data)
 
     def forget_list(self) -> None:
         """Treat the unit's list as lost, as after a power cycle: it has to be set again."""
-        self.parameters.forget_list()
+        self._list.forget()
 
     def scan(self) -> Generator[ScannedCode, None, None]:
         """Request every code 00–FF by 61; yield the answer to each, the catalog's codes first.

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import TYPE_CHECKING
@@ -142,7 +142,7 @@ class Parameters:
     _interpretation: str
     _gate: Gate
     _data: DataReader
-    _list: UnitList
+    unit_list: UnitList
 
     def named(self, names: Sequence[str]) -> tuple[Parameter, ...]:
         """Return the parameters of these names; without names, all of the catalog."""
@@ -180,7 +180,7 @@ class Parameters:
         """
         if not listed and (command := self._data.request_for(wanted.data)) is not None:
             self.tester.announce(command)
-        if listed and self._list.current == wanted.parameters:
+        if listed and self.unit_list.current == wanted.parameters:
             self.tester.announce(c.ReadList(list_of(wanted.parameters)))
 
     def at_once(self, parameters: Sequence[Parameter]) -> dict[str, Reading]:
@@ -194,71 +194,39 @@ class Parameters:
 
     # Lists, 63 and 64
 
-    def set_list(self, names: Sequence[str]) -> tuple[str, ...]:
-        """As `Ecu.set_list`."""
-        wanted = self.named(names)
-        self._list.set(wanted, keep=True)
-        return tuple(p.name for p in wanted)
-
     def try_list(self, data: tuple[c.Datum, ...]) -> c.ReadList:
         """Set the last known list again, without one `data`; return the command that reads it.
 
         Raises `NotConfirmed`, `WriteRefused`, `NotSupported`, a `LineError` or a `NoConnection`.
         """
-        with self._list.held():
+        with self.unit_list.held():
             kept: tuple[str, ...] = ()
             with suppress(NoList):
-                kept = self._list.kept()
-            known = self._list.current
+                kept = self.unit_list.kept()
+            known = self.unit_list.current
             with suppress(UnknownParameter):  # the catalog has changed since
                 known = known or (self.named(kept) if kept else ())
             if known:
-                self._list.set(known, keep=bool(kept))
+                self.unit_list.set(known, keep=bool(kept))
                 return c.ReadList(list_of(known))
-            self._list.try_out(data)
+            self.unit_list.try_out(data)
             return c.ReadList(data)
-
-    def forget_list(self) -> None:
-        """Treat the unit's list as lost: it has to be set before `read_list`."""
-        self._list.forget()
-
-    def read_list(self, names: Sequence[str] = ()) -> dict[str, Reading]:
-        """Read each parameter of the list once (63); `names`: of a list that others have set."""
-        with self._list.held():
-            if names:
-                listed = self.named(names)
-            else:
-                listed = self._list.current or self.named(self._list.kept())
-            return self.wanted(listed).readings(self._list.read(listed, named=bool(names)))
 
     def through_list(self, wanted: Wanted) -> dict[str, Reading]:
         """Read `wanted` by the unit's list, which is set first if it differs."""
-        with self._list.held():
-            if self._list.current != wanted.parameters:
-                self._list.set(wanted.parameters)
-            return wanted.readings(self._list.read(wanted.parameters))
+        with self.unit_list.held():
+            if self.unit_list.current != wanted.parameters:
+                self.unit_list.set(wanted.parameters)
+            return wanted.readings(self.unit_list.read(wanted.parameters))
 
-    # Streams, 71 and 7F … 83
-
-    @contextmanager
-    def stream(
-        self, names: Sequence[str], *, stroke: int | None = None
-    ) -> Iterator[Iterator[dict[str, Reading]]]:
-        """Stream readings until the `with` ends (D12); `stroke` as for `Ecu.stream`."""
-        wanted = self.wanted(self.named(names))
-        with self.raw_stream(wanted, stroke) as stream:
-            yield (wanted.of_item(item) for item in stream)
-
-    def raw_stream(self, wanted: Wanted, stroke: int | None) -> Stream:
-        """Start the tester's stream of `wanted`; the caller closes it."""
+    def stream(self, wanted: Wanted, stroke: int | None) -> Stream:
+        """Start the tester's stream of `wanted` (71, 7F … 83); the caller closes it."""
         data = wanted.data
         command = c.StreamCyclic(data) if stroke is None else c.StreamAtStroke(data, stroke)
         return self.tester.stream(command)
 
-    # Writing, 62
-
     def write(self, name: str, value: float | None, raw: bytes | None) -> WrittenParameter:
-        """As `Ecu.write_parameter`."""
+        """As `Ecu.write_parameter` (62)."""
         parameter = self.catalog.parameter(name)
         data = datum_to_write(parameter, value, raw, self._interpretation)
         before = self._one(parameter)

@@ -191,7 +191,7 @@ class StreamPoller(Poller):
 
     def _next(self) -> StreamItem | None:
         if self._stream is None:
-            self._stream = self._parameters.raw_stream(self._wanted, self._stroke)
+            self._stream = self._parameters.stream(self._wanted, self._stroke)
             self._heard = self._tester.link.now()
         until = self._heard + self._stream.silence
         deadline = min(until, self._tester.link.now() + _SLICE)

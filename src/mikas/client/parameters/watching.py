@@ -99,7 +99,7 @@ class Watcher:
     def _gap(self, error: MikasError) -> Sample:
         if self._method == "list":
             # After a power cycle the unit has lost its list.
-            self._parameters.forget_list()
+            self._parameters.unit_list.forget()
         return Sample(self._tester.link.now(), error=error)
 
 
