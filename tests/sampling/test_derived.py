@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -15,7 +13,7 @@ from hypothesis import strategies as st
 
 from mikas.catalog import Catalog, load, shipped
 from mikas.client.parameters.parameters import Reading, decode
-from mikas.sampling.derived import DerivedChannels, DerivedValue
+from mikas.sampling.derived import DerivedChannels, DerivedValue, required_by
 
 OWN = """
 [derived.SUM]
@@ -37,12 +35,6 @@ formula = "100 / (TWAT - 85) + INJ ** 1.5"
 accumulates = true
 text = "adds up what may be negative or missing"
 """
-
-
-@dataclass(frozen=True)
-class Rows:
-    times: Any
-    values: dict[str, Any]
 
 
 @pytest.fixture(scope="module")
@@ -82,7 +74,7 @@ def test_a_value_is_never_bare() -> None:
 
 def test_channels_name_their_inputs_and_have_values_in_order() -> None:
     channels = DerivedChannels(shipped(), ["FUEL_USED", "FILLING", "FUEL_USED"])
-    assert channels.requires == ("FREQ", "INJ", "JAIR")
+    assert required_by(shipped(), ["FUEL_USED", "FILLING"]) == ("FREQ", "INJ", "JAIR")
     assert [each.name for each in channels.channels] == ["FUEL_USED", "FILLING"]
     assert list(channels.update(readings(0, INJ=4, FREQ=840, JAIR=15), 0)) == [
         "FUEL_USED",
@@ -166,7 +158,7 @@ def test_an_empty_response_is_no_gap_if_the_next_is_in_time(
         revs(channels, time, freq)
     assert totals(channels)["REVS"] == (20, 100.0, 1)
     freqs = np.array([math.nan if freq is None else freq for freq in came.values()])
-    columns.columns(Rows(np.array(list(came)), {"FREQ": freqs}))
+    columns.columns(np.array(list(came)), {"FREQ": freqs})
     assert totals(columns) == totals(channels)
 
 
@@ -196,7 +188,7 @@ def test_accumulation_continues_while_other_channels_need_the_inputs(
     channels = DerivedChannels(catalog, ["REVS"])
     revs(channels, 100.0)
     channels = wanted(catalog, channels, asked="FREQ TWAT")
-    assert channels.channels == channels.requires == ()
+    assert channels.channels == ()
     assert channels.update(readings(101.0, FREQ=600, TWAT=80), 101.0) == {}
     channels = wanted(catalog, channels, "REVS", asked="FREQ")
     assert revs(channels, 102.0) == 20
@@ -226,8 +218,8 @@ def test_a_slower_request_is_no_gap(catalog: Catalog) -> None:
 
 
 def test_columns_of_unrecorded_inputs_are_missing() -> None:
-    rows = Rows(np.array([0.0, 1.0]), {"INJ": np.array([4.0, 4.0])})
-    columns = DerivedChannels(shipped(), ["DUTY", "FUEL_STROKE", "FUEL_USED"]).columns(rows)
+    channels = DerivedChannels(shipped(), ["DUTY", "FUEL_STROKE", "FUEL_USED"])
+    columns = channels.columns(np.array([0.0, 1.0]), {"INJ": np.array([4.0, 4.0])})
     assert list(columns) == ["DUTY", "FUEL_STROKE", "FUEL_USED"]
     assert columns["FUEL_STROKE"].tolist() == [8, 8]
     assert np.isnan(columns["DUTY"]).all()
@@ -237,8 +229,9 @@ def test_columns_of_unrecorded_inputs_are_missing() -> None:
 def test_columns_without_rows_are_empty() -> None:
     channels = DerivedChannels(shipped(), ["FUEL_USED", "FILLING"])
     empty = np.empty(0)
-    for rows in (Rows(empty, {}), Rows(empty, {"INJ": empty, "FREQ": empty, "JAIR": empty})):
-        assert {name: len(each) for name, each in channels.columns(rows).items()} == {
+    for inputs in ({}, {"INJ": empty, "FREQ": empty, "JAIR": empty}):
+        columns = channels.columns(empty, inputs)
+        assert {name: len(each) for name, each in columns.items()} == {
             "FUEL_USED": 0,
             "FILLING": 0,
         }
@@ -282,17 +275,14 @@ def test_columns_are_the_samples_one_by_one(
             for row in range(first, last):
                 assert mixed.update(taken[row], times[row]) == one_by_one[row]
             continue
-        rows = Rows(
-            times[first:last],
-            {
-                name: np.array(
-                    [float(row[name].value) if name in row else math.nan
-                     for row in taken[first:last]], dtype=float,
-                )
-                for name in ("INJ", "FREQ", "TWAT", "RXX", "JAIR")
-            },
-        )  # fmt: skip
-        columns = mixed.columns(rows)
+        inputs = {
+            name: np.array(
+                [float(row[name].value) if name in row else math.nan
+                 for row in taken[first:last]], dtype=float,
+            )
+            for name in ("INJ", "FREQ", "TWAT", "RXX", "JAIR")
+        }  # fmt: skip
+        columns = mixed.columns(times[first:last], inputs)
         assert list(columns) == names
         for name, column in columns.items():
             expected = [
@@ -308,7 +298,7 @@ def test_a_total_lies_between_the_least_and_the_most(
 ) -> None:
     times = np.cumsum([step for step, _ in drawn])
     speeds = np.array([speed for _, speed in drawn])
-    total = DerivedChannels(catalog, ["REVS"]).columns(Rows(times, {"FREQ": speeds}))["REVS"]
+    total = DerivedChannels(catalog, ["REVS"]).columns(times, {"FREQ": speeds})["REVS"]
     assert total[0] == 0
     assert (np.diff(total) >= 0).all()
     seconds = times[-1] - times[0]
@@ -324,7 +314,7 @@ def test_what_grows_beyond_all_bounds_has_no_value(tmp_path: Path) -> None:
     catalog = load(path)
     live, column = DerivedChannels(catalog, ["D"]), DerivedChannels(catalog, ["D"])
     times, speeds = np.arange(4.0), np.full(4, 1.0)
-    totals = column.columns(Rows(times, {"FREQ": speeds}))["D"]
+    totals = column.columns(times, {"FREQ": speeds})["D"]
     np.testing.assert_array_equal(totals, [0, 9e307, math.nan, math.nan])
     assert math.isnan(column.totals["D"].total)
     assert live.update(readings(0, FREQ=0), 0)["D"].value == 0

@@ -17,7 +17,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from math import isfinite, nan
-from typing import TYPE_CHECKING, Protocol, TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 from mikas.catalog import Catalog, Derived
 from mikas.catalog.formulas import Calculation
@@ -32,18 +32,6 @@ if TYPE_CHECKING:
 
 _LONGEST = 2.0  # s; a longer step is a gap, unless such steps are usual
 _ALIKE = 2.5  # times the shorter of the two steps before: still a usual step
-
-
-class SampleRows(Protocol):
-    """Columns over time, in the corrected interpretation; NaN is missing, flags are 0 and 1."""
-
-    @property
-    def times(self) -> Column:
-        """Seconds, one a row."""
-
-    @property
-    def values(self) -> Mapping[str, Column]:
-        """By the parameter's name, as long as `times`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +68,6 @@ class DerivedChannels:
         self._steps = _steps(catalog, names)
         self.totals = {each.name: Integral() for each, _ in self._steps if each.accumulates}
         """That of each accumulating channel, also while it has no value."""
-        self.requires = _required(catalog, names)
 
     def continue_from(self, before: DerivedChannels, requested: Iterable[str]) -> None:
         """Take over the totals of `before`, also those of channels that are not requested now.
@@ -97,7 +84,7 @@ class DerivedChannels:
         }
         self.totals |= kept
         for name, integral in kept.items():
-            if not requested.issuperset(_required(self._catalog, [name])):
+            if not requested.issuperset(required_by(self._catalog, [name])):
                 integral.interrupt()
         names = [channel.name for channel in self.channels]
         self._steps = _steps(self._catalog, dict.fromkeys([*names, *self.totals]))
@@ -140,20 +127,21 @@ class DerivedChannels:
             return None
         return DerivedValue(channel, value, channel.unit, time, inputs, since, gaps)
 
-    def columns(self, rows: SampleRows) -> dict[str, Column]:
+    def columns(self, times: Column, readings: Mapping[str, Column]) -> dict[str, Column]:
         """Return the columns for rows of samples, each value as `update` gives it; NaN is missing.
 
+        `readings`: by the parameter's name, corrected, as long as `times`; flags are 0 and 1.
         Calls follow each other in time, and totals continue from one to the next.
         """
         import numpy as np
 
-        missing = np.full(len(rows.times), nan)
+        missing = np.full(len(times), nan)
         inputs = {name for channel, _ in self._steps for name in channel.inputs}
-        values = {name: rows.values.get(name, missing) for name in inputs}
+        values = {name: readings.get(name, missing) for name in inputs}
         for channel, calculation in self._steps:
             column = calculation.column(values)
             if integral := self.totals.get(channel.name):
-                column = integral.add_column(rows.times, column)
+                column = integral.add_column(times, column)
             values[channel.name] = column
         return {channel.name: values[channel.name] for channel in self.channels}
 
@@ -243,7 +231,7 @@ def _steps(catalog: Catalog, names: Iterable[str]) -> list[tuple[Derived, Calcul
     return [(each, each.calculation()) for each in in_order(catalog.derived, list(names))]
 
 
-def _required(catalog: Catalog, names: Iterable[str]) -> tuple[str, ...]:
-    """Return the parameters that these channels need, in the order of the catalog."""
+def required_by(catalog: Catalog, names: Iterable[str]) -> tuple[str, ...]:
+    """Return the parameters that these derived channels need, in the order of the catalog."""
     needed = {name for channel in in_order(catalog.derived, list(names)) for name in channel.inputs}
     return tuple(each.name for each in catalog.parameters if each.name in needed)

@@ -18,8 +18,7 @@ from mikas.catalog.lookup import is_corrected
 from mikas.catalog.own.file import OwnCatalog
 from mikas.dashboard.errors import CatalogOutdated
 from mikas.errors import CatalogError
-from mikas.recording.table.channels import Rows
-from mikas.sampling.derived import DerivedChannels
+from mikas.sampling.derived import DerivedChannels, required_by
 
 if TYPE_CHECKING:
     from mikas.dashboard.session.history import Compute
@@ -85,7 +84,7 @@ def computing(catalog: Catalog, names: Sequence[str], interpretation: str) -> Co
     usable = [
         name
         for name in wanted
-        if gone.isdisjoint(needed := DerivedChannels(catalog, [name]).requires)
+        if gone.isdisjoint(needed := required_by(catalog, [name]))
         and all(is_corrected(catalog.parameter(each), interpretation) for each in needed)
     ]
     if not usable:
@@ -98,7 +97,7 @@ def computing(catalog: Catalog, names: Sequence[str], interpretation: str) -> Co
         times: Sequence[float], columns: Mapping[str, Sequence[float]]
     ) -> dict[str, Sequence[float]]:
         values = {name: np.array(column) for name, column in columns.items()}
-        made: dict[str, Any] = {**channels.columns(Rows(np.array(times), values))}
+        made: dict[str, Any] = {**channels.columns(np.array(times), values)}
         return made
 
     return compute

@@ -8,7 +8,7 @@ without values: otherwise a plot would join the samples on both sides.
 from __future__ import annotations
 
 from bisect import bisect_left
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from typing import TYPE_CHECKING, Any, Final
@@ -18,6 +18,7 @@ from mikas.cleaning import is_in_calendar
 from mikas.errors import usage_error
 from mikas.i18n import Text
 from mikas.recording.capture.clock import LONGEST
+from mikas.sampling.derived import required_by
 from mikas.sampling.events import Event, Gap
 
 if TYPE_CHECKING:
@@ -99,13 +100,10 @@ def named(catalog: Catalog, name: str) -> str:
     return found
 
 
-def is_recorded(name: str, catalog: Catalog, recorded: Iterable[str]) -> bool:
+def is_recorded(name: str, catalog: Catalog, recorded: Collection[str]) -> bool:
     """Return whether the channel, or all inputs of a derived one, are recorded."""
-    if name not in catalog.derived:
-        return name in recorded
-    from mikas.sampling.derived import DerivedChannels
-
-    return set(DerivedChannels(catalog, [name]).requires) <= set(recorded)
+    needed = required_by(catalog, [name]) if name in catalog.derived else (name,)
+    return all(each in recorded for each in needed)
 
 
 def all_channels(

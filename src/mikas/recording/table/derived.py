@@ -16,7 +16,7 @@ import numpy as np
 from mikas.catalog import Catalog
 from mikas.recording.exchanges.arrays import Floats
 from mikas.recording.table.channels import Rows
-from mikas.sampling.derived import DerivedChannels
+from mikas.sampling.derived import DerivedChannels, required_by
 
 FRESH: Final = 1.0  # s that a value holds for later responses
 LONGEST: Final = 10.0  # s of a cycle: one request a code, to a unit that needs 0.5 s for each
@@ -28,17 +28,15 @@ class Deriver:
     def __init__(self, catalog: Catalog, names: Iterable[str]) -> None:
         names = list(names)
         self._channels = DerivedChannels(catalog, names)
-        self._inputs = {
-            channel.name: DerivedChannels(catalog, [channel.name]).requires
-            for channel in self._channels.channels
-        }
+        self._requires = required_by(catalog, names)
+        self._inputs = {name: required_by(catalog, [name]) for name in names}
         self._last: dict[str, tuple[float, float]] = {}  # time, value
         self._step: dict[str, float] = {}  # s since the previous value
 
     def columns(self, rows: Rows) -> dict[str, Floats]:
         """Return a column for each name. `rows`: all recorded parameters, corrected."""
         missing = np.full(len(rows.times), np.nan)
-        inputs = {name: rows.values.get(name, missing) for name in self._channels.requires}
+        inputs = {name: rows.values.get(name, missing) for name in self._requires}
         is_row = np.zeros(len(rows.times), np.bool_)
         for column in rows.values.values():
             is_row |= np.isfinite(column)
@@ -47,7 +45,7 @@ class Deriver:
             name: np.where(is_row, self._held(name, rows.times, column, hold), np.nan)
             for name, column in inputs.items()
         }
-        derived = self._channels.columns(Rows(rows.times, {**rows.values, **held}))
+        derived = self._channels.columns(rows.times, {**rows.values, **held})
         for name, column in derived.items():
             new = np.zeros(len(column), np.bool_)
             for source in self._inputs[name]:

@@ -20,8 +20,8 @@ import numpy as np
 from mikas.cancellation import check_cancelled
 from mikas.catalog import Catalog, Derived, Level, Parameter
 from mikas.errors import MikasError
+from mikas.recording.table.channels import Rows
 from mikas.sampling.alarms import Side
-from mikas.sampling.derived import SampleRows
 from mikas.sampling.events import AlarmChanged, Event, StateChanged, UnitFound
 
 if TYPE_CHECKING:
@@ -113,7 +113,7 @@ class AlarmCollector:
         self._catalog, self._events = catalog, events
         self._watches = [_LimitWatch(limit, catalog) for limit in limits_of(catalog, events)]
 
-    def add(self, rows: SampleRows) -> None:
+    def add(self, rows: Rows) -> None:
         """Add rows, parameters in the corrected interpretation."""
         for watch in self._watches:
             column = rows.values.get(watch.limit.name)

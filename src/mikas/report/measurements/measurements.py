@@ -13,6 +13,7 @@ import numpy as np
 
 from mikas.cancellation import check_cancelled
 from mikas.catalog import Catalog
+from mikas.recording.table.channels import Rows
 from mikas.report.measurements.alarms import Alarm, AlarmCollector, Channel
 from mikas.report.measurements.statistics import (
     BlockTimes,
@@ -21,7 +22,6 @@ from mikas.report.measurements.statistics import (
     ValueCounts,
 )
 from mikas.report.measurements.warm_idle import WarmIdle, WarmIdleFinder
-from mikas.sampling.derived import SampleRows
 from mikas.sampling.events import Event
 
 _FINER = 2  # decimals beyond those shown, for computed channels
@@ -74,7 +74,7 @@ class MeasurementCollector:
         self._ended: float | None = None
         self._rows = 0
 
-    def add(self, rows: SampleRows) -> None:
+    def add(self, rows: Rows) -> None:
         """Add rows, parameters in the corrected interpretation."""
         if not len(rows.times):
             return

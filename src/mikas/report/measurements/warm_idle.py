@@ -16,7 +16,7 @@ import numpy as np
 from mikas.cancellation import check_cancelled
 from mikas.guided.definition import IDLE_THROTTLE
 from mikas.i18n import Text
-from mikas.sampling.derived import SampleRows
+from mikas.recording.table.channels import Rows
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -126,7 +126,7 @@ class WarmIdleFinder:
         spans = tuple(each for each in self._spans if each[1] > each[0])
         return WarmIdle(spans, tuple(watch.result for watch in self._watches))
 
-    def find(self, rows: SampleRows) -> Mask:
+    def find(self, rows: Rows) -> Mask:
         """Return which of these rows are at warm idle, and settled."""
         times = rows.times
         if not times.size:
@@ -204,7 +204,7 @@ class _RuleWatch:
             self._instead,
         )
 
-    def holds(self, rows: SampleRows, passed: Column) -> Mask:
+    def holds(self, rows: Rows, passed: Column) -> Mask:
         """Return where the rule holds; `passed`: seconds since the previous row."""
         fits = np.zeros(rows.times.size, np.bool_)
         valid = fits.copy()
@@ -229,7 +229,7 @@ class ChannelWatch:
     most: float = -inf
     _last: tuple[float, float] = (-inf, nan)  # time and value
 
-    def look(self, rows: SampleRows) -> tuple[Mask, Mask]:
+    def look(self, rows: Rows) -> tuple[Mask, Mask]:
         """Where the channel's last value is fresh enough, and there within the rule."""
         column = rows.values.get(self.name) if self.name else None
         if column is None:
