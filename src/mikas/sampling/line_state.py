@@ -40,12 +40,7 @@ class LineTrigger(Enum):
 
 
 class ImpossibleTransition(RuntimeError):
-    """A bug: `event` cannot occur in `state`."""
-
-    def __init__(self, state: LineState | None, event: LineTrigger) -> None:
-        super().__init__(f"{event.name} cannot occur in state {state.name if state else 'None'}")
-        self.state = state
-        self.event = event
+    """A bug: the event cannot occur in the state."""
 
 
 _ALWAYS: Final[Mapping[LineTrigger, LineState | None]] = {
@@ -86,5 +81,6 @@ def following(state: LineState | None, event: LineTrigger) -> LineState | None:
     """Return the state after `event` in `state`. Raises `ImpossibleTransition`."""
     row = TRANSITIONS[state]
     if event not in row:
-        raise ImpossibleTransition(state, event)
+        name = state.name if state else "None"
+        raise ImpossibleTransition(f"{event.name} cannot occur in state {name}")
     return row[event]
