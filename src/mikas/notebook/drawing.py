@@ -19,16 +19,10 @@ from matplotlib.colors import to_rgb
 from matplotlib.ticker import FuncFormatter, Locator, MaxNLocator
 from matplotlib.transforms import ScaledTranslation
 
+from mikas.notebook import time_axis
 from mikas.notebook.interruptions import united
 from mikas.notebook.panes import DAY, NIGHT, Palette
 from mikas.notebook.picture import Picture, PlottedLine
-from mikas.notebook.time_axis import (
-    elapsed,
-    midnight_offset,
-    round_times,
-    step_of,
-    time_of_day,
-)
 from mikas.recording.formatting import short
 from mikas.recording.table.channels import calendar
 
@@ -328,13 +322,13 @@ class _RoundTimes(Locator):
 
     def tick_values(self, vmin: float, vmax: float) -> Any:  # noqa: ANN401  (as its base)
         zero = self._zero
-        origin = zero if calendar(zero) is None else midnight_offset(zero)
-        return [time - zero for time in round_times(zero + vmin, zero + vmax, origin)]
+        origin = zero if calendar(zero) is None else time_axis.midnight_offset(zero)
+        return [time - zero for time in time_axis.round_times(zero + vmin, zero + vmax, origin)]
 
 
 def _time_label(picture: Picture, seconds: float, _: object = None) -> str:
     """Return the label of a time: of the day, or since the first row."""
-    step = step_of(picture.begin, picture.end)
+    step = time_axis.step_of(picture.begin, picture.end)
     if calendar(picture.zero) is None:
-        return elapsed(seconds, step, picture.language)
-    return time_of_day(picture.zero + seconds, step, picture.language)
+        return time_axis.elapsed(seconds, step, picture.language)
+    return time_axis.time_of_day(picture.zero + seconds, step, picture.language)

@@ -17,16 +17,7 @@ from math import inf
 from mikas.i18n import Text
 from mikas.recording.annotations.events import catalog_note, note_of
 from mikas.recording.capture.notes import Note
-from mikas.sampling.events import (
-    CycleFailed,
-    Event,
-    FaultReading,
-    Gap,
-    PlanChanged,
-    Sampled,
-    StateChanged,
-    UnitFound,
-)
+from mikas.sampling import events
 
 
 class SessionAnnotator:
@@ -37,7 +28,7 @@ class SessionAnnotator:
     def __init__(
         self,
         interpretation: str = "corrected",
-        car: Callable[[UnitFound], Note | None] | None = None,
+        car: Callable[[events.UnitFound], Note | None] | None = None,
     ) -> None:
         self._interpretation = interpretation
         self._unit: Sequence[Note] = ()  # with the catalog's note
@@ -48,7 +39,7 @@ class SessionAnnotator:
         self._faults: tuple[int, ...] | None = None  # as noted last in this recording
         self._began = -inf  # of this recording
         self._values: float | None = None  # the latest in it
-        self._gap: Gap | None = None  # the present one
+        self._gap: events.Gap | None = None  # the present one
         self.samples = 0
         self.gaps = 0
 
@@ -71,28 +62,28 @@ class SessionAnnotator:
         if self._gap is not None:
             yield self._noted(replace(self._gap, ended=ended))
 
-    def notes_of(self, event: Event) -> Iterator[Note]:
+    def notes_of(self, event: events.Event) -> Iterator[Note]:
         """Yield the notes of `event`. Exhaust the iterator: it updates the annotator's state."""
         match event:
-            case Sampled():
+            case events.Sampled():
                 self.samples += 1
                 self._values = event.time
-            case CycleFailed():
+            case events.CycleFailed():
                 pass
-            case Gap():
+            case events.Gap():
                 yield from self._gap_changed(event)
-            case UnitFound():
+            case events.UnitFound():
                 yield from self._found(event)
-            case PlanChanged():
+            case events.PlanChanged():
                 yield from self._decoded_by(event)
                 self._plan = note_of(event, self._interpretation)
                 yield self._plan
-            case StateChanged():
+            case events.StateChanged():
                 self._state = note_of(event)
                 yield self._state
-            case FaultReading(codes=codes, routine=True) if codes == self._faults:
+            case events.FaultReading(codes=codes, routine=True) if codes == self._faults:
                 pass
-            case FaultReading(codes=codes):
+            case events.FaultReading(codes=codes):
                 self._faults = codes
                 yield note_of(event)
             case _:
@@ -102,10 +93,10 @@ class SessionAnnotator:
         """Begin a gap: the connection is left for a while, for `reason`."""
         if self._gap is None:
             began = time if self._values is None else self._values
-            self._gap = Gap(time, began, None, reason)
+            self._gap = events.Gap(time, began, None, reason)
             self.gaps += 1
 
-    def _gap_changed(self, gap: Gap) -> Iterator[Note]:
+    def _gap_changed(self, gap: events.Gap) -> Iterator[Note]:
         if self._gap is None and gap.began < self._began and gap.ended is not None:
             return  # a pause from before this recording
         self.gaps += self._gap is None
@@ -113,17 +104,17 @@ class SessionAnnotator:
         if gap.ended is not None:
             yield self._noted(gap)
 
-    def _noted(self, gap: Gap) -> Note:
+    def _noted(self, gap: events.Gap) -> Note:
         return note_of(replace(gap, began=max(gap.began, self._began)))
 
-    def _decoded_by(self, event: PlanChanged) -> Iterator[Note]:
+    def _decoded_by(self, event: events.PlanChanged) -> Iterator[Note]:
         """Yield the note of another catalog: the user changed it in mid-session."""
         note = catalog_note(event.time, event.catalog)
         if self._unit and event.catalog and note.data != self._unit[-1].data:
             self._unit = [*self._unit[:-1], note]
             yield note
 
-    def _found(self, event: UnitFound) -> Iterator[Note]:
+    def _found(self, event: events.UnitFound) -> Iterator[Note]:
         if event.another:
             self._plan = None
         catalog = catalog_note(event.time, event.catalog)

@@ -15,26 +15,17 @@ from typing import Final
 
 import numpy as np
 from asammdf import MDF, Signal
+from asammdf.blocks import v4_constants as v4
 from asammdf.blocks.v4_blocks import EventBlock
-from asammdf.blocks.v4_constants import (
-    EVENT_CAUSE_ERROR,
-    EVENT_CAUSE_TOOL,
-    EVENT_CAUSE_USER,
-    EVENT_RANGE_TYPE_BEGINNING,
-    EVENT_RANGE_TYPE_END,
-    EVENT_RANGE_TYPE_POINT,
-    EVENT_TYPE_ACQUISITION_INTERRUPT,
-    EVENT_TYPE_MARKER,
-)
 
 from mikas.recording.export.sheet import Column, Sheet, program
 
 _PACKED: Final = 2
 _EVENTS: Final = {
-    "marker": (EVENT_TYPE_MARKER, EVENT_CAUSE_USER),
-    "note": (EVENT_TYPE_MARKER, EVENT_CAUSE_USER),
-    "alarm": (EVENT_TYPE_MARKER, EVENT_CAUSE_TOOL),
-    "gap": (EVENT_TYPE_ACQUISITION_INTERRUPT, EVENT_CAUSE_ERROR),
+    "marker": (v4.EVENT_TYPE_MARKER, v4.EVENT_CAUSE_USER),
+    "note": (v4.EVENT_TYPE_MARKER, v4.EVENT_CAUSE_USER),
+    "alarm": (v4.EVENT_TYPE_MARKER, v4.EVENT_CAUSE_TOOL),
+    "gap": (v4.EVENT_TYPE_ACQUISITION_INTERRUPT, v4.EVENT_CAUSE_ERROR),
 }
 """The type and the cause of an event, by the kind of moment."""
 _UNKNOWN = datetime(1970, 1, 1, tzinfo=UTC)
@@ -82,9 +73,9 @@ def _add_events(mdf: MDF, sheet: Sheet) -> None:
         event = _event(moment.kind, moment.time, text.to(sheet.language), f"{moment.kind}: {both}")
         events.append(event)
         if moment.ended is not None:
-            event.range_type = EVENT_RANGE_TYPE_BEGINNING
+            event.range_type = v4.EVENT_RANGE_TYPE_BEGINNING
             end = _event(moment.kind, moment.ended, event.name, event.comment)
-            end.range_type = EVENT_RANGE_TYPE_END
+            end.range_type = v4.EVENT_RANGE_TYPE_END
             end["range_start"] = len(events) - 1  # an index; saving makes it a link
             events.append(end)
 
@@ -95,7 +86,7 @@ def _event(kind: str, time: float, name: str, comment: str) -> EventBlock:
         event_type=event_type,
         cause=cause,
         flags=0,
-        range_type=EVENT_RANGE_TYPE_POINT,
+        range_type=v4.EVENT_RANGE_TYPE_POINT,
         sync_base=round(time * 1e6),
         sync_factor=1e-6,
     )
