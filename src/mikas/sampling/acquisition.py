@@ -18,19 +18,11 @@ from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import Future
 from typing import TypeVar
 
+from mikas import errors
 from mikas.catalog import Catalog, Derived, Parameter
 from mikas.client import Ecu
 from mikas.client.identity import UnitIdentity
 from mikas.client.parameters.polling import FixedMethod, fixed_method
-from mikas.errors import (
-    LineNotQuiet,
-    LinkLost,
-    MikasError,
-    NoConnection,
-    RecordingOver,
-    SyncLost,
-    UsageError,
-)
 from mikas.link import Link
 from mikas.link.reconnecting import ReconnectingPort
 from mikas.sampling.events import Event, MethodChosen
@@ -111,7 +103,7 @@ class Acquisition:
         return self._context.plan
 
     @property
-    def unended(self) -> LineNotQuiet | None:
+    def unended(self) -> errors.LineNotQuiet | None:
         """The error of a stream that the unit did not end (D12) when `run` was closed."""
         return self._context.unended
 
@@ -151,7 +143,7 @@ class Acquisition:
         self._catalog = catalog or before
         try:
             self._context.latest = self._request(names, method, rate)
-        except UsageError:
+        except errors.UsageError:
             self._catalog = before
             raise
 
@@ -197,13 +189,13 @@ class Acquisition:
         """
         self._context.start_run()
         self._context.jobs.open()
-        failure: MikasError | None = None
+        failure: errors.MikasError | None = None
         try:
             while not self._context.stopped:
                 link = yield from self._supervisor.open_port()
                 if link is not None:
                     yield from self._use_link(link)
-        except MikasError as error:
+        except errors.MikasError as error:
             failure = error
             raise
         finally:
@@ -217,9 +209,9 @@ class Acquisition:
                     ecu = yield from self._supervisor.find_unit(link)
                     if ecu is not None:
                         yield from self._use_unit(ecu)
-            except RecordingOver:
+            except errors.RecordingOver:
                 raise  # a replay does not continue
-            except LinkLost as error:
+            except errors.LinkLost as error:
                 yield from self._supervisor.port_lost(error, link.now())
 
     def _use_unit(self, ecu: Ecu) -> Iterator[Event]:
@@ -229,9 +221,9 @@ class Acquisition:
             self._unsupported.dropped.reconnected()
             try:
                 yield from self._sample(ecu)
-            except LinkLost:
+            except errors.LinkLost:
                 raise
-            except (NoConnection, SyncLost) as error:
+            except (errors.NoConnection, errors.SyncLost) as error:
                 answers = yield from self._supervisor.find_unit_again(ecu, error)
 
     def _sample(self, ecu: Ecu) -> Iterator[Event]:

@@ -22,19 +22,8 @@ from mikas.client import Ecu
 from mikas.client.identity import UnitIdentity
 from mikas.errors import MikasError
 from mikas.i18n import Text
+from mikas.sampling import events
 from mikas.sampling.acquisition import Acquisition
-from mikas.sampling.events import (
-    AdapterMoved,
-    Event,
-    FaultReading,
-    Gap,
-    MethodChosen,
-    ParameterDropped,
-    ParameterReturned,
-    Sampled,
-    StateChanged,
-    UnitFound,
-)
 from mikas.sampling.fault_watch import IN_STREAMS, FaultWatch
 from mikas.sampling.gaps import GapTracker
 
@@ -53,10 +42,10 @@ class SamplingSession:
 
     def __init__(
         self,
-        record: Callable[[Event], object] = lambda _: None,
+        record: Callable[[events.Event], object] = lambda _: None,
         *,
         in_streams: float | None = IN_STREAMS,
-        on_faults: Callable[[FaultReading], None] | None = None,
+        on_faults: Callable[[events.FaultReading], None] | None = None,
     ) -> None:
         self.unit: UnitIdentity | None = None
         """The unit found last, on any connection: `before` of the next acquisition."""
@@ -71,34 +60,34 @@ class SamplingSession:
         self._on_faults = on_faults or self._keep
         self.faults = FaultWatch(in_streams)
         """Knows the readings that it did not make by `know`, in the sampling thread."""
-        self._readings: deque[FaultReading] = deque()  # made by jobs, to be yielded
+        self._readings: deque[events.FaultReading] = deque()  # made by jobs, to be yielded
         self._gaps = GapTracker()
-        self._open: Gap | None = None  # as the recorder has it
+        self._open: events.Gap | None = None  # as the recorder has it
         self._lock = threading.Lock()  # of the tracker
 
-    def run(self, acquisition: Acquisition) -> Generator[Event, None, None]:
+    def run(self, acquisition: Acquisition) -> Generator[events.Event, None, None]:
         """Yield the events of a connection, recorded before. Raises as `Acquisition.run`."""
         self.begin(acquisition)
-        with closing(acquisition.run()) as events:
-            for event in events:
+        with closing(acquisition.run()) as found:
+            for event in found:
                 yield from self.events_of(event)
 
     def begin(self, acquisition: Acquisition) -> None:
         """Begin a connection: `acquisition` gives the events for `events_of` from here on."""
         self._acquisition, self.samples, self._answers = acquisition, 0, False
 
-    def events_of(self, event: Event) -> Iterator[Event]:
+    def events_of(self, event: events.Event) -> Iterator[events.Event]:
         """Yield the events before `event` that it completes, and `event`; to be exhausted.
 
         All are recorded before the first is yielded. Afterwards the faults are read, if due.
         """
-        if isinstance(event, Sampled):
+        if isinstance(event, events.Sampled):
             self.samples += 1
         else:
             log(event)
-        if isinstance(event, StateChanged):
+        if isinstance(event, events.StateChanged):
             self._answers = not event.is_broken
-        elif isinstance(event, UnitFound):
+        elif isinstance(event, events.UnitFound):
             self.unit = event.identity
             if self._acquisition is not None:
                 self._acquisition.port.wire.echoes = event.echo is not False
@@ -119,7 +108,7 @@ class SamplingSession:
         """The bytes on the wire of the present connection, or the last one."""
         return 0 if self._acquisition is None else self._acquisition.port.wire.bytes
 
-    def leave(self, time: float, reason: Text, error: MikasError | None = None) -> list[Gap]:
+    def leave(self, time: float, reason: Text, error: MikasError | None = None) -> list[events.Gap]:
         """End a connection, by `error` or for `reason`; return the gap that ends with it.
 
         The time until the values of the next connection is a gap for that reason.
@@ -135,7 +124,7 @@ class SamplingSession:
         with self._lock:
             self._gaps.pause(reason)
 
-    def silence(self, now: float) -> Gap | None:
+    def silence(self, now: float) -> events.Gap | None:
         """Return the present gap if the last values are too old at `now` while connected.
 
         Its reason is None if it is not known yet.
@@ -166,16 +155,16 @@ class SamplingSession:
         if not self.faults.refused and (reading := self.faults.read(ecu, routine=routine)):
             self._on_faults(reading)
 
-    def readings(self) -> Iterator[FaultReading]:
+    def readings(self) -> Iterator[events.FaultReading]:
         """Yield the readings that were made since the last event."""
         while self._readings:
             yield self._readings.popleft()
 
-    def _keep(self, reading: FaultReading) -> None:
+    def _keep(self, reading: events.FaultReading) -> None:
         self.record(reading)
         self._readings.append(reading)
 
-    def _record(self, gaps: list[Gap]) -> None:
+    def _record(self, gaps: list[events.Gap]) -> None:
         """Record the gaps that are over, and the open one if it or its reason is new."""
         for gap in gaps:
             log(gap)
@@ -187,7 +176,7 @@ class SamplingSession:
             self.record(self._open)
 
 
-def log(event: Event) -> None:
+def log(event: events.Event) -> None:
     """Log `event` at INFO: a state, a unit, a method, a refused parameter, a gap.
 
     Values and single failed cycles are not logged; `mikas.tester` logs the frames at DEBUG. With
@@ -196,25 +185,25 @@ def log(event: Event) -> None:
     if not _logger.isEnabledFor(logging.INFO):
         return
     match event:
-        case Gap(ended=None, reason=reason):
+        case events.Gap(ended=None, reason=reason):
             _logger.info("gap began: %s", reason.en if reason else "unknown")
-        case Gap(began=began, ended=float() as ended, reason=reason):
+        case events.Gap(began=began, ended=float() as ended, reason=reason):
             why = reason.en if reason else "unknown"
             _logger.info("gap ended after %.1f s: %s", ended - began, why)
-        case StateChanged(text=text, reason=reason):
+        case events.StateChanged(text=text, reason=reason):
             _logger.info("state: %s%s", text.en, f" ({reason.en})" if reason else "")
-        case AdapterMoved(text=text):
+        case events.AdapterMoved(text=text):
             _logger.info("%s", text.en)
-        case UnitFound(version_code=code, passport=passport, another=another):
+        case events.UnitFound(version_code=code, passport=passport, another=another):
             pieces = ", ".join(filter(None, passport.pieces)) if passport else ""
             new = "another unit" if another else "unit"
             _logger.info("%s: version %02X, passport: %s", new, code or 0, pieces or "none")
-        case MethodChosen(method=method, rates=rates):
+        case events.MethodChosen(method=method, rates=rates):
             measured = ", ".join(f"{name} {rate:.1f}/s" for name, rate in rates.items())
             _logger.info("method: %s%s", method, f" (measured: {measured})" if measured else "")
-        case ParameterDropped(name=name):
+        case events.ParameterDropped(name=name):
             _logger.info("no valid answer for %s: dropped", name)
-        case ParameterReturned(name=name):
+        case events.ParameterReturned(name=name):
             _logger.info("%s is answered again", name)
         case _:
             pass

@@ -11,21 +11,10 @@ from dataclasses import dataclass
 from math import inf
 from typing import NamedTuple
 
+from mikas import errors
 from mikas.client import Ecu, Reading
 from mikas.client.identity import UnitIdentity
 from mikas.commands import Availability
-from mikas.errors import (
-    EcuRefused,
-    LineError,
-    LineFlooded,
-    LinkLost,
-    MikasError,
-    NoConnection,
-    NoResponse,
-    NotAKLineAdapter,
-    SyncLost,
-    WrongLength,
-)
 from mikas.link import Link
 from mikas.link.reconnecting import ReconnectingPort
 from mikas.link.urls import parse
@@ -76,7 +65,7 @@ class ConnectionSupervisor:
         self.ecu: Ecu | None = None
         """The `Ecu` on the open link; None until a unit answers."""
         self.context.identity_check.compare = self._verify
-        self._reported: type[MikasError] | None = None  # the reason reported with `state`
+        self._reported: type[errors.MikasError] | None = None  # the reason reported with `state`
         self._listening_since = inf  # when the port was opened, until something was sent on it
         self._unnamed: _Unnamed | None = None
         self._answered = -inf  # when a unit answered after the latest silence or lost port
@@ -91,19 +80,20 @@ class ConnectionSupervisor:
                 if (name := parse(self.port.url).name) != before:
                     yield AdapterMoved(link.now(), name, before)
                 return link
-            except NoConnection as error:
+            except errors.NoConnection as error:
                 yield from self._broken(LineTrigger.PORT_MISSING, self.port.now(), error)
                 self.port.wait(_RETRY_PORT)
         return None
 
-    def port_lost(self, error: LinkLost, time: float) -> Iterator[Event]:
+    def port_lost(self, error: errors.LinkLost, time: float) -> Iterator[Event]:
         """Report that the open port failed, and wait. Raises `error` with `strict` before a sample.
 
         Without the wait, a port that opens and fails at once would be opened without end.
         """
         self.ecu = None
         yield from self._broken(LineTrigger.PORT_LOST, time, error)
-        until = self.port.now() + (_FLOODED if isinstance(error, LineFlooded) else _RETRY_PORT)
+        pause = _FLOODED if isinstance(error, errors.LineFlooded) else _RETRY_PORT
+        until = self.port.now() + pause
         while not self.context.stopped and (left := until - self.port.now()) > 0:
             self.port.wait(min(left, _RETRY_PORT))
             self.context.jobs.fail(error)
@@ -125,15 +115,15 @@ class ConnectionSupervisor:
         return ecu
 
     def find_unit_again(
-        self, ecu: Ecu, error: NoConnection | SyncLost
+        self, ecu: Ecu, error: errors.NoConnection | errors.SyncLost
     ) -> Generator[Event, None, bool]:
         """After `error`, wait for a unit; return whether it is that of `ecu`.
 
         Also False if sampling was stopped.
         """
-        yield from self._no_answer(ecu, error)
+        yield from self._broken(trigger_of(error), ecu.tester.link.now(), error)
         # A unit that cannot be resynchronized may be one of another version.
-        unit = yield from self._wait_for_answer(ecu, again=not isinstance(error, SyncLost))
+        unit = yield from self._wait_for_answer(ecu, again=not isinstance(error, errors.SyncLost))
         if unit is None or self._is_another(unit):
             return False
         self.unit = unit
@@ -141,7 +131,7 @@ class ConnectionSupervisor:
         return True
 
     def process(
-        self, event: LineTrigger, time: float, error: MikasError | None = None
+        self, event: LineTrigger, time: float, error: errors.MikasError | None = None
     ) -> Iterator[Event]:
         """Enter the state after `event`; report a change of state or of the kind of `error`."""
         before, self.state = self.state, following(self.state, event)
@@ -175,11 +165,11 @@ class ConnectionSupervisor:
                 else:
                     unit = self._identify(ecu)
                     yield from self.process(LineTrigger.IDENTIFIED, ecu.tester.link.now())
-            except (LinkLost, NotAKLineAdapter):
+            except (errors.LinkLost, errors.NotAKLineAdapter):
                 raise
-            except (NoConnection, LineError) as error:
+            except (errors.NoConnection, errors.LineError) as error:
                 again = False
-                yield from self._no_answer(ecu, error)
+                yield from self._broken(trigger_of(error), ecu.tester.link.now(), error)
             else:
                 self.context.identity_check.confirm(ecu)
                 return unit
@@ -238,7 +228,7 @@ class ConnectionSupervisor:
         if self._is_another(unit):
             once, unit = unit, UnitIdentity(ecu.version_code, ecu.passports.read())
             if not once.may_be(unit):
-                raise SyncLost(time=ecu.tester.link.now())
+                raise errors.SyncLost(time=ecu.tester.link.now())
             return unit
         return unit.filled_from(self._known) if self._known else unit
 
@@ -246,16 +236,13 @@ class ConnectionSupervisor:
         """Raise `SyncLost` unless `unit` certainly answers; `NoConnection` if no unit does."""
         try:
             unit = self._identify(ecu)
-        except LineError as error:
-            raise SyncLost(time=ecu.tester.link.now()) from error
+        except errors.LineError as error:
+            raise errors.SyncLost(time=ecu.tester.link.now()) from error
         if self._is_another(unit):
-            raise SyncLost(time=ecu.tester.link.now())
-
-    def _no_answer(self, ecu: Ecu, error: NoConnection | LineError) -> Iterator[Event]:
-        yield from self._broken(trigger_of(error), ecu.tester.link.now(), error)
+            raise errors.SyncLost(time=ecu.tester.link.now())
 
     def _broken(
-        self, event: LineTrigger, time: float, error: NoConnection | LineError
+        self, event: LineTrigger, time: float, error: errors.NoConnection | errors.LineError
     ) -> Iterator[Event]:
         context = self.context
         context.jobs.fail(error)
@@ -293,9 +280,9 @@ class FirstValues:
         parameters = [planned.parameter for planned in self.plan.parameters]
         try:
             fresh = self._ecu.parameters.at_once(parameters)
-        except (EcuRefused, NoResponse, WrongLength, SyncLost):
+        except (errors.EcuRefused, errors.NoResponse, errors.WrongLength, errors.SyncLost):
             fresh, self._works = {}, False
-        except LineError:  # damage is no refusal
+        except errors.LineError:  # damage is no refusal
             fresh = {}
         self._due = now() + _PAUSE
         return fresh

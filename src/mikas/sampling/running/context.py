@@ -112,7 +112,9 @@ class SamplingContext:
         """Report `plan`, unless it was reported for the request."""
         if not self.is_reported or self.plan != plan:
             self.is_reported, self.plan = True, plan
-            self._forget_values_outside(plan)
+            names = {planned.parameter.name for planned in plan.parameters}
+            # Values of other parameters are not stale but invalid.
+            self._last = {name: r for name, r in self._last.items() if name in names}
             ended = self._adopt_selection(time)
             yield PlanChanged(time, plan, self.request.selection.catalog.version)
             yield from ended
@@ -165,11 +167,6 @@ class SamplingContext:
 
     def _schedule_after(self, time: float, period: float) -> None:
         self.due = next_due(time if self.due == -inf else self.due, time, period)
-
-    def _forget_values_outside(self, plan: Plan) -> None:
-        """Forget values of parameters outside `plan`, which are not stale but invalid."""
-        names = {planned.parameter.name for planned in plan.parameters}
-        self._last = {name: r for name, r in self._last.items() if name in names}
 
     def wait_until_due(self, ecu: Ecu, due: float | None = None) -> bool:
         """Wait until `due`, by default the next cycle; False: a job or a request came first."""

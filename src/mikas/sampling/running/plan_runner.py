@@ -7,19 +7,11 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from mikas import errors
 from mikas.catalog import Parameter
 from mikas.client import Ecu, Reading
 from mikas.client.parameters.polling import STREAMS, Turn, create_poller
 from mikas.commands import Datum
-from mikas.errors import (
-    EcuRefused,
-    LineError,
-    LineNotQuiet,
-    MikasError,
-    NoConnection,
-    NoResponse,
-    SyncLost,
-)
 from mikas.sampling.events import CycleFailed, Event
 from mikas.sampling.plan import Plan, datum_of
 from mikas.sampling.running.context import IdentityCheck, SamplingContext
@@ -76,7 +68,7 @@ class PlanCycles:
         then = self._of(number + 1).turns[:1] if goes_on else ()
         try:
             fresh = self.poller.cycle(self._of(number).turns, *then)
-        except NoResponse:
+        except errors.NoResponse:
             if self._streams:
                 self._identity_check.suspect()
             raise
@@ -163,7 +155,7 @@ class PlanRunner:
                 yield from self._cycle(cycles, number, goes_on=goes_on)
                 number += 1
         finally:
-            with suppress(LineError):  # the next exchange finds the line's fault
+            with suppress(errors.LineError):  # the next exchange finds the line's fault
                 self._close()
         return False
 
@@ -183,7 +175,7 @@ class PlanRunner:
     def _close(self) -> None:
         try:
             self._cycles.poller.close()
-        except LineNotQuiet as error:
+        except errors.LineNotQuiet as error:
             self.context.unended = error  # there may be no next exchange (D12)
             raise
 
@@ -195,9 +187,9 @@ class PlanRunner:
             return
         try:
             fresh = cycles.run(number, goes_on=goes_on)
-        except (NoConnection, SyncLost):
+        except (errors.NoConnection, errors.SyncLost):
             raise
-        except MikasError as error:
+        except errors.MikasError as error:
             yield CycleFailed(
                 self._now(), explained(self.ecu, cycles.plan, error, worked=self._worked)
             )
@@ -214,13 +206,13 @@ class PlanRunner:
             refuses = cycles.ecu.parameters.refuses
             self._over |= any(refuses([p.parameter]) for p in self._plan.parameters)
 
-    def _handle_failure(self, error: MikasError, cycles: PlanCycles) -> Iterator[Event]:
+    def _handle_failure(self, error: errors.MikasError, cycles: PlanCycles) -> Iterator[Event]:
         """Find whether the line, a parameter or the method causes `error`."""
         strict = self.context.strict and not self.context.has_sampled
-        if strict and self.context.request.method and not isinstance(error, LineError):
+        if strict and self.context.request.method and not isinstance(error, errors.LineError):
             raise error
         self._failures += 1
-        if not isinstance(error, LineError | EcuRefused):
+        if not isinstance(error, errors.LineError | errors.EcuRefused):
             self._refusals = _REFUSALS  # not confirmed by the user
         elif cycles.poller.is_refusal(error):
             self._refusals += 1
@@ -257,5 +249,5 @@ class PlanRunner:
     def _pause(self) -> Generator[Event, None, None]:
         try:
             self._cycles.poller.close()
-        except LineError as error:
+        except errors.LineError as error:
             yield CycleFailed(self._now(), error)

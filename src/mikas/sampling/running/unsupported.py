@@ -16,19 +16,12 @@ from collections.abc import Collection, Generator, Iterator
 from enum import Enum
 from math import inf
 
+from mikas import errors
 from mikas.client import Ecu
 from mikas.client.parameters.data import COMMON, refused
 from mikas.client.parameters.polling import STREAMS
 from mikas.client.parameters.silence import SilenceCheck
 from mikas.commands import Datum, ReadParameters
-from mikas.errors import (
-    LineError,
-    MikasError,
-    NoResponse,
-    NotSupported,
-    SyncLost,
-    WrongLength,
-)
 from mikas.framing import Decoder, Frame
 from mikas.i18n import Text
 from mikas.sampling.events import CycleFailed, Event, ParameterDropped, ParameterReturned
@@ -67,11 +60,11 @@ class UnsupportedParameters:
             try:
                 yield from self._try(ecu, plan)
                 break
-            except LineError as error:
+            except errors.LineError as error:
                 yield CycleFailed(ecu.tester.link.now(), error)
                 if attempt == _ATTEMPTS:
                     return plan  # on a bad line refusals are not known
-            except NotSupported as error:
+            except errors.NotSupported as error:
                 dropped = yield from self.drop_unsupported(ecu, plan)
                 if not dropped and self._context.is_current:
                     yield from self._all_refused(ecu, error)
@@ -102,7 +95,7 @@ class UnsupportedParameters:
         left = tuple(p for p in requested if datum_of(p.parameter) not in context.refused)
         return Plan(left, max_list=context.knowledge.max_list) if left else None
 
-    def _all_refused(self, ecu: Ecu, error: MikasError) -> Generator[Event, None, None]:
+    def _all_refused(self, ecu: Ecu, error: errors.MikasError) -> Generator[Event, None, None]:
         if not self._context.has_sampled:
             raise error
         yield CycleFailed(ecu.tester.link.now(), error)
@@ -144,9 +137,9 @@ class UnsupportedParameters:
                     queue.append(datum)
                 if going:
                     yield from self._rest(ecu, plan, answered)
-        except SyncLost:
+        except errors.SyncLost:
             raise
-        except LineError as error:
+        except errors.LineError as error:
             yield CycleFailed(ecu.tester.link.now(), error)
             return False
         refusing = refusing.intersection(planned) if answered else set()
@@ -160,9 +153,9 @@ class UnsupportedParameters:
             return
         try:
             answers = _probe(ecu, datum) is ProbeResult.DATUM
-        except SyncLost:
+        except errors.SyncLost:
             raise
-        except LineError:
+        except errors.LineError:
             return  # later
         if answers:
             self._context.refused.discard(datum)
@@ -258,19 +251,19 @@ def _probe(ecu: Ecu, datum: Datum) -> ProbeResult:
         try:
             ecu.tester.exchange(command, retries=0, trial=True)
             break
-        except NotSupported as error:
+        except errors.NotSupported as error:
             return ProbeResult.REFUSED if error.received else ProbeResult.SILENCE
-        except (NoResponse, WrongLength):
+        except (errors.NoResponse, errors.WrongLength):
             return ProbeResult.SILENCE
-        except LineError:
+        except errors.LineError:
             if attempt == _ATTEMPTS:
                 raise
     return ProbeResult.DATUM
 
 
-def explained(ecu: Ecu, plan: Plan, error: MikasError, *, worked: bool) -> MikasError:
+def explained(ecu: Ecu, plan: Plan, error: errors.MikasError, *, worked: bool) -> errors.MikasError:
     """Return `error`, or the true refusal of this unit. `worked`: `plan` gave readings before."""
-    frames = Decoder().feed(error.request or b"") if isinstance(error, NotSupported) else []
+    frames = Decoder().feed(error.request or b"") if isinstance(error, errors.NotSupported) else []
     bodies = [frame.body for frame in frames if isinstance(frame, Frame)]
     if not bodies:
         return error
@@ -283,13 +276,13 @@ def explained(ecu: Ecu, plan: Plan, error: MikasError, *, worked: bool) -> Mikas
     return refusal
 
 
-def _refusal(plan: Plan, code: int, codes: list[int]) -> NotSupported:
+def _refusal(plan: Plan, code: int, codes: list[int]) -> errors.NotSupported:
     names = [p.parameter.name for p in plan.parameters if p.parameter.code in codes]
     if code in ReadParameters.CODES and len(set(codes)) == 1 and names:
         return refused(", ".join(names), codes[0])
     kind = Text("a stream", "потока") if plan.method in STREAMS else Text("a list", "списка")
     count = len(set(codes)) or len(plan.fast)  # 63 names none
-    return NotSupported(
+    return errors.NotSupported(
         command=Text(
             f"{kind.en} ({code:02X}) of these parameters ({count})",
             f"{kind.ru} ({code:02X}) из этих параметров ({count})",
