@@ -33,10 +33,9 @@ INBOUND: Final = 1  # epb_flags, bits 0-1
 OUTBOUND: Final = 2
 
 _ORDER_MAGIC: Final = 0x1A2B3C4D
-_ORDERS: Final[dict[bytes, Order]] = {
-    struct.pack("<I", _ORDER_MAGIC): "<",
-    struct.pack(">I", _ORDER_MAGIC): ">",
-}
+_UNKNOWN_LENGTH: Final = -1  # of a section
+BYTE_ORDERS: Final = {struct.pack(order + "I", _ORDER_MAGIC): order for order in ORDERS}
+"""By bytes 8 to 11 of a section's header."""
 _MICROSECONDS: Final = 6
 _END = 0
 _LONGEST: Final = 0xFFFF  # characters of a text, as of the bytes of one option
@@ -124,12 +123,17 @@ _OPTIONS: Final[dict[type[Block], dict[int, tuple[str, str]]]] = {
 def encode(block: Block, order: Order = "<") -> bytes:
     """Return the whole block, to be appended to a file."""
     match block:
-        case Section():
-            kind, body = SECTION, _section_body(block, order)
-        case Interface():
-            kind, body = INTERFACE, _interface_body(block, order)
-        case EnhancedPacket():
-            kind, body = ENHANCED, _enhanced_body(block, order)
+        case Section(version=version):
+            head = struct.pack(order + "IHHq", _ORDER_MAGIC, *version, _UNKNOWN_LENGTH)
+            kind, body = SECTION, head + _options(block, order)
+        case Interface(link_type):
+            head = struct.pack(order + "HHI", link_type, 0, 0)
+            kind, body = INTERFACE, head + _options(block, order)
+        case EnhancedPacket(interface, ticks, data):
+            captured = len(data)
+            high, low = divmod(ticks, 1 << 32)
+            head = struct.pack(order + "5I", interface, high, low, captured, captured + block.cut)
+            kind, body = ENHANCED, head + _padded(data) + _options(block, order)
         case SimplePacket(data):
             kind, body = SIMPLE, struct.pack(order + "I", len(data)) + _padded(data)
         case Custom(enterprise, data, private):
@@ -148,36 +152,14 @@ def parse(kind: int, body: bytes, order: Order) -> Block | None:
         raise Malformed(str(error)) from error
 
 
-def byte_order(magic: bytes) -> Order | None:
-    """Return the byte order of a section by bytes 8 to 11 of its header; None for other bytes."""
-    return _ORDERS.get(magic)
-
-
-def _section_body(section: Section, order: Order) -> bytes:
-    unknown_length = -1
-    head = struct.pack(order + "IHHq", _ORDER_MAGIC, *section.version, unknown_length)
-    return head + _options(section, order)
-
-
 def _section(body: bytes, order: Order) -> Section:
     _, major, minor, _ = struct.unpack_from(order + "IHHq", body)
     return Section(**_fields(Section, body[16:], order), version=(major, minor))
 
 
-def _interface_body(interface: Interface, order: Order) -> bytes:
-    return struct.pack(order + "HHI", interface.link_type, 0, 0) + _options(interface, order)
-
-
 def _interface(body: bytes, order: Order) -> Interface:
     link_type, _, _ = struct.unpack_from(order + "HHI", body)
     return Interface(link_type, **_fields(Interface, body[8:], order))
-
-
-def _enhanced_body(packet: EnhancedPacket, order: Order) -> bytes:
-    captured = len(packet.data)
-    high, low = divmod(packet.ticks, 1 << 32)
-    fields = (packet.interface, high, low, captured, captured + packet.cut)
-    return struct.pack(order + "5I", *fields) + _padded(packet.data) + _options(packet, order)
 
 
 def _enhanced(body: bytes, order: Order) -> EnhancedPacket:
@@ -226,7 +208,8 @@ def _fields(block: type[Block], data: bytes, order: Order) -> dict[str, Any]:
         if form:
             fields[name] = _number(value, order + form)
         elif name:
-            texts.setdefault(name, []).append(_string(value))
+            line = value.decode("utf-8", "replace").rstrip("\0")
+            texts.setdefault(name, []).append(line)
     for name, lines in texts.items():
         fields[name] = clean_text("\n".join(lines), _LONGEST)
     return fields
@@ -248,10 +231,6 @@ def _read_options(data: bytes, order: Order) -> Iterator[tuple[int, bytes]]:
 def _text(text: str) -> bytes:
     """Return UTF-8, cut between two characters to the 65,535 bytes of an option."""
     return text.encode("utf-8", "replace")[:0xFFFF].decode("utf-8", "ignore").encode()
-
-
-def _string(value: bytes) -> str:
-    return value.decode("utf-8", "replace").rstrip("\0")
 
 
 def _number(value: bytes, form: str) -> int:

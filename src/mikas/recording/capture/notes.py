@@ -96,9 +96,8 @@ def read_block(block: pcapng.Custom) -> Note | None:
 
     A note with a number of no use (`clean_json`), or a time outside the calendar, is unreadable.
     """
-    if block.enterprise != ENTERPRISE or not block.data.startswith(TAG):
-        return None
-    if len(block.data) > LONGEST:
+    is_ours = block.enterprise == ENTERPRISE and block.data.startswith(TAG)
+    if not is_ours or len(block.data) > LONGEST:
         return None
     try:
         text = block.data[len(TAG) :].rstrip(b"\0")

@@ -183,8 +183,12 @@ class Blocks:
         self, block: pcapng.Block | None, offset: int
     ) -> Iterator[Packet | Problem | Note]:
         match block:
-            case pcapng.Section():
-                yield from self._begin(block, offset)
+            case pcapng.Section(version=(major, _)):
+                self._recording += 1
+                self._interfaces, self.clocks = (), ()
+                self._section = block if major == 1 else None
+                if self._section is None:
+                    yield Problem(offset, _VERSION.filled(version=major))
             case pcapng.Interface():
                 yield from self._add(block, offset)
                 if block.link_type != pcapng.LINKTYPE_USER0:
@@ -197,14 +201,6 @@ class Blocks:
             case pcapng.SimplePacket():  # always of the first interface
                 if not self._interfaces or self._is_ours(0):
                     yield Problem(offset, _NO_DIRECTION)
-
-    def _begin(self, section: pcapng.Section, offset: int) -> Iterator[Problem]:
-        self._recording += 1
-        self._interfaces = ()
-        self.clocks = ()
-        self._section = section if section.version[0] == 1 else None
-        if self._section is None:
-            yield Problem(offset, _VERSION.filled(version=section.version[0]))
 
     def _add(self, interface: pcapng.Interface, offset: int) -> Iterator[Problem]:
         if len(self._interfaces) == _MOST_INTERFACES:
@@ -231,29 +227,26 @@ class Blocks:
         whole = block.interface == 0 and not block.comment and not block.cut
         return here and whole and block.flags in FLAGS.values() and block.ticks < _LATEST
 
-    def _is_possible(self, number: int, time: float) -> bool:
-        before = self.clocks[number]
-        clock, is_possible = before.after_packet(time)
-        if clock is not before:
-            self.clocks = (*self.clocks[:number], clock, *self.clocks[number + 1 :])
-        return is_possible
-
     def _packet(self, block: pcapng.EnhancedPacket, offset: int) -> Iterator[Packet | Problem]:
         if not self._interfaces and self._is_as_written_here(block):
             yield from self._add(pcapng.Interface(), offset)
             yield Problem(offset, _HEADLESS)
-        if block.interface >= len(self._interfaces):
+        number = block.interface
+        if number >= len(self._interfaces):
             yield Problem(offset, _NO_INTERFACE)
             return
-        if not self._is_ours(block.interface):
+        if not self._is_ours(number):
             return
-        interface, source = self._interfaces[block.interface]
+        interface, source = self._interfaces[number]
         direction = _DIRECTIONS.get(block.flags & 3)
         if direction is None:
             yield Problem(offset, _NO_DIRECTION)
             return
         time = interface.time(block.ticks)
-        if not self._is_possible(block.interface, time):
+        clock, is_possible = self.clocks[number].after_packet(time)
+        if clock is not self.clocks[number]:
+            self.clocks = (*self.clocks[:number], clock, *self.clocks[number + 1 :])
+        if not is_possible:
             yield Problem(offset, _TIME.filled(data=_shown(block.data)))
             return
         if block.cut:

@@ -40,7 +40,7 @@ _STRUCTS: Final = {
 
 def _start(order: pcapng.Order) -> re.Pattern[bytes]:
     """Return what a block of a known kind begins with: its kind, and a length that may be one."""
-    kinds = (struct.pack(order + "I", kind) for kind in pcapng.KNOWN - {pcapng.SECTION})
+    kinds = (struct.pack(order + "I", kind) for kind in _PLAIN)
     fours = b"[%b]" % b"".join(re.escape(bytes([byte])) for byte in range(0, 256, 4))
     lengths = {
         "<": fours + rb"..(?:\0|(?<=\0\0\0)\x01)",
@@ -69,15 +69,6 @@ class Unreadable(NamedTuple):
     offset: int
     end: int
     cut: bool
-
-
-class _Extent(NamedTuple):
-    """Where a whole block lies, its body unread."""
-
-    kind: int
-    order: pcapng.Order
-    offset: int
-    end: int
 
 
 class Scanner:
@@ -116,15 +107,11 @@ class Scanner:
     def block(self, offset: int, order: pcapng.Order | None) -> RawBlock | None:
         """Return the whole block at `offset`; None if there is none."""
         found = self._extent(offset, order)
-        if found is None:
-            return None
-        body = b""
-        if found.kind in pcapng.KNOWN:
-            length = found.end - offset - _SMALLEST
-            body = self._bytes(offset + 8, length)
-            if len(body) < length:  # the file has become shorter
-                return None
-        return RawBlock(found.kind, body, found.order, offset, found.end)
+        if found is None or found.kind not in pcapng.KNOWN:
+            return found
+        length = found.end - offset - _SMALLEST
+        body = self._bytes(offset + 8, length)  # shorter if the file has become so
+        return found._replace(body=body) if len(body) == length else None
 
     def _in_window(self, offset: int, order: pcapng.Order) -> RawBlock | None:
         """Return what `block` returns, in half the time, for nearly every block of a recording."""
@@ -148,15 +135,15 @@ class Scanner:
         for first in self._extents(0, _OURS):
             if first.kind == pcapng.SECTION:
                 return True
-            following: _Extent | None = first
+            following: RawBlock | None = first
             for _ in range(_TELLING - 1):
                 following = following and self._extent(following.end, following.order)
             if following is not None:
                 return True
         return False
 
-    def _extents(self, start: int, order: pcapng.Order) -> Iterator[_Extent]:
-        """Yield every whole block of a known kind from `start` on; they may overlap."""
+    def _extents(self, start: int, order: pcapng.Order) -> Iterator[RawBlock]:
+        """Yield every whole block of a known kind from `start` on, unread; they may overlap."""
         starts = _STARTS[order]
         while self.size - start >= _SMALLEST:
             check_cancelled()
@@ -170,7 +157,8 @@ class Scanner:
                     yield found
             start = self._begin + len(self._window) - _SMALLEST + 1
 
-    def _extent(self, offset: int, order: pcapng.Order | None) -> _Extent | None:
+    def _extent(self, offset: int, order: pcapng.Order | None) -> RawBlock | None:
+        """Return the whole block at `offset`, its body unread."""
         head = self._head(offset, order)
         if head is None:
             return None
@@ -182,7 +170,7 @@ class Scanner:
             return None
         if self._bytes(end - 4, 4) != struct.pack(order + "I", total):
             return None
-        return _Extent(kind, order, offset, end)
+        return RawBlock(kind, b"", order, offset, end)
 
     def _head(
         self, offset: int, order: pcapng.Order | None
@@ -190,7 +178,7 @@ class Scanner:
         """Return byte order, kind and length of the block at `offset`; None if there is none."""
         head = self._bytes(offset, _SMALLEST)
         if head.startswith(_SECTION_BYTES):
-            order = pcapng.byte_order(head[8:12])
+            order = pcapng.BYTE_ORDERS.get(head[8:12])
         if order is None or len(head) < _SMALLEST:
             return None
         kind, total = struct.unpack_from(order + "II", head)
@@ -249,4 +237,4 @@ def is_section_start(head: bytes) -> bool:
     """Return whether `head`, a file's first bytes, can begin a pcapng file, also a cut one."""
     if len(head) < _SMALLEST:
         return _SECTION_BYTES.startswith(head[:4])
-    return head.startswith(_SECTION_BYTES) and pcapng.byte_order(head[8:12]) is not None
+    return head.startswith(_SECTION_BYTES) and pcapng.BYTE_ORDERS.get(head[8:12]) is not None

@@ -188,7 +188,7 @@ def append_note(path: Path, note: Note) -> None:
     CaptureReader(path)
     try:
         with open_regular(path, "r+b", buffering=0) as file:
-            order = pcapng.byte_order(file.read(12)[8:]) or "<"
+            order = pcapng.BYTE_ORDERS.get(file.read(12)[8:]) or "<"
             end = file.seek(0, os.SEEK_END)
             try:
                 write_all(file, pcapng.encode(block_of(note), order))
