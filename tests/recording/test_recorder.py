@@ -242,7 +242,7 @@ def test_alarms_what_was_learnt_markers_and_words(recorder, tmp_path):
     take(recorder, ParameterDropped(4.5, "DET", Limits()))
     assert recorder.marker(label="hill") == 4.5
     assert recorder.marker(5.0) == 5.0
-    recorder.text(text="smoke")
+    recorder.text("smoke")
     recorder.stop()
     reported = {str(note.kind): note.data for note in notes(file)}
     assert reported["alarm"]["channel"] == "TWAT"

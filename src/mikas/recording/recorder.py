@@ -15,12 +15,13 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 
 from mikas.errors import CaptureError
 from mikas.link.base import Direction
 from mikas.recording.annotations.annotator import SessionAnnotator
 from mikas.recording.annotations.events import note_of
+from mikas.recording.annotations.fields import LONGEST_TEXT
 from mikas.recording.capture.coalescer import Coalescer
 from mikas.recording.capture.notes import Note
 from mikas.recording.capture.reader import capture_error
@@ -28,10 +29,7 @@ from mikas.recording.capture.writer import CaptureWriter
 from mikas.sampling.events import Event, Marker, TextNote, UnitFound
 
 if TYPE_CHECKING:
-    from mikas.client import Ecu
     from mikas.i18n import Text
-
-_LONGEST_TEXT: Final = 100_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,8 +90,9 @@ class Recorder:
     def start(self, path: str | os.PathLike[str], *, url: str, pipe: bool = True) -> None:
         """Record to `path` from here on; end a running recording first. As `CaptureWriter`.
 
-        In mid-session the request of a running stream or list was sent before: pass `ask_in_full`
-        to `Acquisition.call` to send it again, so that this file can be read by itself.
+        In mid-session the request of a running stream or list was sent before. A job of
+        `Acquisition.call` that forgets the list (`Ecu.forget_list`) and calls this has both sent
+        again, so that this file can be read by itself: any job ends a running stream.
 
         Raises `CaptureError` if `path` exists already or can't be written; a running recording
         goes on then.
@@ -116,7 +115,7 @@ class Recorder:
     def next_file(self) -> None:
         """Go on in another file, NAME-2.pcapng after NAME.pcapng.
 
-        To be called between two cycles, by a job of `Acquisition.call`, after `ask_in_full`.
+        To be called between two cycles, by a job of `Acquisition.call`, after `Ecu.forget_list`.
         """
         with self._lock:
             if self._running is not None:
@@ -127,15 +126,14 @@ class Recorder:
         with self._lock:
             time = self._time if time is None else time
             if time is not None:
-                self._write([note_of(Marker(time, label[:_LONGEST_TEXT]))])
+                self._write([note_of(Marker(time, label[:LONGEST_TEXT]))])
             return time
 
-    def text(self, time: float | None = None, text: str = "") -> None:
-        """Write a person's words."""
+    def text(self, text: str) -> None:
+        """Write a person's words, as of now."""
         with self._lock:
-            time = self._time if time is None else time
-            if time is not None:
-                self._write([note_of(TextNote(time, text[:_LONGEST_TEXT]))])
+            if self._time is not None:
+                self._write([note_of(TextNote(self._time, text[:LONGEST_TEXT]))])
 
     def describe(self, car: Note) -> None:
         """Write a note on the car, into this file and those that follow."""
@@ -265,14 +263,6 @@ class Recorder:
         self._time = time
         if self._open is not None and self._open.since is None:
             self._open.since = time
-
-
-def ask_in_full(ecu: Ecu) -> None:
-    """Send later requests in full, so that a new file can be read; a job for `Acquisition.call`.
-
-    Any job ends a running stream; a list that was set is set again (64).
-    """
-    ecu.forget_list()
 
 
 def _next(named: Path) -> Path:

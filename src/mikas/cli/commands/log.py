@@ -192,10 +192,8 @@ class _FileRotation:
             self._job = self._current.acquisition.call(self._next_file)
 
     def _next_file(self, ecu: Ecu) -> None:
-        from mikas.recording.recorder import ask_in_full
-
         self._current.session.read_between(ecu, routine=False)
-        ask_in_full(ecu)
+        ecu.forget_list()
         self._current.recorder.next_file()
         self._current.session.read_between(ecu, routine=False)
 

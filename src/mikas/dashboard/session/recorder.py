@@ -25,7 +25,7 @@ from mikas.i18n import Text
 from mikas.recording.annotations.events import car_note, faults_note, note_of
 from mikas.recording.capture.notes import Note
 from mikas.recording.capture.writer import append_note
-from mikas.recording.recorder import Recorder, RecordingStatus, ask_in_full
+from mikas.recording.recorder import Recorder, RecordingStatus
 from mikas.sampling.events import Event, Marker, UnitFound
 
 _MOST_MARKED = 1000
@@ -72,7 +72,7 @@ class SessionRecorder:
         path = self._folder.new_path(name)
 
         def between_cycles(ecu: Ecu) -> None:
-            ask_in_full(ecu)
+            ecu.forget_list()
             self._start(path, thread)
 
         try:
@@ -157,7 +157,7 @@ class SessionRecorder:
         """Write a note into the recording. Raises `Busy` if there is none."""
         if self.recorder.status is None:
             raise Busy(problem=_NONE)
-        self.recorder.text(text=text)
+        self.recorder.text(text)
 
     def append_note(self, path: Path, note: Note) -> None:
         """Write a note into a recording's file, which may be in progress. Raises `CaptureError`."""
