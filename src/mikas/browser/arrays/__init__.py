@@ -14,9 +14,8 @@ import sys
 
 def install() -> None:
     """Put the arrays in numpy's place. Before anything has imported numpy."""
-    from mikas.browser.arrays import names, typing_names
+    from mikas.browser.arrays import names
 
     if sys.modules.get("numpy", names) is not names:
         raise RuntimeError("numpy is imported already")
-    sys.modules["numpy"] = names
-    sys.modules["numpy.typing"] = typing_names
+    sys.modules["numpy"] = sys.modules["numpy.typing"] = names

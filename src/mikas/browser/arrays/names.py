@@ -1,7 +1,9 @@
-"""The names of numpy that mikas uses: this module stands in its place.
+"""The names of numpy that mikas uses: this module stands in its place, and in numpy.typing's.
 
 Any other name is an error that says so.
 """
+
+# ruff: noqa: F401  (an import is all that a name of numpy needs here)
 
 from __future__ import annotations
 
@@ -37,9 +39,7 @@ from mikas.browser.arrays.dtypes import (
     uint8,
 )
 from mikas.browser.arrays.elementwise import (
-    absolute as abs,  # noqa: A004  (numpy's name)
-)
-from mikas.browser.arrays.elementwise import (
+    absolute,
     add,
     ceil,
     clip,
@@ -62,12 +62,10 @@ from mikas.browser.arrays.elementwise import (
     negative,
     not_equal,
     rint,
+    rounded,
     sqrt,
     subtract,
     where,
-)
-from mikas.browser.arrays.elementwise import (
-    rounded as round,  # noqa: A004
 )
 from mikas.browser.arrays.ndarray import ndarray
 from mikas.browser.arrays.ordering import (
@@ -86,6 +84,7 @@ from mikas.browser.arrays.ordering import (
 )
 from mikas.browser.arrays.statistics import (
     cumsum,
+    greatest,
     mean,
     median,
     nanargmax,
@@ -94,94 +93,12 @@ from mikas.browser.arrays.statistics import (
     nanmin,
     percentile,
 )
-from mikas.browser.arrays.statistics import (
-    greatest as max,  # noqa: A004
-)
 
-__all__ = [
-    "abs",
-    "add",
-    "append",
-    "arange",
-    "array",
-    "array_equal",
-    "asarray",
-    "bincount",
-    "bool_",
-    "ceil",
-    "clip",
-    "concatenate",
-    "count_nonzero",
-    "cumsum",
-    "diff",
-    "divide",
-    "dtype",
-    "empty",
-    "equal",
-    "errstate",
-    "flatnonzero",
-    "float32",
-    "float64",
-    "floor",
-    "fmax",
-    "fmin",
-    "format_float_positional",
-    "frombuffer",
-    "frompyfunc",
-    "full",
-    "generic",
-    "greater",
-    "greater_equal",
-    "iinfo",
-    "inf",
-    "insert",
-    "int16",
-    "int32",
-    "int64",
-    "intp",
-    "isfinite",
-    "isin",
-    "isnan",
-    "less",
-    "less_equal",
-    "linspace",
-    "logical_and",
-    "max",
-    "maximum",
-    "mean",
-    "median",
-    "minimum",
-    "multiply",
-    "nan",
-    "nanargmax",
-    "nanargmin",
-    "nanmax",
-    "nanmin",
-    "ndarray",
-    "negative",
-    "nextafter",
-    "not_equal",
-    "ones",
-    "percentile",
-    "repeat",
-    "rint",
-    "round",
-    "searchsorted",
-    "setdiff1d",
-    "sort",
-    "split",
-    "sqrt",
-    "subtract",
-    "uint8",
-    "unique",
-    "where",
-    "zeros",
-]
-
-inf, nan = math.inf, math.nan
+abs, max, round = absolute, greatest, rounded  # noqa: A001
+inf, nan, nextafter = math.inf, math.nan, math.nextafter
 intp = int64
 generic = dtype
-nextafter = math.nextafter
+NDArray = list  # numpy.typing's: annotations only put a type in brackets behind it
 
 
 class iinfo:  # noqa: N801  (numpy's name)
