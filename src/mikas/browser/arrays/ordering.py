@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
 from collections import Counter
-from itertools import islice
+from itertools import chain, pairwise
 from math import nan
 from typing import Any
 
@@ -69,12 +69,8 @@ def insert(values: Any, places: Any, more: Any) -> ndarray:  # noqa: ANN401  (ar
     for number in sorted(range(len(at)), key=at.__getitem__):
         pieces += [source.data[done : at[number]], new[number : number + 1]]
         done = at[number]
-    pieces.append(source.data[done:])
-    arrays = [
-        ndarray(list(piece) if source.dtype not in (bool_, uint8) else bytes(piece), source.dtype)
-        for piece in pieces
-    ]
-    return concatenate(arrays)
+    merged = chain(*pieces, source.data[done:])
+    return ndarray(bytes(merged) if source.dtype in (bool_, uint8) else list(merged), source.dtype)
 
 
 def flatnonzero(values: Any) -> ndarray:  # noqa: ANN401  (an array)
@@ -142,8 +138,6 @@ def isin(values: Any, wanted: Any) -> ndarray:  # noqa: ANN401  (arrays)
     if source.dtype is not int64 or (len(known) and known.dtype is not int64):
         outside("isin but of whole numbers")
     among = set(known.data)
-    if not among:
-        return ndarray(bytes(len(source)), bool_)
     return ndarray(bytes([each in among for each in source.data]), bool_)
 
 
@@ -169,4 +163,4 @@ def array_equal(one: Any, other: Any, equal_nan: bool = False) -> bool:  # noqa:
 def split(values: Any, places: Any) -> list[ndarray]:  # noqa: ANN401  (arrays)
     """Return the parts between the places."""
     source, edges = asarray(values), [0, *asarray(places).tolist(), len(values)]
-    return [source[begin:end] for begin, end in zip(edges, islice(edges, 1, None), strict=False)]
+    return [source[begin:end] for begin, end in pairwise(edges)]

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from math import nan
+from collections.abc import Callable
+from math import isnan, nan
 from typing import Any
 
 from mikas.browser.arrays import kernels
 from mikas.browser.arrays.creation import asarray
 from mikas.browser.arrays.dtypes import float64
-from mikas.browser.arrays.ndarray import ndarray, outside
+from mikas.browser.arrays.ndarray import outside
 
 
 def median(values: Any) -> float:  # noqa: ANN401  (an array)
@@ -39,61 +40,46 @@ def _sorted(values: Any) -> list[float]:  # noqa: ANN401  (an array)
     return [nan] if any(kernels.missing(data)) else sorted(data)
 
 
-def mean(values: Any) -> float:  # noqa: ANN401  (an array)
-    """Return the mean; NaN without values."""
-    found: float = asarray(values).mean()
-    return found
+def _by_method(name: str) -> Callable[[Any], Any]:
+    """Return the function of numpy that is a method of arrays as well."""
+    return lambda values: getattr(asarray(values), name)()
 
 
-def greatest(values: Any) -> Any:  # noqa: ANN401  (an array, a number)
-    """Return the greatest value; NaN if there is one."""
-    return asarray(values).max()
-
-
-def cumsum(values: Any) -> ndarray:  # noqa: ANN401  (an array)
-    """Return the sums so far."""
-    found: ndarray = asarray(values).cumsum()
-    return found
+mean, greatest, cumsum = map(_by_method, ("mean", "max", "cumsum"))
 
 
 def nanmin(values: Any) -> float:  # noqa: ANN401  (an array)
     """Return the least value but NaN; NaN if there is no other."""
-    place = _extreme(values, least=True)
-    return nan if place is None else asarray(values)[place]
+    return _extreme(values, min)
 
 
 def nanmax(values: Any) -> float:  # noqa: ANN401  (an array)
     """Return the greatest value but NaN; NaN if there is no other."""
-    place = _extreme(values, least=False)
-    return nan if place is None else asarray(values)[place]
+    return _extreme(values, max)
 
 
 def nanargmin(values: Any) -> int:  # noqa: ANN401  (an array)
     """Return the place of the least value but NaN."""
-    return _place(values, least=True)
+    return _place(values, min)
 
 
 def nanargmax(values: Any) -> int:  # noqa: ANN401  (an array)
     """Return the place of the greatest value but NaN."""
-    return _place(values, least=False)
+    return _place(values, max)
 
 
-def _place(values: Any, *, least: bool) -> int:  # noqa: ANN401  (an array)
-    place = _extreme(values, least=least)
-    if place is None:
+def _place(values: Any, extreme: Callable[..., float]) -> int:  # noqa: ANN401  (an array)
+    found = _extreme(values, extreme)
+    if isnan(found):
         raise ValueError("All-NaN slice encountered")
+    place: int = asarray(values).data.index(found)
     return place
 
 
-def _extreme(values: Any, *, least: bool) -> int | None:  # noqa: ANN401  (an array)
+def _extreme(values: Any, extreme: Callable[..., float]) -> float:  # noqa: ANN401  (an array)
     source = asarray(values)
     if not len(source):
         raise ValueError("no extreme of no values")
     if source.dtype is not float64:
         outside(f"NaN in {source.dtype}")
-    present = [x for x in source.data if x == x]  # noqa: PLR0124
-    if not present:
-        return None
-    extreme = min(present) if least else max(present)
-    place: int = source.data.index(extreme)
-    return place
+    return extreme((x for x in source.data if x == x), default=nan)  # noqa: PLR0124
