@@ -7,11 +7,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
+from functools import reduce
 from itertools import accumulate, pairwise
 from typing import Any, Final
 
 from mikas.browser.arrays import kernels
-from mikas.browser.arrays.creation import asarray, is_scalar
+from mikas.browser.arrays.creation import asarray, full, is_scalar
 from mikas.browser.arrays.dtypes import (
     STORED,
     bool_,
@@ -33,11 +34,15 @@ _MOST: Final = (1 << 63) - 1
 class ufunc:  # noqa: N801  (numpy's name)
     """An operation on two operands. `gives`: the type of its results; None: that of the operands.
 
-    `running`: the expression for `accumulate`.
+    `running`: the loop of `accumulate`.
     """
 
     def __init__(
-        self, name: str, loops: Kernel, gives: dtype | None = None, running: str = ""
+        self,
+        name: str,
+        loops: Kernel,
+        gives: dtype | None = None,
+        running: Callable[[Any], list[Any]] | None = None,
     ) -> None:
         self.__name__ = name
         self._loops = loops
@@ -45,52 +50,39 @@ class ufunc:  # noqa: N801  (numpy's name)
         self._running = running
 
     def __call__(self, one: Any, other: Any) -> Any:  # noqa: ANN401  (numbers and arrays)
-        """Return the results; a number for two numbers."""
+        """Return the results; a number for two numbers. One value applies to each of many."""
         a, b = _operand(one), _operand(other)
-        if not isinstance(a, ndarray) and not isinstance(b, ndarray):
-            common = promoted(scalar_type(a), scalar_type(b))
-            numbers = (
-                self._typed([a], scalar_type(a), common),
-                self._typed([b], scalar_type(b), common),
-            )
-            return self._result(self._loops.arrays(*numbers), common)[0]
-        if not isinstance(b, ndarray):
-            common = with_scalar(a.dtype, b)
-            if (moved := self._moved(a, b)) is not None:
-                return moved
-            return self._result(self._loops.right(*self._pair(a, b, common)), common)
-        if not isinstance(a, ndarray):
-            common = with_scalar(b.dtype, a)
-            values, number = self._pair(b, a, common)
-            return self._result(self._loops.left(number, values), common)
-        common = promoted(a.dtype, b.dtype)
-        values, others = self._typed(a.data, a.dtype, common), self._typed(b.data, b.dtype, common)
-        if len(values) == len(others):
-            return self._result(self._loops.arrays(values, others), common)
-        if len(others) == 1:
-            return self._result(self._loops.right(values, others[0]), common)
-        if len(values) == 1:
-            return self._result(self._loops.left(values[0], others), common)
-        raise ValueError(f"operands of {len(values)} and {len(others)} values")
+        common = _common(a, b)
+        if (moved := self._moved(a, b)) is not None:
+            return moved
+        xs, ys = self._typed(a, common), self._typed(b, common)
+        if len(xs) == len(ys):
+            found = self._loops.arrays(xs, ys)
+        elif len(ys) == 1:
+            found = self._loops.right(xs, ys[0])
+        elif len(xs) == 1:
+            found = self._loops.left(xs[0], ys)
+        else:
+            raise ValueError(f"operands of {len(xs)} and {len(ys)} values")
+        result = self._result(found, common)
+        return result if isinstance(a, ndarray) or isinstance(b, ndarray) else result[0]
 
-    def _pair(self, a: ndarray, b: Any, common: dtype) -> tuple[Any, Any]:  # noqa: ANN401  (a number)
-        values = self._typed(a.data, a.dtype, common)
-        is_float = common is float64 or self._gives is float64
-        return values, float(b) if is_float else b
-
-    def _typed(self, data: Any, of: dtype, common: dtype) -> Any:  # noqa: ANN401  (values)
-        """Return values in the type in which numpy computes."""
+    def _typed(self, operand: Any, common: dtype) -> Any:  # noqa: ANN401  (a number or an array)
+        """Return the values in the type in which numpy computes; a number as the only one."""
         if common is object_ or (self._gives is not bool_ and common in STORED):
             outside(f"{self.__name__} of {common}")
         if self._gives is None and common is bool_:
             outside(f"{self.__name__} of masks")
+        is_array = isinstance(operand, ndarray)
+        data, of = (operand.data, operand.dtype) if is_array else ([operand], scalar_type(operand))
         if of is float64 or (common is not float64 and self._gives is not float64):
             return data
         return converted(data, float64)
 
-    def _moved(self, a: ndarray, b: Any) -> ndarray | None:  # noqa: ANN401  (a number)
+    def _moved(self, a: Any, b: Any) -> ndarray | None:  # noqa: ANN401  (numbers and arrays)
         """Return indexes that follow each other, moved by `b`; None if it is another case."""
-        if self.__name__ in ("add", "subtract") and isinstance(a.data, range) and type(b) is int:
+        is_run = isinstance(a, ndarray) and isinstance(a.data, range) and type(b) is int
+        if is_run and self.__name__ in ("add", "subtract"):
             by, was = b if self.__name__ == "add" else -b, a.data
             return ndarray(range(was.start + by, was.stop + by, was.step), int64)
         return None
@@ -108,11 +100,9 @@ class ufunc:  # noqa: N801  (numpy's name)
     def accumulate(self, values: Any) -> ndarray:  # noqa: ANN401  (an array)
         """Return the results so far: of the first value, the first two …"""
         array = asarray(values)
-        if not self._running or array.dtype not in (float64, int64):
+        if self._running is None or array.dtype not in (float64, int64):
             outside(f"{self.__name__}.accumulate of {array.dtype}")
-        if self.__name__ == "add":
-            return self._result(list(accumulate(array.data)), array.dtype)
-        return ndarray(kernels.running(array.data, self._running), array.dtype)
+        return self._result(self._running(array.data), array.dtype)
 
     def reduceat(self, values: Any, starts: Any) -> ndarray:  # noqa: ANN401  (arrays)
         """Return the result of each part; a part without values has its first value, as numpy."""
@@ -160,10 +150,8 @@ class ufunc:  # noqa: N801  (numpy's name)
         """Return the result of all masks: True of none."""
         if self.__name__ != "logical_and":
             outside(f"{self.__name__}.reduce")
-        found: Any = True
-        for mask in arrays:
-            found = mask if found is True else self(found, mask)
-        return found
+        masks = list(arrays)
+        return reduce(self, masks) if masks else True
 
 
 _LEAST_OR_GREATEST: Final[dict[str, tuple[Callable[[Any], Any], bool]]] = {
@@ -175,19 +163,28 @@ def _operand(given: Any) -> Any:  # noqa: ANN401  (a number or an array)
     return given if isinstance(given, ndarray) or is_scalar(given) else asarray(given)
 
 
-add = ufunc("add", kernel("x + y"), running="m + x")
+def _common(a: Any, b: Any) -> dtype:  # noqa: ANN401  (numbers and arrays)
+    """Return the type that has the values of both operands."""
+    one, other = (a, b) if isinstance(a, ndarray) else (b, a)
+    if not isinstance(one, ndarray):
+        return promoted(scalar_type(one), scalar_type(other))
+    is_array = isinstance(other, ndarray)
+    return promoted(one.dtype, other.dtype) if is_array else with_scalar(one.dtype, other)
+
+
+add = ufunc("add", kernel("x + y"), running=lambda a: list(accumulate(a)))
 subtract = ufunc("subtract", kernel("x - y"))
 multiply = ufunc("multiply", kernel("x * y"))
-divide = ufunc("divide", Kernel(kernels.divided, kernels.divided_by, kernels.divided_from), float64)
+divide = ufunc("divide", kernels.DIVISION, float64)
 minimum = ufunc(
     "minimum",
     kernel("x if x <= y or x != x else y"),
-    running="x if x < m or x != x else m",
+    running=kernels.running("x if x < m or x != x else m"),
 )
 maximum = ufunc(
     "maximum",
     kernel("x if x >= y or x != x else y"),
-    running="x if x > m or x != x else m",
+    running=kernels.running("x if x > m or x != x else m"),
 )
 fmin = ufunc("fmin", kernel("y if y < x or x != x else x"))
 fmax = ufunc("fmax", kernel("y if y > x or x != x else x"))
@@ -249,44 +246,24 @@ def rounded(values: Any, decimals: int = 0) -> Any:  # noqa: ANN401  (numbers an
 
 def where(mask: Any, one: Any, other: Any) -> Any:  # noqa: ANN401  (numbers and arrays)
     """Return `one` where the mask is true, else `other`."""
+    a, b = _operand(one), _operand(other)
+    common = _common(a, b)
     if is_scalar(mask):
-        chosen = one if mask else other
-        if is_scalar(one) and is_scalar(other):
-            return promoted(scalar_type(one), scalar_type(other))(chosen)
-        count = max(len(each) for each in (one, other) if not is_scalar(each))
-        mask = ndarray(bytes([bool(mask)]) * count, bool_)
+        if is_scalar(a) and is_scalar(b):
+            return common(a if mask else b)
+        mask = full(len(b if is_scalar(a) else a), bool(mask))
     mask = asarray(mask)
-    if mask.dtype is not bool_:
-        mask = not_equal(mask, 0)
-    flags, a, b = mask.data, _operand(one), _operand(other)
-    if isinstance(a, ndarray) and isinstance(b, ndarray):
-        common = promoted(a.dtype, b.dtype)
-    elif isinstance(a, ndarray) or isinstance(b, ndarray):
-        common = with_scalar(a.dtype, b) if isinstance(a, ndarray) else with_scalar(b.dtype, a)
-    else:
-        common = promoted(scalar_type(a), scalar_type(b))
+    flags = (mask if mask.dtype is bool_ else not_equal(mask, 0)).data
     for each in (a, b):
         if isinstance(each, ndarray) and len(each) != len(flags):
             raise ValueError(f"{len(flags)} conditions for {len(each)} values")
     ones = flags.count(1)
     for each, is_all in ((a, ones == len(flags)), (b, not ones)):
         if is_all and len(flags):
-            if isinstance(each, ndarray):
-                return each.astype(common)
-            return ndarray(_repeated(common(each), len(flags), common), common)
-    (x, xs), (y, ys) = _values(a, common), _values(b, common)
-    found = kernels.chosen(flags, xs, ys, x, y)
+            return full(len(flags), each, common) if is_scalar(each) else each.astype(common)
+    xs, ys = (common(it) if is_scalar(it) else it.astype(common).data for it in (a, b))
+    found = kernels.chosen(flags, xs, ys)
     return ndarray(bytes(found) if common is bool_ else found, common)
-
-
-def _repeated(value: Any, count: int, of: dtype) -> Any:  # noqa: ANN401  (values as kept)
-    return bytes([value]) * count if of is bool_ else [value] * count
-
-
-def _values(operand: Any, common: dtype) -> tuple[Any, Any]:  # noqa: ANN401  (a number, or values)
-    if not isinstance(operand, ndarray):
-        return common(operand), None
-    return None, operand.astype(common).data if operand.dtype is not common else operand.data
 
 
 def clip(values: Any, least: Any, most: Any) -> Any:  # noqa: ANN401  (numbers and arrays)
@@ -294,29 +271,11 @@ def clip(values: Any, least: Any, most: Any) -> Any:  # noqa: ANN401  (numbers a
     return minimum(maximum(values, least), most)
 
 
-class vectorized:  # noqa: N801  (as `ufunc`)
-    """A function for numbers, applied to arrays: `np.frompyfunc` with two operands."""
-
-    def __init__(self, function: Callable[[Any, Any], Any]) -> None:
-        self._function = function
-
-    def __call__(self, one: Any, other: Any) -> Any:  # noqa: ANN401  (numbers and arrays)
-        """Return the results as objects; a number for two numbers."""
-        a, b, function = _operand(one), _operand(other), self._function
-        if not isinstance(a, ndarray) and not isinstance(b, ndarray):
-            return function(a, b)
-        count = len(a) if isinstance(a, ndarray) else len(b)
-        xs = a.data if isinstance(a, ndarray) else [a] * count
-        ys = b.data if isinstance(b, ndarray) else [b] * count
-        found = [function(x, y) for x, y in zip(xs, ys, strict=True)]
-        return ndarray(found, object_)
-
-
-def frompyfunc(function: Callable[[Any, Any], Any], operands: int, results: int) -> vectorized:
-    """Return a function for numbers as one for arrays."""
+def frompyfunc(function: Callable[[Any, Any], Any], operands: int, results: int) -> ufunc:
+    """Return a function for numbers as one for arrays, which gives objects."""
     if (operands, results) != (2, 1):
         outside("such functions")
-    return vectorized(function)
+    return ufunc("function", kernel("f(x, y)", f=function), object_)
 
 
 _OPERATORS: Final = {

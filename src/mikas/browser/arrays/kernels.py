@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Callable, Iterator, Sequence
+from functools import lru_cache
 from math import ceil, copysign, floor, inf, isnan, nan
 from typing import Any, Final, NamedTuple
 
@@ -25,9 +26,9 @@ class Kernel(NamedTuple):
     left: Callable[[Any, Values], list[Any]]
 
 
-def kernel(expression: str) -> Kernel:
-    """Return the loops of an expression of `x` and `y`."""
-    names = {"abs": abs}
+@lru_cache  # of functions that are applied again and again
+def kernel(expression: str, **names: object) -> Kernel:
+    """Return the loops of an expression of `x` and `y`, and of the functions `names`."""
     return Kernel(
         eval(f"lambda a, b: [{expression} for x, y in zip(a, b)]", names),
         eval(f"lambda a, y: [{expression} for x in a]", names),
@@ -42,28 +43,19 @@ def quotient(x: float, y: float) -> float:
     return nan if isnan(x) or x == 0 else copysign(inf, x) * copysign(1.0, y)
 
 
-_DIVIDED: Final = kernel("x / y")
+def _quick_or_safe(quick: Callable[..., list[Any]], safe: Callable[..., list[Any]]) -> Any:  # noqa: ANN401
+    """Return the quick loop, with the safe one where that divides by zero."""
+
+    def loop(a: Any, b: Any) -> list[Any]:  # noqa: ANN401  (values, numbers)
+        try:
+            return quick(a, b)
+        except ZeroDivisionError:
+            return safe(a, b)
+
+    return loop
 
 
-def divided(a: Values, b: Values) -> list[float]:
-    """Divide value by value."""
-    try:
-        return _DIVIDED.arrays(a, b)
-    except ZeroDivisionError:
-        return [quotient(x, y) for x, y in zip(a, b)]  # noqa: B905  (of one length)
-
-
-def divided_by(a: Values, y: float) -> list[float]:
-    """Divide all values by one number."""
-    return _DIVIDED.right(a, y) if y else [quotient(x, y) for x in a]
-
-
-def divided_from(x: float, b: Values) -> list[float]:
-    """Divide one number by all values."""
-    try:
-        return _DIVIDED.left(x, b)
-    except ZeroDivisionError:
-        return [quotient(x, y) for y in b]
+DIVISION: Final = Kernel(*map(_quick_or_safe, kernel("x / y"), kernel("q(x, y)", q=quotient)))
 
 
 def rounded(a: Values) -> list[float]:
@@ -85,21 +77,10 @@ def rounded_up(a: Values) -> list[float]:
     return [(float(ceil(x)) or copysign(0.0, x)) if x - x == 0 else x for x in a]
 
 
-def running(a: Values, expression: str) -> list[Any]:
-    """Return the results so far: `expression` of the one before, `m`, and the value `x`."""
-    if not len(a):
-        return []
-    found: list[Any] = _running(expression)(a, a[0])
-    return found
-
-
-def _running(expression: str) -> Callable[[Values, Any], list[Any]]:
-    if expression not in _RUNNING:
-        _RUNNING[expression] = eval(f"lambda a, m: [m := {expression} for x in a]")
-    return _RUNNING[expression]
-
-
-_RUNNING: Final[dict[str, Callable[[Values, Any], list[Any]]]] = {}
+def running(expression: str) -> Callable[[Values], list[Any]]:
+    """Return the loop of the results so far: an expression of the one before, `m`, and of `x`."""
+    loop = eval(f"lambda a, m: [m := {expression} for x in a]")
+    return lambda a: loop(a, a[0]) if len(a) else []
 
 
 def all_finite(a: Values) -> bool:
@@ -136,42 +117,28 @@ def missing(a: Values) -> bytes:
     return bytes(len(a)) if all_finite(a) else bytes([x != x for x in a])  # noqa: PLR0124
 
 
-def chosen(mask: bytes, a: Values | None, b: Values | None, x: Any, y: Any) -> Any:  # noqa: ANN401  (numbers)
-    """Return the values of `a` (None: `x`) where `mask` is 1, else those of `b` (None: `y`)."""
-    if a is not None and b is not None:
-        return [x if m else y for m, x, y in zip(mask, a, b)]  # noqa: B905  (of one length)
-    if a is not None:
-        return [x if m else y for m, x in zip(mask, a)]  # noqa: B905
-    if b is not None:
-        return [x if m else y for m, y in zip(mask, b)]  # noqa: B905
+def chosen(mask: bytes, a: Any, b: Any) -> Any:  # noqa: ANN401  (values, numbers)
+    """Return the values of `a` where `mask` is 1, else those of `b`; either may be one number."""
+    x, y = a, b
+    match isinstance(a, (int, float)), isinstance(b, (int, float)):
+        case False, False:
+            return [x if m else y for m, x, y in zip(mask, a, b)]  # noqa: B905  (of one length)
+        case False, True:
+            return [x if m else y for m, x in zip(mask, a)]  # noqa: B905
+        case True, False:
+            return [x if m else y for m, y in zip(mask, b)]  # noqa: B905
     return [x if m else y for m in mask]
 
 
-# Masks are long integers for a moment: 64 times as fast as byte by byte
-
-
-def both(a: bytes, b: bytes) -> bytes:
-    """Return where both masks are 1."""
-    return (_number(a) & _number(b)).to_bytes(len(a), "little")
-
-
-def either(a: bytes, b: bytes) -> bytes:
-    """Return where one of the masks is 1."""
-    return (_number(a) | _number(b)).to_bytes(len(a), "little")
-
-
-def different(a: bytes, b: bytes) -> bytes:
-    """Return where one mask is 1 and the other is not."""
-    return (_number(a) ^ _number(b)).to_bytes(len(a), "little")
+def masked(a: bytes, b: bytes, operation: Callable[[int, int], int]) -> bytes:
+    """Return two masks under `&`, `|` or `^`: as long integers, 64 times as fast as by bytes."""
+    found = operation(int.from_bytes(a, "little"), int.from_bytes(b, "little"))
+    return found.to_bytes(len(a), "little")
 
 
 def inverted(a: bytes) -> bytes:
     """Return where the mask is 0."""
     return a.translate(_INVERTED)
-
-
-def _number(mask: bytes) -> int:
-    return int.from_bytes(mask, "little")
 
 
 _INVERTED: Final = bytes([1]) + bytes(255)

@@ -11,6 +11,7 @@ from array import array as machine_array
 from collections.abc import Iterator
 from itertools import accumulate, compress
 from math import fsum
+from operator import and_, or_, xor
 from typing import Any, NoReturn
 
 from mikas.browser.arrays import kernels
@@ -59,11 +60,6 @@ class ndarray:  # noqa: N801  (numpy's name; it has no hash; many operators)
     def shape(self) -> tuple[int]:
         """The number of values, as a tuple."""
         return (len(self.data),)
-
-    @property
-    def ndim(self) -> int:
-        """One."""
-        return 1
 
     def __len__(self) -> int:
         return len(self.data)
@@ -283,13 +279,13 @@ class ndarray:  # noqa: N801  (numpy's name; it has no hash; many operators)
             outside("& | ^ but of masks")
         if len(self.data) != len(other.data):
             raise ValueError(f"masks of {len(self.data)} and {len(other.data)} values")
-        return ndarray(operation(self.data, other.data), bool_)
+        return ndarray(kernels.masked(self.data, other.data, operation), bool_)
 
     def __or__(self, other: object) -> ndarray:
-        return self._masks(other, kernels.either)
+        return self._masks(other, or_)
 
     def __xor__(self, other: object) -> ndarray:
-        return self._masks(other, kernels.different)
+        return self._masks(other, xor)
 
     def _become(self, other: ndarray) -> ndarray:
         self._writable()
@@ -301,7 +297,7 @@ class ndarray:  # noqa: N801  (numpy's name; it has no hash; many operators)
     def __and__(self, other: object) -> ndarray:
         if self.dtype is int64 and type(other) is int:
             return ndarray([x & other for x in self.data], int64)
-        return self._masks(other, kernels.both)
+        return self._masks(other, and_)
 
     def __iand__(self, other: object) -> ndarray:
         return self._become(self & other)
