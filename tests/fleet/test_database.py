@@ -28,7 +28,7 @@ def dataset(tmp_path_factory) -> str:
 def test_the_views_have_the_columns_of_the_tables(dataset) -> None:
     for table, columns in TABLES.items():
         got = [(row[0], row[1]) for row in ask(dataset, f"DESCRIBE {table}")]
-        wanted = [tuple(column) for column in (*PARTITIONS, *columns)]
+        wanted = [*PARTITIONS.items(), *columns.items()]
         assert got[: len(wanted)] == wanted
         assert (len(got) > len(wanted)) == (table == "samples")
 

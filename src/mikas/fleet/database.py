@@ -174,7 +174,7 @@ class Database:
         for entry in self.ledger.entries.values():
             for name in entry.files:
                 named[name.partition("/")[0]].append(f"{root}{name}")
-        types = ", ".join(f"{quoted(column.name)}: {column.type}" for column in PARTITIONS)
+        types = ", ".join(f"{quoted(name)}: {kind}" for name, kind in PARTITIONS.items())
         for table, names in named.items():
             if names:
                 listed = ", ".join(map(quoted, sorted(names)))
@@ -184,8 +184,8 @@ class Database:
                     f"hive_types = {{{types}}})"
                 )
             else:
-                columns = [*PARTITIONS, *TABLES[table]]
-                nulls = ", ".join(f"NULL::{it.type} AS {it.name}" for it in columns)
+                columns = {**PARTITIONS, **TABLES[table]}
+                nulls = ", ".join(f"NULL::{kind} AS {name}" for name, kind in columns.items())
                 run(f"CREATE VIEW {table} AS SELECT {nulls} WHERE false")
         run("SET lock_configuration = true")
 

@@ -30,7 +30,7 @@ from mikas.recording.export.sheet import program
 from mikas.recording.recorded_faults import FaultReadings
 from mikas.recording.recording import Recording
 from mikas.recording.table.channels import Rows, with_gaps
-from mikas.report.measurements.measurements import MeasurementCollector
+from mikas.report.measurements.measurements import MeasurementCollector, Measurements
 from mikas.report.measurements.statistics import ChannelStatistics
 from mikas.sampling.events import Event, Gap
 
@@ -75,19 +75,16 @@ class _Drive:
     source: Source
     measuring: MeasurementCollector
     states: StateCollector
-    rows: int = 0
     began: float | None = None
     ended: float | None = None
     gaps: list[Gap] = field(default_factory=list)
 
     def add(self, rows: Rows, corrected: Rows) -> None:
-        self.rows += len(rows.times)
         self.measuring.add(corrected)
         self.states.add(corrected)
-        if len(rows.times):
-            first, last = float(rows.times.min()), float(rows.times.max())
-            self.began = first if self.began is None else min(self.began, first)
-            self.ended = last if self.ended is None else max(self.ended, last)
+        first, last = float(rows.times.min()), float(rows.times.max())
+        self.began = first if self.began is None else min(self.began, first)
+        self.ended = last if self.ended is None else max(self.ended, last)
 
 
 def interpret(
@@ -218,21 +215,23 @@ class _Reader:
     def write_finished(self, writer: TableWriter) -> None:
         """Write the small rows of the drives that have ended, and drop what they collected."""
         while self._finished:
-            for table, time, row in self._small_rows(self._finished.pop(0)):
-                writer.add_row(table, time, row)
+            drive = self._finished.pop(0)
+            identity = _id(self._key, drive.number)
+            for table, time, row in self._small_rows(drive):
+                writer.add_row(table, time, {"drive": identity, **row})
 
     def _small_rows(self, drive: _Drive) -> Iterator[_Row]:
         """Yield (table, time, row) of a drive for the small tables."""
-        identity = _id(self._key, drive.number)
-        self.row_count += drive.rows
+        measured = drive.measuring.measured
+        self.row_count += measured.rows
         if drive.began is not None and drive.ended is not None:
             self.seconds += drive.ended - drive.began
-        measured = drive.measuring.measured
         heard = self._readings.readings_of_port(drive.source)
         began = drive.began if drive.began is not None else heard[-1].time if heard else None
         mine = self._notes[drive.source.recording]
         unit = unit_of(mine, self._catalog)
-        yield "drives", began, self._drive_row(drive, identity, began, unit, len(heard))
+        row = self._drive_row(drive, measured, began, unit)
+        yield "drives", began, {**row, "fault_readings": len(heard)}
         states: dict[tuple[str, DriveState], ChannelStatistics] = {
             **{(name, DriveState.ALL): stats for name, stats in measured.whole.items()},
             **{(name, DriveState.WARM_IDLE): stats for name, stats in measured.at_idle.items()},
@@ -240,7 +239,7 @@ class _Reader:
         }
         for (name, state), stats in states.items():
             yield "statistics", began, {
-                "drive": identity, "began": timestamp(began), "channel": name,
+                "began": timestamp(began), "channel": name,
                 "unit": self._catalog.channel(name).unit, "state": state.value,
                 "count": stats.count, "mean": stats.mean, "median": stats.median,
                 "low": stats.low, "high": stats.high, "least": stats.least, "most": stats.most,
@@ -250,7 +249,7 @@ class _Reader:
             for code in dict.fromkeys(reading.codes) or (None,):
                 fault = None if code is None else self._catalog.fault(code)
                 yield "faults", reading.time, {
-                    **self._at(identity, reading.time), "reading": number, "code": code,
+                    **self._at(reading.time), "reading": number, "code": code,
                     "en": fault.text.en if fault and fault.known else None,
                     "ru": fault.text.ru if fault and fault.known else None,
                     "message": fault.informational if fault else None,
@@ -260,39 +259,33 @@ class _Reader:
             length = None if gap.ended is None else gap.ended - gap.began
             reason = gap.reason or Text("", "")
             yield "gaps", gap.began, {
-                **self._at(identity, gap.began), "seconds": length,
+                **self._at(gap.began), "seconds": length,
                 "en": reason.en or None, "ru": reason.ru or None,
             }  # fmt: skip
         for alarm in measured.alarms:
             yield "alarms", alarm.began, {
-                **self._at(identity, alarm.began), "channel": alarm.limit.name,
+                **self._at(alarm.began), "channel": alarm.limit.name,
                 "level": alarm.limit.level.value, "side": alarm.limit.side.value,
                 "bound": alarm.limit.value, "times": alarm.times, "seconds": alarm.seconds,
                 "peak": alarm.peak if isfinite(alarm.peak) else None, "still": alarm.still,
                 "by_event": alarm.by_event,
             }  # fmt: skip
 
-    def _at(self, identity: str, time: float) -> dict[str, object]:
+    def _at(self, time: float) -> dict[str, object]:
         since = None if self.zero is None else time - self.zero
-        return {"drive": identity, "time": since, "utc": timestamp(time)}
+        return {"time": since, "utc": timestamp(time)}
 
     def _drive_row(
-        self,
-        drive: _Drive,
-        identity: str,
-        began: float | None,
-        unit: RecordedUnit | None,
-        readings: int,
+        self, drive: _Drive, measured: Measurements, began: float | None, unit: RecordedUnit | None
     ) -> dict[str, object]:
         car = self._details
         ended = drive.ended if drive.ended is not None else began
-        measured = drive.measuring.measured
         passport = " · ".join(filter(None, (unit.passport if unit else None) or ()))
         return {
-            "drive": identity, "recording": self._key, "file": clean_line(self._name),
+            "recording": self._key, "file": clean_line(self._name),
             "began": timestamp(began), "ended": timestamp(ended),
             "seconds": None if began is None or ended is None else ended - began,
-            "rows": drive.rows,
+            "rows": measured.rows,
             "known_by": self.car.known_by.value if self.car.known_by else None,
             "name": car.car or None, "plate": car.plate or None, "mileage": car.mileage,
             "workshop": car.workshop or None,
@@ -300,8 +293,7 @@ class _Reader:
             "version_code": version_text(unit.version_code) if unit else None,
             "passport": passport or None, "virtual": drive.source.url.startswith("sim:"),
             "port": drive.source.url or None, "adapter": drive.source.description or None,
-            "fault_readings": readings, "gaps": len(drive.gaps),
-            "damaged_places": self._recording.problem_count,
+            "gaps": len(drive.gaps), "damaged_places": self._recording.problem_count,
             "warm_idle_seconds": measured.idle.seconds,
             "coolant_first": drive.states.coolant_first, "warm_up_seconds": drive.states.warm_up,
             "program": program(), "catalog": self._catalog.version,

@@ -67,7 +67,7 @@ class TableWriter(ParquetTable):
 
     def add_row(self, table: str, time: float | None, row: Mapping[str, object]) -> None:
         """Add a row to a small table; `time` decides on its day."""
-        known = tuple(row[column.name] for column in SMALL[table])
+        known = tuple(row[column] for column in SMALL[table])
         self._rows[table].setdefault(day_of(time), []).append(known)
         self._check(len(self._rows[table]))
 
@@ -94,7 +94,7 @@ class TableWriter(ParquetTable):
             for day, rows in days.items():
                 file = self._folder / f"{count}.parquet"
                 count += 1
-                listed = ", ".join(f"{column.name} {column.type}" for column in columns)
+                listed = ", ".join(f"{name} {kind}" for name, kind in columns.items())
                 self.database.execute(f"CREATE OR REPLACE TEMP TABLE small ({listed})")
                 for piece in _pieces(rows, len(columns)):
                     row = f"({', '.join('?' * len(columns))})"
