@@ -11,6 +11,6 @@ from mikas.report.labels import LABELS
 
 def test_every_label_is_on_the_page() -> None:
     folder = Path(mikas.report.__file__).parent
-    text = "".join((folder / name).read_text("utf-8") for name in ("page.py", "page.html"))
-    text += "".join(each.read_text("utf-8") for each in sorted(folder.glob("sections/*.py")))
+    files = [folder / "page.py", *folder.glob("*.html"), *folder.glob("sections/*.py")]
+    text = "".join(file.read_text("utf-8") for file in files)
     assert {name for name in LABELS if not re.search(rf"""["']{name}["']""", text)} == set()

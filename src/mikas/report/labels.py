@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Final
 
 from mikas.i18n import Language, Text
@@ -109,9 +110,10 @@ LABELS: Final = {
 class Labels:
     """The texts in one language: `labels("gaps")`, `labels("sample_rate", count=3)`."""
 
-    def __init__(self, language: Language) -> None:
+    def __init__(self, language: Language, texts: Mapping[str, Text] = LABELS) -> None:
         self.language: Language = language
+        self._texts = texts
 
     def __call__(self, name: str, **fields: object) -> str:
-        text = LABELS[name].to(self.language)
+        text = self._texts[name].to(self.language)
         return text.format(**fields) if fields else text

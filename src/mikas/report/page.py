@@ -10,7 +10,6 @@ from base64 import b64encode
 from collections.abc import Callable, Iterator
 from functools import cache
 from hashlib import sha256
-from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -21,6 +20,7 @@ from mikas.catalog import Fault
 from mikas.errors import ExportError
 from mikas.i18n import Language, Text
 from mikas.recording.export.exporting import check_free, write_whole
+from mikas.recording.export.sheet import program
 from mikas.recording.formatting import CONFIDENCE, band, date_of, moment, number, percent, with_unit
 from mikas.report.charts import chart
 from mikas.report.findings import (
@@ -88,11 +88,7 @@ class _Page:
         return {
             "language": language,
             "label": label,
-            "policy": policy(),
-            "style": Markup(page_style()),
             "title": " · ".join(filter(None, (label("title"), model, file))),
-            "heading": label("title"),
-            "unknown_title": label("unknown"),
             "date": date.strftime(label("date")) if date else label("no_date"),
             "about": " · ".join((*found.subject.notes[:3], about)),
             "found": found,
@@ -112,7 +108,6 @@ class _Page:
             "legend": list(self._legend()),
             "how": list(how_rows(found, language)),
             "unknowns": [text.to(language) for text in unknowns(found)],
-            "made_by": label("made_by", program=f"mikas {version('mikas')}"),
         }
 
     def _car(self) -> Iterator[tuple[str, str]]:
@@ -180,7 +175,9 @@ class _Page:
         share = (
             "" if value.unrated else self._label("within_band", share=percent(stats.inside or 0.0))
         )
-        why = [self._unrated(value), value.meaning.to(language), self._related(value)]
+        codes = ", ".join(map(str, value.related))
+        related = self._label("related", codes=codes) if codes else ""
+        why = [self._unrated(value), value.meaning.to(language), related]
         return {
             "off": value.mark in (BandPosition.LOW, BandPosition.HIGH),
             "text": channel.text.to(language),
@@ -200,10 +197,6 @@ class _Page:
         if value.unrated is Unrated.TOO_FEW:
             return self._label("too_few", count=value.stats.count)
         return ""
-
-    def _related(self, value: ChannelFinding) -> str:
-        codes = ", ".join(map(str, value.related))
-        return self._label("related", codes=codes) if codes else ""
 
     def _other(self, value: ChannelFinding) -> dict[str, str]:
         channel, stats, language = value.channel, value.stats, self._language
@@ -291,7 +284,9 @@ def templates(*more: Path) -> Environment:
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
     loader = FileSystemLoader([Path(__file__).parent, *more])
-    return Environment(loader=loader, autoescape=True, undefined=StrictUndefined)
+    made = Environment(loader=loader, autoescape=True, undefined=StrictUndefined)
+    made.globals |= {"policy": policy(), "style": Markup(page_style()), "program": program()}
+    return made
 
 
 def check_output(out: Path, *, overwrite: bool) -> None:

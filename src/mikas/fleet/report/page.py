@@ -5,34 +5,22 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator
 from datetime import UTC, datetime
 from functools import cache
-from importlib.metadata import version
 from pathlib import Path
 from statistics import median
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from markupsafe import Markup
 
 from mikas.cancellation import check_cancelled
+from mikas.fleet.report import sentences
 from mikas.fleet.report.findings import CarFault, CarFindings, FleetFindings
 from mikas.fleet.report.measures import MEASURES, CarMeasure
-from mikas.fleet.report.sentences import (
-    CARS,
-    DRIVES,
-    car_sentences,
-    date,
-    fault_state,
-    fault_text,
-    headline,
-    method,
-    remarks,
-    unknowns,
-)
-from mikas.i18n import Language, Text, counted
+from mikas.i18n import Language, Text, plural
 from mikas.recording.formatting import duration, number, with_unit
 from mikas.report.charts import chart
+from mikas.report.labels import Labels
 from mikas.report.measurements.statistics import BlockTimes, Envelope
-from mikas.report.page import page_style, policy, templates
+from mikas.report.page import templates
 
 if TYPE_CHECKING:
     from jinja2 import Template
@@ -77,53 +65,31 @@ def render(found: FleetFindings, language: Language) -> str:
 
 
 def _context(found: FleetFindings, language: Language) -> dict[str, Any]:
-    label = {name: text.to(language) for name, text in _LABELS.items()}
-    figures = found.figures
-    began = min((car.first for car in figures.cars if car.first), default=None)
-    seconds = sum(car.seconds for car in figures.cars)
-    drives = sum(car.drives for car in figures.cars)
+    label, now = Labels(language, _LABELS), sentences.date(found.figures.now)
+    began = min((car.first for car in found.figures.cars if car.first), default=None)
+    cars, drives = len(found.cars), sum(car.figures.drives for car in found.cars)
+    length = duration(sum(car.figures.seconds for car in found.cars))
     ranked = sorted(found.cars, key=lambda car: not car.found)  # stable: then by name
     draws_all = len(found.cars) <= _MOST_CARS
+    about = Text(
+        f"{plural(cars, *sentences.CARS[0])}, {plural(drives, *sentences.DRIVES[0])}, {length.en}",
+        f"машин: {cars}, поездок: {drives}, {length.ru}",
+    )
     return {
         "language": language,
         "label": label,
-        "policy": policy(),
-        "style": Markup(page_style()),
         "outcome": found.outcome,
-        "title": f"{label['title']} · {date(figures.now)}",
-        "heading": label["title"],
-        "unknown_title": label["unknown"],
-        "date": date(figures.now),
-        "about": _about(len(found.cars), drives, duration(seconds)).to(language),
-        "headline": headline(found).to(language),
-        "cars": [_row(car, language) for car in ranked],
-        "values": [_value(*each, found, language) for each in found.values.items()],
-        "parts": [
-            _part(car, found, began if draws_all or car.found else None, language) for car in ranked
+        "title": f"{label('title')} · {now}",
+        "date": now,
+        "about": about.to(language),
+        "headline": sentences.headline(found).to(language),
+        "cars": [
+            _car(car, found, began if draws_all or car.found else None, language) for car in ranked
         ],
-        "legend": label["legend"].format(date=date(began)) if began else "",
-        "how": [text.to(language) for text in method(found)],
-        "unknowns": [text.to(language) for text in unknowns(found)],
-        "made_by": label["made_by"].format(program=f"mikas {version('mikas')}"),
-    }
-
-
-def _about(cars: int, drives: int, length: Text) -> Text:
-    return Text(
-        f"{counted(cars, *CARS).en}, {counted(drives, *DRIVES).en}, {length.en}",
-        f"машин: {cars}, поездок: {drives}, {length.ru}",
-    )
-
-
-def _row(car: CarFindings, language: Language) -> dict[str, object]:
-    it = car.figures
-    return {
-        "car": it.car,
-        "name": it.name,
-        "drives": f"{it.drives} · {duration(it.seconds).to(language)}",
-        "latest": date(it.last) if it.last else "–",
-        "found": car.found,
-        "mark": _LABELS["attention" if car.found else "nothing"].to(language),
+        "values": [_value(*each, found, language) for each in found.values.items()],
+        "legend": label("legend", date=sentences.date(began)) if began else "",
+        "how": [text.to(language) for text in sentences.method(found)],
+        "unknowns": [text.to(language) for text in sentences.unknowns(found)],
     }
 
 
@@ -140,17 +106,20 @@ def _value(
     }
 
 
-def _part(
+def _car(
     car: CarFindings, found: FleetFindings, began: datetime | None, language: Language
 ) -> dict[str, object]:
-    """Return the part of a car; `began`: of its charts, None: it has none."""
+    """Return the row and the part of a car; `began`: of its charts, None: it has none."""
     check_cancelled()
+    it = car.figures
     return {
-        "car": car.figures.car,
-        "name": car.figures.name,
+        "car": it.car,
+        "name": it.name,
+        "drives": f"{it.drives} · {duration(it.seconds).to(language)}",
+        "latest": sentences.date(it.last) if it.last else "–",
         "found": car.found,
-        "sentences": [text.to(language) for text in car_sentences(car, found)],
-        "remarks": [text.to(language) for text in remarks(car)],
+        "sentences": [text.to(language) for text in sentences.car_sentences(car, found)],
+        "remarks": [text.to(language) for text in sentences.remarks(car)],
         "faults": [_fault(fault, language) for fault in car.faults],
         "charts": list(_charts(car, found, began, language)) if began else [],
     }
@@ -160,8 +129,8 @@ def _fault(fault: CarFault, language: Language) -> dict[str, object]:
     marks = fault.marks[-_MOST_MARKS:]
     return {
         "code": fault.fault.code,
-        "text": fault_text(fault).to(language),
-        "state": fault_state(fault).to(language),
+        "text": sentences.fault_text(fault).to(language),
+        "state": sentences.fault_state(fault).to(language),
         "marks": "".join("●" if mark else "○" for mark in marks),
     }
 
