@@ -70,8 +70,9 @@ _LINE_STATES: Final = (*STATES.values(), *(state.text for state in LineState))
 class HomeAssistant:
     """Makes the discovery of the car of a `publication`. `name`: of the device.
 
-    `version`: of mikas. `gone`: the platform of each entity of an earlier discovery that is not in
-    this one; Home Assistant deletes it. Raises `UsageError` for a `prefix` that is no topic.
+    `version`: of mikas. `gone`: the entities of an earlier discovery, with their platforms alone:
+    Home Assistant deletes those that are not in this one. Raises `UsageError` for a `prefix` that
+    is no topic.
     """
 
     publication: Publication
@@ -79,7 +80,7 @@ class HomeAssistant:
     version: str
     language: Language = "en"
     prefix: str = DISCOVERY_PREFIX
-    gone: Mapping[str, str] = field(default_factory=dict)
+    gone: Mapping[str, dict[str, str]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         check_topic(self.prefix)
@@ -100,7 +101,7 @@ class HomeAssistant:
             {
                 "device": self._device(unit),
                 "origin": {"name": "mikas", "sw_version": self.version, "support_url": _URL},
-                "components": {**self._gone(), **dict(self._components())},
+                "components": {**self.gone, **dict(self._components())},
                 "qos": 1,
             }
         )
@@ -113,9 +114,6 @@ class HomeAssistant:
         published.
         """
         return replace(self, gone=_platforms(earlier))
-
-    def _gone(self) -> dict[str, Any]:
-        return {key: {"platform": platform} for key, platform in self.gone.items()}
 
     def _device(self, unit: UnitFound | None) -> dict[str, Any]:
         device: dict[str, Any] = {
@@ -133,16 +131,16 @@ class HomeAssistant:
 
     def _components(self) -> Iterator[tuple[str, dict[str, Any]]]:
         for channel in self.publication.channels:
-            yield self._entity(channel.name, self._of_channel(channel), self._sampling)
-        yield self._entity("fault", self._fault(), self._sampling)
-        yield self._entity("faults", self._faults(), self._sampling)
-        yield self._entity("alarm", self._alarm(), self._sampling)
-        yield self._entity("state", self._state(), self._running)
+            yield self._entity(channel.name, self._of_channel(channel))
+        for key, config in self._of_line():
+            yield self._entity(key, {"name": _TEXTS[key].to(self.language), **config})
 
-    def _entity(
-        self, key: str, config: dict[str, Any], availability: list[dict[str, str]]
-    ) -> tuple[str, dict[str, Any]]:
-        own = identifier(key)
+    def _entity(self, key: str, config: dict[str, Any]) -> tuple[str, dict[str, Any]]:
+        own, availability = identifier(key), [{"topic": self.topics.availability}]
+        if key != "state":  # which is known whenever the program runs
+            sampling = f"'online' if value_json.state == '{LineState.SAMPLING}' else 'offline'"
+            template = f"{{{{ {sampling} }}}}"
+            availability.append({"topic": self.topics.state, "value_template": template})
         named = {
             "unique_id": f"mikas_{self.topics.identifier}_{own}",
             "default_entity_id": f"{config['platform']}.{_entity(self.topics.base, key)}",
@@ -150,17 +148,6 @@ class HomeAssistant:
             "availability_mode": "all",
         }
         return own, {**config, **named}
-
-    @property
-    def _running(self) -> list[dict[str, str]]:
-        return [{"topic": self.topics.availability}]
-
-    @property
-    def _sampling(self) -> list[dict[str, str]]:
-        template = (
-            f"{{{{ 'online' if value_json.state == '{LineState.SAMPLING}' else 'offline' }}}}"
-        )
-        return [*self._running, {"topic": self.topics.state, "value_template": template}]
 
     # The entities
 
@@ -198,51 +185,30 @@ class HomeAssistant:
                 config["device_class"] = kind
         return config
 
-    def _fault(self) -> dict[str, Any]:
+    def _of_line(self) -> Iterator[tuple[str, dict[str, Any]]]:
+        """Yield the entities of the faults, of the alarms and of the line, by `_TEXTS`."""
+        problem = {"platform": "binary_sensor", "device_class": "problem"}
         stored = "value_json.faults | rejectattr('informational') | list"
-        return {
-            "platform": "binary_sensor",
-            "name": _TEXTS["fault"].to(self.language),
-            "device_class": "problem",
-            "state_topic": self.topics.faults,
-            "value_template": _if_current(f"'ON' if {stored} else 'OFF'"),
-        }
-
-    def _faults(self) -> dict[str, Any]:
+        is_stored = _if_current(f"'ON' if {stored} else 'OFF'")
+        yield "fault", {**problem, "state_topic": self.topics.faults, "value_template": is_stored}
         none = _TEXTS["none"].to(self.language)
         codes = "(value_json.faults | map(attribute='code') | list)"
         more = f"(' …' if value_json.faults | length > {_MOST_NUMBERS} else '')"
         numbers = f"({codes}[:{_MOST_NUMBERS}] | join(', ') ~ {more}) or '{none}'"
-        return {
-            "platform": "sensor",
-            "name": _TEXTS["faults"].to(self.language),
-            "icon": "mdi:engine",
-            "state_topic": self.topics.faults,
-            "value_template": _if_current(numbers),
-            "json_attributes_topic": self.topics.faults,
-        }
-
-    def _alarm(self) -> dict[str, Any]:
-        return {
-            "platform": "binary_sensor",
-            "name": _TEXTS["alarm"].to(self.language),
-            "device_class": "problem",
-            "state_topic": self.topics.alarms,
-            "value_template": _if_current("'ON' if value_json.alarms else 'OFF'"),
-            "json_attributes_topic": self.topics.alarms,
-        }
-
-    def _state(self) -> dict[str, Any]:
-        return {
-            "platform": "sensor",
-            "name": _TEXTS["state"].to(self.language),
-            "device_class": "enum",
-            "options": [text.to(self.language) for text in _LINE_STATES],
-            "entity_category": "diagnostic",
-            "state_topic": self.topics.state,
-            "value_template": f"{{{{ value_json.text.{self.language} }}}}",
-            "json_attributes_topic": self.topics.state,
-        }
+        shown = _with_attributes(self.topics.faults, _if_current(numbers))
+        yield "faults", {"platform": "sensor", "icon": "mdi:engine", **shown}
+        is_on = _if_current("'ON' if value_json.alarms else 'OFF'")
+        yield "alarm", {**problem, **_with_attributes(self.topics.alarms, is_on)}
+        yield (
+            "state",
+            {
+                "platform": "sensor",
+                "device_class": "enum",
+                "options": [text.to(self.language) for text in _LINE_STATES],
+                "entity_category": "diagnostic",
+                **_with_attributes(self.topics.state, f"{{{{ value_json.text.{self.language} }}}}"),
+            },
+        )
 
 
 def discovery_topic(prefix: str, topics: Topics) -> str:
@@ -250,14 +216,14 @@ def discovery_topic(prefix: str, topics: Topics) -> str:
     return f"{prefix}/device/{topics.identifier}/config"
 
 
-def _platforms(discovery: bytes) -> dict[str, str]:
-    """Return the platform of each entity of a discovery, which anybody may have sent."""
+def _platforms(discovery: bytes) -> dict[str, dict[str, str]]:
+    """Return the entities of a discovery, which anybody may have sent, with no more than that."""
     try:
         components = json.loads(discovery)["components"].items()
     except (ValueError, RecursionError, TypeError, KeyError, AttributeError):
         return {}
     return {
-        key: each["platform"]
+        key: {"platform": each["platform"]}
         for key, each in itertools.islice(components, _MOST_ENTITIES)
         if _KEY.fullmatch(key)
         and isinstance(each, dict)
@@ -273,6 +239,11 @@ def _entity(*words: str) -> str:
 
 def _if_current(expression: str) -> str:
     return f"{{{{ ({expression}) if value_json.current else 'None' }}}}"
+
+
+def _with_attributes(topic: str, template: str) -> dict[str, str]:
+    """Return the keys of an entity that shows a topic, and has all of it as attributes."""
+    return {"state_topic": topic, "value_template": template, "json_attributes_topic": topic}
 
 
 def _is_trouble(channel: Parameter | Derived) -> bool:
