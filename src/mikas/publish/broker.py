@@ -73,18 +73,9 @@ def parse_address(text: str) -> Broker:
             f"nothing follows the host and the port; {_SIGNS.en}",
             f"после имени и порта ничего нет; {_SIGNS.ru}",
         )
-    encrypted = parts.scheme == "mqtts"
-    return Broker(
-        parts.hostname,
-        port or _PORTS[parts.scheme],
-        encrypted,
-        _decoded(parts.username),
-        _decoded(parts.password),
-    )
-
-
-def _decoded(text: str | None) -> str | None:
-    return unquote(text) if text else None
+    user, password = (unquote(it or "") or None for it in (parts.username, parts.password))
+    port = port or _PORTS[parts.scheme]
+    return Broker(parts.hostname, port, parts.scheme == "mqtts", user, password)
 
 
 def _wrong(en: str, ru: str) -> UsageError:

@@ -259,7 +259,10 @@ class BrokerConnection:
             message = self.outbox.next()
             if not self.is_connected and (message is None or not message.retain):
                 await self._publish(client, self.online)
-                self._report_connected()
+                self.is_connected = True
+                if not self._first.done():
+                    self._first.set_result(None)
+                self.on_change(BrokerChange(lost=self.outbox.take_lost()))
             elif message is not None and loop.time() < until:
                 await self._publish(client, message)
                 self.outbox.sent(message)
@@ -272,12 +275,6 @@ class BrokerConnection:
 
     async def _publish(self, client: Client, message: Message) -> None:
         await client.publish(message.topic, message.payload, message.qos, message.retain)
-
-    def _report_connected(self) -> None:
-        self.is_connected = True
-        if not self._first.done():
-            self._first.set_result(None)
-        self.on_change(BrokerChange(lost=self.outbox.take_lost()))
 
 
 async def _watch(client: Client) -> None:

@@ -6,15 +6,7 @@ import socket
 import ssl
 from typing import TYPE_CHECKING, Final
 
-from mikas.errors import (
-    BrokerLost,
-    BrokerNotFound,
-    BrokerNotTrusted,
-    BrokerRefused,
-    BrokerUnreachable,
-    NoBroker,
-    reason_of,
-)
+from mikas import errors
 from mikas.i18n import Text
 
 if TYPE_CHECKING:
@@ -74,7 +66,7 @@ _SAME_CLIENT: Final = Text(
 _CLOSED: Final = Text("the broker has closed it", "её закрыл брокер")
 
 
-def connecting_failed(url: str, error: MqttError | OSError | UnicodeError) -> NoBroker:
+def connecting_failed(url: str, error: MqttError | OSError | UnicodeError) -> errors.NoBroker:
     """Return the error of a connection that did not come about."""
     from aiomqtt import MqttCodeError
     from paho.mqtt.reasoncodes import ReasonCode
@@ -82,33 +74,33 @@ def connecting_failed(url: str, error: MqttError | OSError | UnicodeError) -> No
     if isinstance(error, MqttCodeError):
         code = error.rc.value if isinstance(error.rc, ReasonCode) else error.rc or 0
         words = str(error)
-        return BrokerRefused(url=url, problem=_REFUSALS.get(code, Text(words, words)))
+        return errors.BrokerRefused(url=url, problem=_REFUSALS.get(code, Text(words, words)))
     match cause := error if isinstance(error, OSError | UnicodeError) else error.__context__:
         case ssl.SSLCertVerificationError():
             words = cause.verify_message
             problem = _NO_TRUST.get(cause.verify_code, Text(words, words))
             if cause.verify_code in _STRICT:
                 problem = _NOT_STRICT.filled(words=words)
-            return BrokerNotTrusted(url=url, problem=problem)
+            return errors.BrokerNotTrusted(url=url, problem=problem)
         case ssl.SSLError():
             if "ALERT" in (cause.reason or ""):
                 words = (cause.reason or "").replace("_", " ").lower()
-                return BrokerRefused(url=url, problem=_TLS_REFUSED.filled(words=words))
-            return BrokerUnreachable(url=url, problem=_NOT_TLS)
+                return errors.BrokerRefused(url=url, problem=_TLS_REFUSED.filled(words=words))
+            return errors.BrokerUnreachable(url=url, problem=_NOT_TLS)
         case socket.gaierror() | UnicodeError():  # a name that no computer can have
-            return BrokerNotFound(url=url)
+            return errors.BrokerNotFound(url=url)
         case ConnectionRefusedError():
-            return BrokerUnreachable(url=url, problem=_NO_LISTENER)
+            return errors.BrokerUnreachable(url=url, problem=_NO_LISTENER)
         case ConnectionResetError() | BrokenPipeError():
-            return BrokerUnreachable(url=url, problem=_NOT_MQTT)
+            return errors.BrokerUnreachable(url=url, problem=_NOT_MQTT)
         case OSError() if cause.errno is not None:
-            return BrokerUnreachable(url=url, problem=reason_of(cause))
+            return errors.BrokerUnreachable(url=url, problem=errors.reason_of(cause))
         case OSError():  # a time-out has no number
-            return BrokerUnreachable(url=url, problem=_NO_ANSWER)
-    return BrokerUnreachable(url=url, problem=_NOT_MQTT)
+            return errors.BrokerUnreachable(url=url, problem=_NO_ANSWER)
+    return errors.BrokerUnreachable(url=url, problem=_NOT_MQTT)
 
 
-def connection_lost(url: str, error: Exception, *, again: bool) -> BrokerLost:
+def connection_lost(url: str, error: Exception, *, again: bool) -> errors.BrokerLost:
     """Return the error of a connection that broke off. `again`: as the ones before, at once."""
     problem = _NO_ANSWER if "timed out" in str(error) else _CLOSED
-    return BrokerLost(url=url, problem=problem, advice=_SAME_CLIENT if again else None)
+    return errors.BrokerLost(url=url, problem=problem, advice=_SAME_CLIENT if again else None)

@@ -14,28 +14,18 @@ from typing import Any, Final
 from mikas.catalog import Catalog, Derived, Parameter
 from mikas.client.parameters.polling import next_due
 from mikas.i18n import Text
+from mikas.json_values import picked
 from mikas.publish.outbox import Message, MessageKind, compact, json_payload, rounded
 from mikas.publish.topics import Topics
 from mikas.publish.values import LatestValues, SampleBatch, plain_values, unit_of
-from mikas.sampling.events import (
-    AdapterMoved,
-    AlarmChanged,
-    CycleFailed,
-    Event,
-    FaultReading,
-    Gap,
-    MethodChosen,
-    ParameterDropped,
-    ParameterReturned,
-    Sampled,
-    StateChanged,
-    UnitFound,
-)
+from mikas.sampling import events
+from mikas.sampling.events import Event
 
 _NO_ALARM: Final = "none"
-_STARTING = Text("looking for the unit", "поиск блока")
-_STOPPED = Text("not running", "опрос не идёт")
-STATES: Final = {"starting": _STARTING, "stopped": _STOPPED}
+STATES: Final = {
+    "starting": Text("looking for the unit", "поиск блока"),
+    "stopped": Text("not running", "опрос не идёт"),
+}
 """The states before the first one of the line and after the last."""
 
 
@@ -61,14 +51,14 @@ class Publication:
         names = [channel.name for channel in self.channels]
         self._latest = LatestValues(names)
         self._batch = SampleBatch(self.topics.samples, names, max(1, self.qos))
-        self._gaps: list[Gap] = []  # those that the next event begins or ends
+        self._gaps: list[events.Gap] = []  # those that the next event begins or ends
         self._due: float | None = None  # of the next values
         self._reason: Text | None = None  # of the latest failed cycle
         self._answers = False  # whether values come
-        self._faults: FaultReading | None = None  # as read last
+        self._faults: events.FaultReading | None = None  # as read last
         self._faults_current = False
         self._told: tuple[int, ...] | None = None  # the faults of the latest event
-        self._alarms: dict[str, AlarmChanged] = {}  # the present ones
+        self._alarms: dict[str, events.AlarmChanged] = {}  # the present ones
 
     def begin(self) -> list[Message]:
         """Return the messages before the first event: nothing is known yet."""
@@ -76,17 +66,16 @@ class Publication:
             self._channel_message(),
             self._fault_message(None),
             self._alarm_message(None),
-            self._state_message(None, {"state": "starting", "text": _STARTING._asdict()}),
+            self._own_state("starting", None),
         ]
 
     def last_messages(self, time: float | None = None) -> list[Message]:
         """Return the messages after the last event."""
-        stopped = {"state": "stopped", "text": _STOPPED._asdict()}
-        return [*self._batch.messages(), self._state_message(time, stopped)]
+        return [*self._batch.messages(), self._own_state("stopped", time)]
 
     def messages_of(self, event: Event) -> list[Message]:
         """Return the messages of `event`; a gap's follow with those of the event after it."""
-        if isinstance(event, Gap):
+        if isinstance(event, events.Gap):
             self._gaps.append(event)
             return []
         return [*self._of(event), *self._happened(event), *self._values(event)]
@@ -95,7 +84,7 @@ class Publication:
 
     def _of(self, event: Event) -> Iterator[Message]:
         match event:
-            case Sampled():
+            case events.Sampled():
                 values = plain_values(event)
                 self._latest.add_sample(event.time, values)
                 if self.samples:
@@ -103,24 +92,24 @@ class Publication:
                 if not self._answers:
                     self._answers, self._due = True, None
                     yield self._alarm_message(event.time)
-            case CycleFailed(error=error):
+            case events.CycleFailed(error=error):
                 self._reason = error.reason
-            case StateChanged():
+            case events.StateChanged():
                 yield from self._state_changed(event)
-            case UnitFound():
+            case events.UnitFound():
                 yield from self._unit_found(event)
-            case FaultReading():
+            case events.FaultReading():
                 self._faults, self._faults_current = event, True
                 yield self._fault_message(event.time)
-            case AlarmChanged():
+            case events.AlarmChanged():
                 self._alarms.pop(event.name, None)
                 if event.level != _NO_ALARM:
                     self._alarms[event.name] = event
                 yield self._alarm_message(event.time)
-            case ParameterDropped(name=name) if self._alarms.pop(name, None):
+            case events.ParameterDropped(name=name) if self._alarms.pop(name, None):
                 yield self._alarm_message(event.time)
 
-    def _state_changed(self, event: StateChanged) -> Iterator[Message]:
+    def _state_changed(self, event: events.StateChanged) -> Iterator[Message]:
         state = event.as_json()
         del state["kind"]
         state["code"] = type(event.error).__name__ if event.error else None
@@ -136,7 +125,7 @@ class Publication:
             self._faults_current = False
             yield self._fault_message(event.time)
 
-    def _unit_found(self, event: UnitFound) -> Iterator[Message]:
+    def _unit_found(self, event: events.UnitFound) -> Iterator[Message]:
         unit = event.as_json() | {"time": rounded(event.time)}
         del unit["kind"]
         yield self._message(self.topics.unit, unit, event.time)
@@ -153,6 +142,9 @@ class Publication:
         whole |= {key: value for key, value in state.items() if key != "time"}
         return self._message(self.topics.state, whole, time)
 
+    def _own_state(self, name: str, time: float | None) -> Message:
+        return self._state_message(time, {"state": name, "text": STATES[name]._asdict()})
+
     def _channel_message(self) -> Message:
         channels = [
             {
@@ -166,28 +158,21 @@ class Publication:
         return self._message(self.topics.channels, {"channels": channels}, None)
 
     def _fault_message(self, time: float | None) -> Message:
-        codes = None if self._faults is None else self._faults.codes
-        content = {
-            "time": None if self._faults is None else rounded(self._faults.time),
-            "current": self._faults_current,
-            "count": None if codes is None else len(codes),
-            "faults": None
-            if codes is None
-            else [self.catalog.fault(code).as_json() for code in codes],
-        }
+        content: dict[str, Any] = {"time": None, "current": self._faults_current}
+        content |= {"count": None, "faults": None}
+        if (read := self._faults) is not None:
+            stored = [self.catalog.fault(code).as_json() for code in read.codes]
+            content |= {"time": rounded(read.time), "count": len(stored), "faults": stored}
         return self._message(self.topics.faults, content, time)
 
     def _alarm_message(self, time: float | None) -> Message:
         present = [
             {
-                "name": name,
-                "level": alarm.level,
-                "side": alarm.side,
-                "limit": alarm.limit,
+                **picked(alarm, "name", "level", "side", "limit"),
                 "since": rounded(alarm.time),
                 "text": alarm.text._asdict(),
             }
-            for name, alarm in self._alarms.items()
+            for alarm in self._alarms.values()
         ]
         content = {
             "time": rounded(time),
@@ -206,18 +191,19 @@ class Publication:
         happened: list[Event] = [*self._gaps]
         self._gaps.clear()
         match event:
-            case FaultReading(codes=codes):
-                if codes != self._told:
-                    before, self._told = self._told, codes
-                    new = None if before is None else tuple(it for it in codes if it not in before)
-                    happened.append(replace(event, added=new))
-            case StateChanged() | UnitFound() | AdapterMoved() | MethodChosen():
+            case events.FaultReading(codes=codes) if codes != self._told:
+                before, self._told = self._told, codes
+                new = None if before is None else tuple(it for it in codes if it not in before)
+                happened.append(replace(event, added=new))
+            case events.StateChanged() | events.UnitFound() | events.AdapterMoved():
                 happened.append(event)
-            case ParameterDropped() | ParameterReturned() | AlarmChanged():
+            case events.ParameterDropped() | events.ParameterReturned():
+                happened.append(event)
+            case events.MethodChosen() | events.AlarmChanged():
                 happened.append(event)
         for each in happened:
             content = {**each.as_json(), "time": rounded(each.time)}
-            if isinstance(each, MethodChosen):
+            if isinstance(each, events.MethodChosen):
                 content["rates"] = {name: round(rate, 2) for name, rate in each.rates.items()}
             yield Message(
                 self.topics.event, json_payload(content), MessageKind.EVENT, time=each.time
@@ -226,8 +212,8 @@ class Publication:
     # Values
 
     def _values(self, event: Event) -> Iterator[Message]:
-        broken = isinstance(event, StateChanged) and event.is_broken
-        if not (broken or isinstance(event, Sampled | CycleFailed)):
+        broken = isinstance(event, events.StateChanged) and event.is_broken
+        if not (broken or isinstance(event, events.Sampled | events.CycleFailed)):
             return
         time = event.time
         if self._due is None or time >= self._due:
