@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Sequence
-from contextlib import ExitStack, nullcontext
-from dataclasses import dataclass
+from contextlib import ExitStack
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -26,19 +25,8 @@ if TYPE_CHECKING:
     from mikas.dashboard.security.access import Access
     from mikas.dashboard.security.certificate import Certificate
     from mikas.dashboard.settings import Settings
-    from mikas.link.ahead import PortAhead
-
 
 _FAULTS = "17"  # air temperature: a fault to find and to erase, with the engine running well
-
-
-@dataclass(frozen=True, slots=True)
-class DashStart:
-    """How `dash` was started. `folder`: where it can be found; `starting`: held until it serves."""
-
-    folder: Path
-    desktop: bool
-    starting: ExitStack
 
 
 @command(
@@ -77,7 +65,7 @@ def dash(context: CommandContext, options: DashboardOptions, *, desktop: bool) -
                 context.output.result({"url": running.url}, running.url)
                 open_page(running.url)
                 return
-        show_dashboard(context, options, DashStart(folder, desktop, start))
+        show_dashboard(context, options, start, desktop=desktop)
 
 
 @command(
@@ -119,47 +107,51 @@ def demo(
 
 
 def show_dashboard(
-    context: CommandContext, options: DashboardOptions, start: DashStart | None = None
+    context: CommandContext,
+    options: DashboardOptions,
+    start: ExitStack | None = None,
+    *,
+    desktop: bool = False,
 ) -> None:
-    """Print the address, then serve until Ctrl-C. `start` None: not to be found by others."""
+    """Print the address, then serve until Ctrl-C.
+
+    `start`: closed as soon as a second start finds this one; None: it is not to be found.
+    """
     if context.capture is not None:
         raise usage_error(
             "The dashboard records itself (--record DIR); omit --capture",
             "Панель записывает сама (--record DIR); уберите --capture",
         )
-    # Imports take as long as the handshake listens.
-    with nullcontext() if context.port is None else context.open_ahead() as ahead:
-        _serve(context, options, ahead, start)
+    with ExitStack() as stack:
+        # Imports take as long as the handshake listens.
+        ahead = None if context.port is None else stack.enter_context(context.open_ahead())
+        from mikas.cli.config import own_tests
+        from mikas.client.connecting import state_folder
+        from mikas.dashboard.dashboard import Dashboard
+        from mikas.dashboard.listening import listen, own_addresses
+        from mikas.dashboard.running import RunningDashboard
+        from mikas.dashboard.security.access import Access
+        from mikas.dashboard.settings import (
+            Settings,
+            VirtualCars,
+            default_recordings,
+            ensure_folder,
+        )
 
-
-def _serve(
-    context: CommandContext,
-    options: DashboardOptions,
-    ahead: PortAhead | None,
-    start: DashStart | None,
-) -> None:
-    from mikas.cli.config import own_tests
-    from mikas.dashboard.dashboard import Dashboard
-    from mikas.dashboard.listening import listen, own_addresses
-    from mikas.dashboard.running import RunningDashboard
-    from mikas.dashboard.security.access import Access
-    from mikas.dashboard.settings import Settings, VirtualCars, default_recordings, ensure_folder
-
-    if options.record is not None:
-        ensure_folder(options.record)
-    settings = Settings(
-        options.record or default_recordings(),
-        connection=context.options,
-        open_port=(VirtualCars(ahead.open) if ahead else VirtualCars()).open,
-        language=requested_language(),
-        own=context.own_catalog,
-        tests=own_tests(),
-        desktop=start is not None and start.desktop,
-    )
-    hosts = own_addresses() if options.lan else ()
-    certificate = _certificate(options, settings, hosts)
-    own = listen(options.host_port, lan=options.lan)
-    with own, ExitStack() as found:
+        if options.record is not None:
+            ensure_folder(options.record)
+        settings = Settings(
+            options.record or default_recordings(),
+            connection=context.options,
+            open_port=(VirtualCars(ahead.open) if ahead else VirtualCars()).open,
+            language=requested_language(),
+            own=context.own_catalog,
+            tests=own_tests(),
+            desktop=desktop,
+        )
+        hosts = own_addresses() if options.lan else ()
+        certificate = _certificate(options, settings, hosts)
+        own = stack.enter_context(listen(options.host_port, lan=options.lan))
         access = Access(
             own.getsockname()[1],
             lan=options.lan,
@@ -169,8 +161,9 @@ def _serve(
         )
         dashboard = Dashboard(settings, port=context.port, lan=options.lan)
         if start is not None:
-            found.enter_context(RunningDashboard(access.port, access.instance).kept(start.folder))
-            start.starting.close()
+            running = RunningDashboard(access.port, access.instance)
+            stack.enter_context(running.kept(state_folder()))
+            start.close()
         try:
             # The unit is found meanwhile: these imports take as long as the handshake.
             dashboard.connection.begin()
