@@ -16,7 +16,8 @@ from typing import TYPE_CHECKING, Self
 from mikas.catalog import Level
 from mikas.cli.language import current_language, decimal, localized, tr
 from mikas.cli.render import table_layout
-from mikas.cli.render.output import Output, stdout_console
+from mikas.cli.render.output import Output, console
+from mikas.cli.render.terminal import out_drawing
 from mikas.cli.render.values import fresh_values, reference, unit_text, value_text
 from mikas.i18n import Text
 from mikas.link import WallClock
@@ -51,7 +52,7 @@ class LiveTable:
 
     session: SamplingRun
     output: Output
-    console: Console = field(default_factory=stdout_console)
+    console: Console = field(default_factory=lambda: console(out_drawing()))
     clock: Callable[[], float] = field(default_factory=lambda: WallClock().now)
 
     def __post_init__(self) -> None:

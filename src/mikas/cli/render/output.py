@@ -1,4 +1,5 @@
-"""Data to stdout, everything else to stderr; tables with rich on a terminal, plain otherwise.
+"""Data to stdout, everything else to stderr; tables with rich on a terminal, plain otherwise;
+what is redrawn (a status line, a progress bar) on a terminal only.
 
 `--json`: one object, or one a line for endless commands, each with `"schema": 1`. `terminal`
 writes, and escapes what could steer a terminal; JSON has the escapes of JSON for it.
@@ -13,9 +14,10 @@ import threading
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal, TypeVar
+from typing import TYPE_CHECKING, Any, Literal, Protocol, TextIO, TypeVar
 
 from mikas.cleaning import terminal_json
+from mikas.cli.language import tr
 from mikas.cli.render import terminal
 
 if TYPE_CHECKING:
@@ -71,7 +73,7 @@ class Output:
     def table(self, headers: Sequence[str], rows: Sequence[Sequence[str]], right: str = "") -> None:
         """Print a table on stdout. `right`: indices of the right-aligned columns, as digits."""
         if sys.stdout.isatty():
-            stdout_console().print(make_table(headers, rows, right))
+            console(terminal.out_drawing()).print(make_table(headers, rows, right))
         else:
             for row in [headers, *rows] if headers else rows:
                 self.line("\t".join(map(terminal.cell_text, row)))
@@ -126,6 +128,46 @@ class StatusLine:
                 terminal.redraw(terminal.cell_text(text)[: get_terminal_size().columns - 1])
 
 
+class Advance(Protocol):
+    """Advances the bar by `count`; `what` replaces the text before it."""
+
+    def __call__(self, count: int, what: str | None = None, /) -> None: ...
+
+
+@contextmanager
+def progress(what: str, total: int, already: int = 0, *, speed: bool = True) -> Iterator[Advance]:
+    """Show a bar for `total` items, bytes if `speed` is to be shown."""
+    if not sys.stderr.isatty():
+        yield lambda _, __=None: None
+        return
+    from rich import progress as bars
+    from rich.text import Text as RichText
+
+    class Speed(bars.ProgressColumn):
+        """Bytes per second; rich's own column is English only."""
+
+        def render(self, task: bars.Task) -> RichText:
+            speed = f"{task.finished_speed or task.speed or 0:.0f}"
+            return RichText(tr(f"{speed} bytes/s", f"{speed} байт/с"))
+
+    with bars.Progress(
+        bars.TextColumn("{task.description}", markup=False),
+        bars.BarColumn(),
+        bars.TextColumn("{task.completed:.0f}/{task.total:.0f}"),
+        *([Speed()] if speed else []),
+        bars.TimeRemainingColumn(),
+        console=console(terminal.error_drawing()),
+    ) as bar:
+        task = bar.add_task(terminal.cell_text(what), total=total, completed=already)
+
+        def advance(count: int, text: str | None = None, /) -> None:
+            bar.update(
+                task, advance=count, description=terminal.cell_text(what if text is None else text)
+            )
+
+        yield advance
+
+
 def make_table(headers: Sequence[str], rows: Sequence[Sequence[str]], right: str = "") -> Table:
     """Return a rich table; cells are text, never markup."""
     from rich import box
@@ -144,18 +186,11 @@ def make_table(headers: Sequence[str], rows: Sequence[Sequence[str]], right: str
     return table
 
 
-def stdout_console() -> Console:
-    """Return rich's console on stdout; it respects NO_COLOR and the width of the terminal."""
+def console(drawing: TextIO) -> Console:
+    """Return rich's console on a stream for drawing; it respects NO_COLOR and the width."""
     from rich.console import Console
 
-    return Console(file=terminal.out_drawing(), highlight=False)
-
-
-def stderr_console() -> Console:
-    """Return rich's console on stderr, for progress."""
-    from rich.console import Console
-
-    return Console(file=terminal.error_drawing(), stderr=True, highlight=False)
+    return Console(file=drawing, highlight=False)
 
 
 def _plain(value: object) -> object:

@@ -12,7 +12,7 @@ from mikas.cli.context import CommandContext
 from mikas.cli.failures import DONE, USAGE
 from mikas.cli.language import decimal, localized, tr
 from mikas.cli.options.parameter_types import whole
-from mikas.cli.render.progress import progress
+from mikas.cli.render.output import progress
 from mikas.cli.render.terminal import cell_text
 from mikas.json_values import picked
 

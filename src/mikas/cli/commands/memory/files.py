@@ -15,7 +15,7 @@ from mikas.cli.failures import DONE, REFUSED
 from mikas.cli.language import localized, tr
 from mikas.cli.options.common import RELEARN
 from mikas.cli.options.parameter_types import block_size, existing_file, hex_address
-from mikas.cli.render.progress import progress
+from mikas.cli.render.output import progress
 from mikas.client.memory.dumps import (
     Difference,
     Dump,

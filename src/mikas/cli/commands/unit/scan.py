@@ -13,7 +13,7 @@ from mikas.cli.click_extensions import OVERWRITE, command, output_option
 from mikas.cli.context import CommandContext
 from mikas.cli.language import current_language, localized, tr
 from mikas.cli.options.common import RELEARN
-from mikas.cli.render.progress import progress
+from mikas.cli.render.output import progress
 from mikas.cli.render.values import unit_text, value_text
 from mikas.client import Answer, Ecu, ScannedCode
 from mikas.client.identity import count_parameters
