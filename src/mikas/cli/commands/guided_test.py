@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from contextlib import ExitStack, closing
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -84,11 +84,8 @@ def test(
         from mikas.guided.recorded import run_over
         from mikas.recording.recording import Recording
 
-        found = run_over(chosen, Recording(recording, context.options.catalog), skip)
-        if isinstance(found, Text):
-            _show(context, chosen, None, found)
-        else:
-            _show(context, chosen, found)
+        recorded = Recording(recording, context.options.catalog)
+        _show(context, chosen, run_over(chosen, recorded, skip))
         return
     with context.open_ahead() as ahead:
         _show(context, chosen, _guide(context, chosen, ahead, skip, duration))
@@ -136,7 +133,8 @@ def _guide(
     ahead: PortAhead,
     skip: tuple[str, ...],
     duration: float | None,
-) -> TestResult | None:
+) -> TestResult | Text:
+    """Return the result; an empty text, if the test did not come to its end."""
     from mikas.cli.render.notices import Notices
     from mikas.cli.sampling_run import sampling_session
     from mikas.guided.engine import TestEngine
@@ -166,7 +164,7 @@ def _guide(
                 if text := _instruction(chosen, progress.step, is_new=is_new):
                     output.print_note(text)
                 said = now
-    return engine.result
+    return engine.result or NO_TEXT
 
 
 def _instruction(test: GuidedTest, step: int | None, *, is_new: bool) -> str:
@@ -178,21 +176,19 @@ def _instruction(test: GuidedTest, step: int | None, *, is_new: bool) -> str:
     return localized(test.steps[step].advice)
 
 
-def _show(
-    context: CommandContext, chosen: GuidedTest, result: TestResult | None, why: Text = NO_TEXT
-) -> None:
+def _show(context: CommandContext, chosen: GuidedTest, found: TestResult | Text) -> None:
+    """Print the result, or that there is none and why."""
+    result = None if isinstance(found, Text) else found
     if context.output.json:
-        found: dict[str, Any] | None = None
-        if result is not None:
-            found = result.as_json() | {"verdict": result.verdict._asdict()}
-        context.output.data({"test": chosen.name, "result": found})
+        content = result and result.as_json() | {"verdict": result.verdict._asdict()}
+        context.output.data({"test": chosen.name, "result": content})
     elif result is not None:
         for line in localized(result.as_text()).split("\n"):
             context.output.line(line)
-    if result is None:
+    if isinstance(found, Text):
         context.say(
             f"{chosen.name}: the test did not come to its end, so there is no verdict"
-            + (f": {why.en}" if why.en else "."),
+            + (f": {found.en}" if found.en else "."),
             f"{chosen.name}: проверка не дошла до конца, заключения нет"
-            + (f": {why.ru}" if why.ru else "."),
+            + (f": {found.ru}" if found.ru else "."),
         )
