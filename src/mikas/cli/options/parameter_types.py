@@ -6,9 +6,9 @@ text too. click's own types report errors in English only.
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Callable, Iterable
-from contextlib import suppress
 from dataclasses import dataclass
 from math import inf, nan
 from pathlib import Path
@@ -175,10 +175,8 @@ def one_of(words: Iterable[str]) -> Callable[[str], str]:
 
 def any_file(text: str) -> Path:
     """Return a file's path; the file may be absent."""
-    path, is_folder = Path(text), False
-    with suppress(OSError, ValueError):  # an invalid name
-        is_folder = path.is_dir()
-    if is_folder:
+    path = Path(text)
+    if os.path.isdir(path):  # noqa: PTH112  (false for an invalid name)
         raise _invalid(
             f"“{text}” is a folder; a file is needed.", f"«{text}» — папка, а нужен файл."
         )
@@ -187,9 +185,7 @@ def any_file(text: str) -> Path:
 
 def existing_file(text: str) -> Path:
     """Return the path of a file that exists."""
-    path, exists = any_file(text), False
-    with suppress(OSError, ValueError):  # an invalid name
-        exists = path.exists()
-    if not exists:
+    path = any_file(text)
+    if not os.path.exists(path):  # noqa: PTH110  (false for an invalid name)
         raise _invalid(f"there is no file “{text}”.", f"файла «{text}» нет.")
     return path

@@ -69,7 +69,12 @@ class Notices:
         failure = self._session.recorder.failure
         if failure is not None and failure is not self._failure:
             self._failure = failure
-            self._show(stopped_sentence(failure))
+            why = localized(failure.reason)
+            stopped = tr(
+                f"RECORDING STOPPED. {why}. Sampling continues.",
+                f"ЗАПИСЬ ПРЕКРАЩЕНА. {why}. Опрос продолжается.",
+            )
+            self._show(stopped)
 
     def watch(self) -> Generator[Event, None, None]:
         """Yield the run's events, each after its notices; then show if its recording is over."""
@@ -179,7 +184,8 @@ class Notices:
             elif isinstance(event.error, LineNotQuiet):  # the unit is not silent
                 yield _with_advice(event.error)
             else:
-                yield waiting_sentence(event)
+                state = capital(localized(event.text))
+                yield f"{state}{'' if state.endswith('?') else '.'} {_waits()}"
             self._shown_state = event.state
             if self._verbose and event.error is not None:
                 yield localized(ADVICE.text(event.error))
@@ -191,13 +197,6 @@ class Notices:
         self._show(tr(f"Recording continues in {path}.", f"Запись продолжается в {path}."))
 
 
-def waiting_sentence(event: StateChanged) -> str:
-    """Return a sentence for a broken state: sampling resumes by itself."""
-    state = capital(localized(event.text))
-    state += "" if state.endswith("?") else "."
-    return f"{state} {_waits()}"
-
-
 def _with_advice(error: MikasError) -> str:
     """Return the reason, what to try, and that sampling resumes."""
     sentences = (f"{localized(error.reason)}.", localized(ADVICE.advice(error)), _waits())
@@ -206,15 +205,6 @@ def _with_advice(error: MikasError) -> str:
 
 def _waits() -> str:
     return tr("Waiting; sampling resumes by itself.", "Ждём; опрос продолжится сам.")
-
-
-def stopped_sentence(failure: MikasError) -> str:
-    """Return a sentence for the end of recording, with the reason."""
-    why = localized(failure.reason)
-    return tr(
-        f"RECORDING STOPPED. {why}. Sampling continues.",
-        f"ЗАПИСЬ ПРЕКРАЩЕНА. {why}. Опрос продолжается.",
-    )
 
 
 def plan_sentence(plan: Plan) -> str:

@@ -104,15 +104,11 @@ def _plain(value: object) -> object:
             return ""
         case bool():
             return "true" if value else "false"
-        case datetime():
-            return value.isoformat()
         case float() | Decimal():
             return value
-        case bytes():
-            return value.hex()
         case list() | tuple() | dict():
             return json.dumps(_json(value), ensure_ascii=False)
-    return str(value)
+    return str(_json(value))
 
 
 def _csv_line(values: Iterable[object]) -> str:

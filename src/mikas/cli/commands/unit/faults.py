@@ -66,23 +66,20 @@ def _show(context: CommandContext, stored: Sequence[Fault]) -> None:
         context.output.line(tr("No faults are stored.", "Ошибок нет."))
         return
     unknown = tr("unknown fault number", "неизвестный номер ошибки")
+    confidence = {
+        Confidence.CONFIRMED: tr("confirmed", "подтверждено"),
+        Confidence.REPORTED: tr("one source", "один источник"),
+        Confidence.UNCONFIRMED: tr("unconfirmed", "не подтверждено"),
+        Confidence.UNKNOWN: tr("unknown", "неизвестно"),
+    }
     context.output.listing(
         stored,
         {
             tr("code", "код"): lambda fault: str(fault.code),
             tr("fault", "ошибка"): lambda fault: localized(fault.text) or unknown,
-            tr("confidence", "достоверность"): lambda fault: _confidence(fault.confidence),
+            tr("confidence", "достоверность"): lambda fault: confidence[fault.confidence],
             tr("check first", "что проверить"): lambda fault: localized(fault.check),
             tr("parameters", "параметры"): lambda fault: " ".join(fault.parameters),
         },
         right="0",
     )
-
-
-def _confidence(confidence: Confidence) -> str:
-    return {
-        Confidence.CONFIRMED: tr("confirmed", "подтверждено"),
-        Confidence.REPORTED: tr("one source", "один источник"),
-        Confidence.UNCONFIRMED: tr("unconfirmed", "не подтверждено"),
-        Confidence.UNKNOWN: tr("unknown", "неизвестно"),
-    }[confidence]
