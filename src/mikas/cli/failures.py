@@ -11,17 +11,9 @@ from dataclasses import dataclass
 
 import click
 
+from mikas import errors
 from mikas.cli.language import capital, localized, tr
 from mikas.cli.render.terminal import OutputError
-from mikas.errors import (
-    EcuRefused,
-    LineError,
-    MikasError,
-    NoConnection,
-    NotConfirmed,
-    UsageError,
-    reason_of,
-)
 from mikas.json_values import picked
 
 DONE, BUG, USAGE, NO_CONNECTION, LINE, REFUSED, NOT_CONFIRMED = range(7)
@@ -47,12 +39,12 @@ class FailureReport:
 
 def failure_of(error: Exception) -> FailureReport:
     """Describe `error`; an error of neither mikas nor click is a bug."""
-    if isinstance(error, MikasError):
+    if isinstance(error, errors.MikasError):
         return _expected(error)
     if isinstance(error, click.ClickException):
         return _wrong_command_line(error)
     if isinstance(error, OutputError):
-        reason = localized(reason_of(error))
+        reason = localized(errors.reason_of(error))
         message = tr(f"The output can't be written: {reason}.", f"Вывод не записать: {reason}.")
         return FailureReport(USAGE, "OutputError", message, message)
     kind = f"{type(error).__name__}: {error}"
@@ -64,16 +56,16 @@ def failure_of(error: Exception) -> FailureReport:
     return FailureReport(BUG, "InternalError", message, f"{message} {advice}", (advice,))
 
 
-_STATUSES: tuple[tuple[type[MikasError], int], ...] = (
-    (UsageError, USAGE),
-    (NoConnection, NO_CONNECTION),
-    (LineError, LINE),
-    (EcuRefused, REFUSED),
-    (NotConfirmed, NOT_CONFIRMED),
+_STATUSES: tuple[tuple[type[errors.MikasError], int], ...] = (
+    (errors.UsageError, USAGE),
+    (errors.NoConnection, NO_CONNECTION),
+    (errors.LineError, LINE),
+    (errors.EcuRefused, REFUSED),
+    (errors.NotConfirmed, NOT_CONFIRMED),
 )
 
 
-def _expected(error: MikasError) -> FailureReport:
+def _expected(error: errors.MikasError) -> FailureReport:
     from mikas.cli.advice import ADVICE
 
     text, message = localized(ADVICE.text(error)), localized(error.reason)

@@ -18,16 +18,7 @@ from mikas.cli.commands import COMMANDS
 from mikas.cli.failures import BUG, DONE, INTERRUPTED, failure_of
 from mikas.cli.language import detect_language, set_language
 from mikas.cli.options.common import LocalizedOption
-from mikas.cli.render.terminal import (
-    OutputError,
-    cell_text,
-    discard_output,
-    escaping,
-    flush_out,
-    make_writable,
-    write_error,
-    write_out,
-)
+from mikas.cli.render import terminal
 
 _OBJECTS_BEFORE_COLLECTION = 50_000
 """Python's own 700 traverses the imported modules over and over: 4 % of the start of `dash`."""
@@ -37,7 +28,7 @@ def _version(ctx: click.Context, _: click.Parameter, value: bool) -> None:
     if value:
         import mikas
 
-        write_out(f"mikas {mikas.__version__}\n")
+        terminal.write_out(f"mikas {mikas.__version__}\n")
         ctx.exit()
 
 
@@ -66,7 +57,7 @@ cli = LocalizedGroup(
 def main(argv: Sequence[str] | None = None) -> None:
     """Run the `mikas` command and end the process with the status of docs/reference/cli.md."""
     gc.set_threshold(_OBJECTS_BEFORE_COLLECTION)
-    make_writable()
+    terminal.make_writable()
     sys.exit(run(sys.argv[1:] if argv is None else list(argv)))
 
 
@@ -75,7 +66,7 @@ def desktop_main() -> None:
     main(["dash", desktop.FLAG, *sys.argv[1:]])
 
 
-@escaping()
+@terminal.escaping()
 def run(argv: list[str]) -> int:
     """Run one command line; return the exit status."""
     try:
@@ -83,7 +74,7 @@ def run(argv: list[str]) -> int:
         # `cli.main` would end the process when a pipe's reader is gone. click empties the list.
         with cli.make_context("mikas", [*argv]) as context:
             result = cli.invoke(context)
-        flush_out()
+        terminal.flush_out()
         return result if isinstance(result, int) else DONE
     except click.exceptions.Exit as ended:
         return ended.exit_code
@@ -92,7 +83,7 @@ def run(argv: list[str]) -> int:
         return INTERRUPTED
     except BrokenPipeError:
         # The reader of stdout has closed it: no error, not at exit either.
-        discard_output()
+        terminal.discard_output()
         return DONE
     except Exception as error:  # of mikas or click, or a bug
         return _failed(error, argv)
@@ -101,8 +92,8 @@ def run(argv: list[str]) -> int:
 def _failed(error: Exception, argv: list[str]) -> int:
     """Report `error`; return the exit status."""
     failure = failure_of(error)
-    if isinstance(error, OutputError):
-        discard_output()
+    if isinstance(error, terminal.OutputError):
+        terminal.discard_output()
         _print_error(failure.text)
     elif "--json" in itertools.takewhile(lambda word: word != "--", argv):
         from mikas.cli.render.output import Output
@@ -111,10 +102,11 @@ def _failed(error: Exception, argv: list[str]) -> int:
             Output(json=True).data(failure.as_json())
         except BrokenPipeError:
             pass
-        except OutputError as unwritten:
+        except terminal.OutputError as unwritten:
             return _failed(unwritten, argv)
     else:
-        _print_error(cell_text(failure.text))  # a paragraph, whatever lines a file's name has
+        # A paragraph, whatever lines a file's name has.
+        _print_error(terminal.cell_text(failure.text))
     if desktop.FLAG in argv:
         details = _traceback(error) if failure.status == BUG else ""
         desktop.show_failure(failure.text, details)
@@ -134,7 +126,7 @@ def _traceback(error: Exception) -> str:
 
 def _print_error(text: str) -> None:
     try:
-        flush_out()
-        write_error(f"{text}\n")
-    except (BrokenPipeError, OutputError):
-        discard_output()
+        terminal.flush_out()
+        terminal.write_error(f"{text}\n")
+    except (BrokenPipeError, terminal.OutputError):
+        terminal.discard_output()

@@ -11,17 +11,9 @@ from dataclasses import dataclass
 from statistics import median
 
 from mikas import commands as c
+from mikas import errors
 from mikas.client.ecu import Ecu
 from mikas.client.support import Support
-from mikas.errors import (
-    EchoDiffers,
-    EchoOnly,
-    LineError,
-    MikasError,
-    NoConnection,
-    NoEcho,
-    NotAKLineAdapter,
-)
 from mikas.framing import encode
 from mikas.i18n import Text
 from mikas.link import Link
@@ -59,7 +51,7 @@ class Step:
     name: str
     ok: bool | None
     detail: Text
-    error: MikasError | None = None
+    error: errors.MikasError | None = None
 
 
 def examine(
@@ -72,7 +64,7 @@ def examine(
     """
     try:
         link = open_port()
-    except NoConnection as error:
+    except errors.NoConnection as error:
         yield _failed("port", error)
         return
     with link:
@@ -84,12 +76,12 @@ def _on_the_line(ecu: Ecu) -> Iterator[Step]:
     tester = ecu.tester
     try:
         tester.connect()
-    except EchoOnly as error:
+    except errors.EchoOnly as error:
         yield Step("echo", True, _ECHO)
         yield _failed("ecu", error)
         return
-    except MikasError as error:
-        of_echo = isinstance(error, NoEcho | EchoDiffers | NotAKLineAdapter)
+    except errors.MikasError as error:
+        of_echo = isinstance(error, errors.NoEcho | errors.EchoDiffers | errors.NotAKLineAdapter)
         yield _failed("echo" if of_echo else "ecu", error)
         return
     yield Step("echo", True, _ECHO if tester.line.echo else _NO_ECHO)
@@ -107,7 +99,7 @@ def _on_the_line(ecu: Ecu) -> Iterator[Step]:
         yield Step("ecu", True, ecu.model.text)
         name = "commands"
         yield _commands(list(ecu.supported()))
-    except MikasError as error:
+    except errors.MikasError as error:
         yield _failed(name, error)
 
 
@@ -127,7 +119,7 @@ _NO_ECHO = Text(
 )
 
 
-def _failed(name: str, error: MikasError) -> Step:
+def _failed(name: str, error: errors.MikasError) -> Step:
     return Step(name, False, error.text, error)
 
 
@@ -140,7 +132,7 @@ def _measured_baud(tester: Tester) -> float | Text:
     bodies = [c.ReadParameters((_RPM,) * count).body() for count in (1, _LONG)]
     try:
         short, long = (min(tester.time_echo(body) for _ in range(_REPETITIONS)) for body in bodies)
-    except LineError:  # the next step rates the line
+    except errors.LineError:  # the next step rates the line
         return _DAMAGED_ECHO
     rate = 10 * (_LONG - 1) / max(long - short, 1e-6)
     # If the short ones were late, the difference is too small: a slow wire would seem right.
@@ -184,7 +176,7 @@ def _availability(tester: Tester, byte_time: float) -> Generator[Step, None, boo
         began = tester.link.now()
         try:
             _, reply = tester.exchange(c.Availability(), retries=0)
-        except LineError as error:
+        except errors.LineError as error:
             failed.append(error)
             if len(failed) > _MOST_FAILURES:
                 break
@@ -214,7 +206,7 @@ def _latency(delay: float) -> Step:
     return Step("latency", None, text)
 
 
-def _line(tried: int, failed: list[LineError]) -> Step:
+def _line(tried: int, failed: list[errors.LineError]) -> Step:
     """Rate the number of failed exchanges; show the last error."""
     if not failed:
         text = Text(f"{tried} exchanges, none failed", f"обменов {tried}, все без ошибок")

@@ -12,16 +12,8 @@ from collections.abc import Generator, Sequence
 from dataclasses import dataclass
 from enum import Enum
 
+from mikas import errors
 from mikas.commands import ReadUnknownSize
-from mikas.errors import (
-    EchoOnly,
-    LineError,
-    LineNotQuiet,
-    NoEcho,
-    NoResponse,
-    NotSupported,
-    SyncLost,
-)
 from mikas.tester import Tester
 
 _ONE = b"\x01"
@@ -177,15 +169,16 @@ class Scan:
         try:
             try:
                 data, reply = self._tester.exchange(command, retries=retries, trial=True)
-            except (EchoOnly, NoEcho):  # among hundreds of D13's `01` a bad line may lose two
+            except (errors.EchoOnly, errors.NoEcho):
+                # Among hundreds of D13's `01` a bad line may lose two.
                 data, reply = self._tester.exchange(command, retries=retries, trial=True)
-        except NotSupported as error:
+        except errors.NotSupported as error:
             return ScannedCode(code, Answer.REFUSED if error.received else Answer.SILENT)
-        except NoResponse:
+        except errors.NoResponse:
             return ScannedCode(code, Answer.SILENT)
-        except (SyncLost, LineNotQuiet):
+        except (errors.SyncLost, errors.LineNotQuiet):
             raise
-        except LineError:
+        except errors.LineError:
             return ScannedCode(code, Answer.UNCLEAR)
         if len(data) not in (0, times):  # the unit has answered only some of the codes
             return ScannedCode(code, Answer.UNCLEAR)

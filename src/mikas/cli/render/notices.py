@@ -8,41 +8,18 @@ from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from mikas import errors
 from mikas.cli.advice import ADVICE
 from mikas.cli.language import capital, decimal, localized, tr
-from mikas.errors import (
-    AdapterTaken,
-    AnotherAdapter,
-    EngineStopped,
-    LineFlooded,
-    LineNotQuiet,
-    MikasError,
-    NoConnection,
-    SyncLost,
-)
-from mikas.sampling.events import (
-    AdapterMoved,
-    AlarmChanged,
-    CycleFailed,
-    FaultReading,
-    Gap,
-    LineState,
-    MethodChosen,
-    ParameterDropped,
-    ParameterReturned,
-    PlanChanged,
-    Sampled,
-    StateChanged,
-    UnitFound,
-)
+from mikas.sampling import events
 
 if TYPE_CHECKING:
     from mikas.cli.sampling_run import SamplingRun
-    from mikas.sampling.events import Event
     from mikas.sampling.plan import Plan
 
 Show = Callable[[str], None]
 
+_NAMED = (errors.AnotherAdapter, errors.AdapterTaken, errors.LineFlooded)  # shown as they are
 _LASTING = 3.0  # s without a sample on a working line that are worth a notice
 
 
@@ -58,11 +35,11 @@ class Notices:
         self._shown_state: str | None = None  # the state last shown; SAMPLING: cycles fail
         self._plan: Plan | None = None
         self._method: str | None = None  # the chosen one
-        self._failure: MikasError | None = None
+        self._failure: errors.MikasError | None = None
         self._faults: tuple[int, ...] | None = None  # as read last
         session.recorder.on_file = self._new_file
 
-    def show_event(self, event: Event) -> None:
+    def show_event(self, event: events.Event) -> None:
         """Show the sentences for `event`."""
         for sentence in self._of(event):
             self._show(sentence)
@@ -76,52 +53,52 @@ class Notices:
             )
             self._show(stopped)
 
-    def watch(self) -> Generator[Event, None, None]:
+    def watch(self) -> Generator[events.Event, None, None]:
         """Yield the run's events, each after its notices; then show if its recording is over."""
-        with closing(self._session.events()) as events:
-            for event in events:
+        with closing(self._session.events()) as following:
+            for event in following:
                 self.show_event(event)  # first: the notice that values are back comes before them
                 yield event
         if self._session.recording_over is not None:
             self._show(f"{localized(self._session.recording_over.reason)}.")
 
-    def _of(self, event: Event) -> Iterator[str]:
+    def _of(self, event: events.Event) -> Iterator[str]:
         match event:
-            case Sampled() | Gap():
+            case events.Sampled() | events.Gap():
                 yield from self._values_or_gap(event)
-            case CycleFailed():
+            case events.CycleFailed():
                 yield from self._failed(event)
-            case StateChanged():
+            case events.StateChanged():
                 yield from self._state(event)
-            case AdapterMoved():
+            case events.AdapterMoved():
                 yield f"{capital(localized(event.text))}."
-            case UnitFound(another=True):
+            case events.UnitFound(another=True):
                 self._shown_state = None  # the earlier unit is not back
                 yield tr(
                     f"Another unit answers: {self._model()}. The values are now its own.",
                     f"Отвечает другой блок: {self._model()}. Дальше показаны его значения.",
                 )
-            case ParameterDropped():
+            case events.ParameterDropped():
                 yield tr(
                     f"The unit gives no value for {event.name}; the other parameters are still "
                     "read.",
                     f"Блок не даёт {event.name}: он пропущен, остальные читаются дальше.",
                 )
-            case ParameterReturned():
+            case events.ParameterReturned():
                 yield tr(
                     f"The unit answers {event.name} again; it is read from now on.",
                     f"Блок снова даёт {event.name}, он опять читается.",
                 )
-            case AlarmChanged():
+            case events.AlarmChanged():
                 yield f"{'✓' if event.better else '▲'} {capital(localized(event.text))}."
-            case FaultReading():
+            case events.FaultReading():
                 yield from self._faults_read(event)
-            case MethodChosen() if self._verbose:
+            case events.MethodChosen() if self._verbose:
                 yield from self._method_chosen(event)
-            case PlanChanged() if self._verbose:
+            case events.PlanChanged() if self._verbose:
                 yield from self._planned(event.plan)
 
-    def _faults_read(self, event: FaultReading) -> Iterator[str]:
+    def _faults_read(self, event: events.FaultReading) -> Iterator[str]:
         """Yield the stored faults when they are read first, and when they have changed."""
         before, self._faults = self._faults, event.codes
         numbers = ", ".join(map(str, event.codes))
@@ -135,9 +112,9 @@ class Notices:
                 now = numbers or tr("none", "нет")
                 yield tr(f"Stored faults now: {now}.", f"Ошибки в памяти теперь: {now}.")
 
-    def _values_or_gap(self, event: Sampled | Gap) -> Iterator[str]:
+    def _values_or_gap(self, event: events.Sampled | events.Gap) -> Iterator[str]:
         """Yield that values are back, if it was shown that they were away."""
-        if isinstance(event, Sampled):
+        if isinstance(event, events.Sampled):
             self._shown_state = None
         elif event.ended is None:
             self._gap_began = event.began
@@ -145,16 +122,16 @@ class Notices:
             seconds = f"{event.ended - event.began:.0f}"
             yield tr(f"Back after {seconds} s.", f"Связь вернулась через {seconds} с.")
 
-    def _failed(self, event: CycleFailed) -> Iterator[str]:
+    def _failed(self, event: events.CycleFailed) -> Iterator[str]:
         """Yield why cycles fail, once they have failed for `_LASTING`."""
         if (
-            isinstance(event.error, NoConnection | SyncLost)
-            or self._shown_state is LineState.SAMPLING
+            isinstance(event.error, errors.NoConnection | errors.SyncLost)
+            or self._shown_state is events.LineState.SAMPLING
         ):
             return  # the line's state says it, or it was said
         since = max(self._gap_began, self._well_since)
-        if isinstance(event.error, EngineStopped) or event.time - since >= _LASTING:
-            self._shown_state = LineState.SAMPLING
+        if isinstance(event.error, errors.EngineStopped) or event.time - since >= _LASTING:
+            self._shown_state = events.LineState.SAMPLING
             yield _with_advice(event.error)
 
     def _planned(self, plan: Plan) -> Iterator[str]:
@@ -167,21 +144,21 @@ class Notices:
         else:
             yield plan_sentence(plan)
 
-    def _method_chosen(self, event: MethodChosen) -> Iterator[str]:
+    def _method_chosen(self, event: events.MethodChosen) -> Iterator[str]:
         self._method = event.method
         yield method_sentence(event, self._session.options.rate)
         if self._plan is not None and self._plan.method == event.method:
             yield plan_sentence(self._plan)  # no PlanChanged follows
 
-    def _state(self, event: StateChanged) -> Iterator[str]:
+    def _state(self, event: events.StateChanged) -> Iterator[str]:
         if not event.is_broken:
             self._well_since = event.time
         elif self._session.connected:
-            if isinstance(event.error, AnotherAdapter | AdapterTaken | LineFlooded):
+            if isinstance(event.error, _NAMED):
                 yield f"{localized(event.error.text)} {_waits()}"
             elif event.state is self._shown_state:
                 pass  # a new reason alone is not shown
-            elif isinstance(event.error, LineNotQuiet):  # the unit is not silent
+            elif isinstance(event.error, errors.LineNotQuiet):  # the unit is not silent
                 yield _with_advice(event.error)
             else:
                 state = capital(localized(event.text))
@@ -197,7 +174,7 @@ class Notices:
         self._show(tr(f"Recording continues in {path}.", f"Запись продолжается в {path}."))
 
 
-def _with_advice(error: MikasError) -> str:
+def _with_advice(error: errors.MikasError) -> str:
     """Return the reason, what to try, and that sampling resumes."""
     sentences = (f"{localized(error.reason)}.", localized(ADVICE.advice(error)), _waits())
     return " ".join(sentence for sentence in sentences if sentence)
@@ -220,7 +197,7 @@ def plan_sentence(plan: Plan) -> str:
     )
 
 
-def method_sentence(event: MethodChosen, enough: float | None = None) -> str:
+def method_sentence(event: events.MethodChosen, enough: float | None = None) -> str:
     """Return the method and the rates of those that were measured; a dash: it does not work.
 
     `enough`: the wanted rate, for which a slower method may have been taken.

@@ -17,17 +17,7 @@ from itertools import zip_longest
 from pathlib import Path
 
 from mikas.client.ecu import Ecu
-from mikas.client.memory.dumps import (
-    SCHEMA,
-    Difference,
-    Manifest,
-    Progress,
-    compare,
-    file_error,
-    identity_of,
-    read_dump,
-    read_manifest,
-)
+from mikas.client.memory import dumps
 from mikas.client.memory.spaces import MemorySpace, Run
 from mikas.commands import LARGEST_BLOCK
 from mikas.commands.base import check_range
@@ -52,7 +42,7 @@ class DumpFile:
     path: Path
     first: int
     data: bytes
-    manifest: Manifest | None
+    manifest: dumps.Manifest | None
 
     @property
     def changed(self) -> bool:
@@ -69,12 +59,12 @@ class DumpFile:
         `first`: the first address, for `ignore_manifest` only.
         """
         with naming_file(path):
-            data = read_dump(path, follow=True)
+            data = dumps.read_dump(path, follow=True)
         if not data:
-            raise file_error(path, "the file is empty", "файл пуст")
+            raise dumps.file_error(path, "the file is empty", "файл пуст")
         if ignore_manifest:
             if first is None:
-                raise file_error(
+                raise dumps.file_error(
                     path,
                     "without its manifest the first address is unknown: give it by --from",
                     "без описания неизвестен первый адрес: укажите --from",
@@ -83,7 +73,7 @@ class DumpFile:
             return cls(path, first, data, None)
         manifest = _fitting_manifest(path, space, len(data))
         if first not in (None, manifest.first):
-            raise file_error(
+            raise dumps.file_error(
                 path,
                 f"its first address is {manifest.first:04X}, by its manifest; another one takes "
                 "--ignore-manifest",
@@ -97,9 +87,9 @@ class DumpFile:
         manifest = self.manifest
         if manifest is None:
             return
-        if (manifest.version_code, manifest.passport) != identity_of(ecu):
+        if (manifest.version_code, manifest.passport) != dumps.identity_of(ecu):
             named = " · ".join(piece for piece in manifest.passport if piece) or manifest.model
-            raise file_error(
+            raise dumps.file_error(
                 self.path,
                 f"it was read from another unit ({named}); to restore it all the same: "
                 "--ignore-manifest --from ADDR",
@@ -108,10 +98,10 @@ class DumpFile:
             )
 
 
-def _fitting_manifest(path: Path, space: str, size: int) -> Manifest:
-    manifest = read_manifest(path)
+def _fitting_manifest(path: Path, space: str, size: int) -> dumps.Manifest:
+    manifest = dumps.read_manifest(path)
     if manifest is None:
-        raise file_error(
+        raise dumps.file_error(
             path,
             "it has no manifest beside it, so its unit and its first address are unknown; to "
             "restore it all the same: --ignore-manifest --from ADDR",
@@ -119,13 +109,13 @@ def _fitting_manifest(path: Path, space: str, size: int) -> Manifest:
             "--ignore-manifest --from ADDR",
         )
     if manifest.space != space:
-        raise file_error(
+        raise dumps.file_error(
             path,
             f"it is a dump of {manifest.space}, not of {space}",
             f"это дамп {manifest.space}, а не {space}",
         )
     if manifest.size != size:
-        raise file_error(
+        raise dumps.file_error(
             path,
             f"it has {size} bytes, its manifest says {manifest.size}: an unfinished dump or "
             "another file; to restore it all the same: --ignore-manifest --from ADDR",
@@ -150,10 +140,10 @@ class Restore:
         self._state = dump.path.with_name(dump.path.name + ".restore.json")
         self.runs: tuple[Run, ...] = ()
         self.written = 0
-        self.differences: list[Difference] = []
+        self.differences: list[dumps.Difference] = []
         self.is_interrupted = False
         if os.path.lexists(self._state) and not resume:
-            raise file_error(
+            raise dumps.file_error(
                 dump.path,
                 "a restore of it was interrupted; --resume compares again and goes on "
                 f"({self._state.name} has its state)",
@@ -171,10 +161,10 @@ class Restore:
         """The bytes that were the same before the restore."""
         return len(self._dump.data) - self.different
 
-    def compare(self, *, block: int | None, progress: Progress) -> None:
+    def compare(self, *, block: int | None, progress: dumps.Progress) -> None:
         """Read the unit's bytes; find the `runs` to write, of at most `block` bytes each."""
         dump = self._dump
-        found = compare(self._space, dump.data, dump.first, block, progress)
+        found = dumps.compare(self._space, dump.data, dump.first, block, progress)
         self.runs = tuple(_runs(list(found), block or LARGEST_BLOCK))
 
     def write(self) -> Iterator[int]:
@@ -214,7 +204,7 @@ class Restore:
             if a == b:
                 self.written += 1
             else:
-                self.differences.append(Difference(run.address + offset, a, b))
+                self.differences.append(dumps.Difference(run.address + offset, a, b))
 
     def _what(self) -> Text:
         first = self._dump.first
@@ -247,13 +237,13 @@ class Restore:
             "different": self.different,
             "written": self.written,
             "time": round(self._ecu.tester.link.now(), 6),
-            "schema": SCHEMA,
+            "schema": dumps.SCHEMA,
         }
         with naming_file(self._state):
             save(self._state, json.dumps(state, ensure_ascii=False, indent=1) + "\n")
 
 
-def _runs(found: Sequence[Difference], longest: int) -> Iterator[Run]:
+def _runs(found: Sequence[dumps.Difference], longest: int) -> Iterator[Run]:
     """Yield the neighbouring differences as runs of at most `longest` bytes."""
     start = 0
     for end in range(1, len(found) + 1):

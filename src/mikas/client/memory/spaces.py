@@ -9,22 +9,12 @@ from contextlib import suppress
 from dataclasses import dataclass
 
 from mikas import commands as c
+from mikas import errors
 from mikas.client.gate import Change, Gate
 from mikas.client.limits import LimitsCache
 from mikas.client.memory.writing import Attempts, SpaceWriter
 from mikas.commands.base import check_byte, check_range
 from mikas.commands.memory import ByteCommand, ReadBlock, WriteBlock, WriteByte
-from mikas.errors import (
-    EcuRefused,
-    LineError,
-    MikasError,
-    NoResponse,
-    NotSupported,
-    ReadBackDiffers,
-    WrongLength,
-    hex_dump,
-    usage_error,
-)
 from mikas.i18n import Text, byte_count
 from mikas.tester import Tester
 
@@ -104,13 +94,13 @@ class MemorySpace:
         """Read the byte at `address`. Raises `AddressOutOfRange`, `NotSupported`."""
         byte, block = self._commands.read(address), self._commands.read_block
         if block is not None and self._lacks_bytes:
-            with suppress(NotSupported):
+            with suppress(errors.NotSupported):
                 return self._tester.request(block(address, 1))[0]
         try:
             return self._tester.request(byte)
-        except NotSupported:
+        except errors.NotSupported:
             if block is not None:  # a unit may lack the other form
-                with suppress(EcuRefused, LineError):
+                with suppress(errors.EcuRefused, errors.LineError):
                     (value,) = self._tester.request(block(address, 1))
                     self._lacks_bytes = True
                     return value
@@ -129,7 +119,7 @@ class MemorySpace:
         if largest is None:
             largest = c.LARGEST_BLOCK
         if not 1 <= largest <= c.LARGEST_BLOCK:
-            raise usage_error("a block has 1 to 255 bytes", "в блоке от 1 до 255 байт")
+            raise errors.usage_error("a block has 1 to 255 bytes", "в блоке от 1 до 255 байт")
         return self._walk(address, address + count, largest)
 
     def _walk(self, address: int, end: int, largest: int) -> Iterator[bytes]:
@@ -149,7 +139,7 @@ class MemorySpace:
         while self._commands.read_block and count > 1:
             try:
                 data = self._block(address, count)
-            except (NotSupported, NoResponse, WrongLength):
+            except (errors.NotSupported, errors.NoResponse, errors.WrongLength):
                 if count <= self._longest:
                     raise
                 if not self._has_blocks(address, count):
@@ -157,7 +147,7 @@ class MemorySpace:
                 refused, count = count, count // 2
             else:
                 if refused:
-                    with suppress(EcuRefused, LineError):
+                    with suppress(errors.EcuRefused, errors.LineError):
                         data = self._block(address, refused)
                     self._learn(len(data), wanted)
                 return data
@@ -176,7 +166,7 @@ class MemorySpace:
     def _has_blocks(self, address: int, count: int) -> bool:
         """Whether the unit knows the block form."""
         if self._longest == 1 and count > _SMALL_BLOCK:
-            with suppress(EcuRefused, LineError):
+            with suppress(errors.EcuRefused, errors.LineError):
                 self._block(address, _SMALL_BLOCK)
         return self._longest > 1
 
@@ -213,11 +203,11 @@ class MemorySpace:
     def _write_run(self, run: Run) -> Written:
         try:
             return self._write(run.address, run.data, in_parts=True)
-        except ReadBackDiffers:  # a byte kept another value; those after it may be unsent
+        except errors.ReadBackDiffers:  # a byte kept another value; those after it may be unsent
             now = self.read_block(run.address, len(run.data))
             for offset, (value, stored) in enumerate(zip(run.data, now, strict=True)):
                 if value != stored:
-                    with suppress(ReadBackDiffers):
+                    with suppress(errors.ReadBackDiffers):
                         self._write(run.address + offset, bytes([value]), in_parts=True)
             after = self.read_block(run.address, len(run.data))
             return Written(self.name, run.address, run.before, after)
@@ -230,7 +220,7 @@ class MemorySpace:
         self._gate.refuse_unasked(what, self._commands.write.SAFETY)
         try:
             before = self.read_block(address, len(data))
-        except NotSupported as error:
+        except errors.NotSupported as error:
             error.advice = _UNREADABLE
             raise
         change = Change.by(self._writer.planned(address, data), what, before, data)
@@ -242,7 +232,7 @@ class MemorySpace:
                 after = self.read_block(address, len(data))
                 if not in_parts:
                     self._check(address, data, after)
-            except MikasError as error:
+            except errors.MikasError as error:
                 standing = self._writer.standing(address, data, before)
                 error.advice = Text(
                     f"{error.advice.en} {standing.en}", f"{error.advice.ru} {standing.ru}"
@@ -263,10 +253,10 @@ class MemorySpace:
         wrong = [i for i, pair in enumerate(zip(data, after, strict=True)) if pair[0] != pair[1]]
         if wrong:
             first, end = wrong[0], wrong[-1] + 1
-            raise ReadBackDiffers(
+            raise errors.ReadBackDiffers(
                 name=f"{self.name} {address + first:04X}",
-                wanted=hex_dump(data[first:end]),
-                got=hex_dump(after[first:end]),
+                wanted=errors.hex_dump(data[first:end]),
+                got=errors.hex_dump(after[first:end]),
             )
 
 
@@ -283,7 +273,7 @@ class Memory:
     def __getitem__(self, name: str) -> MemorySpace:
         if name not in _SPACES:
             known = ", ".join(_SPACES)
-            raise usage_error(
+            raise errors.usage_error(
                 f"there is no memory space “{name}”; there are {known}",
                 f"области памяти «{name}» нет; есть {known}",
             )

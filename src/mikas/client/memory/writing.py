@@ -12,16 +12,8 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 
 from mikas import commands as c
+from mikas import errors
 from mikas.commands.memory import WriteBlock, WriteByte
-from mikas.errors import (
-    LineError,
-    MikasError,
-    NoResponse,
-    NotSupported,
-    ReadBackDiffers,
-    WriteRefused,
-    hex_dump,
-)
 from mikas.i18n import Text
 from mikas.tester import Tester
 
@@ -92,14 +84,14 @@ class SpaceWriter:
     def _some(self, address: int, data: bytes, before: bytes, attempts: Attempts) -> int:
         """Write the first bytes of `data` in one exchange; return how many."""
         count = self._count(data)
-        refused: dict[WriteByte | WriteBlock, MikasError] = {}
+        refused: dict[WriteByte | WriteBlock, errors.MikasError] = {}
         for command in self._ways(address, data[:count]):
             size = len(_bytes_of(command))
             attempts.sent.append(command)
             try:
                 self._send(command, before[:size])
-            except (WriteRefused, NotSupported, NoResponse) as error:
-                if isinstance(error, NoResponse) and not self._may_be_too_long(command):
+            except (errors.WriteRefused, errors.NotSupported, errors.NoResponse) as error:
+                if isinstance(error, errors.NoResponse) and not self._may_be_too_long(command):
                     raise
                 refused[command] = error
                 continue
@@ -139,8 +131,8 @@ class SpaceWriter:
         while True:
             try:
                 got = self._request(command)
-            except (LineError, NotSupported) as error:
-                if isinstance(error, NotSupported) and error.received:
+            except (errors.LineError, errors.NotSupported) as error:
+                if isinstance(error, errors.NotSupported) and error.received:
                     raise  # refused by 01 (D10)
                 known = self.tester.has_answered(command.code)
                 now = self._stored(command.address, len(wanted))
@@ -152,9 +144,9 @@ class SpaceWriter:
                 repetitions += 1
             else:
                 if got is not None and got != wanted[0]:
-                    raise ReadBackDiffers(
+                    raise errors.ReadBackDiffers(
                         name=f"{command.SPACE} {command.address:04X}",
-                        wanted=hex_dump(wanted),
+                        wanted=errors.hex_dump(wanted),
                         got=f"{got:02X}",
                     )
                 return
@@ -167,7 +159,7 @@ class SpaceWriter:
         return self.tester.request(command)
 
     def _stored(self, address: int, count: int) -> bytes | None:
-        with suppress(MikasError):
+        with suppress(errors.MikasError):
             return self.read_block(address, count)
         return None
 
@@ -193,7 +185,7 @@ class SpaceWriter:
             ru = f"новые — первые {done} из {len(data)} ({address:04X}–{last:04X}), "
             found = Text(f"{en}others are as before", f"{ru}остальные прежние")
         else:
-            found = Text(hex_dump(now), hex_dump(now, "байт"))
+            found = Text(errors.hex_dump(now), errors.hex_dump(now, "байт"))
         return Text(
             f"Some of the bytes were written. Read back: {found.en}. The journal has the bytes "
             "before.",

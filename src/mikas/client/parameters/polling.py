@@ -17,21 +17,10 @@ from dataclasses import dataclass
 from math import inf
 from typing import Literal, NamedTuple, get_args
 
+from mikas import errors
 from mikas.catalog import Parameter
 from mikas.client.parameters.parameters import Parameters, Reading, Wanted
 from mikas.commands import Availability, StreamAtStroke, StreamCyclic
-from mikas.errors import (
-    EcuRefused,
-    EngineStopped,
-    LineError,
-    LinkLost,
-    MikasError,
-    NoConnection,
-    NoResponse,
-    NotSupported,
-    WrongLength,
-    usage_error,
-)
 from mikas.i18n import Text
 from mikas.options import check_choice
 from mikas.tester import Stream, StreamItem
@@ -67,7 +56,7 @@ def fixed_method(method: str) -> FixedMethod | None:
 def check_rate(rate: float | None) -> None:
     """Raise `UsageError` unless `rate`, cycles a second, is more than 0."""
     if rate is not None and not 0 < rate < inf:
-        raise usage_error("a rate is more than 0 a second", "частота должна быть больше 0")
+        raise errors.usage_error("a rate is more than 0 a second", "частота должна быть больше 0")
 
 
 def next_due(due: float, now: float, period: float) -> float:
@@ -91,7 +80,7 @@ class Poller(ABC):
         """
 
     @abstractmethod
-    def is_refusal(self, error: MikasError) -> bool:
+    def is_refusal(self, error: errors.MikasError) -> bool:
         """Whether `error` of `cycle` may be the unit's refusal of the method or of a parameter."""
 
     @abstractmethod
@@ -124,8 +113,8 @@ class RequestPoller(Poller):
     def close(self) -> None:
         self._parameters.tester.settle()
 
-    def is_refusal(self, error: MikasError) -> bool:
-        return isinstance(error, EcuRefused | NoResponse | WrongLength)
+    def is_refusal(self, error: errors.MikasError) -> bool:
+        return isinstance(error, errors.EcuRefused | errors.NoResponse | errors.WrongLength)
 
 
 class StreamPoller(Poller):
@@ -161,14 +150,14 @@ class StreamPoller(Poller):
                 item = self._next()
             except StopIteration:
                 self._stream = None  # closed by another caller: start it again
-            except NoResponse as error:
+            except errors.NoResponse as error:
                 reason = self._end() or self._why_silent(error)
                 if self._works or not self._silent or reason is not error:
                     raise reason from error
                 if self._silent > 1:  # the request of the first may have been lost
                     raise self._not_supported(error) from error
-            except MikasError as error:
-                if isinstance(error, LineError) and self._stream is not None:
+            except errors.MikasError as error:
+                if isinstance(error, errors.LineError) and self._stream is not None:
                     # Only one response was damaged: the unit sends.
                     self._heard, self._silent = self._tester.link.now(), 0
                 else:
@@ -180,13 +169,13 @@ class StreamPoller(Poller):
                 self._works, self._silent, self._heard = True, 0, self._tester.link.now()
                 return self._wanted.of_item(item)
 
-    def is_refusal(self, error: MikasError) -> bool:
-        return isinstance(error, EcuRefused) or self._silent > 1
+    def is_refusal(self, error: errors.MikasError) -> bool:
+        return isinstance(error, errors.EcuRefused) or self._silent > 1
 
     def close(self) -> None:
         stream, self._stream = self._stream, None
         if stream is not None:
-            with suppress(NoConnection):  # no ECU, so no stream
+            with suppress(errors.NoConnection):  # no ECU, so no stream
                 stream.close()
 
     def _next(self) -> StreamItem | None:
@@ -203,19 +192,19 @@ class StreamPoller(Poller):
             raise self._stream.fallen_silent()
         return item
 
-    def _end(self) -> NoConnection | None:
+    def _end(self) -> errors.NoConnection | None:
         """End the stream after a failure; return a `NoConnection` met by that, or None."""
         stream, self._stream = self._stream, None
         if stream is not None:
             try:
                 stream.close()
-            except NoConnection as error:
+            except errors.NoConnection as error:
                 return error
-            except MikasError:  # the same failure, or a consequence of it
+            except errors.MikasError:  # the same failure, or a consequence of it
                 pass
         return None
 
-    def _why_silent(self, error: NoResponse) -> LineError | NoConnection:
+    def _why_silent(self, error: errors.NoResponse) -> errors.LineError | errors.NoConnection:
         """Return the reason of a silence; count the silence if the unit could have sent."""
         try:
             self._tester.request(Availability())
@@ -223,24 +212,24 @@ class StreamPoller(Poller):
                 self._silent += 1
                 return error
             rpm = self._parameters.read(["FREQ"])["FREQ"]
-        except LinkLost:
+        except errors.LinkLost:
             raise
-        except (LineError, NoConnection) as cause:
+        except (errors.LineError, errors.NoConnection) as cause:
             return cause
-        except NotSupported:
+        except errors.NotSupported:
             return error
         if rpm.value:
             self._silent += 1
             return error
         self._silent = 0
-        return EngineStopped(
+        return errors.EngineStopped(
             seconds=error.fields["seconds"],
             request=error.request,
             received=error.received,
             time=error.time,
         )
 
-    def _not_supported(self, error: NoResponse) -> NotSupported:
+    def _not_supported(self, error: errors.NoResponse) -> errors.NotSupported:
         cyclic = self._stroke is None
         code = StreamCyclic.CODES[0] if cyclic else StreamAtStroke.CODES[self._stroke or 0]
         count = len(self._wanted.parameters)
@@ -248,7 +237,9 @@ class StreamPoller(Poller):
             f"a stream ({code:02X}) of parameters ({count})",
             f"потока ({code:02X}) с числом параметров {count}",
         )
-        return NotSupported(command=command, request=error.request, received=b"", time=error.time)
+        return errors.NotSupported(
+            command=command, request=error.request, received=b"", time=error.time
+        )
 
 
 def create_poller(

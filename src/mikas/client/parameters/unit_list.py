@@ -16,21 +16,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from mikas import commands as c
+from mikas import errors
 from mikas.catalog import Parameter
 from mikas.client.gate import Change, Gate
 from mikas.client.limits import unit_file
 from mikas.client.parameters.data import RawDatum, distinct
-from mikas.errors import (
-    LineError,
-    ListLost,
-    NoConnection,
-    NoList,
-    NoResponse,
-    NotSupported,
-    WriteRefused,
-    WrongLength,
-    naming_file,
-)
 from mikas.files import read_json
 from mikas.i18n import Text, counted
 from mikas.saving import save
@@ -96,12 +86,12 @@ class UnitList:
             with suppress(OSError, ValueError, TypeError, LookupError):
                 names = tuple(str(name) for name in read_json(file, _MOST_BYTES)["names"])
         if not names:
-            raise NoList
+            raise errors.NoList
         return names
 
     def _keep(self, names: Sequence[str]) -> None:
         """Keep `names` of the connected unit. A failure only requires a new 64, so it is silent."""
-        with suppress(OSError, LineError, NoConnection):
+        with suppress(OSError, errors.LineError, errors.NoConnection):
             if self._folder and (file := self._file()):
                 file.parent.mkdir(parents=True, exist_ok=True)
                 save(file, json.dumps({"names": list(names)}))
@@ -113,7 +103,7 @@ class UnitList:
         """
         self.current = ()
         for file in self._files():
-            with naming_file(file):
+            with errors.naming_file(file):
                 file.unlink(missing_ok=True)
 
     def _files(self) -> list[Path]:
@@ -139,10 +129,10 @@ class UnitList:
             self.forget()
             try:
                 self._tester.request(c.WriteList(data))
-            except WriteRefused as error:
+            except errors.WriteRefused as error:
                 error.advice = _TOO_LONG
                 raise
-            except (NoResponse, NotSupported) as error:
+            except (errors.NoResponse, errors.NotSupported) as error:
                 if error.received:
                     raise
                 # Perhaps only the answer was lost; setting the list twice has the same effect.
@@ -174,24 +164,24 @@ class UnitList:
         data = list_of(wanted)
         try:
             values, reply = self._tester.exchange(c.ReadList(data))
-        except NotSupported as error:
+        except errors.NotSupported as error:
             never_read = bool(self.current) and not self._tester.has_answered(c.ReadList.CODES[0])
             self.forget()
             if never_read:
                 raise
-            raise ListLost(
+            raise errors.ListLost(
                 request=error.request, received=error.received, time=error.time
             ) from error
-        except WrongLength as error:
+        except errors.WrongLength as error:
             if not named:
                 self.forget()
             error.advice = _NOT_AS_NAMED if named else _OTHER_LIST
             raise
-        except NoResponse as error:
+        except errors.NoResponse as error:
             self.forget()
             error.advice = _PERHAPS_LOST
             raise
-        except NoConnection:
+        except errors.NoConnection:
             self.current = ()
             raise
         return {d.code: RawDatum(raw, reply.began) for d, raw in zip(data, values, strict=True)}

@@ -16,15 +16,7 @@ from mikas.cli.language import localized, tr
 from mikas.cli.options.common import RELEARN
 from mikas.cli.options.parameter_types import block_size, existing_file, hex_address
 from mikas.cli.render.output import progress
-from mikas.client.memory.dumps import (
-    Difference,
-    Dump,
-    compare,
-    differences,
-    file_error,
-    read_dump,
-    read_manifest,
-)
+from mikas.client.memory import dumps
 from mikas.client.memory.restoring import DumpFile, Restore
 from mikas.commands.base import Space, check_range
 from mikas.errors import naming_file, usage_error
@@ -100,10 +92,10 @@ def dump(
     end = Space(space).last if last is None else last
     check_range(space, first, end - first + 1)
     if not out.absolute().parent.is_dir():
-        raise file_error(out, "there is no such folder", "такой папки нет")
+        raise dumps.file_error(out, "there is no such folder", "такой папки нет")
     with context.ecu() as ecu:
         memory = ecu.memory[space]
-        job = Dump(ecu, memory, out, first=first, last=end, resume=resume)
+        job = dumps.Dump(ecu, memory, out, first=first, last=end, resume=resume)
         manifest = job.manifest
         try:
             with progress(tr("reading", "чтение"), manifest.size, manifest.bytes_read) as done:
@@ -121,7 +113,7 @@ def dump(
     context.output.result(manifest.as_json(), f"{place}, {size}, sha256 {manifest.sha256}")
 
 
-def _stopped(job: Dump, out: Path) -> str:
+def _stopped(job: dumps.Dump, out: Path) -> str:
     done, size = job.manifest.bytes_read, job.manifest.size
     return tr(
         f"Stopped: {done} of {size} bytes are in {out}; --resume continues.",
@@ -129,7 +121,9 @@ def _stopped(job: Dump, out: Path) -> str:
     )
 
 
-def _show_differences(context: CommandContext, found: Sequence[Difference], what: str) -> None:
+def _show_differences(
+    context: CommandContext, found: Sequence[dumps.Difference], what: str
+) -> None:
     """Print the first differences on stderr, each after `what`, and their number."""
     for difference in found[:20]:
         context.output.print_note(f"{what}: {_line(difference)}")
@@ -265,7 +259,7 @@ def _write_back(context: CommandContext, job: Restore) -> None:
 def verify(
     context: CommandContext, space: str, file: Path, first: int | None, block: int | None
 ) -> None:
-    data, manifest = _read(file), read_manifest(file)
+    data, manifest = _read(file), dumps.read_manifest(file)
     if not data:
         raise usage_error(f"{file}: the file is empty", f"{file}: файл пуст")
     if manifest and manifest.space != space:
@@ -275,7 +269,7 @@ def verify(
         )
     start = first if first is not None else manifest.first if manifest else 0
     with context.ecu() as ecu, progress(tr("comparing", "сравнение"), len(data)) as done:
-        found = list(compare(ecu.memory[space], data, start, block, done))
+        found = list(dumps.compare(ecu.memory[space], data, start, block, done))
     _report(context, found, tr("unit", "блок"), file.name)
 
 
@@ -288,17 +282,17 @@ def verify(
 @click.argument("a", metavar="FILE", type=existing_file)
 @click.argument("b", metavar="FILE", type=existing_file)
 def diff(context: CommandContext, a: Path, b: Path) -> None:
-    starts = [manifest.first if (manifest := read_manifest(file)) else 0 for file in (a, b)]
-    found = list(differences(_read(a), starts[0], _read(b), starts[1]))
+    starts = [manifest.first if (manifest := dumps.read_manifest(file)) else 0 for file in (a, b)]
+    found = list(dumps.differences(_read(a), starts[0], _read(b), starts[1]))
     _report(context, found, a.name, b.name)
 
 
 def _read(file: Path) -> bytes:
     with naming_file(file):
-        return read_dump(file, follow=True)
+        return dumps.read_dump(file, follow=True)
 
 
-def _report(context: CommandContext, found: Sequence[Difference], a: str, b: str) -> None:
+def _report(context: CommandContext, found: Sequence[dumps.Difference], a: str, b: str) -> None:
     if context.output.json:
         context.output.data({"differences": _differences_json(found)})
     elif found:
@@ -309,12 +303,12 @@ def _report(context: CommandContext, found: Sequence[Difference], a: str, b: str
         context.output.line(tr("No differences.", "Различий нет."))
 
 
-def _differences_json(found: Sequence[Difference]) -> list[dict[str, object]]:
+def _differences_json(found: Sequence[dumps.Difference]) -> list[dict[str, object]]:
     """Return `[{"address","a","b"}]`."""
     return [{"address": d.address, "a": _hex(d.a), "b": _hex(d.b)} for d in found]
 
 
-def _line(difference: Difference) -> str:
+def _line(difference: dumps.Difference) -> str:
     return f"{difference.address:04X}  {_hex(difference.a) or '–'}  {_hex(difference.b) or '–'}"
 
 
