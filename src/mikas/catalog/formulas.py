@@ -31,32 +31,14 @@ if TYPE_CHECKING:
 
 NO_VALUE = math.nan
 Arithmetic: TypeAlias = Mapping[str, Callable[..., Any]]
-
-
-@cache
-def of_numbers() -> Arithmetic:
-    """Return the arithmetic of single numbers."""
-    return {
-        "+": lambda a, b: _finite(a + b),
-        "-": lambda a, b: _finite(a - b),
-        "*": lambda a, b: _finite(a * b),
-        "/": lambda a, b: _finite(a / b) if b else NO_VALUE,
-        "**": _power,
-        "negative": operator.neg,
-        "positive": lambda a: a,
-        "<": partial(_compared, operator.lt),
-        "<=": partial(_compared, operator.le),
-        ">": partial(_compared, operator.gt),
-        ">=": partial(_compared, operator.ge),
-        "==": partial(_compared, operator.eq),
-        "!=": partial(_compared, operator.ne),
-        "min": lambda *values: reduce(_lesser, values),
-        "max": lambda *values: reduce(_greater, values),
-        "abs": abs,
-        "sqrt": lambda a: math.sqrt(a) if a >= 0 else NO_VALUE,
-        "where": lambda c, a, b: NO_VALUE if math.isnan(c) else a if c else b,
-        "clip": lambda a, low, high: _lesser(_greater(a, low), high),
-    }
+_COMPARISONS: Mapping[str, Callable[[Any, Any], Any]] = {
+    "<": operator.lt,
+    "<=": operator.le,
+    ">": operator.gt,
+    ">=": operator.ge,
+    "==": operator.eq,
+    "!=": operator.ne,
+}
 
 
 def _finite(number: float) -> float:
@@ -84,8 +66,27 @@ def _greater(a: float, b: float) -> float:
     return a if a > b or math.isnan(a) else b
 
 
+_NUMBERS: Arithmetic = {
+    "+": lambda a, b: _finite(a + b),
+    "-": lambda a, b: _finite(a - b),
+    "*": lambda a, b: _finite(a * b),
+    "/": lambda a, b: _finite(a / b) if b else NO_VALUE,
+    "**": _power,
+    "negative": operator.neg,
+    "positive": lambda a: a,
+    **{sign: partial(_compared, holds) for sign, holds in _COMPARISONS.items()},
+    "min": lambda *values: reduce(_lesser, values),
+    "max": lambda *values: reduce(_greater, values),
+    "abs": abs,
+    "sqrt": lambda a: math.sqrt(a) if a >= 0 else NO_VALUE,
+    "where": lambda c, a, b: NO_VALUE if math.isnan(c) else a if c else b,
+    "clip": lambda a, low, high: _lesser(_greater(a, low), high),
+}
+"""The arithmetic of single numbers."""
+
+
 @cache
-def of_columns() -> Arithmetic:
+def _columns() -> Arithmetic:
     """Return the arithmetic of numpy arrays; a single number applies to each of their values."""
     import numpy as np
 
@@ -109,12 +110,7 @@ def of_columns() -> Arithmetic:
         "**": power,
         "negative": np.negative,
         "positive": lambda a: a,
-        "<": partial(compared, np.less),
-        "<=": partial(compared, np.less_equal),
-        ">": partial(compared, np.greater),
-        ">=": partial(compared, np.greater_equal),
-        "==": partial(compared, np.equal),
-        "!=": partial(compared, np.not_equal),
+        **{sign: partial(compared, holds) for sign, holds in _COMPARISONS.items()},
         "min": lambda *values: reduce(np.minimum, values),
         "max": lambda *values: reduce(np.maximum, values),
         "abs": np.abs,
@@ -149,11 +145,11 @@ class Calculation:
 
     @cached_property
     def _of_numbers(self) -> Callable[[Mapping[str, float]], float]:
-        return _function(self._plain, of_numbers())
+        return _function(self._plain, _NUMBERS)
 
     @cached_property
     def _of_columns(self) -> Callable[[Mapping[str, Column]], Column]:
-        return _function(self._plain, of_columns())
+        return _function(self._plain, _columns())
 
 
 def _function(plain: Term, arithmetic: Arithmetic) -> Callable[[Mapping[str, Any]], Any]:
