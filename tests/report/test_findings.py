@@ -121,7 +121,7 @@ def test_a_median_inside_is_inside_however_it_trembles() -> None:
 def test_nothing_is_judged_that_was_not_at_warm_idle() -> None:
     findings = found(rows(TWAT=45, UACC=11.0, JAIR=200.0))
     assert findings.rated == ()
-    assert not findings.at_idle
+    assert not findings.measured.idle.enough
     assert findings.outcome is Outcome.OPEN
     assert summary_sentence(findings).en == (
         "No faults are stored; there was no warm idle, so no value is rated."
@@ -133,7 +133,7 @@ def test_nothing_is_judged_that_was_not_at_warm_idle() -> None:
 
 def test_an_idle_too_fast_to_be_one_is_named() -> None:
     findings = found(rows(FREQ=1520))
-    assert not findings.at_idle
+    assert not findings.measured.idle.enough
     assert findings.outcome is Outcome.OPEN
     summary = summary_sentence(findings)
     assert "the speed was never below 1520 rpm, so no value is rated" in summary.en

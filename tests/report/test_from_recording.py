@@ -121,7 +121,7 @@ def test_values_read_one_at_a_time_are_judged_at_warm_idle(tmp_path: Path) -> No
         tmp_path / "one.pcapng", IDLE, "TWAT", "FREQ", "THR", "UACC", method="single", count=600
     )
     found = find_in_recording(mikas.open(path))
-    assert found.at_idle
+    assert found.measured.idle.enough
     assert {value.channel.name for value in found.rated} == {"TWAT", "FREQ", "THR", "UACC"}
 
 

@@ -8,6 +8,7 @@ from enum import StrEnum
 from fractions import Fraction
 from itertools import pairwise
 from math import isfinite
+from typing import ClassVar
 
 from mikas.catalog.conversion import NO_TEXT, Conversion
 from mikas.catalog.formula_syntax import parse
@@ -131,11 +132,13 @@ class Derived:
     alarm_limits: AlarmLimits | None = None
     source: str = ""
     confidence: Confidence = Confidence.UNKNOWN
-
-    @property
-    def is_flag(self) -> bool:
-        """False: a derived value is a number."""
-        return False
+    # As of a parameter that is a number without bounds or a reference
+    is_flag: ClassVar[bool] = False
+    range: ClassVar[None] = None
+    reference: ClassVar[None] = None
+    lamp: ClassVar[None] = None
+    meaning: ClassVar[None] = None
+    errata: ClassVar[tuple[str, ...]] = ()
 
     @property
     def gauge_scale(self) -> tuple[float, float] | None:
@@ -235,6 +238,7 @@ class Parameter:
     alarm_limits: AlarmLimits | None = None
     lamp: Lamp | None = None
     meaning: Meaning | None = None
+    accumulates: ClassVar[bool] = False  # as a derived channel may
 
     @property
     def size(self) -> int:

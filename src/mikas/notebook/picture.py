@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from mikas.catalog import Derived
 from mikas.cleaning import clean_line
 from mikas.errors import usage_error
 from mikas.i18n import Text
@@ -192,7 +191,7 @@ def _references(recording: Recording) -> dict[str, Span]:
     return {
         channel.name: one.reference
         for channel, one in known
-        if not isinstance(one, Derived) and one.reference and one.unit == channel.unit
+        if one.reference and one.unit == channel.unit
     }
 
 

@@ -56,7 +56,7 @@ class Axis:
 
 def scale_of(channel: Parameter | Derived, key: str) -> Scale:
     """Return what the catalog says of the channel's axis."""
-    extent = (None if isinstance(channel, Derived) else channel.range) or channel.gauge
+    extent = channel.range or channel.gauge
     least = channel.least_span or 10 * 10.0**-channel.decimals
     return Scale(channel.name, key, channel.is_flag, least, extent is None or extent[0] >= 0)
 

@@ -163,13 +163,13 @@ class HomeAssistant:
             config["value_template"] = (
                 f"{{{{ {{true: 'ON', false: 'OFF'}}.get({value}, 'None') }}}}"
             )
-            if _is_trouble(channel):
+            if channel.lamp is not None and channel.lamp.trouble is not Level.NONE:
                 config["device_class"] = "problem"
             return config
         config["platform"] = "sensor"
         config["value_template"] = f"{{{{ {value} }}}}"
         config["suggested_display_precision"] = channel.decimals
-        sums = isinstance(channel, Derived) and channel.accumulates
+        sums = channel.accumulates
         if channel.name != MINERR:  # a number of a fault has no average
             config["state_class"] = "total_increasing" if sums else "measurement"
         key, text = unit_of(channel, self.publication.interpretation)
@@ -244,8 +244,3 @@ def _if_current(expression: str) -> str:
 def _with_attributes(topic: str, template: str) -> dict[str, str]:
     """Return the keys of an entity that shows a topic, and has all of it as attributes."""
     return {"state_topic": topic, "value_template": template, "json_attributes_topic": topic}
-
-
-def _is_trouble(channel: Parameter | Derived) -> bool:
-    lamp = channel.lamp if isinstance(channel, Parameter) else None
-    return lamp is not None and lamp.trouble is not Level.NONE

@@ -31,10 +31,9 @@ def with_unit(value: float, channel: Parameter | Derived, language: Language) ->
 
 def band(channel: Parameter | Derived, language: Language) -> str:
     """Return the catalog's reference, `13 … 16`; empty without one."""
-    reference = None if isinstance(channel, Derived) else channel.reference
-    if reference is None:
+    if channel.reference is None:
         return ""
-    low, high = (short(end, language) for end in reference)
+    low, high = (short(end, language) for end in channel.reference)
     return low if low == high else f"{low} … {high}"
 
 

@@ -46,13 +46,12 @@ def chart(
     label: str = "",
 ) -> Markup:
     """Return the drawing. `seconds`: length of the time axis; spans are in seconds on it."""
-    reference = getattr(channel, "reference", None)
-    ends = _ends(curve, reference, channel)
-    plot = _Frame(max(seconds, curve.width), *ends)
+    reference = channel.reference
+    plot = _Frame(max(seconds, curve.width), *_ends(curve, channel))
     parts = [
         _svg("title", label),
         *(plot.bar("pause", span) for span in plot.distinct(pauses)),
-        *([plot.level("band", reference)] if reference else []),
+        *([plot.level(reference)] if reference else []),
         *_value_axis(plot, channel, language),
         *_time_axis(plot, language),
         plot.course(curve),
@@ -95,10 +94,10 @@ class _Frame:
         width = max(0.5, self.x(span[1]) - x)
         return _svg("rect", cls=cls, x=x, y=top, width=width, height=_BOTTOM - top)
 
-    def level(self, cls: str, band: Span) -> Markup:
+    def level(self, band: Span) -> Markup:
         top, bottom = self.y(band[1]), self.y(band[0])
         height = max(1.5, bottom - top)  # a band of one value is a line
-        return _svg("rect", cls=cls, x=_LEFT, y=top, width=_RIGHT - _LEFT, height=height)
+        return _svg("rect", cls="band", x=_LEFT, y=top, width=_RIGHT - _LEFT, height=height)
 
     def course(self, curve: Envelope) -> Markup:
         """Draw a line from column to column, up and down within each; broken without data."""
@@ -128,11 +127,11 @@ def _runs(there: NDArray[np.bool_]) -> Iterator[range]:
         yield piece.tolist()
 
 
-def _ends(curve: Envelope, reference: Span | None, channel: Channel) -> Span:
+def _ends(curve: Envelope, channel: Channel) -> Span:
     """Return the ends of the value axis: all values and the reference are between them."""
     low, high = float(np.nanmin(curve.least)), float(np.nanmax(curve.most))
-    if reference is not None:
-        low, high = min(low, reference[0]), max(high, reference[1])
+    if channel.reference is not None:
+        low, high = min(low, channel.reference[0]), max(high, channel.reference[1])
     return axis_ends(low, high, channel)
 
 
@@ -144,7 +143,7 @@ def axis_ends(low: float, high: float, channel: Channel) -> Span:
     low, high = max(low, -_HUGE), min(high, _HUGE)
     lacking = ((channel.least_span or 0) - (high - low)) / 2
     room = max((high - low) * 0.06, lacking, 1e-9 * max(abs(low), abs(high)))
-    possible = getattr(channel, "range", None) or channel.gauge_scale or (0, 0)
+    possible = channel.range or channel.gauge_scale or (0, 0)
     if 0 <= low < room and possible[0] >= 0:
         return 0.0, high + 2 * room - low
     return low - room, high + room

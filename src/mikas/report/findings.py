@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import Final
 
-from mikas.catalog import Catalog, Derived, Fault, Parameter
+from mikas.catalog import Catalog, Fault, Meaning
 from mikas.catalog.conversion import NO_TEXT
 from mikas.catalog.model import in_order
 from mikas.guided.definition import VerdictKind
@@ -71,15 +71,14 @@ class ChannelFinding:
 
 @dataclass(frozen=True, slots=True)
 class Findings:
-    """The content of the report. `at_idle`: the statistics are those of warm idle, else of all the
-    time. `cleared`: real faults that were stored before. `sensor`: the faults of each channel's
-    sensor, also for channels that were not measured.
+    """The content of the report. The statistics of `values` are those of warm idle, if there was
+    enough, else of all the time. `cleared`: real faults that were stored before. `sensor`: the
+    faults of each channel's sensor, also for channels that were not measured.
     """
 
     subject: ReportSubject
     measured: Measurements
     values: tuple[ChannelFinding, ...]
-    at_idle: bool
     cleared: tuple[ClearedFaults, ...] = ()
     sensor: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
 
@@ -135,8 +134,8 @@ def find(subject: ReportSubject, measured: Measurements) -> Findings:
     stored = [fault for fault in subject.faults or () if not fault.informational]
     sensor = _sensor_faults([*stored, *_stored_meanwhile(gone, measured)], subject.catalog)
     related = _by_channel(stored, lambda fault: fault.parameters)
-    values = {
-        channel.name: _value(
+    values = (
+        _value(
             channel,
             stats[channel.name],
             at_idle=at_idle,
@@ -145,15 +144,8 @@ def find(subject: ReportSubject, measured: Measurements) -> Findings:
         )
         for channel in measured.channels
         if channel.name in stats
-    }
-    return Findings(
-        subject=subject,
-        measured=measured,
-        cleared=gone,
-        values=tuple(values.values()),
-        at_idle=at_idle,
-        sensor=sensor,
     )
+    return Findings(subject, measured, tuple(values), gone, sensor)
 
 
 def _value(
@@ -166,7 +158,7 @@ def _value(
 ) -> ChannelFinding:
     beside = tuple(code for code in related if code not in sensor)
     found = ChannelFinding(channel, stats, sensor=sensor, related=beside)
-    if isinstance(channel, Derived) or channel.reference is None:
+    if channel.reference is None:
         return found
     if not at_idle:
         return replace(found, unrated=Unrated.NO_IDLE)
@@ -174,32 +166,23 @@ def _value(
         return replace(found, unrated=Unrated.SENSOR)
     if stats.count < FEWEST:
         return replace(found, unrated=Unrated.TOO_FEW)
-    mark = _mark(stats.median, channel.reference)
-    return replace(found, mark=mark, unrated=None, meaning=_meaning(channel, mark))
-
-
-def _mark(median: float, reference: tuple[float, float]) -> BandPosition:
-    if is_inside(median, reference):
-        return BandPosition.INSIDE
-    return BandPosition.LOW if median < reference[0] else BandPosition.HIGH
-
-
-def _meaning(parameter: Parameter, mark: BandPosition) -> Text:
-    if parameter.meaning is None or mark is BandPosition.INSIDE:
-        return NO_TEXT
-    return parameter.meaning.low if mark is BandPosition.LOW else parameter.meaning.high
+    found, known = replace(found, unrated=None), channel.meaning or Meaning()
+    if is_inside(stats.median, channel.reference):
+        return replace(found, mark=BandPosition.INSIDE)
+    if stats.median < channel.reference[0]:
+        return replace(found, mark=BandPosition.LOW, meaning=known.low)
+    return replace(found, mark=BandPosition.HIGH, meaning=known.high)
 
 
 def _by_channel(
     faults: Iterable[Fault], names: Callable[[Fault], Iterable[str]]
 ) -> dict[str, tuple[int, ...]]:
     """Return the faults' numbers by the channels that `names` gives."""
-    found: dict[str, tuple[int, ...]] = {}
+    found: dict[str, dict[int, None]] = {}
     for fault in faults:
         for name in names(fault):
-            before = found.get(name, ())
-            found[name] = before if fault.code in before else (*before, fault.code)
-    return found
+            found.setdefault(name, {})[fault.code] = None
+    return {name: tuple(codes) for name, codes in found.items()}
 
 
 def _sensor_faults(faults: Iterable[Fault], catalog: Catalog) -> dict[str, tuple[int, ...]]:

@@ -103,7 +103,7 @@ class _Page:
             "drive_again": any(is_open(found.subject, each) for each in found.cleared),
             "values": [self._judged(value) for value in found.values if _has_row(value)],
             "others": [self._other(value) for value in found.values if not _has_row(value)],
-            "others_title": label("others_idle" if found.at_idle else "others_whole"),
+            "others_title": label("others_idle" if found.measured.idle.enough else "others_whole"),
             "charts": list(self._charts()),
             "legend": list(self._legend()),
             "how": list(how_rows(found, language)),
@@ -242,7 +242,7 @@ class _Page:
     def _legend(self) -> Iterator[str]:
         """Yield the explanations of those marks that the charts have."""
         measured = self._found.measured
-        if any(getattr(each, "reference", None) for each in _chart_channels(self._found)):
+        if any(each.reference for each in _chart_channels(self._found)):
             yield self._label("legend_band")
         if measured.idle.spans:
             yield self._label("legend_idle")

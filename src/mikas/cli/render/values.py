@@ -41,7 +41,7 @@ def unit_text(reading: Reading | DerivedValue) -> str:
 
 def reference(parameter: Parameter | Derived) -> str:
     """Return `13 … 16`, the reference range at warm idle; empty without one."""
-    if isinstance(parameter, Derived) or parameter.reference is None:
+    if parameter.reference is None:
         return ""
     low, high = parameter.reference
     return decimal(f"{low:g} … {high:g}" if high > low else f"{low:g}")

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from typing import TYPE_CHECKING, Any, Final
 
-from mikas.catalog import Catalog, Derived
+from mikas.catalog import Catalog
 from mikas.cleaning import is_in_calendar
 from mikas.errors import usage_error
 from mikas.i18n import Text
@@ -115,8 +115,7 @@ def all_channels(
     for name in (*(name for name in derived if is_recorded(name, catalog, recorded)), *wanted):
         if name not in known:
             each = catalog.channel(name)
-            is_flag = not isinstance(each, Derived) and each.is_flag
-            known[name] = Channel(name, each.unit, each.text, is_flag, each.decimals)
+            known[name] = Channel(name, each.unit, each.text, each.is_flag, each.decimals)
     return known
 
 

@@ -66,7 +66,7 @@ class MeasurementCollector:
         self._alarms = AlarmCollector(catalog, events)
         self._channels = tuple(catalog.channel(name) for name in names)
         self._finder = WarmIdleFinder(channel.name for channel in self._channels)
-        counted = [each for each in self._channels if not getattr(each, "accumulates", False)]
+        counted = [each for each in self._channels if not each.accumulates]
         self._elsewhere = {each.name: ValueCounts(each.decimals + _FINER) for each in counted}
         self._at_idle = {each.name: ValueCounts(each.decimals + _FINER) for each in counted}
         self._curves: dict[str, Envelope] = {}
@@ -119,7 +119,7 @@ class MeasurementCollector:
 
     def _stats(self, spreads: Mapping[str, ValueCounts]) -> dict[str, ChannelStatistics]:
         stats = {
-            each.name: spreads[each.name].stats(getattr(each, "reference", None))
+            each.name: spreads[each.name].stats(each.reference)
             for each in self._channels
             if each.name in spreads
         }

@@ -12,7 +12,6 @@ from typing import Final
 
 from markupsafe import Markup
 
-from mikas.catalog import Derived
 from mikas.i18n import Language, Text
 from mikas.recording.formatting import between, number, with_unit
 from mikas.recording.freeze_frames import AppearedFault, FreezeFrame, ValueThen, shown_first
@@ -113,9 +112,8 @@ def _name(channel: Channel, code: int, found: Findings, label: Labels) -> str:
 def _value(value: float, channel: Channel, language: Language) -> str:
     if not channel.is_flag:
         return with_unit(value, channel, language)
-    lamp = None if isinstance(channel, Derived) else channel.lamp
-    if lamp is not None:
-        return (lamp.on if value else lamp.off).to(language)
+    if channel.lamp is not None:
+        return (channel.lamp.on if value else channel.lamp.off).to(language)
     return number(value, 0, language)
 
 

@@ -107,7 +107,7 @@ def _of_the_data(found: Findings) -> Iterator[Text]:
             "Whether a limit was crossed: no value with limits was measured.",
             "Был ли нарушен предел: ни одно значение с пределами не измерялось.",
         )
-    if doubted := [c.name for c in measured.channels if getattr(c, "errata", ())]:
+    if doubted := [c.name for c in measured.channels if c.errata]:
         listed = ", ".join(doubted)
         yield Text(
             f"{listed}: the protocol's source is doubtful here; the plausible interpretation is "
@@ -136,7 +136,7 @@ def _of_the_data(found: Findings) -> Iterator[Text]:
 
 
 def _of_the_car(found: Findings) -> Iterator[Text]:
-    if found.at_idle:
+    if found.measured.idle.enough:
         yield Text(
             "Whether the car stood still: the unit sends no vehicle speed, so coasting in neutral "
             "looks like idle.",

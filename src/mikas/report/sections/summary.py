@@ -89,7 +89,8 @@ def _cleared_sentence(found: Findings, gone: ClearedFaults) -> Text:
 
 def _of_values(found: Findings) -> Iterator[Text]:
     """Yield the ratings, then what they can't say: values of a faulty sensor, a doubtful idle."""
-    yield _of_ratings(found) if found.at_idle else no_idle_sentence(found.measured.idle)
+    idle = found.measured.idle
+    yield _of_ratings(found) if idle.enough else _no_idle(idle)
     if found.suspended:
         named = Text("{name} ({codes})", "{name} ({codes})")
         sensors = (
@@ -108,7 +109,7 @@ def _of_values(found: Findings) -> Iterator[Text]:
         )
 
 
-def no_idle_sentence(idle: WarmIdle) -> Text:
+def _no_idle(idle: WarmIdle) -> Text:
     """Return why no value is rated: the data can't show warm idle, or have too little, or none."""
     if idle.unknown:
         return Text(
@@ -142,7 +143,7 @@ def no_idle_sentence(idle: WarmIdle) -> Text:
 
 def doubtful_idle(found: Findings) -> dict[str, tuple[int, ...]]:
     """Return the faults of the sensors by which warm idle was found, by channel; empty: none."""
-    if not found.at_idle:
+    if not found.measured.idle.enough:
         return {}
     names = (seen.name for seen in found.measured.idle.rules if seen.name is not None)
     return {name: found.sensor[name] for name in names if name in found.sensor}

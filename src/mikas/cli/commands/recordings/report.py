@@ -178,6 +178,6 @@ def _as_json(value: ChannelFinding) -> dict[str, object]:
     return {
         **picked(value.stats, "median", "low", "high"),
         "unit": value.channel.unit,
-        "reference": getattr(value.channel, "reference", None),
+        "reference": value.channel.reference,
         "mark": value.mark.value,
     }
