@@ -55,7 +55,7 @@ WORDS: Final = (
 
 def check(data: bytes) -> None:
     try:
-        own = parse_source("own.toml", data, order=1)
+        own = parse_source("own.toml", data)
     except CatalogError as error:
         _check_error(error, data)
         return

@@ -38,7 +38,7 @@ WORDS: Final = (
 
 def check(data: bytes) -> None:
     try:
-        test = from_source(parse_source("own.toml", data, order=1), shipped())
+        test = from_source(parse_source("own.toml", data), shipped())
     except CatalogError as error:
         _check_error(error, data)
         return

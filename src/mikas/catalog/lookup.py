@@ -41,6 +41,11 @@ class Catalog:
         return {parameter.name: parameter for parameter in self.parameters}
 
     @cached_property
+    def channels(self) -> Mapping[str, Parameter | Derived]:
+        """All parameters and derived channels by name, in the order of the tables."""
+        return {**self._by_name, **self.derived}
+
+    @cached_property
     def _sizes(self) -> dict[int, int]:
         return {parameter.code: parameter.size for parameter in self.parameters}
 
@@ -76,11 +81,7 @@ class Catalog:
     def channel(self, name: str) -> Parameter | Derived:
         """As `parameter`, and also return a derived channel by name in any case."""
         name = name.strip()
-        channels: dict[str, Parameter | Derived] = {**self._by_name, **self.derived}
-        return channels.get(name.upper()) or self._by_code(name, channels)
-
-    def _defined(self, name: str) -> Parameter | Derived | None:
-        return self._by_name.get(name) or self.derived.get(name)
+        return self.channels.get(name.upper()) or self._by_code(name, self.channels)
 
     def _by_code(self, name: str, known: Iterable[str]) -> Parameter:
         if match := _RAW_CODE.fullmatch(name):
@@ -104,11 +105,10 @@ class Catalog:
         """Return whether both catalogs make the same values of the channel `name` from the same
         bytes; false if one of them lacks it. Texts, limits and decimals may differ.
         """
-        one, two = self._defined(name), other._defined(name)
-        match one, two:
-            case Parameter(), Parameter():
+        match self.channels.get(name), other.channels.get(name):
+            case Parameter() as one, Parameter() as two:
                 return (one.code, one.interpretations) == (two.code, two.interpretations)
-            case Derived(), Derived():
+            case Derived() as one, Derived() as two:
                 return (one.formula, one.constants, one.accumulates) == (
                     two.formula, two.constants, two.accumulates,
                 ) and all(self.gives_same_values(each, other) for each in one.inputs)  # fmt: skip

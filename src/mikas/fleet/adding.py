@@ -15,7 +15,6 @@ from functools import partial
 from typing import Final
 from uuid import uuid4
 
-from mikas.catalog import Catalog
 from mikas.errors import FleetError, usage_error
 from mikas.fleet.cars import plate_key
 from mikas.fleet.executors import Runner
@@ -68,19 +67,14 @@ class AddingPlan:
     lost: tuple[LedgerEntry, ...] = ()
 
 
-def check_names(catalog: Catalog) -> None:
-    """Raise `UsageError` if a channel has the name of another column."""
-    for name in (*(each.name for each in catalog.parameters), *catalog.derived):
+def plan(places: Iterable[str], dataset: str, settings: InterpretingSettings) -> AddingPlan:
+    """Return what there is to do. Raises `FleetError`, `MissingExtra`, `UsageError`."""
+    for name in settings.catalog.channels:
         if name.casefold() in RESERVED:
             raise usage_error(
                 f"the catalog has a channel called {name}, which is a column of every dataset",
                 f"в каталоге есть канал {name}, а так называется столбец любого набора",
             )
-
-
-def plan(places: Iterable[str], dataset: str, settings: InterpretingSettings) -> AddingPlan:
-    """Return what there is to do. Raises `FleetError`, `MissingExtra`, `UsageError`."""
-    check_names(settings.catalog)
     if settings.car and not plate_key(settings.car):
         raise usage_error(
             f"--car: “{settings.car}” has no letter and no digit",

@@ -279,11 +279,10 @@ class _Builder:
 
     def _channel(self, path: KeyPath, name: str) -> str:
         """Return the full name of a channel. Raises `CatalogError`."""
-        known = {each.name for each in self._catalog.parameters} | set(self._catalog.derived)
+        known = self._catalog.channels
         if (found := name.upper()) not in known:
             raise self._missing(path, name, known)
-        derived = self._catalog.derived.get(found)
-        if derived is not None and derived.accumulates:
+        if known[found].accumulates:
             problem = Text(
                 f"names {found}, a total; a test needs values of the moment",
                 f"называет {found} — это сумма; проверке нужны мгновенные значения",

@@ -60,7 +60,7 @@ class Alarms:
     """Compares each channel of `catalog` that has limits with these."""
 
     def __init__(self, catalog: Catalog) -> None:
-        channels: tuple[Parameter | Derived, ...] = (*catalog.parameters, *catalog.derived.values())
+        channels = catalog.channels.values()
         self.states = {each.name: AlarmState(each) for each in channels if each.alarm_limits}
         """The state of each channel that has limits, by name."""
 

@@ -6,7 +6,7 @@ An entry knows the file of each key, so that a mistake is reported at its place.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, TypeAlias
 
 from mikas.catalog.loading.fields import (
@@ -83,7 +83,8 @@ class Entry:
 def merged(sources: Iterable[CatalogFile]) -> Entries:
     """Merge the entries of all files. CatalogError: an unknown key, a wrong type, a duplicate."""
     entries: Entries = {family: {} for family in FAMILIES}
-    for source in sources:
+    for order, each in enumerate(sources):
+        source = replace(each, order=order)
         for family, tables in source.tables.items():
             if family == "version":
                 read_value(source, (family,), string, tables)

@@ -43,14 +43,13 @@ def load(*user_files: Path) -> Catalog:
     """
     if not user_files:
         return shipped()
-    own = [read_source(path, order) for order, path in enumerate(user_files, 1)]
-    return combined([*_shipped_sources(), *own])
+    return combined([*_shipped_sources(), *map(read_source, user_files)])
 
 
 def load_text(name: str, text: str, *more: Path) -> Catalog:
     """As `load`, of a file `name` that has not been written yet, and of `more` files over it."""
-    own = [read_source(path, order) for order, path in enumerate(more, 2)]
-    return combined([*_shipped_sources(), parse_source(name, text.encode(), 1), *own])
+    own = parse_source(name, text.encode())
+    return combined([*_shipped_sources(), own, *map(read_source, more)])
 
 
 @cache

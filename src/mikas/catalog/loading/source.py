@@ -124,12 +124,12 @@ _DECIMALS = Context(prec=60, traps=[])
 
 @dataclass(frozen=True, slots=True)
 class CatalogFile:
-    """A file's name, text and TOML tables. `order`: the later file wins."""
+    """A file's name, text and TOML tables. `order`: among several, of which the later wins."""
 
     name: str
     text: str
     tables: dict[str, Any]
-    order: int
+    order: int = 0
 
     def wrong(self, path: KeyPath, problem: Text) -> CatalogError:
         """Return the error for the key or table at `path`, named before `problem`."""
@@ -143,7 +143,7 @@ class CatalogFile:
         return CatalogError(self.name, next(known, 0), Text(en, ru))
 
 
-def read_source(path: Path, order: int = 0) -> CatalogFile:
+def read_source(path: Path) -> CatalogFile:
     """Read a file. CatalogError: it can't be read, is too large, not UTF-8, or not TOML."""
     try:
         data = toml.read_bytes(path)
@@ -151,17 +151,17 @@ def read_source(path: Path, order: int = 0) -> CatalogFile:
         reason = reason_of(error)
         problem = Text(f"the file can't be read: {reason.en}", f"файл не читается: {reason.ru}")
         raise CatalogError(str(path), 0, problem) from error
-    return parse_source(str(path), data, order)
+    return parse_source(str(path), data)
 
 
-def parse_source(name: str, data: bytes, order: int = 0, *, bounded: bool = True) -> CatalogFile:
+def parse_source(name: str, data: bytes, *, bounded: bool = True) -> CatalogFile:
     """Parse a file's bytes. CatalogError as for `read_source`. `bounded`: as `mikas.toml.parse`."""
     try:
         text = toml.text_of(data)
         tables = toml.parse(text, _decimal, bounded=bounded)
     except toml.TomlError as error:
         raise CatalogError(name, error.line, error.problem) from error
-    return CatalogFile(name, text, tables, order)
+    return CatalogFile(name, text, tables)
 
 
 def _decimal(number: str) -> Decimal:

@@ -42,7 +42,8 @@ def set_keys(own: OwnCatalog, known: Catalog, name: str, keys: Mapping[str, Any]
     there None means no such limit. Raises `UnknownParameter`, and as `OwnCatalog.change`.
     """
     channel = _named(known, name)
-    before = _shipped(channel.name)
+    shipped_one = shipped().channels.get(channel.name)
+    before = shipped_one.alarm_limits if shipped_one else None
     written = {key: _written(key, value, before) for key, value in keys.items()}
 
     def accept(catalog: Catalog) -> None:
@@ -76,10 +77,7 @@ def set_channel(
         name = mnemonic(name)
     except UsageError as error:
         raise usage_error(f"“{name}” {error.reason.en}", f"«{name}»: {error.reason.ru}") from None
-    taken = (
-        {each.name for each in known.parameters} | known.derived.keys() | shipped().derived.keys()
-    )
-    if new and name in taken:
+    if new and name in known.channels.keys() | shipped().derived.keys():
         raise usage_error(
             f"There is a channel {name} already; choose another name",
             f"Канал {name} уже есть; выберите другое имя",
@@ -139,13 +137,6 @@ def _own_channel(own: OwnCatalog, known: Catalog, name: str) -> str:
             f"{channel.name} — не канал вашего каталога",
         )
     return channel.name
-
-
-def _shipped(name: str) -> AlarmLimits | None:
-    try:
-        return shipped().channel(name).alarm_limits
-    except UnknownParameter:
-        return None
 
 
 def _change(

@@ -108,7 +108,7 @@ def _changed(
                 return after, tables
         except _UNFIT:
             continue
-    raise CatalogFile(file, text, tables, 0).error(path, *_BY_HAND)
+    raise CatalogFile(file, text, tables).error(path, *_BY_HAND)
 
 
 def _meant(tables: Tables) -> Tables:

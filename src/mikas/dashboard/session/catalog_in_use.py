@@ -64,7 +64,7 @@ class CatalogInUse:
 
 def all_names(catalog: Catalog) -> list[str]:
     """Return the names of all channels."""
-    return [*(parameter.name for parameter in catalog.parameters), *catalog.derived]
+    return list(catalog.channels)
 
 
 def changed_channels(catalog: Catalog, before: Catalog) -> list[str]:

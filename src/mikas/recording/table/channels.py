@@ -90,7 +90,7 @@ def calendar(time: float) -> datetime | None:
 def named(catalog: Catalog, name: str) -> str:
     """Return the channel's full name. Raises `UsageError` for a name without a column."""
     found = catalog.channel(name).name
-    if found not in catalog.derived and all(found != each.name for each in catalog.parameters):
+    if found not in catalog.channels:
         raise usage_error(
             f"{name}: a bare code has no column; name a parameter, or describe the code in a "
             "catalog file of your own",

@@ -75,9 +75,8 @@ class Alarm:
 
 def limits_of(catalog: Catalog, events: Iterable[Event] = ()) -> tuple[Limit, ...]:
     """Return the limits of the catalog's channels, and those that the alarm events name."""
-    channels: list[Channel] = [*catalog.parameters, *catalog.derived.values()]
     found: dict[Limit, None] = {}
-    for channel in channels:
+    for channel in catalog.channels.values():
         if (own := channel.alarm_limits) is None:
             continue
         if own.for_flag:

@@ -80,8 +80,7 @@ def _frame(frame: FreezeFrame, found: Findings, language: Language) -> Markup:
             language
         )
     ]
-    known = {each.name for each in catalog.parameters} | set(catalog.derived)
-    names = shown_first(fault, [name for name in frame.then if name in known])
+    names = shown_first(fault, [name for name in frame.then if name in catalog.channels])
     channels = [catalog.channel(name) for name in names]
     is_sharp = frame.seen - frame.without < _SHARP
     ranges = [

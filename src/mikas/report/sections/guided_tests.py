@@ -64,9 +64,7 @@ def _test(result: TestResult, found: Findings, language: Language) -> Markup:
         for it in result.numbers
     )
     parts.append(table((text.to(language) for text in _HEAD), rows))
-    catalog = found.subject.catalog
-    channels: dict[str, Channel] = {it.name: it for it in catalog.parameters}
-    channels |= catalog.derived
+    channels = found.subject.catalog.channels
     drawings = (
         _drawing(curve, channels.get(curve.name), language) for curve in _moving(result.curves)
     )

@@ -88,7 +88,7 @@ def _of_the_rating(found: Findings) -> Iterator[Text]:
 
 def _is_shipped(parameter: Parameter) -> bool:
     """Whether the reference is the shipped catalog's, not one of a user's file."""
-    own = next((each for each in shipped().parameters if each.name == parameter.name), None)
+    own = shipped().channels.get(parameter.name)
     return own is not None and own.reference == parameter.reference
 
 
