@@ -45,14 +45,7 @@ from mikas.dashboard.session.recorder import SessionRecorder
 from mikas.dashboard.settings import PortSettings, Settings
 from mikas.errors import MikasError
 from mikas.i18n import Text
-from mikas.sampling.events import (
-    AdapterMoved,
-    Event,
-    FaultReading,
-    Sampled,
-    StateChanged,
-    UnitFound,
-)
+from mikas.sampling import events
 from mikas.sampling.session import SamplingSession
 
 
@@ -207,35 +200,35 @@ class Dashboard:
         self.monitor.end_connection(thread.now(), None, why)
         self._clear_unit()
 
-    def _on_event(self, thread: SamplingThread, event: Event) -> None:
+    def _on_event(self, thread: SamplingThread, event: events.Event) -> None:
         """Pass on an event; in the sampling thread."""
         if thread is not self.connection.thread:
             return
         for it in self.session.events_of(event):
             self._follow(it, thread)
 
-    def _follow(self, event: Event, thread: SamplingThread) -> None:
-        if isinstance(event, AdapterMoved):
+    def _follow(self, event: events.Event, thread: SamplingThread) -> None:
+        if isinstance(event, events.AdapterMoved):
             self.connection.moved(event.port)
         self._measure(thread)
         self.monitor.add_event(event)
-        if isinstance(event, Sampled | UnitFound):
+        if isinstance(event, events.Sampled | events.UnitFound):
             self.guided.add_event(event)
-        if isinstance(event, UnitFound):
+        if isinstance(event, events.UnitFound):
             if event.another:
                 self._clear_unit()
                 self.fault_history.clear()
             self.freeze_frames.begin_unit(event)
         self.freeze_frames.follow(event.time)
-        if isinstance(event, StateChanged):
+        if isinstance(event, events.StateChanged):
             self.connection.state_known()
 
-    def _add_faults(self, reading: FaultReading) -> None:
+    def _add_faults(self, reading: events.FaultReading) -> None:
         """Add a reading of the session's; in the sampling thread."""
         faults = [self.catalog.fault(code) for code in reading.codes]
         self.fault_history.add(faults, reading.time, routine=reading.routine)
 
-    def _on_faults(self, reading: FaultReading, before: FaultReading | None) -> None:
+    def _on_faults(self, reading: events.FaultReading, before: events.FaultReading | None) -> None:
         """Pass on a reading of the stored faults; in the sampling thread."""
         self.session.faults.know(reading)
         self.recorder.recorder.record_event(reading)

@@ -8,21 +8,11 @@ from __future__ import annotations
 
 from typing import ClassVar, Final
 
-from mikas.errors import (
-    AdviceTable,
-    DiskFull,
-    LinkLost,
-    MikasError,
-    NoEcho,
-    NoPortGiven,
-    NoResponse,
-    NotSupported,
-    PortNotFound,
-)
+from mikas import errors
 from mikas.i18n import Text
 
 
-class ApiRefusal(MikasError):
+class ApiRefusal(errors.MikasError):
     """The server refused the request; nothing was sent to the unit."""
 
     status: ClassVar[int] = 400
@@ -218,35 +208,35 @@ class InternalError(ApiRefusal, status=500):
     advice = Text("Please report it.", "Сообщите о ней разработчикам.")
 
 
-ADVICE: Final = AdviceTable(
+ADVICE: Final = errors.AdviceTable(
     {
-        PortNotFound: Text(
+        errors.PortNotFound: Text(
             "Connect it again and sampling resumes. For another adapter, or a virtual car, open "
             "the Connection screen.",
             "Подключите его — и опрос продолжится. Другой адаптер или виртуальный автомобиль "
             "выбирается на экране «Связь».",
         ),
-        NoPortGiven: Text(
+        errors.NoPortGiven: Text(
             "Choose an adapter, or a virtual car, on the Connection screen.",
             "Выберите адаптер или виртуальный автомобиль на экране «Связь».",
         ),
-        DiskFull: Text(
+        errors.DiskFull: Text(
             "On the Recordings screen old recordings can be downloaded and deleted; other files "
             "of this computer take room, too.",
             "Старые записи можно скачать и удалить на экране «Записи»; место занимают и другие "
             "файлы этого компьютера.",
         ),
-        LinkLost: Text(
+        errors.LinkLost: Text(
             "The connection is restored automatically.", "Соединение восстановится автоматически."
         ),
-        NoEcho: Text(
+        errors.NoEcho: Text(
             "The Connection screen lists the ports.", "Порты перечислены на экране «Связь»."
         ),
-        NoResponse: Text(
+        errors.NoResponse: Text(
             "The Passport screen shows the commands that the unit knows.",
             "Какие команды знает блок, показывает экран «Паспорт».",
         ),
-        NotSupported: Text(
+        errors.NotSupported: Text(
             "The Passport screen shows the commands of this one.",
             "Команды этого блока показывает экран «Паспорт».",
         ),

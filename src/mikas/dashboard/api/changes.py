@@ -23,14 +23,7 @@ from mikas.dashboard.api.errors import TwoTexts, errors, made_of
 from mikas.dashboard.api.state import State, state_of
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.errors import NotConnected, api_hex
-from mikas.dashboard.security.control import (
-    LIFETIME,
-    Content,
-    DumpShown,
-    FaultShown,
-    PendingChange,
-    RecordingShown,
-)
+from mikas.dashboard.security import control
 from mikas.dashboard.session.changes import recording_deletion
 from mikas.files import open_regular
 
@@ -100,18 +93,18 @@ class ChangeProposal(BaseModel):
     nonce: str
     expires: float
     what: TwoTexts
-    before: Content
-    after: Content
+    before: control.Content
+    after: control.Content
     danger: bool
-    lost: list[FaultShown | RecordingShown | DumpShown]
+    lost: list[control.FaultShown | control.RecordingShown | control.DumpShown]
     meaning: TwoTexts | None
 
 
 class ChangeResult(BaseModel):
     """The content before the change, and the content that was read back after it."""
 
-    before: Content
-    after: Content
+    before: control.Content
+    after: control.Content
     done: Literal[True] = True
 
 
@@ -125,7 +118,7 @@ async def prepare(
         dashboard.write_lock.check(client)
     nonce = dashboard.confirmations.keep(client, change)
     return made_of(
-        ChangeProposal, change, nonce=nonce, expires=dashboard.connection.now() + LIFETIME
+        ChangeProposal, change, nonce=nonce, expires=dashboard.connection.now() + control.LIFETIME
     )
 
 
@@ -140,7 +133,7 @@ async def confirm(
     return ChangeResult(before=change.before, after=await change.make())
 
 
-async def _prepared(dashboard: Dashboard, body: ChangeRequest) -> PendingChange:
+async def _prepared(dashboard: Dashboard, body: ChangeRequest) -> control.PendingChange:
     match body:
         case EraseFaultsRequest():
             return await dashboard.changes.erase_faults()

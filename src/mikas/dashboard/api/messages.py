@@ -18,22 +18,8 @@ from mikas.dashboard.api.errors import TwoTexts
 from mikas.dashboard.api.state import State
 from mikas.dashboard.session.history import ExchangeFailed, RecordingChanged
 from mikas.i18n import Text
+from mikas.sampling import events
 from mikas.sampling.alarms import Side
-from mikas.sampling.events import (
-    AdapterMoved,
-    AlarmChanged,
-    Event,
-    FaultReading,
-    Gap,
-    LineState,
-    Marker,
-    MethodChosen,
-    ParameterDropped,
-    ParameterReturned,
-    StateChanged,
-    TextNote,
-    UnitFound,
-)
 
 
 def _optional(schema: dict[str, Any]) -> None:
@@ -57,7 +43,7 @@ _FIELDS: Final[dict[Any, Any]] = {
 """The JSON of fields, where it is not the type itself."""
 
 
-def _model(event: type[Event], **other: Any) -> type[BaseModel]:
+def _model(event: type[events.Event], **other: Any) -> type[BaseModel]:
     """Return the model of the event's JSON; `other`: fields that are not as in the class."""
     hints = get_type_hints(event)
     names = [each.name for each in fields(event) if each.metadata.get("json", True)]
@@ -87,25 +73,25 @@ _REMOVED: Any = Field(
 )
 _IN_BOTH: Final = (
     _model(
-        StateChanged,
-        state=LineState,
+        events.StateChanged,
+        state=events.LineState,
         code=(str | None, Field(None, description="the error's class; not in recordings")),
     ),
-    _model(Gap),
-    _model(AdapterMoved),
-    _model(UnitFound, version_code=str | None),
-    _model(MethodChosen),
-    _model(ParameterDropped),
-    _model(ParameterReturned),
-    _model(AlarmChanged, level=Level, before=Level | None, side=Side | None),
-    _model(Marker, removed=(bool, _REMOVED)),
-    _model(FaultReading, codes=list[int], added=list[int] | None),
+    _model(events.Gap),
+    _model(events.AdapterMoved),
+    _model(events.UnitFound, version_code=str | None),
+    _model(events.MethodChosen),
+    _model(events.ParameterDropped),
+    _model(events.ParameterReturned),
+    _model(events.AlarmChanged, level=Level, before=Level | None, side=Side | None),
+    _model(events.Marker, removed=(bool, _REMOVED)),
+    _model(events.FaultReading, codes=list[int], added=list[int] | None),
 )
 LiveEvent = Annotated[
     Any, _one_of(*_IN_BOTH, _model(ExchangeFailed, text=TwoTexts), _model(RecordingChanged))
 ]
 """Any event of the running connection."""
-RecordedEvent = Annotated[Any, _one_of(*_IN_BOTH, _model(TextNote))]
+RecordedEvent = Annotated[Any, _one_of(*_IN_BOTH, _model(events.TextNote))]
 """Any event of a recording."""
 
 
