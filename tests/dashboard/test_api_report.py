@@ -7,7 +7,7 @@ import numpy as np
 from dashboard.rig import rig
 from mikas.catalog import shipped
 from mikas.client import Passport
-from mikas.dashboard.api.library.report import _judged, _pauses, _since
+from mikas.dashboard.api.library.report import _judged, _of_this_unit, _pauses
 from mikas.i18n import Text
 from mikas.recording.table.channels import Rows
 from mikas.sampling.events import Gap, LineState, Marker, StateChanged, UnitFound
@@ -25,6 +25,10 @@ def test_what_is_shown_in_another_sense_is_not_judged() -> None:
     assert set(_judged(ROWS, shipped(), "literal").values) == {"TWAT"}  # E2
 
 
+def _since(rows, events):
+    return _of_this_unit(rows, events)[0]
+
+
 def test_the_car_before_does_not_count() -> None:
     assert len(_since(ROWS, []).times) == 10
     assert len(_since(ROWS, [unit(3.0)]).times) == 10
@@ -36,6 +40,7 @@ def test_the_car_before_does_not_count() -> None:
     assert changed.values["TWAT"].tolist() == [4, 5, 6, 7, 8, 9]
     twice = [unit(1.0), unit(4.0, another=True), unit(8.0, another=True)]
     assert _since(ROWS, twice).times.tolist() == [8, 9]
+    assert _of_this_unit(ROWS, twice)[1] == twice[2:]
 
 
 def test_a_passport_that_was_read_with_a_hole_is_no_other_car() -> None:

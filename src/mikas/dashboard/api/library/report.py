@@ -113,11 +113,11 @@ def _of_connection(dashboard: Dashboard) -> Findings:
     with monitor.lock:
         unit, method, errors_ = monitor.unit, monitor.method or "", monitor.meters.errors
         events = monitor.events
-    rows = dashboard.history.rows(MINUTES * 60)
-    rows = _since(_judged(rows, catalog, dashboard.settings.connection.interpretation), events)
+    rows, events = _of_this_unit(dashboard.history.rows(MINUTES * 60), events)
     if unit is None and not len(rows.times):
         raise NotConnected
-    measuring = MeasurementCollector(catalog, rows.values, _of_this_unit(events))
+    rows = _judged(rows, catalog, dashboard.settings.connection.interpretation)
+    measuring = MeasurementCollector(catalog, rows.values, events)
     measuring.add(rows)
     stored, measured = dashboard.fault_history.latest, measuring.measured
     subject = ReportSubject(
@@ -155,6 +155,15 @@ def _appeared(dashboard: Dashboard) -> Iterator[AppearedFault]:
         yield AppearedFault(code, before, read, frame)
 
 
+def _of_this_unit(rows: Rows, events: list[Event]) -> tuple[Rows, list[Event]]:
+    """Return those since the present unit was first found, without those of another car."""
+    others = [n for n, it in enumerate(events) if isinstance(it, UnitFound) and it.another]
+    if not others:
+        return rows, events
+    events = events[others[-1] :]
+    return rows.part(slice(bisect_left(rows.times, events[0].time), None)), events
+
+
 def _judged(rows: Rows, catalog: Catalog, interpretation: str) -> Rows:
     """Return the rows without channels whose interpretation differs from their reference's."""
     other = _otherwise_read(catalog, interpretation)
@@ -175,22 +184,9 @@ def _unit(found: UnitFound | None, catalog: Catalog) -> ReportedUnit | None:
     return ReportedUnit(model, passport.program, passport.data) if passport else ReportedUnit(model)
 
 
-def _since(rows: Rows, events: list[Event]) -> Rows:
-    """Return the rows since the present unit was first found, without those of another car."""
-    found = (each.time for each in events if isinstance(each, UnitFound) and each.another)
-    first = bisect_left(rows.times, max(found, default=float("-inf")))
-    return rows.part(slice(first, None))
-
-
-def _of_this_unit(events: list[Event]) -> list[Event]:
-    """Return the events since the present unit was first found."""
-    others = (n for n, each in enumerate(events) if isinstance(each, UnitFound) and each.another)
-    return events[max(others, default=0) :]
-
-
 def _pauses(events: list[Event], began: float | None) -> Iterator[Gap]:
     """Yield the gaps that have ended; each is logged twice."""
-    for event in events:
-        ended = event.ended if isinstance(event, Gap) else None
-        if isinstance(event, Gap) and ended is not None and began is not None and ended > began:
-            yield replace(event, began=max(began, event.began))
+    if began is not None:
+        for event in events:
+            if isinstance(event, Gap) and event.ended is not None and event.ended > began:
+                yield replace(event, began=max(began, event.began))
