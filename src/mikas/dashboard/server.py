@@ -27,14 +27,13 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from types import FrameType
 
 import uvicorn
 from fastapi import FastAPI
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from mikas.dashboard.connections import TcpConnection, TcpConnections, TcpLimits, TcpPhase
+from mikas.dashboard.connections import TcpConnections, TcpLimits, TcpPhase
 from mikas.dashboard.entrance import Entrance
 
 _PING = 20.0
@@ -209,45 +208,33 @@ class PhaseReports:
         if kind == "websocket":
             await self._app(scope, receive, send)
             return
-        request = _Request(self._guard, connection, receive, send)
+        is_whole = is_over = False
+
+        def enter(phase: TcpPhase) -> None:
+            if not (is_whole or is_over):
+                connection.enter(phase, self._guard.clock())
+
+        async def received() -> Message:
+            nonlocal is_whole
+            enter(TcpPhase.BODY)
+            message = await receive()
+            if not message.get("more_body"):
+                enter(TcpPhase.NOTHING)
+                is_whole = True
+            return message
+
+        async def sent(message: Message) -> None:
+            await send(message)
+            if message["type"] == "http.response.body" and not message.get("more_body"):
+                end()
+
+        def end() -> None:
+            nonlocal is_over
+            if not is_over:  # once: by then the next request may be in progress
+                is_over = True
+                connection.enter(TcpPhase.REQUEST, self._guard.clock())
+
         try:
-            await self._app(scope, request.receive, request.send)
+            await self._app(scope, received, sent)
         finally:
-            request.end()
-
-
-@dataclass(slots=True)
-class _Request:
-    """One request, of which both ways are followed."""
-
-    _guard: TcpConnections
-    _connection: TcpConnection
-    _receive: Receive
-    _send: Send
-    _is_whole: bool = False
-    _is_over: bool = False
-
-    async def receive(self) -> Message:
-        """Receive, and report the wait for the body."""
-        self._enter(TcpPhase.BODY)
-        message = await self._receive()
-        if not message.get("more_body"):
-            self._enter(TcpPhase.NOTHING)
-            self._is_whole = True
-        return message
-
-    async def send(self, message: Message) -> None:
-        """Send, and report the end of the response."""
-        await self._send(message)
-        if message["type"] == "http.response.body" and not message.get("more_body"):
-            self.end()
-
-    def end(self) -> None:
-        """Report the end, once: by then the next request may be in progress."""
-        if not self._is_over:
-            self._is_over = True
-            self._connection.enter(TcpPhase.REQUEST, self._guard.clock())
-
-    def _enter(self, phase: TcpPhase) -> None:
-        if not (self._is_whole or self._is_over):
-            self._connection.enter(phase, self._guard.clock())
+            end()
