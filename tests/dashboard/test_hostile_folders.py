@@ -263,15 +263,15 @@ def test_a_folder_that_is_replaced_while_it_is_listed_is_no_error(
     folder.mkdir()
     for number in range(5):
         (folder / f"{number}.bin").write_bytes(b"1")
-    check = library_folder._check_name  # noqa: SLF001
+    check = library_folder.is_file_name
 
-    def late(name: str, suffix: str) -> None:
+    def late(name: str, suffix: str) -> bool:
         if folder.is_dir():
             folder.rename(tmp_path / "gone")
             folder.write_bytes(b"no folder any more")
-        check(name, suffix)
+        return check(name, suffix)
 
-    monkeypatch.setattr(library_folder, "_check_name", late)
+    monkeypatch.setattr(library_folder, "is_file_name", late)
     assert len(files_in(folder, ".bin", 10).files) < 5
 
 

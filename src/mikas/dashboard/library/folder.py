@@ -100,7 +100,8 @@ def files_in(folder: Path, suffix: str, most: int) -> Listing:
         try:
             status = entry.stat(follow_symlinks=False)
             check_regular(status)
-            _check_name(entry.name, suffix)
+            if not is_file_name(entry.name, suffix):
+                raise UnfitFile(errno.EINVAL, _NAME)
             found.append((-status.st_mtime_ns, entry.name))
         except FileNotFoundError:
             continue  # deleted meanwhile
@@ -116,12 +117,6 @@ def files_in(folder: Path, suffix: str, most: int) -> Listing:
         with suppress(OSError):  # deleted meanwhile
             files.append(_file_at(folder / name))  # on Windows an entry does not know all of it
     return Listing(files, left_out)
-
-
-def _check_name(name: str, suffix: str) -> None:
-    """Raise `UnfitFile` for a name that is not used."""
-    if not is_file_name(name, suffix):
-        raise UnfitFile(errno.EINVAL, _NAME)
 
 
 def _entries(folder: Path, suffix: str) -> Iterator[os.DirEntry[str]]:

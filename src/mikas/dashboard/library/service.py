@@ -24,6 +24,8 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Final
 
+from pydantic import TypeAdapter
+
 import mikas
 from mikas.cancellation import check_cancelled
 from mikas.catalog import Catalog
@@ -84,7 +86,7 @@ class References:
     """`marks`: the file of the marked names; `folder`: of the virtual car's recordings."""
 
     def __init__(self, marks: Path, folder: Path) -> None:
-        self.file = KeptFile(marks, _MOST_BYTES, _names)
+        self.file = KeptFile(marks, _MOST_BYTES, TypeAdapter(list[str]).validate_python)
         self._folder = folder
         self._changing = threading.Lock()
 
@@ -115,13 +117,6 @@ class References:
                 self._folder.mkdir(parents=True, exist_ok=True)
                 _record(file, DRIVES[drive], model)
         return RecordingFolder(self._folder).one(file.name)
-
-
-def _names(stored: object) -> list[str]:
-    """Return the marks in the file. Raises `TypeError`."""
-    if not isinstance(stored, list) or not all(isinstance(name, str) for name in stored):
-        raise TypeError("no list of names")
-    return stored
 
 
 def _record(file: Path, drive: Drive, model: str) -> None:
@@ -270,7 +265,6 @@ class RecordingService:
     def _is_current(self, kept: _Open, file: RecordingFile, *, latest: bool) -> bool:
         if kept.recording.catalog is not self.catalog:
             return False
-        if kept.stamp == file.stamp or latest:
-            return kept.stamp == file.stamp
-        same_file = kept.stamp[2] == file.stamp[2]
-        return self.is_growing(file) and same_file and self.clock() - kept.at < _GROWING
+        is_grown = self.is_growing(file) and kept.stamp[2] == file.stamp[2]
+        is_new = is_grown and not latest and self.clock() - kept.at < _GROWING
+        return kept.stamp == file.stamp or is_new
