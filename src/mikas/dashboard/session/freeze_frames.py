@@ -55,13 +55,13 @@ class FreezeFrameStore:
         self._own: Path | None = None  # the folder of the unit
         self._kept = True  # in that folder
         self._frames: dict[str, FreezeFrame] = {}
-        self._pending: list[tuple[str, int, float, float]] = []
+        self._pending: list[FreezeFrame] = []  # to be completed
 
     def begin_unit(self, unit: UnitFound) -> None:
         """Show the frames of `unit` from here on; also those so far, if it is the same one."""
         if unit.version_code is None or unit.passport is None:
             return
-        pieces = tuple(piece or "" for piece in unit.passport.pieces)
+        pieces = unit.passport.pieces
         own = unit_file(self._folder, unit.version_code, pieces).with_suffix("")
         with self._lock:
             if own == self._own:
@@ -87,18 +87,17 @@ class FreezeFrameStore:
         if before is None or self._own is None:
             return
         for code, without, read in new_faults([before, reading]):
-            frame = self._make(code, without, read)
-            if frame is not None:
+            if frame := self._make(code, without, read):
                 self._keep(frame)
                 with self._lock:
-                    self._pending.append((frame.id, code, without, read))
+                    self._pending.append(frame)
 
     def follow(self, time: float) -> None:
         """Complete the frames whose last row is there; called with each event."""
         if not self._pending:
             return
         with self._lock:
-            ripe = [it for it in self._pending if time >= it[3] + AROUND + _LATER]
+            ripe = [it for it in self._pending if time >= it.seen + AROUND + _LATER]
             self._pending = [it for it in self._pending if it not in ripe]
         self._complete(ripe)
 
@@ -113,18 +112,16 @@ class FreezeFrameStore:
         with self._disk:
             with self._lock:
                 own, frame = self._own, self._frames.pop(identity, None)
-                self._pending = [it for it in self._pending if it[0] != identity]
+                self._pending = [it for it in self._pending if it.id != identity]
             if frame is not None and own is not None:
                 with suppress(OSError):
                     _file(own, frame).unlink()
         return frame is not None
 
-    def _complete(
-        self, ripe: list[tuple[str, int, float, float]], *, at_once: bool = False
-    ) -> None:
-        for identity, code, without, read in ripe:
-            frame = self._make(code, without, read)
-            if frame is not None and frame.id == identity:
+    def _complete(self, ripe: list[FreezeFrame], *, at_once: bool = False) -> None:
+        for early in ripe:
+            frame = self._make(early.code, early.without, early.seen)
+            if frame is not None and frame.id == early.id:
                 self._keep(frame, at_once=at_once)
 
     def _make(self, code: int, without: float, read: float) -> FreezeFrame | None:

@@ -133,9 +133,8 @@ class SessionRecorder:
         """Mark this moment, and return its time. Without a recording it is only shown."""
         time = self._connection.now()  # not that of the latest sample: several may follow it
         self.recorder.marker(time, label)
-        status = self.recorder.status
-        if status is not None and status.failure is None:
-            self._marked[time] = status.path
+        if (file := self.file_name) is not None:
+            self._marked[time] = self._folder.folder / file
             if len(self._marked) > _MOST_MARKED:
                 self._marked.popitem(last=False)
         self._connection.monitor.log(Marker(time, label))
@@ -161,8 +160,7 @@ class SessionRecorder:
 
     def append_note(self, path: Path, note: Note) -> None:
         """Write a note into a recording's file, which may be in progress. Raises `CaptureError`."""
-        status = self.recorder.status
-        if status is not None and status.failure is None and status.path == path:
+        if path.name == self.file_name:
             self.recorder.note(note)
         else:
             append_note(path, note)
