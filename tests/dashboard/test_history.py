@@ -14,7 +14,7 @@ COLUMN = st.lists(st.one_of(st.just(NAN), st.integers(-1000, 1000).map(float)), 
 
 def test_a_missing_value_is_null_in_json():
     rows = Rows(np.arange(3.0), {"A": np.array([1, NAN, 2.5])})
-    assert json_columns(rows) == {
+    assert json_columns(rows.times, rows.values) == {
         "names": ["A"], "times": [0.0, 1.0, 2.0], "values": [[1, None, 2.5]],
     }  # fmt: skip
 
@@ -83,7 +83,8 @@ def test_the_oldest_goes_when_there_are_too_many_values(monkeypatch):
 
 
 def test_an_empty_history_has_empty_columns():
-    assert json_columns(History().rows(60)) == {"names": [], "times": [], "values": []}
-    assert json_columns(History().rows(60, ["A"])) == {
+    rows, named = History().rows(60), History().rows(60, ["A"])
+    assert json_columns(rows.times, rows.values) == {"names": [], "times": [], "values": []}
+    assert json_columns(named.times, named.values) == {
         "names": ["A"], "times": [], "values": [[]],
     }  # fmt: skip

@@ -345,7 +345,8 @@ def history(
     rows = dashboard.history.rows(seconds, split_names(names))
     since = (rows.times[-1] if len(rows.times) else dashboard.connection.now()) - seconds
     events = [page_json(event) for event in dashboard.monitor.events if event.time >= since]
-    return JSONResponse(json_columns(decimated(rows, points)) | {"events": events})
+    fewer = decimated(rows, points)
+    return JSONResponse(json_columns(fewer.times, fewer.values) | {"events": events})
 
 
 @cache

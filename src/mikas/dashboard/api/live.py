@@ -28,7 +28,7 @@ from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.error_responses import json_response
 from mikas.dashboard.errors import ApiRefusal
 from mikas.dashboard.security.control import Client
-from mikas.dashboard.session.history import page_json, plain, row_time
+from mikas.dashboard.session.history import json_columns, page_json
 from mikas.dashboard.session.monitor import Batch, ConnectionMonitor
 
 _log = logging.getLogger("mikas.dashboard")
@@ -215,12 +215,7 @@ def _tail(batch: Batch, events: Sequence[Mapping[str, Any]], fields: Fields) -> 
     if batch.times:
         columns = batch.columns.items()
         shown = {name: each for name, each in columns if fields is None or name in fields}
-        data = {
-            "names": list(shown),
-            "times": list(map(row_time, batch.times)),
-            "values": list(map(plain, shown.values())),
-        }
-        text += f',"data":{dumps(data)}'
+        text += f',"data":{dumps(json_columns(batch.times, shown))}'
     if events:
         text += f',"events":{dumps(events)}'
     return text

@@ -158,13 +158,12 @@ def shared_state(dashboard: Dashboard) -> State:
             line = monitor.line.value if monitor.line else "no-port"
             text = monitor.line.text if monitor.line else _OPENING
         sampling = line == "sampling"
-        silent = monitor.silent(now)
-        unit = monitor.unit
+        silent, unit, error = monitor.silent(now), monitor.unit, monitor.error
         return State(
             line=line,
             text=two(text),
-            reason=two_or_none(monitor.reason or silent),
-            reason_code=monitor.reason_code,
+            reason=two_or_none(ADVICE.text(error) if error else silent),
+            reason_code=type(error).__name__ if error else None,
             since=monitor.since,
             port=port.url if port else None,
             checking=checking,

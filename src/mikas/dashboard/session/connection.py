@@ -21,7 +21,7 @@ from typing import TypeVar
 from mikas.catalog import Catalog
 from mikas.client import Ecu
 from mikas.client.connecting import ConnectionOptions
-from mikas.dashboard.errors import Busy, NotConnected
+from mikas.dashboard.errors import ADVICE, Busy, NotConnected
 from mikas.dashboard.session.catalog_in_use import all_names
 from mikas.dashboard.session.monitor import (
     DIAGNOSIS,
@@ -205,8 +205,8 @@ class Connection:
 
     def not_connected(self) -> NotConnected:
         """Return the error for a unit that does not answer, with the reason if it is known."""
-        reason = self.monitor.reason
-        return NotConnected(advice=reason) if reason else NotConnected()
+        error = self.monitor.error
+        return NotConnected(advice=ADVICE.text(error)) if error else NotConnected()
 
     @asynccontextmanager
     async def _alone(self) -> AsyncIterator[None]:

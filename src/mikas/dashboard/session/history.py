@@ -33,6 +33,7 @@ from mikas.tester import Failure
 Compute: TypeAlias = (
     "Callable[[Sequence[float], Mapping[str, Sequence[float]]], Mapping[str, Sequence[float]]]"
 )
+Column: TypeAlias = Any  # an array, Python's or numpy's
 _ROWS: Final = 2048
 LONGEST: Final = 2 * 3600.0
 _MAX_EVENTS: Final = 5000  # of errors, and of all others
@@ -75,15 +76,12 @@ class History:
         self._blocks: deque[_Block] = deque()
         self.count = 0
         """The rows that were ever added."""
-        self._held = 0  # values in the blocks before the last one
 
     def add(self, time: float, names: tuple[str, ...], row: Sequence[float]) -> None:
         """Add one row; `row` has a number or NaN for each of `names`."""
         with self._lock:
             block = self._blocks[-1] if self._blocks else None
             if block is None or block.names != names or len(block.times) == _ROWS:
-                if block is not None:
-                    self._held += block.size
                 block = _Block(names)
                 self._blocks.append(block)
                 self._drop_old(time)
@@ -130,15 +128,14 @@ class History:
         """
         with self._lock:
             self._blocks = deque(block.recomputed(names, compute) for block in self._blocks)
-            self._held = sum(block.size for block in list(self._blocks)[:-1])
 
     def _drop_old(self, now: float) -> None:
         blocks = self._blocks
+        values = sum(block.size for block in blocks) + _ROWS * len(blocks[-1].names)
         while len(blocks) > 1 and (
-            blocks[0].times[-1] < now - self._seconds
-            or self._held + _ROWS * len(blocks[-1].names) > _MAX_VALUES
+            blocks[0].times[-1] < now - self._seconds or values > _MAX_VALUES
         ):
-            self._held -= blocks.popleft().size
+            values -= blocks.popleft().size
 
 
 def _joined(
@@ -161,12 +158,12 @@ def _rows(times: array[float], columns: Mapping[str, array[float]]) -> Rows:
     return Rows(np.asarray(times), {name: np.asarray(each) for name, each in columns.items()})
 
 
-def json_columns(rows: Rows) -> dict[str, object]:
+def json_columns(times: Column, columns: Mapping[str, Column]) -> dict[str, object]:
     """Return `{"names", "times", "values"}` as the API has it."""
     return {
-        "names": list(rows.values),
-        "times": [row_time(time) for time in rows.times.tolist()],
-        "values": [plain(column.tolist()) for column in rows.values.values()],
+        "names": list(columns),
+        "times": [row_time(time) for time in times.tolist()],
+        "values": [plain(column.tolist()) for column in columns.values()],
     }
 
 
@@ -204,7 +201,6 @@ class FaultHistory:
     ) -> None:
         self._on_reading = on_reading
         self._lock = threading.Lock()
-        self._first: dict[int, float] = {}
         self._readings: list[FaultReading] = []
         self._latest_reading: FaultReading | None = None  # by this unit, on any connection
         self.latest: StoredFaults | None = None
@@ -212,13 +208,12 @@ class FaultHistory:
     def disconnect(self) -> None:
         """End the connection; the unit's earlier readings are kept for its next one."""
         with self._lock:
-            self._first.clear()
             self.latest = None
 
     def clear(self) -> None:
         """Drop everything: another unit answers."""
-        self.disconnect()
         with self._lock:
+            self.latest = None
             self._readings.clear()
             self._latest_reading = None
 
@@ -259,8 +254,9 @@ class FaultHistory:
             if not self._readings or self._readings[-1].codes != codes:
                 self._readings.append(FaultReading(time, codes, erased))
                 del self._readings[:-_MAX_READINGS]
-            self._first = {code: self._first.get(code, time) for code in codes}
-            self.latest = stored = StoredFaults(time, tuple(faults), dict(self._first))
+            known = self.latest.first_seen if self.latest else {}
+            first_seen = {code: known.get(code, time) for code in codes}
+            self.latest = stored = StoredFaults(time, tuple(faults), first_seen)
         self._on_reading(self._latest_reading, before)
         return stored
 

@@ -7,6 +7,7 @@ messages (`drain`), with the rows that the history has got since the message bef
 from __future__ import annotations
 
 import threading
+from array import array
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -15,7 +16,6 @@ from typing import Final
 
 from mikas.catalog import Level
 from mikas.client import Reading
-from mikas.dashboard.errors import ADVICE
 from mikas.dashboard.session.history import EventLog, ExchangeFailed, History, reason_of
 from mikas.errors import EcuRefused, LineError, MikasError, NoConnection
 from mikas.i18n import Text
@@ -68,8 +68,8 @@ _NOTHING: Final[tuple[str, frozenset[str]]] = ("", frozenset())
 class Batch:
     """What came since the last one. `columns`: over `times`, by channel in the plan's order."""
 
-    times: Sequence[float]
-    columns: Mapping[str, Sequence[float]]
+    times: array[float]
+    columns: Mapping[str, array[float]]
     events: Sequence[Event]
 
 
@@ -145,8 +145,7 @@ class ConnectionMonitor:
         """Begin a new connection with an empty state."""
         with self.lock:
             self.line: LineState | None = None
-            self.reason: Text | None = None
-            self.reason_code: str | None = None
+            self.error: MikasError | None = None
             self.since = time
             self.unit: UnitFound | None = None
             self.method: str | None = None
@@ -234,8 +233,7 @@ class ConnectionMonitor:
                 case CycleFailed():
                     self._failed(event)
                 case StateChanged(state=LineState() as state):
-                    self.line, self.since = state, event.time
-                    self._set_reason(event.error)
+                    self.line, self.since, self.error = state, event.time, event.error
                     self.log(event)
                 case AlarmChanged():
                     self._alarm(event)
@@ -262,8 +260,7 @@ class ConnectionMonitor:
         # Not under the lock: the recorder gets these gaps, and logs its files here.
         gaps = self.session.leave(time, error.reason if error else why, error)
         with self.lock:
-            self.line, self.since = None, time
-            self._set_reason(error)
+            self.line, self.since, self.error = None, time, error
             self.alarms.clear()
             for gap in gaps:
                 self.log(gap)
@@ -316,10 +313,6 @@ class ConnectionMonitor:
     def _log_error(self, event: ExchangeFailed) -> None:
         self.meters.error(event.time)
         self.log(event)
-
-    def _set_reason(self, error: MikasError | None) -> None:
-        self.reason = ADVICE.text(error) if error else None
-        self.reason_code = type(error).__name__ if error else None
 
     def _alarm(self, event: AlarmChanged) -> None:
         if event.level == Level.NONE:

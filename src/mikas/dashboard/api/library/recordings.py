@@ -248,7 +248,7 @@ async def rows(
     def look(file: RecordingFile) -> Response:
         opened = requester.library.opened(file)
         window, decimated = opened.window(begin, end, points, split_names(names))
-        return JSONResponse(json_columns(window) | {"decimated": decimated})
+        return JSONResponse(json_columns(window.times, window.values) | {"decimated": decimated})
 
     return await requester.view(identity, look, virtual=True)
 
