@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from concurrent.futures import Future
 from contextlib import ExitStack
 from threading import Event
 
@@ -184,14 +185,14 @@ def test_a_loop_without_a_check_is_interrupted(monkeypatch):
 def test_an_interrupt_reaches_the_work_or_nothing():
     """It is sent at any moment; whatever it meets, the end is reported, once."""
     for _ in range(300):
-        began, ended = Event(), []
-        thread = WorkThread("short", began.set, lambda *outcome, ended=ended: ended.append(outcome))
+        began, outcome = Event(), Future()
+        thread = WorkThread("short", began.set, outcome)
         thread.start()
         began.wait(60)
         thread.interrupt()
         thread.interrupt()
         thread.join(60)
-        ((_, error),) = ended
+        error = outcome.exception(0)
         assert error is None or isinstance(error, Cancelled)
 
 

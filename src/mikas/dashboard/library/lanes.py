@@ -15,7 +15,8 @@ import asyncio
 import threading
 from collections import Counter
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from concurrent.futures import Future
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, Final, TypeVar
 
@@ -52,10 +53,10 @@ class _Piece:
     """`turn`: it may run. `done`: its thread has ended, with this outcome."""
 
     def __init__(self, key: str, address: str | None) -> None:
-        loop = asyncio.get_running_loop()
         self.key, self.address = key, address
-        self.turn: asyncio.Future[None] = loop.create_future()
-        self.done: asyncio.Future[Any] = loop.create_future()
+        self.turn: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+        self.outcome: Future[Any] = Future()
+        self.done = asyncio.wrap_future(self.outcome)
         self.thread: WorkThread | None = None
 
     def cancel(self) -> None:
@@ -165,21 +166,12 @@ class Lane:
         self._give_turns()
 
     def _start(self, piece: _Piece, work: Callable[[], object]) -> None:
-        loop = asyncio.get_running_loop()
-
-        def end(result: object, error: BaseException | None) -> None:
-            if error is None:
-                piece.done.set_result(result)
-            else:
-                piece.done.set_exception(error)
-                piece.done.exception()  # retrieved here, in case its client has disconnected
+        def leave(done: asyncio.Future[Any]) -> None:
+            done.exception()  # retrieved here, in case its client has disconnected
             self._leave(piece)
 
-        def ended(result: object, error: BaseException | None) -> None:
-            with suppress(RuntimeError):  # the loop is closed: the program ends
-                loop.call_soon_threadsafe(end, result, error)
-
-        piece.thread = WorkThread(f"mikas {piece.key}", work, ended)
+        piece.done.add_done_callback(leave)
+        piece.thread = WorkThread(f"mikas {piece.key}", work, piece.outcome)
         piece.thread.start()
 
     @staticmethod
@@ -195,20 +187,15 @@ class Lane:
 
 
 class WorkThread(threading.Thread):
-    """Runs `work`, then calls `ended` with its result or its exception; both in the thread.
+    """Runs `work`, and sets its result or its exception as `outcome`.
 
     A daemon: it can't hold up the end of the program.
     """
 
-    def __init__(
-        self,
-        name: str,
-        work: Callable[[], object],
-        ended: Callable[[object, BaseException | None], None],
-    ) -> None:
+    def __init__(self, name: str, work: Callable[[], object], outcome: Future[Any]) -> None:
         super().__init__(name=name, daemon=True)
         self.cancellation = Cancellation()
-        self._work, self._ended = work, ended
+        self._work, self._outcome = work, outcome
         self._gate = threading.Lock()
         self._may_interrupt = False
 
@@ -230,7 +217,6 @@ class WorkThread(threading.Thread):
 
     def run(self) -> None:
         """Run the work; in the thread."""
-        result, failure = None, None
         try:
             try:
                 with self._gate:
@@ -239,8 +225,9 @@ class WorkThread(threading.Thread):
             finally:
                 self._close_gate()
         except BaseException as error:  # any: it is raised where the work is awaited
-            failure = error
-        self._ended(result, failure)
+            self._outcome.set_exception(error)
+        else:
+            self._outcome.set_result(result)
 
     def _close_gate(self) -> None:
         """Let no exception come from outside after this."""
