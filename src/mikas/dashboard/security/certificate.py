@@ -18,7 +18,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import TYPE_CHECKING, Final
 
 from mikas.errors import UnfitFile, UsageError, reason_of
 from mikas.files import read_regular
@@ -60,22 +60,17 @@ class Certificate:
         return tuple(dict.fromkeys((*named, *here)))
 
 
-class _Kept(NamedTuple):
-    certificate: x509.Certificate
-    is_private: bool
-    """Nobody but its owner could read the key."""
-
-
 def own_certificate(file: Path, hosts: Sequence[str], now: datetime) -> Certificate:
     """Return the certificate kept in `file`, or a new one. Raises `UsageError`.
 
     `hosts`: this computer's addresses and names in the network. `now`: with a time zone.
     """
     _require_library()
-    kept = _kept(file)
+    kept, is_private = _kept(file)
     wanted = _usable(hosts)
-    names = _names(kept.certificate) if kept else ()
-    if kept is None or not _serves(kept, names, wanted, now):
+    names = _names(kept) if kept else ()
+    is_valid = kept and kept.not_valid_before_utc <= now <= kept.not_valid_after_utc - _RENEWED
+    if not (is_valid and is_private and set(wanted) <= set(names)):
         names = tuple(dict.fromkeys((*wanted, *names)))[:_MOST_NAMES]
         try:
             file.parent.mkdir(parents=True, exist_ok=True)
@@ -178,19 +173,16 @@ def _reason(error: OSError) -> Text:
     return reason_of(error)
 
 
-def _kept(file: Path) -> _Kept | None:
-    """Return the certificate in `file`; None if there is none with its key."""
+def _kept(file: Path) -> tuple[x509.Certificate | None, bool]:
+    """Return the certificate in `file`, None if there is none with its key; and whether only its
+    owner could read the key.
+    """
     try:
         data = read_regular(file, _LARGEST)
         is_private = os.name == "nt" or not file.lstat().st_mode & 0o077
-        return _Kept(_pair(data, data), is_private)
+        return _pair(data, data), is_private
     except OSError:
-        return None
-
-
-def _serves(kept: _Kept, names: Iterable[str], wanted: Iterable[str], now: datetime) -> bool:
-    begin, end = kept.certificate.not_valid_before_utc, kept.certificate.not_valid_after_utc
-    return kept.is_private and begin <= now <= end - _RENEWED and set(wanted) <= set(names)
+        return None, False
 
 
 def _usable(hosts: Iterable[str]) -> tuple[str, ...]:
