@@ -21,18 +21,7 @@ from mikas.i18n import Text
 from mikas.sampling import events
 from mikas.sampling.alarms import Side
 
-
-def _optional(schema: dict[str, Any]) -> None:
-    """Describe a field with a default as absent or set: never null, and with no default."""
-    for each in schema["properties"].values():
-        if "default" in each and each.pop("default") is None and "anyOf" in each:
-            kinds = [kind for kind in each["anyOf"] if kind != {"type": "null"}]
-            each.update(kinds[0]) if len(kinds) == 1 else each.update(anyOf=kinds)
-            if len(kinds) == 1:
-                del each["anyOf"]
-
-
-_MESSAGE: Final = ConfigDict(extra="forbid", allow_inf_nan=False, json_schema_extra=_optional)
+_MESSAGE: Final = ConfigDict(extra="forbid", allow_inf_nan=False)
 
 
 _FIELDS: Final[dict[Any, Any]] = {
@@ -61,16 +50,11 @@ def _one_of(*models: type[BaseModel]) -> GetPydanticSchema:
     return GetPydanticSchema(lambda _, handler: handler.generate_schema(union))
 
 
-def _without_default(schema: dict[str, Any]) -> None:
-    """Describe a field as absent unless it is set."""
-    del schema["default"]
+def _absent(description: str | None = None) -> Any:  # noqa: ANN401  (as `Field`)
+    """Return a field that is absent unless it is set: a factory's default is not described."""
+    return Field(default_factory=lambda: None, description=description)
 
 
-_REMOVED: Any = Field(
-    False,
-    description="true: the marker was removed; else absent",
-    json_schema_extra=_without_default,
-)
 _IN_BOTH: Final = (
     _model(
         events.StateChanged,
@@ -84,7 +68,7 @@ _IN_BOTH: Final = (
     _model(events.ParameterDropped),
     _model(events.ParameterReturned),
     _model(events.AlarmChanged, level=Level, before=Level | None, side=Side | None),
-    _model(events.Marker, removed=(bool, _REMOVED)),
+    _model(events.Marker, removed=(bool, _absent("true: the marker was removed; else absent"))),
     _model(events.FaultReading, codes=list[int], added=list[int] | None),
 )
 LiveEvent = Annotated[
@@ -111,10 +95,10 @@ class LiveMessage(BaseModel):
     seq: int
     now: float
     dropped: int
-    state: State | None = Field(None, description="in the first, and when it has changed")
-    data: LiveRows | None = None
-    events: list[LiveEvent] | None = None
-    pong: float | int | str | None = None
+    state: State = _absent("in the first, and when it has changed")
+    data: LiveRows = _absent()
+    events: list[LiveEvent] = _absent()
+    pong: float | int | str = _absent()
 
 
 class PingMessage(BaseModel):
