@@ -103,27 +103,16 @@ class AccessMiddleware:
             await json_response(too_large)(scope, receive, send)
             return
         taken = 0
-        started = False
 
         async def counted() -> Message:
             nonlocal taken
             message = await receive()
             taken += len(message.get("body", b""))
             if taken > most:
-                raise too_large
+                raise too_large  # the application answers with it
             return message
 
-        async def watched(message: Message) -> None:
-            nonlocal started
-            started = True
-            await send(message)
-
-        try:
-            await self.app(scope, counted, watched)
-        except TooLarge as error:
-            if started:
-                raise
-            await json_response(error)(scope, receive, send)
+        await self.app(scope, counted, send)
 
 
 def _with_headers(send: Send, headers: Mapping[str, str]) -> Send:
