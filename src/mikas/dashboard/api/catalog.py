@@ -20,14 +20,7 @@ from pydantic import BaseModel, Field
 from mikas.catalog import Catalog, Confidence, Derived, Level, Parameter, shipped
 from mikas.catalog.own.file import left_out
 from mikas.dashboard.api.dependencies import KnownClient, Names, TheDashboard, Viewer, split_names
-from mikas.dashboard.api.errors import (
-    TwoTexts,
-    content,
-    errors,
-    made_of,
-    two,
-    two_or_none,
-)
+from mikas.dashboard.api.errors import OptionalTexts, TwoTexts, content, errors, made_of, two
 from mikas.dashboard.api.messages import LiveEvent, LiveRows
 from mikas.dashboard.api.search import search_file
 from mikas.dashboard.dashboard import Dashboard
@@ -74,8 +67,8 @@ class ChannelErratum(BaseModel):
 class ChannelMeaning(BaseModel):
     """Causes of a value below or above the reference, and what to check; null: unknown."""
 
-    low: TwoTexts | None
-    high: TwoTexts | None
+    low: OptionalTexts
+    high: OptionalTexts
     confidence: Confidence
 
 
@@ -143,18 +136,11 @@ def channel_info(known: Catalog, channel: Parameter | Derived, own: Entries) -> 
         mine = "formula" in keys and channel.name not in shipped().derived
         special = _NO_PARAMETER | {"mine": mine, "constants": dict(channel.constants)}
     else:
-        keys, meaning = own.get(("parameter", channel.name), {}), channel.meaning
+        keys = own.get(("parameter", channel.name), {})
         special = _NOT_DERIVED | {
             "writable": not channel.is_flag,
             "formula": channel.formula(),
             "errata": [{"id": it, "text": known.errata[it].reason} for it in channel.errata],
-            "meaning": meaning
-            and made_of(
-                ChannelMeaning,
-                meaning,
-                low=two_or_none(meaning.low),
-                high=two_or_none(meaning.high),
-            ),
         }
     return made_of(
         ChannelInfo,
@@ -218,7 +204,7 @@ class KnownFault(BaseModel):
 
     code: int
     text: TwoTexts
-    check: TwoTexts | None
+    check: OptionalTexts
     confidence: Confidence
     related: list[str]
 
@@ -293,7 +279,7 @@ def catalog(dashboard: TheDashboard) -> CatalogResponse:
         derived=[channel_info(known, derived, own) for derived in known.derived.values()],
         units={key: two(text) for key, text in known.units.items()},
         faults=[
-            made_of(KnownFault, fault, check=two_or_none(fault.check), related=fault.parameters)
+            made_of(KnownFault, fault, related=fault.parameters)
             for fault in known.faults.values()
             if fault.parameters
         ],

@@ -25,7 +25,7 @@ from mikas.dashboard.api.dependencies import (
     Viewer,
     check_port,
 )
-from mikas.dashboard.api.errors import TwoTexts, errors, made_of, two_or_none
+from mikas.dashboard.api.errors import OptionalTexts, TwoTexts, errors, made_of
 from mikas.dashboard.api.state import PlannedChannel, State, state_of
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.errors import ADVICE, Busy
@@ -228,7 +228,7 @@ class DiagnosisStep(BaseModel):
     title: TwoTexts
     ok: bool | None
     detail: TwoTexts
-    to_try: TwoTexts | None
+    to_try: OptionalTexts
     code: str | None = Field(description="the class of the error: NoEcho…")
 
 
@@ -300,5 +300,5 @@ def _line(port: str, step: Step) -> DiagnosisStep:
         )
     )
     code = type(step.error).__name__ if step.error else None
-    shown = {"title": _TITLES[step.name], "detail": found, "to_try": two_or_none(to_try)}
+    shown = {"title": _TITLES[step.name], "detail": found, "to_try": to_try}
     return made_of(DiagnosisStep, step, port=port, code=code, **shown)

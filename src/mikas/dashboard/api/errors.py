@@ -7,12 +7,12 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Mapping, Sequence
-from typing import Any, TypeVar
+from typing import Annotated, Any, TypeVar
 
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
-from pydantic import BaseModel
+from pydantic import BaseModel, BeforeValidator
 from starlette.exceptions import HTTPException
 
 from mikas.dashboard.error_responses import ErrorResponse, json_response
@@ -73,6 +73,13 @@ def two(text: Text) -> TwoTexts:
 def two_or_none(text: Text | None) -> TwoTexts | None:
     """Return the model of `text`; None for an empty one."""
     return None if text is None or not text.en else two(text)
+
+
+def _none_if_empty(text: object) -> object:
+    return None if isinstance(text, Text) and not text.en else text
+
+
+OptionalTexts = Annotated[TwoTexts | None, BeforeValidator(_none_if_empty)]
 
 
 def made_of(model: type[M], source: object, /, **more: object) -> M:

@@ -11,7 +11,7 @@ from fastapi import APIRouter, Path
 from pydantic import BaseModel, Field
 
 from mikas.dashboard.api.dependencies import Controller, KnownClient, TheDashboard
-from mikas.dashboard.api.errors import TwoTexts, errors, made_of, two_or_none
+from mikas.dashboard.api.errors import OptionalTexts, TwoTexts, errors, made_of
 from mikas.dashboard.session.guided_tests import KeptResult
 from mikas.guided.definition import Certainty, VerdictKind
 from mikas.guided.engine import ProgressPhase
@@ -49,7 +49,7 @@ class TestInfo(_Model):
     name: str
     title: TwoTexts
     finds: TwoTexts
-    needs: TwoTexts | None
+    needs: OptionalTexts
     minutes: float
     own: bool
     steps: list[TestStep]
@@ -146,7 +146,7 @@ class TestRun(_Model):
 
     name: str
     title: TwoTexts
-    needs: TwoTexts | None
+    needs: OptionalTexts
     phase: ProgressPhase
     step: int | None
     steps: list[TestStep]
@@ -155,7 +155,7 @@ class TestRun(_Model):
     hold: float
     prepare: float
     late: bool
-    advice: TwoTexts | None
+    advice: OptionalTexts
     values: dict[str, float]
     lacking: list[str]
     result: TestVerdict | None
@@ -191,10 +191,7 @@ def tests(dashboard: TheDashboard) -> TestList:
     running = state is not None and state[0].result is None
     folder = dashboard.settings.tests
     return TestList(
-        tests=[
-            made_of(TestInfo, test, needs=two_or_none(test.needs), last=last.get(test.name))
-            for test in found.tests.values()
-        ],
+        tests=[made_of(TestInfo, test, last=last.get(test.name)) for test in found.tests.values()],
         errors=[made_of(TestFileError, it, text=it.problem) for it in found.errors],
         running=state[0].test.name if state and running else None,
         folder=None if folder is None else str(folder),
@@ -216,10 +213,10 @@ def run(dashboard: TheDashboard) -> TestRunState:
             progress,
             name=test.name,
             title=test.title,
-            needs=two_or_none(test.needs),
+            needs=test.needs,
             steps=test.steps,
             prepare=step.prepare if step else 0.0,
-            advice=two_or_none(step.advice) if step else None,
+            advice=step.advice if step else None,
             values=dict(progress.values),
             result=verdict_of(kept) if kept else None,
         )

@@ -16,7 +16,7 @@ from mikas.catalog import Catalog, Confidence, Fault
 from mikas.client import Ecu, Info, Support
 from mikas.commands.unit import version_text
 from mikas.dashboard.api.dependencies import NO_CLIENT_ID, Controller, TheDashboard, Viewer
-from mikas.dashboard.api.errors import TwoTexts, errors, made_of, two_or_none
+from mikas.dashboard.api.errors import OptionalTexts, TwoTexts, errors, made_of
 from mikas.dashboard.api.messages import LiveRows
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.errors import BadRequest, NotAllowed, NotController, NotFound
@@ -39,7 +39,7 @@ class StoredFault(BaseModel):
     confidence: Confidence
     certain: bool = Field(description="the text was confirmed on real units")
     informational: bool = Field(description="a message, not a fault")
-    check: TwoTexts | None
+    check: OptionalTexts
     related: list[str] = Field(description="related channels")
     sensor: list[str] = Field(
         description="those from the sensor whose circuit is faulty: perhaps substitute values"
@@ -74,7 +74,7 @@ class UnitCommand(BaseModel):
     title: TwoTexts
     source_name: str
     supported: bool | None
-    reason: TwoTexts | None
+    reason: OptionalTexts
 
 
 class PassportResponse(BaseModel):
@@ -167,9 +167,7 @@ def fault_info(fault: Fault, first_seen: float, frame: str | None) -> StoredFaul
         StoredFault,
         fault,
         certain=fault.confidence is Confidence.CONFIRMED,
-        check=two_or_none(fault.check),
         related=fault.parameters,
-        sensor=fault.sensor,
         first_seen=first_seen,
         frame=frame,
     )
@@ -222,7 +220,7 @@ def _command(support: Support, used: frozenset[int]) -> UnitCommand:
         name=support.command.__name__,
         source_name=support.command.SOURCE_NAME,
         supported=supported,
-        reason=two_or_none(support.reason) if supported is None else None,
+        reason=support.reason if supported is None else None,
     )
 
 
