@@ -201,27 +201,24 @@ class Dashboard:
         self._clear_unit()
 
     def _on_event(self, thread: SamplingThread, event: events.Event) -> None:
-        """Pass on an event; in the sampling thread."""
+        """Pass on an event, after those that it completes; in the sampling thread."""
         if thread is not self.connection.thread:
             return
         for it in self.session.events_of(event):
-            self._follow(it, thread)
-
-    def _follow(self, event: events.Event, thread: SamplingThread) -> None:
-        if isinstance(event, events.AdapterMoved):
-            self.connection.moved(event.port)
-        self._measure(thread)
-        self.monitor.add_event(event)
-        if isinstance(event, events.Sampled | events.UnitFound):
-            self.guided.add_event(event)
-        if isinstance(event, events.UnitFound):
-            if event.another:
-                self._clear_unit()
-                self.fault_history.clear()
-            self.freeze_frames.begin_unit(event)
-        self.freeze_frames.follow(event.time)
-        if isinstance(event, events.StateChanged):
-            self.connection.state_known()
+            if isinstance(it, events.AdapterMoved):
+                self.connection.moved(it.port)
+            self._measure(thread)
+            self.monitor.add_event(it)
+            if isinstance(it, events.Sampled | events.UnitFound):
+                self.guided.add_event(it)
+            if isinstance(it, events.UnitFound):
+                if it.another:
+                    self._clear_unit()
+                    self.fault_history.clear()
+                self.freeze_frames.begin_unit(it)
+            self.freeze_frames.follow(it.time)
+            if isinstance(it, events.StateChanged):
+                self.connection.state_known()
 
     def _add_faults(self, reading: events.FaultReading) -> None:
         """Add a reading of the session's; in the sampling thread."""

@@ -30,13 +30,6 @@ _ELSEWHERE = Text(
 )
 
 
-def default_recordings() -> Path:
-    """Return the folder mikas in the user's documents."""
-    from platformdirs import user_documents_path
-
-    return user_documents_path() / "mikas"
-
-
 def ensure_folder(folder: Path) -> Path:
     """Create `folder` if it is missing, and return it. Raises `UsageError`."""
     try:
@@ -53,16 +46,16 @@ def ensure_folder(folder: Path) -> Path:
     return folder
 
 
-def check_folder(folder: Path) -> None:
-    """Raise `UsageError` if `folder` is not writable; creates nothing."""
+def folder_error(folder: Path) -> UsageError | None:
+    """Return why `folder` is not writable; None: it is. Creates nothing."""
     there = folder
     while not os.path.lexists(there) and there != there.parent:
         there = there.parent
     if there.is_dir() and os.access(there, os.W_OK | os.X_OK):
-        return
+        return None
     code = errno.EACCES if there.is_dir() else errno.ENOTDIR
     why = reason_of(OSError(code, os.strerror(code)))
-    raise UsageError(
+    return UsageError(
         problem=Text(
             f"The folder {folder} is not writable ({there}: {why.en})",
             f"В папку {folder} нельзя записать ({there}: {why.ru})",

@@ -18,7 +18,7 @@ from mikas.cli.language import localized, requested_language, tr
 from mikas.cli.options.dashboard import DashboardOptions, dashboard_options
 from mikas.cli.options.parameter_types import whole
 from mikas.cli.render.terminal import error_drawing
-from mikas.errors import UsageError, usage_error
+from mikas.errors import usage_error
 
 if TYPE_CHECKING:
     from mikas.dashboard.dashboard import Dashboard
@@ -125,23 +125,20 @@ def show_dashboard(
     with ExitStack() as stack:
         # Imports take as long as the handshake listens.
         ahead = None if context.port is None else stack.enter_context(context.open_ahead())
+        from platformdirs import user_documents_path
+
         from mikas.cli.config import own_tests
         from mikas.client.connecting import state_folder
         from mikas.dashboard.dashboard import Dashboard
         from mikas.dashboard.listening import listen, own_addresses
         from mikas.dashboard.running import RunningDashboard
         from mikas.dashboard.security.access import Access
-        from mikas.dashboard.settings import (
-            Settings,
-            VirtualCars,
-            default_recordings,
-            ensure_folder,
-        )
+        from mikas.dashboard.settings import Settings, VirtualCars, ensure_folder
 
         if options.record is not None:
             ensure_folder(options.record)
         settings = Settings(
-            options.record or default_recordings(),
+            options.record or user_documents_path() / "mikas",
             connection=context.options,
             open_port=(VirtualCars(ahead.open) if ahead else VirtualCars()).open,
             language=requested_language(),
@@ -256,11 +253,9 @@ def _note_recording(context: CommandContext, dashboard: Dashboard) -> None:
 
 def _note_unusable_folder(context: CommandContext, settings: Settings) -> None:
     """Say if the default folder can't be used; a folder given by `--record` is refused instead."""
-    from mikas.dashboard.settings import check_folder
+    from mikas.dashboard.settings import folder_error
 
-    try:
-        check_folder(settings.recordings)
-    except UsageError as error:
+    if (error := folder_error(settings.recordings)) is not None:
         context.output.print_note(localized(ADVICE.text(error)))
 
 

@@ -59,9 +59,10 @@ class DashboardOptions:
         self.lan = self.lan or self.lan_control
         self._check_tls()
         if self.record is not None:
-            from mikas.dashboard.settings import check_folder
+            from mikas.dashboard.settings import folder_error
 
-            check_folder(self.record)
+            if error := folder_error(self.record):
+                raise error
 
     def _check_tls(self) -> None:
         given = (self.tls_cert, self.tls_key)

@@ -121,10 +121,8 @@ def change_keys(
     dashboard: TheDashboard, _: Controller, name: str, body: KeysRequest
 ) -> CatalogResponse:
     """Set limits, gauge, reference or least span of a channel in the user's own catalog."""
-    keys: dict[str, Any] = {
-        key: value for key, value in body.model_dump().items() if key in body.model_fields_set
-    }
-    keys.pop("version", None)
+    given = body.model_dump(exclude={"version"}).items()
+    keys: dict[str, Any] = {key: value for key, value in given if key in body.model_fields_set}
     dashboard.catalogs.change(
         body.version, lambda own, known: changes.set_keys(own, known, name, keys)
     )
@@ -301,13 +299,10 @@ async def _moments(
         opened = requester.library.opened(file)
         known = {each.name for each in opened.channels}
         wanted = [name for name in names if name in known]
-        if not wanted:
+        span = opened.span if wanted else None
+        if span is None:
             return {}
-        end = at
-        if end is None:
-            if opened.span is None:
-                return {}
-            end = opened.span[1]
+        end = span[1] if at is None else at
         rows, _ = opened.window(end - _REACH, end + _ROUNDED, 20_000, wanted)
         return _last_values(rows, end)
 

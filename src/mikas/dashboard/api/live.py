@@ -195,12 +195,10 @@ class Broadcaster:
         stated = bool(batch.events) or dashboard.clock() - self._stated >= STATE_EVERY
         if stated:
             self._new_state()
-        tails: dict[Fields, str] = {}
+        wanted = {listener.fields for listener in self.listeners}
+        tails = {fields: _tail(batch, events, fields) for fields in wanted}
         for listener in self.listeners:
-            tail = tails.get(listener.fields)
-            if tail is None:
-                tail = _tail(batch, events, listener.fields)
-                tails[listener.fields] = tail
+            tail = tails[listener.fields]
             if tail or stated or listener.pong is not None:
                 listener.offer(tail)
 

@@ -28,7 +28,7 @@ from mikas.dashboard.api.dependencies import (
     Words,
     split_names,
 )
-from mikas.dashboard.api.errors import TwoTexts, errors, made_of, two, two_or_none
+from mikas.dashboard.api.errors import OptionalTexts, TwoTexts, errors, made_of, two
 from mikas.dashboard.api.library.cars import CarInfo
 from mikas.dashboard.api.library.files import LeftOutFile
 from mikas.dashboard.api.messages import LiveRows, RecordedEvent
@@ -37,8 +37,7 @@ from mikas.dashboard.errors import ADVICE, NotFound
 from mikas.dashboard.library.folder import RecordingFile
 from mikas.dashboard.library.service import DRIVES, VIRTUAL, RecordingService
 from mikas.dashboard.session.history import json_columns
-from mikas.dashboard.settings import check_folder
-from mikas.errors import UsageError
+from mikas.dashboard.settings import folder_error
 from mikas.recording.annotations.events import comment_note, had_marker, note_of
 from mikas.recording.annotations.fields import LONGEST_COMMENT, LONGEST_LINE, LONGEST_TEXT
 from mikas.recording.capture.reader import CaptureReader
@@ -98,7 +97,7 @@ class RecordingInfo(BaseModel):
     bytes: int
     date: float | None = Field(description="the start; null: of a simulated clock")
     length: float | None
-    model: TwoTexts | None
+    model: OptionalTexts
     passport: list[str | None] | None
     samples: int | None
     samples_exact: bool = Field(description="whether they were counted, not estimated")
@@ -209,7 +208,9 @@ async def recordings(requester: TheRequester) -> Response:
     def described() -> Response:
         marked = library.references.marked()
         found = [_info(library, file, summary, marked) for file, summary in listed]
-        more = {"recordings": found, "problem": _problem(library), "left_out": left}
+        error = folder_error(library.folder.folder)
+        problem = two(ADVICE.text(error)) if error else None
+        more = {"recordings": found, "problem": problem, "left_out": left}
         answer = RecordingsResponse.model_validate(more, from_attributes=True)
         return Response(answer.model_dump_json(), media_type="application/json")
 
@@ -298,14 +299,6 @@ async def _change_marker(requester: Requester, identity: str, marker: Marker) ->
     return await requester.view(identity, write)
 
 
-def _problem(library: RecordingService) -> TwoTexts | None:
-    try:
-        check_folder(library.folder.folder)
-    except UsageError as error:
-        return two(ADVICE.text(error))
-    return None
-
-
 def _info(
     library: RecordingService, file: RecordingFile, summary: Summary, marked: Collection[str]
 ) -> RecordingInfo:
@@ -314,7 +307,6 @@ def _info(
         summary,
         id=file.id,
         bytes=file.bytes,
-        model=two_or_none(summary.model),
         rate=None if summary.rate is None else round(summary.rate, 2),
         gaps=None if summary.problem else summary.gaps,
         markers=None if summary.problem else summary.markers,
