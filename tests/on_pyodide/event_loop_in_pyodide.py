@@ -12,7 +12,6 @@ import anyio
 import anyio.to_thread
 import pytest
 
-from mikas.browser import event_loop
 from mikas.browser.event_loop import EventLoop
 from mikas.browser.suspension import yield_turn
 
@@ -246,8 +245,7 @@ def test_several_loops_run_at_once():
         asyncio.get_running_loop()
 
 
-def test_a_loop_that_is_never_idle_leaves_turns_to_others(monkeypatch):
-    monkeypatch.setattr(event_loop, "_LONGEST_RUN", 0)
+def test_a_loop_that_is_never_idle_leaves_turns_to_others():
     other = threading.Event()
 
     async def scenario():

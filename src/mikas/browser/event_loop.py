@@ -8,12 +8,9 @@ from __future__ import annotations
 
 import asyncio
 import threading
-import time
-from typing import Any, Final
+from typing import Any
 
-from mikas.browser.suspension import yield_turn
-
-_LONGEST_RUN: Final = 0.008  # s; then the bytes of the port and other threads get their turn
+from mikas.browser.suspension import give_way
 
 
 class _Waker:
@@ -21,7 +18,6 @@ class _Waker:
 
     def __init__(self) -> None:
         self._woken = threading.Event()
-        self._since = time.perf_counter()
 
     def wake(self) -> None:
         self._woken.set()
@@ -30,10 +26,8 @@ class _Waker:
         """Wait for a wake-up, for `timeout` seconds at most."""
         if timeout is None or timeout > 0:
             self._woken.wait(timeout)
-            self._since = time.perf_counter()
-        elif time.perf_counter() - self._since > _LONGEST_RUN:
-            yield_turn()
-            self._since = time.perf_counter()
+        else:  # the bytes of the port and other threads get their turn, too
+            give_way()
         self._woken.clear()
         return []
 

@@ -27,11 +27,8 @@ from mikas.browser.suspension import (
     end_thread,
     get_ident,
     use,
-    yield_turn,
 )
 
-_LONGEST_RUN: Final = 0.008  # s
-_gave_way = 0.0
 _idents: Final = itertools.count(MAIN + 1)
 
 
@@ -156,14 +153,6 @@ def sleep(seconds: float | SupportsIndex) -> None:
     if float(seconds) < 0:
         raise ValueError("sleep length must be non-negative")
     Wait().hold(float(seconds))
-
-
-def give_way() -> None:
-    """Let all others run, if that was not so for some milliseconds."""
-    global _gave_way
-    if time.perf_counter() - _gave_way > _LONGEST_RUN:
-        yield_turn()
-        _gave_way = time.perf_counter()
 
 
 def install(stacks: Stacks, run_sync: Callable[[Any], Any]) -> None:

@@ -14,11 +14,12 @@ import asyncio
 import gc
 import threading
 from collections.abc import Callable, Mapping
+from concurrent.futures import Future
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Literal, Protocol
 
-from mikas.browser import arrays, green_threads, shallow_json
+from mikas.browser import arrays, green_threads, shallow_json, suspension
 from mikas.browser.event_loop import EventLoop
 from mikas.cancellation import at_each_check
 
@@ -48,7 +49,7 @@ def prepare(host: Host, run_sync: Callable[..., Any]) -> None:
     # ones are elsewhere meanwhile: it would crash. See `_collect`.
     gc.disable()
     green_threads.install(host, run_sync)
-    at_each_check(green_threads.give_way)
+    at_each_check(suspension.give_way)
     arrays.install()
     shallow_json.install()
 
@@ -58,28 +59,20 @@ def begin(host: Host, role: Role) -> Take:
 
     Raises what the start of the program raises.
     """
-    started = threading.Event()
-    result: list[Take | BaseException] = []
+    ready: Future[Take] = Future()
 
     def run() -> None:
         loop = EventLoop()
         try:
-            loop.run_until_complete(_run(host.page, role, result, started))
+            loop.run_until_complete(_run(host.page, role, ready))
         except BaseException as error:  # any: raised where the program is started
-            result.append(error)
-        finally:
-            started.set()
+            ready.set_exception(error)
 
     threading.Thread(target=run, name="mikas event loop").start()
-    started.wait()
-    if isinstance(result[0], BaseException):
-        raise result[0]
-    return result[0]
+    return ready.result()
 
 
-async def _run(
-    page: BrowserPage, role: Role, result: list[Take | BaseException], started: threading.Event
-) -> None:
+async def _run(page: BrowserPage, role: Role, ready: Future[Take]) -> None:
     from mikas.browser.asgi import PORT, PageServer
     from mikas.dashboard.app import create_app
     from mikas.dashboard.security.access import Access
@@ -88,10 +81,8 @@ async def _run(
     app = create_app(dashboard, Access(PORT))
     async with app.router.lifespan_context(app):
         server = PageServer(app, page)
-        result.append(
-            server.receive_message if role == "line" else _Reader(dashboard, server).receive_message
-        )
-        started.set()
+        taker = server if role == "line" else _Reader(dashboard, server)
+        ready.set_result(taker.receive_message)
         await _collect()
 
 

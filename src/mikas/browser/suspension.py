@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 MAIN: Final = _thread.get_ident()
 """The number of the thread that runs what JavaScript calls."""
 
-_LONGEST_RUN: Final = 0.008  # s in which stacks wake each other; then the browser has its turn
+_LONGEST_RUN: Final = 0.008  # s of Python; then the browser and all that wait for it have a turn
 
 _numbers = itertools.count()
 _waiting: dict[int, Wait] = {}
@@ -77,8 +77,7 @@ class Wait:
             return self.result()
         if seconds is None:
             result = _hold(self)
-            if time.perf_counter() - _turned > _LONGEST_RUN:
-                yield_turn()  # stacks that wake each other would leave the browser no turn
+            give_way()  # stacks that wake each other would leave the browser no turn
             return result
         _promises.after(self.listen(), seconds * 1000)
         try:
@@ -170,6 +169,12 @@ def yield_turn() -> None:
     wait = Wait()
     _promises.turn(wait.listen())
     wait.hold()
+
+
+def give_way() -> None:
+    """Let everything run, as `yield_turn`, if the browser had no turn for some milliseconds."""
+    if time.perf_counter() - _turned > _LONGEST_RUN:
+        yield_turn()
 
 
 def begin_thread(ident: int) -> None:
