@@ -195,7 +195,7 @@ def soak(method: FixedMethod, exchanges: int, seed: int) -> Row:
     injector = CountingInjector(dict.fromkeys(LineFault, _RATE), seed=seed)
     ecu = VirtualEcu(Responder(car, Identity(0x0A, ("MIKAS",) * 8)))
     plug = Plug(Bus(ecu, fault_injector=injector, stalls=Stalls(1.0, seed=seed)), pulled)
-    port = ReconnectingPort("sim:", open_port=plug.open, clock=plug.now, nap=plug.wait)
+    port = ReconnectingPort("sim:", open_port=plug.open, clock=plug.now, wait=plug.wait)
     sampler = Acquisition(
         port, lambda link: Ecu(Tester(link), shipped()), shipped(), NAMES, method=method
     )

@@ -194,7 +194,7 @@ class Garage:
         init = ReconnectingPort.__init__
 
         def in_garage(port: ReconnectingPort, *args: object, **settings: object) -> None:
-            own = {"clock": self.now, "nap": self.wait, "find": self.find}
+            own = {"clock": self.now, "wait": self.wait, "find": self.find}
             init(port, *args, **(settings | own))
 
         patch.setattr(ReconnectingPort, "__init__", in_garage)

@@ -47,7 +47,7 @@ class Consumers:
             find=garage.find,
             open_port=garage.open,
             clock=garage.now,
-            nap=garage.wait,
+            wait=garage.wait,
             sink=self.recorder,
         )
         acquisition = Acquisition(

@@ -72,7 +72,7 @@ class Desk:
             find=lambda: self.ports,
             open_port=self.open,
             clock=lambda: self.slept,
-            nap=self.nap,
+            wait=self.nap,
             **settings,
         )
 

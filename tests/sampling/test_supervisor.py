@@ -214,7 +214,7 @@ def test_a_date_set_while_the_adapter_is_out_makes_no_time_run_back(method, hour
     def open_link(url: str) -> Link:
         return _AheadLink(socket.open(), shift[0])
 
-    plug = ReconnectingPort("sim:", open_port=open_link, clock=socket.now, nap=socket.wait)
+    plug = ReconnectingPort("sim:", open_port=open_link, clock=socket.now, wait=socket.wait)
     reported = []
     with closing(
         Acquisition(plug, ecu_factory(), SECTION_4, ["FREQ", "INJ"], method=method).run()
@@ -249,7 +249,7 @@ def test_the_right_adapter_is_taken_under_another_name_and_a_strangers_car_is_ne
         find=lambda: list(plugged),
         open_port=open_port,
         clock=ours.now,
-        nap=ours.wait,
+        wait=ours.wait,
     )
     with closing(
         Acquisition(plug, ecu_factory(), SECTION_4, ["FREQ"], method="batch").run()

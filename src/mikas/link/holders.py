@@ -146,11 +146,8 @@ def _programs(proc: Path) -> Iterator[tuple[Path, str]]:
         for folder in sorted(proc.iterdir()):
             if folder.name.isdecimal() and int(folder.name) != os.getpid():
                 with suppress(OSError):
-                    yield folder, _name((folder / "comm").read_bytes())
-
-
-def _name(comm: bytes) -> str:
-    return clean_line(comm.decode("utf-8", "replace").strip())
+                    name = (folder / "comm").read_bytes().decode("utf-8", "replace")
+                    yield folder, clean_line(name.strip())
 
 
 def _target(link: Path) -> str:

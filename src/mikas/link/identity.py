@@ -32,7 +32,7 @@ from mikas.link.ports import Port, listed, named
 class AdapterIdentity(NamedTuple):
     """The properties of an adapter that stay when it is plugged in again.
 
-    `interface`: of an adapter with several ports (FT2232); empty for others.
+    `interface`: `1.0` of an adapter with several ports (FT2232); empty for others.
     """
 
     vid: int
@@ -45,7 +45,8 @@ def identity_of(port: Port | None) -> AdapterIdentity | None:
     """Return the identity of `port`; None without one."""
     if port is None or port.vid is None or port.pid is None:
         return None
-    return AdapterIdentity(port.vid, port.pid, port.serial_number, _split(port)[1])
+    interface = (port.location or "").partition(":")[2]
+    return AdapterIdentity(port.vid, port.pid, port.serial_number, interface)
 
 
 class KnownAdapter:
@@ -124,14 +125,9 @@ def is_same(before: Port | None, after: Port | None) -> bool:
     return one == other and _place(before) == _place(after)
 
 
-def _split(port: Port) -> tuple[str, str]:
-    """Return the USB socket, `1-1.4`, and the interface, `1.0` or empty."""
-    socket, _, interface = (port.location or "").partition(":")
-    return socket, interface
-
-
 def _place(port: Port) -> str:
-    return _split(port)[0] or port.url
+    """Return the USB socket, `1-1.4`, else the name."""
+    return (port.location or "").partition(":")[0] or port.url
 
 
 def _named(theirs: str, stranger: Port, ours: str) -> str:

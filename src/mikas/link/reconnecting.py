@@ -24,17 +24,18 @@ from mikas.link.urls import open_link, parse, with_name
 
 @dataclass(slots=True, kw_only=True, eq=False)
 class ReconnectingPort:
-    """Opens the same port repeatedly. `sink` records every link; `clock`, `nap` are for tests.
+    """Opens the same port repeatedly. `sink` records every link; `clock` is for tests.
 
-    `wire`: the bytes on the line, where a sink records them. `adapter`: the one that is opened;
-    None: the first one at `url`, or known by its name only.
+    `wait`: sleeps for some seconds; Ctrl-C interrupts it. `wire`: the bytes on the line, where a
+    sink records them. `adapter`: the one that is opened; None: the first one at `url`, or known by
+    its name only.
     """
 
     url: str = field(kw_only=False)
     find: Callable[[], list[Port]] = find_ports
     open_port: Callable[[str], Link] = open_link
     clock: InitVar[Callable[[], float] | None] = None
-    nap: Callable[[float], object] = time.sleep
+    wait: Callable[[float], object] = time.sleep
     sink: Sink | None = None
     wire: WireCount = field(default_factory=WireCount)
     adapter: KnownAdapter | None = None
@@ -79,10 +80,6 @@ class ReconnectingPort:
         """Return the seconds of a clock that runs without a link and never runs back."""
         now = self._clock() + self._ahead
         return now if self._link is None else max(now, self._link.now())
-
-    def wait(self, seconds: float) -> None:
-        """Sleep. Ctrl-C interrupts it."""
-        self.nap(seconds)
 
 
 def _changed(address: str, after: Port | None, present: list[Port]) -> PortNotFound:

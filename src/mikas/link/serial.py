@@ -214,11 +214,8 @@ def open_serial(url: str, options: dict[str, str]) -> SerialLink:
     drives the L line of some and is off.
     """
     check_names(options, ("baud", "dtr", "rts"))
-    port = serial.Serial()
-    port.port = parse(url).address
-    port.exclusive = True
-    port.timeout = 0 if os.name == "posix" else TICK
-    baud = _open(port, url, options)
+    port = serial.Serial(timeout=0 if os.name == "posix" else TICK, exclusive=True)
+    baud = _open(port, parse(url).address, url, options)
     granularity = AT_ONCE if _ask_low_latency(port) else LATENCY_TIMER
     return SerialLink(url, port, baud=baud, granularity=granularity)
 
@@ -227,10 +224,8 @@ def open_socket(url: str, options: dict[str, str]) -> SerialLink:
     """Open a port served as plain TCP: `socket://host:port`. `baud`: the K-Line's."""
     check_names(options, ("baud",))
     place = host_and_port(url)
-    port = SocketPort()
-    port.port = f"socket://{place}"
-    port.timeout = 0
-    baud = _open(port, url, options)
+    port = SocketPort(timeout=0)
+    baud = _open(port, f"socket://{place}", url, options)
     return SerialLink(
         url, port, baud=baud, about=f"TCP {place}", can_break=False, granularity=NETWORK
     )
@@ -240,16 +235,15 @@ def open_rfc2217(url: str, options: dict[str, str]) -> SerialLink:
     """Open a port of a terminal server: `rfc2217://host:port`, options as for `open_serial`."""
     check_names(options, ("baud", "dtr", "rts"))
     place = host_and_port(url)
-    port = Rfc2217Port()
-    port.port = f"rfc2217://{place}"
-    port.timeout = TICK
-    baud = _open(port, url, options)
+    port = Rfc2217Port(timeout=TICK)
+    baud = _open(port, f"rfc2217://{place}", url, options)
     return SerialLink(url, port, baud=baud, about=f"RFC 2217 {place}", granularity=NETWORK)
 
 
-def _open(port: OpenPort, url: str, options: dict[str, str]) -> int:
-    """Open `port` with its options; return the baud rate."""
+def _open(port: OpenPort, address: str, url: str, options: dict[str, str]) -> int:
+    """Open `port` by pyserial's `address`, with the options of `url`; return the baud rate."""
     given = OptionParser(options)
+    port.port = address
     port.baudrate = baud = given.integer("baud", BAUD, lowest=50, highest=4_000_000)
     port.dtr = given.switch("dtr", default=True)
     port.rts = given.switch("rts", default=False)

@@ -34,6 +34,7 @@ class _BusLink(Link):
         latency, stalls = bus.adapter.kind.latency, bus.adapter.stalls
         self.granularity = latency + (stalls.longest if stalls.every else 0.0)
         self._problem: Text | None = None
+        self._gone = threading.Event()  # set with the problem
 
     @property
     def description(self) -> str:
@@ -46,9 +47,11 @@ class _BusLink(Link):
     def unplug(self) -> None:
         """Pull out the adapter, for tests."""
         self._problem = Text("it was unplugged", "он отключён")
+        self._gone.set()
 
     def close(self) -> None:
         self._problem = self._problem or Text("it is closed", "он закрыт")
+        self._gone.set()
 
     def _check(self) -> None:
         if self._problem:
@@ -137,11 +140,9 @@ class RealTimeVirtualLink(_BusLink):
     def __init__(self, bus: Bus, *, url: str = "sim:") -> None:
         super().__init__(bus, url)
         self._follower = follower_of(bus)
-        self._clock = self._follower.clock
-        self._gone = threading.Event()
 
     def now(self) -> float:
-        return self._clock.now()
+        return self._follower.clock.now()
 
     def write(self, data: bytes) -> None:
         with self._follower.lock:
@@ -164,19 +165,11 @@ class RealTimeVirtualLink(_BusLink):
     def gather(self, until: float) -> None:
         self._gone.wait(max(0.0, until - self.now()))
 
-    def unplug(self) -> None:
-        super().unplug()
-        self._gone.set()
-
     def send_break(self, seconds: float) -> None:
         self._check()
         with self._follower.lock:
             self.bus.send_break(seconds, self.now())
         self._gone.wait(seconds)
-
-    def close(self) -> None:
-        super().close()
-        self._gone.set()
 
 
 def open_sim(url: str, options: dict[str, str]) -> Link:

@@ -95,7 +95,7 @@ class SamplingThread(threading.Thread):
             find=settings.find,
             open_port=self._stoppable.open,
             clock=settings.link_clock,
-            nap=self._stoppable.stopping.wait,
+            wait=self._stoppable.stopping.wait,
             sink=sink,
         )
         options = replace(
