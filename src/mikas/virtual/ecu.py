@@ -35,12 +35,6 @@ class EcuEvent:
     data: bytes = b""
 
 
-@dataclass(slots=True)
-class _Running:
-    command: Stream
-    due: float  # infinity: the engine stands
-
-
 class VirtualEcu:
     """One unit. `baud`: the pace of its own transmissions."""
 
@@ -60,7 +54,8 @@ class VirtualEcu:
         self._change: float | None = None  # of the supply; computed again once it has passed
         self._answers: deque[tuple[float, bytes]] = deque()
         self._free_at = -inf  # when its own last byte has left
-        self._stream: _Running | None = None
+        self._stream: Stream | None = None
+        self._due = inf  # the stream's next response; infinity: the engine stands
         self.on = True
         """Whether the unit had supply at the latest time."""
 
@@ -109,17 +104,17 @@ class VirtualEcu:
             return max(self._answers[0][0], self._free_at)
         if self._stream is None:
             return inf
-        if self._stream.due == inf:
+        if self._due == inf:
             return self._latest + STANDING_ENGINE_CHECK
         if self._decoder.pending:  # D2: the line is busy; the stream waits
-            return max(self._stream.due, self._received_at + PARTIAL_REQUEST_LIFE)
-        return self._stream.due
+            return max(self._due, self._received_at + PARTIAL_REQUEST_LIFE)
+        return self._due
 
     def transmit(self, now: float) -> bytes:
         """Return the frame whose first byte leaves now; empty: none is due."""
         self._follow_supply(now)
-        if self._stream and self._stream.due == inf:
-            self._stream.due = self._due(self._stream.command, now, 0.0)
+        if self._stream and self._due == inf:
+            self._due = self._due_after(self._stream, now)
         if self.next_transmission() > now:
             return b""
         if self._answers:
@@ -127,11 +122,11 @@ class VirtualEcu:
             self._report("response", now, body)
         else:
             assert self._stream is not None  # nothing else is due
-            body = self.responder.data(self._stream.command.parameters, now) or b""
+            body = self.responder.data(self._stream.parameters, now) or b""
         wire = encode(body, raw_checksum=self.responder.quirks.raw_checksum)
         self._free_at = now + len(wire) * 10 / self.baud
         if self._stream:
-            self._stream.due = self._due(self._stream.command, self._free_at, self._stream_gap(now))
+            self._due = self._due_after(self._stream, self._free_at + self._stream_gap(now))
         return wire
 
     def _stream_gap(self, now: float) -> float:
@@ -149,11 +144,10 @@ class VirtualEcu:
         elif answer is None or isinstance(answer, bytes):
             self._report("silence", now)
         else:
-            self._stream = _Running(answer, self._due(answer, now, turn_round))
+            self._stream, self._due = answer, self._due_after(answer, now + turn_round)
             self._report("stream", now, body)
 
-    def _due(self, stream: Stream, after: float, pause: float) -> float:
-        ready = after + pause
+    def _due_after(self, stream: Stream, ready: float) -> float:
         if isinstance(stream, c.StreamAtStroke):
             return self.responder.car.next_stroke(stream.stroke, ready)
         return ready

@@ -127,12 +127,12 @@ class Responder:
                 return command.respond(tuple(self.car.faults))
             case c.GoTo():
                 return None
-        if type(command) in _IDENTITY:
-            return self._identify(command)
-        return self._access_memory(command)
+        return self._identify(command) or self._access_memory(command)
 
-    def _identify(self, command: c.Command[Any]) -> bytes:
+    def _identify(self, command: c.Command[Any]) -> bytes | None:
         match command:
+            case c.Availability():
+                return command.respond(self.identity.version_code)
             case c.ReadProgramPassport(part):
                 return command.respond(self.identity.passports[part - 1])
             case c.ReadDataPassport(part):
@@ -140,8 +140,7 @@ class Responder:
             case c.CountParameters():
                 count = self.identity.parameter_count
                 return command.respond(min(0xFF, len(self.car.codes)) if count is None else count)
-            case _:
-                return command.respond(self.identity.version_code)
+        return None
 
     def _write_parameter(self, code: int, data: bytes) -> bool:
         if code == ERASE_CELL:
@@ -181,4 +180,3 @@ class Responder:
 _WRITES = frozenset(
     code for command in c.ALL_COMMANDS if issubclass(command, Write) for code in command.CODES
 )
-_IDENTITY = (c.Availability, c.ReadProgramPassport, c.ReadDataPassport, c.CountParameters)
