@@ -14,15 +14,7 @@ from collections.abc import Callable, Sequence
 from enum import IntEnum, StrEnum
 from typing import Any, ClassVar, Generic, Self, TypeVar
 
-from mikas.errors import (
-    AddressOutOfRange,
-    MikasError,
-    NotSupported,
-    ValueDoesNotFit,
-    WriteRefused,
-    WrongContent,
-    WrongLength,
-)
+from mikas import errors
 from mikas.i18n import Text
 
 T = TypeVar("T")
@@ -122,10 +114,10 @@ class Command(ABC, Generic[T]):
             if len(body) in self.response_lengths():
                 return self._read(body)
             if body == ERROR:  # D10: a usual reply to an unknown command
-                raise NotSupported(command=self.name)
+                raise errors.NotSupported(command=self.name)
             expected = lengths_in_words(self.response_lengths())
-            raise WrongLength(length=len(body), expected=expected)
-        except MikasError as error:
+            raise errors.WrongLength(length=len(body), expected=expected)
+        except errors.MikasError as error:
             error.request, error.received = self.body(), body
             raise
 
@@ -198,9 +190,9 @@ class Write(Command[None]):
 
     def _read(self, body: bytes) -> None:
         if body == ERROR:
-            raise WriteRefused
+            raise errors.WriteRefused
         if body != OK:
-            raise WrongContent(problem=NO_COMPLETION_CODE.filled(code=body.hex().upper()))
+            raise errors.WrongContent(problem=NO_COMPLETION_CODE.filled(code=body.hex().upper()))
 
     def respond(self, value: None = None) -> bytes:  # noqa: ARG002  (same shape as every command)
         return OK
@@ -217,12 +209,12 @@ def check_range(space: str, address: int, count: int = 1) -> None:
     """Raise `AddressOutOfRange` unless `count` bytes at `address` lie within this `Space`."""
     last = Space(space).last
     if address < 0 or count < 1 or address + count - 1 > last:
-        raise AddressOutOfRange(space=space, last=last, address=address, count=count)
+        raise errors.AddressOutOfRange(space=space, last=last, address=address, count=count)
 
 
 def check_byte(name: str, value: int) -> None:
     """Raise `ValueDoesNotFit` unless `value` is a byte."""
     if not 0 <= value <= 0xFF:
-        raise ValueDoesNotFit(
+        raise errors.ValueDoesNotFit(
             value=value, name=name, allowed=Text("a byte is 0 to 255", "байт — от 0 до 255")
         )

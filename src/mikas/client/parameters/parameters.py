@@ -9,21 +9,11 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 from mikas import commands as c
+from mikas import errors
 from mikas.catalog import Catalog, Conversion, Parameter
 from mikas.client.gate import Change, Gate
 from mikas.client.parameters.data import DataReader, RawDatum, distinct, refused
 from mikas.client.parameters.unit_list import UnitList, list_of
-from mikas.errors import (
-    MikasError,
-    NoList,
-    NoResponse,
-    NotSupported,
-    ReadBackDiffers,
-    UnknownParameter,
-    ValueDoesNotFit,
-    hex_dump,
-    usage_error,
-)
 from mikas.i18n import Text, byte_count
 from mikas.tester import StreamItem, Tester
 
@@ -116,7 +106,7 @@ class Sample:
 
     time: float
     readings: Mapping[str, Reading] = field(default_factory=lambda: MappingProxyType({}))
-    error: MikasError | None = None
+    error: errors.MikasError | None = None
 
     @property
     def gap(self) -> bool:
@@ -148,7 +138,7 @@ class Parameters:
         """Return the parameters of these names; without names, all of the catalog."""
         for name in names:
             if not isinstance(name, str):
-                raise usage_error(
+                raise errors.usage_error(
                     f"names are given one by one, as in read('TWAT', 'FREQ'), not {name!r}",
                     f"имена даются по одному: read('TWAT', 'FREQ'), а не {name!r}",
                 )
@@ -201,10 +191,10 @@ class Parameters:
         """
         with self.unit_list.held():
             kept: tuple[str, ...] = ()
-            with suppress(NoList):
+            with suppress(errors.NoList):
                 kept = self.unit_list.kept()
             known = self.unit_list.current
-            with suppress(UnknownParameter):  # the catalog has changed since
+            with suppress(errors.UnknownParameter):  # the catalog has changed since
                 known = known or (self.named(kept) if kept else ())
             if known:
                 self.unit_list.set(known, keep=bool(kept))
@@ -236,7 +226,7 @@ class Parameters:
         def act() -> WrittenParameter:
             try:
                 self.tester.request(c.WriteParameter(parameter.code, data))
-            except (NoResponse, NotSupported) as error:
+            except (errors.NoResponse, errors.NotSupported) as error:
                 after = None if error.received else self._one(parameter)
                 if not (before and after and before.raw != data == after.raw):
                     raise
@@ -244,8 +234,10 @@ class Parameters:
             else:
                 after = self._one(parameter)
             if after and after.raw != data:
-                raise ReadBackDiffers(
-                    name=parameter.name, wanted=hex_dump(data), got=hex_dump(after.raw)
+                raise errors.ReadBackDiffers(
+                    name=parameter.name,
+                    wanted=errors.hex_dump(data),
+                    got=errors.hex_dump(after.raw),
                 )
             return WrittenParameter(parameter.name, before, after)
 
@@ -254,7 +246,7 @@ class Parameters:
     def _one(self, parameter: Parameter) -> Reading | None:
         try:
             return self.fetch(self.wanted([parameter])).get(parameter.name)
-        except NotSupported:
+        except errors.NotSupported:
             return None
 
 
@@ -263,12 +255,12 @@ def datum_to_write(
 ) -> bytes:
     """Return the datum of a physical `value`, or `raw`. Raises `ValueDoesNotFit`, `UsageError`."""
     if (value is None) == (raw is None):
-        raise usage_error("give a value or raw bytes", "нужно значение или исходные байты")
+        raise errors.usage_error("give a value or raw bytes", "нужно значение или исходные байты")
     if raw is None:
         assert value is not None
         return parameter.encode(value, interpretation)
     if len(raw) != parameter.size:
-        raise ValueDoesNotFit(
+        raise errors.ValueDoesNotFit(
             value=raw.hex().upper(),
             name=parameter.name,
             allowed=Text("it has {size}", "в нём {size}").filled(size=byte_count(parameter.size)),

@@ -5,16 +5,9 @@ from __future__ import annotations
 from collections.abc import Generator, Sequence
 from contextlib import closing
 
+from mikas.client.parameters import polling
 from mikas.client.parameters.data import refused
 from mikas.client.parameters.parameters import Parameters, Reading, Sample
-from mikas.client.parameters.polling import (
-    STREAMS,
-    FixedMethod,
-    Turn,
-    check_rate,
-    create_poller,
-    next_due,
-)
 from mikas.errors import LineError, LinkLost, MikasError, NoConnection, NotSupported, usage_error
 
 
@@ -25,16 +18,16 @@ class Watcher:
         self,
         parameters: Parameters,
         names: Sequence[str],
-        method: FixedMethod,
+        method: polling.FixedMethod,
         rate: float | None,
     ) -> None:
-        check_rate(rate)
+        polling.check_rate(rate)
         self._tester = parameters.tester
         self._parameters = parameters
         self._wanted = parameters.named(names)
         self._method = method
-        self._poller = create_poller(parameters, method, self._wanted, again=bool(names))
-        self._turns = [Turn(parameters.wanted(self._wanted), method == "list")]
+        self._poller = polling.create_poller(parameters, method, self._wanted, again=bool(names))
+        self._turns = [polling.Turn(parameters.wanted(self._wanted), method == "list")]
         self._period = 1 / rate if rate else 0.0
         self._due: float | None = None
         self._worked = False
@@ -66,12 +59,12 @@ class Watcher:
                     if readings:
                         self._worked = True
                         yield Sample(min(r.time for r in readings.values()), readings)
-                    elif self._method not in STREAMS:
+                    elif self._method not in polling.STREAMS:
                         yield self._gap(refused(self._wanted[0].name, self._wanted[0].code))
 
     def _cycle(self) -> dict[str, Reading]:
         """Run the next cycle when it is due; return {} without readings in time."""
-        if self._method in STREAMS:
+        if self._method in polling.STREAMS:
             readings = self._poller.cycle()
             times = [reading.time for reading in readings.values()]
             return readings if times and self._is_due(min(times)) else {}
@@ -87,13 +80,13 @@ class Watcher:
             if self._due is not None:
                 self._tester.wait(self._due)
             now = self._tester.link.now()
-            self._due = next_due(now if self._due is None else self._due, now, self._period)
+            self._due = polling.next_due(now if self._due is None else self._due, now, self._period)
 
     def _is_due(self, time: float) -> bool:
         """Whether a stream's response of this time is due; if so, set the next due time."""
         if self._due is not None and time < self._due:
             return False
-        self._due = next_due(time if self._due is None else self._due, time, self._period)
+        self._due = polling.next_due(time if self._due is None else self._due, time, self._period)
         return True
 
     def _gap(self, error: MikasError) -> Sample:
