@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from mikas import saving
-from mikas.client.gate import Journal
+from mikas.client.gate import add_to_journal
 from mikas.errors import JournalError, UsageError, reason_of
 from mikas.saving import append_line, save, save_json
 
@@ -64,16 +64,16 @@ def test_a_full_disk_leaves_the_old_content(tmp_path, monkeypatch):
 
 
 def test_a_full_disk_leaves_no_half_line_in_the_journal(tmp_path, monkeypatch):
-    journal, disk = Journal(tmp_path / "state" / "journal.jsonl"), SmallDisk(monkeypatch)
+    journal, disk = tmp_path / "state" / "journal.jsonl", SmallDisk(monkeypatch)
     entries = [{"change": f"правка {number}", "port": "\udc80"} for number in range(3)]
-    journal.write(entries[0])
+    add_to_journal(journal, entries[0])
     for room in (0, 1, 20):
         disk.room = room
         with pytest.raises(JournalError, match="make room"):
-            journal.write(entries[1])
+            add_to_journal(journal, entries[1])
     disk.room = 1 << 20
-    journal.write(entries[2])
-    assert [json.loads(line) for line in journal.path.read_text("utf-8").splitlines()] == [
+    add_to_journal(journal, entries[2])
+    assert [json.loads(line) for line in journal.read_text("utf-8").splitlines()] == [
         *(entries[0], entries[2])
     ]
 
@@ -109,7 +109,7 @@ def test_nothing_is_written_through_a_link_or_to_a_pipe(tmp_path):
         save(file, "new")
         assert (file.is_symlink(), file.read_text()) == (False, "new")
         with pytest.raises(JournalError, match=r"a link|second name|a pipe"):
-            Journal(journal).write({})
+            add_to_journal(journal, {})
         assert secret.read_text() == "not yours"
 
 

@@ -32,7 +32,7 @@ from mikas.catalog import shipped
 from mikas.catalog.starter import starter_catalog
 from mikas.cli.failures import BUG
 from mikas.cli.main import run as run_command
-from mikas.client.gate import Journal
+from mikas.client.gate import add_to_journal
 from mikas.client.limits import Limits, LimitsStore
 from mikas.client.memory.dumps import manifest_path, read_manifest
 from mikas.link.base import Direction
@@ -267,7 +267,7 @@ async def _journal(place: Path, random: Random, found: Kills) -> str:
     assert states["done"] >= reported, f"{states['done']} of {reported} outcomes"
     assert states["started"] >= reported
     assert states["started"] or not heard, "a change without an entry"
-    Journal(path).write({"state": "next"})
+    add_to_journal(path, {"state": "next"})
     assert json.loads(path.read_text("utf-8").splitlines()[-1]) == {"state": "next"}
     found.checked += len(entries)
     return "whole" if text.endswith("\n") or not text else "with a cut last line"

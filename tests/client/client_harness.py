@@ -10,7 +10,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from mikas.client import METHODS, AsyncEcu, Ecu
-from mikas.client.gate import Journal
 from mikas.client.limits import LimitsStore
 from mikas.link.virtual import VirtualLink
 from mikas.tester import Tester
@@ -95,7 +94,7 @@ def ecu_on(
         SECTION_4,
         interpretation=interpretation,
         confirm=confirm,
-        journal=Journal(journal) if journal else None,
+        journal=journal,
         store=LimitsStore(state) if state else None,
         lists=lists,
     )

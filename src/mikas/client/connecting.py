@@ -10,7 +10,7 @@ from pathlib import Path
 from mikas.catalog import Catalog, load, shipped
 from mikas.catalog.model import check_interpretation
 from mikas.client.ecu import Ecu
-from mikas.client.gate import Confirm, Journal
+from mikas.client.gate import Confirm
 from mikas.client.limits import LimitsStore
 from mikas.link import CaptureTee, Link, Sink, choose_port, open_link
 from mikas.options import check_choice, check_number
@@ -88,7 +88,7 @@ class ConnectionOptions:
             self.catalog,
             interpretation=self.interpretation,
             confirm=self.confirm,
-            journal=Journal(Path(self.journal or state_folder() / "journal.jsonl")),
+            journal=Path(self.journal or state_folder() / "journal.jsonl"),
             store=self._store(link),
             lists=Path(self.state or state_folder() / "units") / "lists",
         )

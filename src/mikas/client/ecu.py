@@ -15,7 +15,7 @@ from typing import Self
 from mikas import commands as c
 from mikas.catalog import Catalog, Fault, Model
 from mikas.catalog.model import check_interpretation
-from mikas.client.gate import Change, Confirm, Gate, Journal, journal_hex
+from mikas.client.gate import Change, Confirm, Gate, journal_hex
 from mikas.client.identity import Info, Passport, PassportReader, count_parameters
 from mikas.client.limits import Limits, LimitsCache, LimitsStore, MethodTiming
 from mikas.client.memory.spaces import Memory
@@ -62,7 +62,7 @@ class Ecu:
         *,
         interpretation: str = "corrected",
         confirm: Confirm | None = None,
-        journal: Journal | None = None,
+        journal: Path | None = None,
         store: LimitsStore | None = None,
         lists: Path | None = None,
     ) -> None:

@@ -77,7 +77,7 @@ class Gate:
     _tester: Tester
     _whose: Callable[[], dict[str, object]]
     _confirm: Confirm | None
-    _journal: Journal | None
+    _journal: Path | None
     _one_at_a_time: threading.RLock = field(init=False, default_factory=threading.RLock)
 
     def make(
@@ -145,20 +145,19 @@ class Gate:
     def _note(self, change: Change, state: str, outcome: str | None) -> None:
         if self._journal is None:
             return
-        self._journal.write(
-            {
-                "time": self._tester.link.now(),
-                **self._whose(),
-                "change": change.what.en,
-                "change_ru": change.what.ru,
-                "command": change.command,
-                "safety": change.safety.name.lower(),
-                "before": change.before,
-                "after": change.after,
-                "state": state,
-                "outcome": outcome,
-            }
-        )
+        entry = {
+            "time": self._tester.link.now(),
+            **self._whose(),
+            "change": change.what.en,
+            "change_ru": change.what.ru,
+            "command": change.command,
+            "safety": change.safety.name.lower(),
+            "before": change.before,
+            "after": change.after,
+            "state": state,
+            "outcome": outcome,
+        }
+        add_to_journal(self._journal, entry)
 
 
 def journal_hex(data: bytes | None) -> str | None:
@@ -166,21 +165,16 @@ def journal_hex(data: bytes | None) -> str | None:
     return None if data is None else data.hex(" ").upper()
 
 
-@dataclass(frozen=True, slots=True)
-class Journal:
-    """A file of changes, one line of JSON each, only appended to.
+def add_to_journal(file: Path, entry: dict[str, Any]) -> None:
+    """Append `entry` to the journal, one line of JSON. Raises `JournalError`.
 
     A change is on the disk before it is made, and again with its outcome. So the file also has
-    changes with an unknown outcome (cable unplugged, process killed, power failed).
+    changes with an unknown outcome (cable unplugged, process killed, power failed). A change
+    without an entry is not made.
     """
-
-    path: Path
-
-    def write(self, entry: dict[str, Any]) -> None:
-        """Append `entry`. Raises `JournalError`; a change without an entry is not made."""
-        try:
-            self.path.parent.mkdir(parents=True, exist_ok=True)
-            # A port's name may contain bytes that are no Unicode; JSON has \udc80 for them.
-            append_line(self.path, json.dumps(entry, ensure_ascii=False))
-        except OSError as error:
-            raise JournalError(file=str(self.path), problem=reason_of(error)) from error
+    try:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        # A port's name may contain bytes that are no Unicode; JSON has \udc80 for them.
+        append_line(file, json.dumps(entry, ensure_ascii=False))
+    except OSError as error:
+        raise JournalError(file=str(file), problem=reason_of(error)) from error
