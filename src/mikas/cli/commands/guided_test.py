@@ -12,7 +12,7 @@ from mikas.catalog.conversion import NO_TEXT
 from mikas.cli.click_extensions import command, option
 from mikas.cli.context import CommandContext
 from mikas.cli.language import localized, tr
-from mikas.cli.options.parameter_types import existing_file, number
+from mikas.cli.options.parameter_types import existing_file, positive
 from mikas.cli.options.sampling import SamplingOptions
 from mikas.errors import usage_error
 from mikas.i18n import Text
@@ -57,7 +57,7 @@ if TYPE_CHECKING:
 )
 @option(
     "--duration",
-    type=number(above=0),
+    type=positive,
     metavar="S",
     en="end after S seconds without a verdict",
     ru="закончить через S секунд без заключения",

@@ -13,7 +13,7 @@ from mikas.cli.context import CommandContext
 from mikas.cli.failures import DONE
 from mikas.cli.language import current_language, tr
 from mikas.cli.options.broker import BrokerOptions, broker_options
-from mikas.cli.options.parameter_types import number, whole
+from mikas.cli.options.parameter_types import positive, whole
 from mikas.cli.options.sampling import SamplingOptions, sampling_options
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ class PublishOptions:
 
     every: float = option_field(
         1.0,
-        type=number(above=0),
+        type=positive,
         metavar="S",
         en="seconds between two messages of values (1); --rate is how often the unit is asked",
         ru="секунд между сообщениями со значениями (1); --rate — как часто опрашивать блок",

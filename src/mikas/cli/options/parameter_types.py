@@ -84,19 +84,15 @@ def block_size(text: str) -> int:
     return count
 
 
-def number(*, above: float) -> Callable[[str], float]:
-    """Return the type of a number more than `above`; a decimal comma is allowed."""
-
-    def parse(text: str) -> float:
-        value = _decimal(text)
-        if above < value < inf:
-            return value
-        raise _invalid(
-            f"“{text}” is not allowed; it must be a number more than {above:g}.",
-            f"«{text}» не подходит; нужно число больше {above:g}.",
-        )
-
-    return parse
+def positive(text: str) -> float:
+    """Return a number more than 0; a decimal comma is allowed."""
+    value = _decimal(text)
+    if 0 < value < inf:
+        return value
+    raise _invalid(
+        f"“{text}” is not allowed; it must be a number more than 0.",
+        f"«{text}» не подходит; нужно число больше 0.",
+    )
 
 
 def timeout(text: str) -> float:

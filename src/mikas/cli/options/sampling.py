@@ -12,7 +12,7 @@ import click
 
 from mikas.cli.click_extensions import grouped, option_field, optional_field
 from mikas.cli.options.common import RELEARN
-from mikas.cli.options.parameter_types import number, one_of, whole
+from mikas.cli.options.parameter_types import one_of, positive, whole
 
 _DEFAULT = "auto"
 
@@ -40,7 +40,7 @@ class SamplingOptions:
         "stroke0 … stroke4",
     )
     rate: float | None = optional_field(
-        parse=number(above=0),
+        parse=positive,
         metavar="HZ",
         en="at most this many readings/s",
         ru="опросов в секунду, не больше",
@@ -52,7 +52,7 @@ class SamplingOptions:
         ru="остановиться после стольких замеров",
     )
     duration: float | None = optional_field(
-        parse=number(above=0),
+        parse=positive,
         metavar="S",
         en="stop after this many seconds",
         ru="остановиться через столько секунд",

@@ -15,7 +15,7 @@ from mikas.cli.context import CommandContext
 from mikas.cli.language import current_language, decimal, localized, tr
 from mikas.cli.options.car import CarOptions, car_options
 from mikas.cli.options.common import RELEARN
-from mikas.cli.options.parameter_types import existing_file, number
+from mikas.cli.options.parameter_types import existing_file, positive
 from mikas.cli.options.sampling import SamplingOptions
 from mikas.cli.render.notices import Notices
 from mikas.cli.render.output import StatusLine
@@ -49,7 +49,7 @@ _SECONDS = 30.0
 @output_option()
 @option(
     "--duration",
-    type=number(above=0),
+    type=positive,
     metavar="S",
     en=f"measure for so many seconds ({_SECONDS:g}); not with FILE",
     ru=f"измерять столько секунд ({_SECONDS:g}); без FILE",
