@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import sys
+from multiprocessing import resource_tracker
 
 import pytest
 
@@ -18,6 +20,16 @@ def recordings(tmp_path):
     for number in range(2):
         make(tmp_path / "in" / f"{number}.pcapng", began=BEGAN + number * DAY)
     return tmp_path / "in"
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _tracker() -> None:
+    """Start multiprocessing's tracker in a folder that stays.
+
+    A pool starts it, and with a test's folder gone Python 3.13.0 can't import `socket`.
+    """
+    if os.name == "posix":
+        resource_tracker.ensure_running()
 
 
 @pytest.fixture(autouse=True)
