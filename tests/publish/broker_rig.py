@@ -46,6 +46,7 @@ class _Loop:
 
     def close(self) -> None:
         self.run(_cancel_all())
+        self.run(asyncio.sleep(0))  # what the tasks closed is closed in the loop's next turn
         self._loop.call_soon_threadsafe(self._loop.stop)
         self._thread.join(PATIENCE)
         self._loop.close()
@@ -78,7 +79,15 @@ class InProcessBroker:
         from amqtt.broker import Broker
 
         class DeliveringBroker(Broker):
-            """amqtt drops what a client sent just before its DISCONNECT and still waits here."""
+            """amqtt drops what a client sent just before its DISCONNECT and still waits here, and
+            leaves a connection open whose client broke off before it was a session.
+            """
+
+            async def stream_connected(self, reader, writer, listener_name) -> None:
+                try:
+                    await super().stream_connected(reader, writer, listener_name)
+                finally:
+                    writer.close()
 
             async def _client_message_loop(self, client_session, handler) -> None:
                 wait = handler.wait_disconnect
