@@ -20,5 +20,5 @@ def test_a_parameter_that_returns_is_no_longer_dropped():
     ):
         monitor.add_event(event)
     assert monitor.dropped == ["TAIR"]
-    logged = [(it.kind, it.time) for it in monitor.events if it.kind in ("dropped", "returned")]
+    logged = [(it.kind, it.time) for it in monitor.logged if it.kind in ("dropped", "returned")]
     assert logged == [("dropped", 1.0), ("dropped", 1.0), ("returned", 3.0)]

@@ -26,7 +26,7 @@ def connected():
 
 
 def errors(monitor):
-    return [event for event in map(page_json, monitor.events) if event["kind"] == "error"]
+    return [event for event in map(page_json, monitor.logged) if event["kind"] == "error"]
 
 
 def spoilt(time, kind=NoResponse):
@@ -105,7 +105,7 @@ def test_many_errors_push_out_nothing_else():
     for number in range(6000):
         monitor.log(ExchangeFailed.of(2.0 + number, spoilt(2.0 + number)))
     monitor.log(Marker(9000.0, "again"))
-    kinds = [event.kind for event in monitor.events]
+    kinds = [event.kind for event in monitor.logged]
     assert kinds[:3] == ["state", "marker", "error"]
     assert kinds[-2:] == ["error", "marker"]
     assert len(errors(monitor)) == 5000

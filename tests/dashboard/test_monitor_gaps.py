@@ -32,7 +32,7 @@ def connected():
 def gaps(monitor):
     return [
         (it.began, it.ended, reason_of(it).en)
-        for it in monitor.events
+        for it in monitor.logged
         if it.kind == "gap" and it.ended is not None
     ]
 

@@ -41,7 +41,7 @@ def test_events_of_an_earlier_session_are_not_of_this_one(tmp_path):
     dashboard._on_event(before, StateChanged(1.0, LineState.NO_ECHO, None))  # noqa: SLF001
     dashboard._on_end(before, None)  # noqa: SLF001
     assert dashboard.monitor.line is None
-    assert dashboard.monitor.events == []
+    assert dashboard.monitor.logged == []
     dashboard._on_event(dashboard.connection.thread, StateChanged(2.0, LineState.SAMPLING, None))  # noqa: SLF001
     assert dashboard.monitor.line is LineState.SAMPLING
 

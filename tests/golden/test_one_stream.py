@@ -94,7 +94,7 @@ class Consumers:
         return [it for file in self.recordings for it in file.events if isinstance(it, kind)]
 
     def of_page(self, kind):
-        return [it for it in map(page_json, self.monitor.events) if it["kind"] == kind]
+        return [it for it in map(page_json, self.monitor.logged) if it["kind"] == kind]
 
     def of_mqtt(self, kind):
         return [it for topic, it in self.published if topic == "event" and it["kind"] == kind]

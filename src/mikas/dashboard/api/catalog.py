@@ -330,7 +330,7 @@ def history(
     """Return the last `seconds`, decimated by each column's minimum and maximum to keep spikes."""
     rows = dashboard.history.rows(seconds, split_names(names))
     since = (rows.times[-1] if len(rows.times) else dashboard.connection.now()) - seconds
-    events = [page_json(event) for event in dashboard.monitor.events if event.time >= since]
+    events = [page_json(event) for event in dashboard.monitor.logged if event.time >= since]
     fewer = decimated(rows, points)
     return JSONResponse(json_columns(fewer.times, fewer.values) | {"events": events})
 

@@ -19,22 +19,8 @@ from mikas.client import Reading
 from mikas.dashboard.session.history import EventLog, ExchangeFailed, History, reason_of
 from mikas.errors import EcuRefused, LineError, MikasError, NoConnection
 from mikas.i18n import Text
+from mikas.sampling import events
 from mikas.sampling.derived import DerivedValue
-from mikas.sampling.events import (
-    AdapterMoved,
-    AlarmChanged,
-    CycleFailed,
-    Event,
-    Gap,
-    LineState,
-    MethodChosen,
-    ParameterDropped,
-    ParameterReturned,
-    PlanChanged,
-    Sampled,
-    StateChanged,
-    UnitFound,
-)
 from mikas.sampling.session import SamplingSession
 from mikas.tester import Failure
 
@@ -70,7 +56,7 @@ class Batch:
 
     times: array[float]
     columns: Mapping[str, array[float]]
-    events: Sequence[Event]
+    events: Sequence[events.Event]
 
 
 class Meters:
@@ -136,7 +122,7 @@ class ConnectionMonitor:
         self.listened = False
         self._waiting: Callable[[], object] | None = None
         self._log = EventLog()
-        self._events: list[Event] = []
+        self._events: list[events.Event] = []
         self._drained = history.count  # rows
         self._names: tuple[str, ...] = ()
         self.begin((), 0.0)
@@ -144,14 +130,14 @@ class ConnectionMonitor:
     def begin(self, names: Iterable[str], time: float) -> None:
         """Begin a new connection with an empty state."""
         with self.lock:
-            self.line: LineState | None = None
+            self.line: events.LineState | None = None
             self.error: MikasError | None = None
             self.since = time
-            self.unit: UnitFound | None = None
+            self.unit: events.UnitFound | None = None
             self.method: str | None = None
             self.rates: dict[str, float] = {}
             self.dropped: list[str] = []
-            self.alarms: dict[str, AlarmChanged] = {}
+            self.alarms: dict[str, events.AlarmChanged] = {}
             self.alarm_count = 0
             self.latest: dict[str, Reading | DerivedValue] = {}
             self.meters = Meters()
@@ -174,17 +160,17 @@ class ConnectionMonitor:
                 self.latest.pop(name, None)
 
     @property
-    def shown_alarms(self) -> list[AlarmChanged]:
+    def shown_alarms(self) -> list[events.AlarmChanged]:
         """The alarms of the wanted channels, while the unit answers. The others stay in `alarms`:
         no event repeats an unchanged alarm when its channel is read again.
         """
-        if self.line not in (LineState.SAMPLING, LineState.ECU_ALIVE):
+        if self.line not in (events.LineState.SAMPLING, events.LineState.ECU_ALIVE):
             return []  # an unplugged adapter: the values are unknown, and so are their alarms
         return [alarm for name, alarm in self.alarms.items() if name in self._names]
 
     def silent(self, now: float) -> Text | None:
         """Return why expected values are missing for some seconds; None: they are not."""
-        if self.line is not LineState.SAMPLING or (gap := self.session.silence(now)) is None:
+        if self.line is not events.LineState.SAMPLING or (gap := self.session.silence(now)) is None:
             return None
         return reason_of(gap) or SILENT
 
@@ -205,18 +191,18 @@ class ConnectionMonitor:
     def drain(self) -> Batch:
         """Return what was gathered since the last call."""
         with self.lock:
-            events, self._events = self._events, []
+            gathered, self._events = self._events, []
             first, self._drained = self._drained, self.history.count
             last = min(self._drained, first + _ROWS)
-            return Batch(*self.history.added(first, last, self._names), events)
+            return Batch(*self.history.added(first, last, self._names), gathered)
 
     @property
-    def events(self) -> list[Event]:
+    def logged(self) -> list[events.Event]:
         """The logged events, in their order."""
         with self.lock:
             return self._log.all
 
-    def log(self, event: Event) -> None:
+    def log(self, event: events.Event) -> None:
         """Log an event, and gather it for the clients."""
         with self.lock:
             self._log.add(event)
@@ -224,30 +210,30 @@ class ConnectionMonitor:
                 self._events.append(event)
                 self.wake()
 
-    def add_event(self, event: Event) -> None:
+    def add_event(self, event: events.Event) -> None:
         """Take an event of the session."""
         with self.lock:
             match event:
-                case Sampled():
+                case events.Sampled():
                     self._sampled(event)
-                case CycleFailed():
+                case events.CycleFailed():
                     self._failed(event)
-                case StateChanged(state=LineState() as state):
+                case events.StateChanged(state=events.LineState() as state):
                     self.line, self.since, self.error = state, event.time, event.error
                     self.log(event)
-                case AlarmChanged():
+                case events.AlarmChanged():
                     self._alarm(event)
-                case MethodChosen():
+                case events.MethodChosen():
                     self.method = event.method
                     self.rates = {name: round(rate, 2) for name, rate in event.rates.items()}
                     self.log(event)
-                case AdapterMoved() | Gap():
+                case events.AdapterMoved() | events.Gap():
                     self.log(event)
-                case ParameterDropped() | ParameterReturned():
+                case events.ParameterDropped() | events.ParameterReturned():
                     self._dropped(event)
-                case UnitFound():
+                case events.UnitFound():
                     self._found(event)
-                case PlanChanged():
+                case events.PlanChanged():
                     if event.catalog == self._awaited[0]:
                         self._awaited = _NOTHING
                     self.method = event.plan.method
@@ -275,7 +261,7 @@ class ConnectionMonitor:
                         time = now if failure.time is None else failure.time
                         self._log_error(ExchangeFailed.of(time, failure))
 
-    def _sampled(self, event: Sampled) -> None:
+    def _sampled(self, event: events.Sampled) -> None:
         values: dict[str, Reading | DerivedValue] = {**event.fresh, **event.derived}
         for outdated in self._awaited[1]:
             values.pop(outdated, None)
@@ -289,7 +275,7 @@ class ConnectionMonitor:
         else:
             self._drained = self.history.count
 
-    def _failed(self, event: CycleFailed) -> None:
+    def _failed(self, event: events.CycleFailed) -> None:
         # Each attempt to find a port or unit again fails alike: that is the gap, not more errors.
         no_unit = isinstance(event.error, NoConnection)
         if not (no_unit and self._searched):
@@ -314,7 +300,7 @@ class ConnectionMonitor:
         self.meters.error(event.time)
         self.log(event)
 
-    def _alarm(self, event: AlarmChanged) -> None:
+    def _alarm(self, event: events.AlarmChanged) -> None:
         if event.level == Level.NONE:
             self.alarms.pop(event.name, None)
         else:
@@ -323,9 +309,9 @@ class ConnectionMonitor:
             self.alarms[event.name] = event
         self.log(event)
 
-    def _dropped(self, event: ParameterDropped | ParameterReturned) -> None:
-        is_dropped, was_dropped = isinstance(event, ParameterDropped), event.name in self.dropped
-        if is_dropped is was_dropped:
+    def _dropped(self, event: events.ParameterDropped | events.ParameterReturned) -> None:
+        is_dropped = isinstance(event, events.ParameterDropped)
+        if is_dropped is (event.name in self.dropped):
             return
         if is_dropped:
             self.dropped.append(event.name)
@@ -333,7 +319,7 @@ class ConnectionMonitor:
             self.dropped.remove(event.name)
         self.log(event)
 
-    def _found(self, event: UnitFound) -> None:
+    def _found(self, event: events.UnitFound) -> None:
         self.unit = event
         if event.another:
             self.dropped.clear()

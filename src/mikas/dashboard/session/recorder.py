@@ -52,7 +52,9 @@ class SessionRecorder:
         self._continues = False  # with the next unit that is found
         self._marked: OrderedDict[float, Path] = OrderedDict()  # markers by time: their files
         self.recorder = Recorder(
-            interpretation=interpretation, on_file=self._log_start, car=self._car_note
+            interpretation=interpretation,
+            on_file=lambda path: self._log(path.name, on=True),
+            car=self._car_note,
         )
 
     @property
@@ -94,7 +96,7 @@ class SessionRecorder:
             try:
                 self._start(path, thread)
             except MikasError as error:
-                self._log_end(path.name, error)
+                self._log(path.name, on=False, failure=error)
 
     def change_port(self) -> None:
         """End the recording; it continues in a file of its own with the next unit found."""
@@ -122,7 +124,7 @@ class SessionRecorder:
         self._continues = False
         status = self.recorder.stop()
         if status is not None:
-            self._log_end(status.path.name, status.failure)
+            self._log(status.path.name, on=False, failure=status.failure)
         return status
 
     def close(self) -> None:
@@ -145,7 +147,7 @@ class SessionRecorder:
 
         Raises `NotFound`: there was no such marker; `CaptureError`: its file can't be written.
         """
-        events = self._connection.monitor.events
+        events = self._connection.monitor.logged
         if not any(isinstance(it, Marker) and it.time == marker.time for it in events):
             raise NotFound(name=_MARKER)
         self._connection.monitor.log(marker)
@@ -183,7 +185,7 @@ class SessionRecorder:
         status = self.recorder.status
         if status is not None and status.failure not in (None, self._reported):
             self._reported = status.failure
-            self._log_end(status.path.name, status.failure)
+            self._log(status.path.name, on=False, failure=status.failure)
 
     def _start(self, path: Path, thread: SamplingThread) -> None:
         self.recorder.start(ensure_folder(path.parent) / path.name, url=thread.url, pipe=False)
@@ -193,14 +195,10 @@ class SessionRecorder:
             self.recorder.describe(replace(car, time=thread.now()))  # not the last file's mileage
         if readings := self._faults.readings:  # from before this file
             self.recorder.note(faults_note(thread.now(), readings))
-        self._log_start(path)
+        self._log(path.name, on=True)
         self._connection.monitor.session.read_now()
 
-    def _log_start(self, path: Path) -> None:
-        self._connection.monitor.log(RecordingChanged(self._connection.now(), path.name, on=True))
-
-    def _log_end(self, file: str, failure: MikasError | None) -> None:
+    def _log(self, file: str, *, on: bool, failure: MikasError | None = None) -> None:
         text = ADVICE.text(failure) if failure else None
-        self._connection.monitor.log(
-            RecordingChanged(self._connection.now(), file, on=False, failure=text)
-        )
+        changed = RecordingChanged(self._connection.now(), file, on=on, failure=text)
+        self._connection.monitor.log(changed)

@@ -112,7 +112,7 @@ def _of_connection(dashboard: Dashboard) -> Findings:
     ecu = thread.acquisition.ecu if thread else None
     with monitor.lock:
         unit, method, errors_ = monitor.unit, monitor.method or "", monitor.meters.errors
-        events = monitor.events
+        events = monitor.logged
     rows, events = _of_this_unit(dashboard.history.rows(MINUTES * 60), events)
     if unit is None and not len(rows.times):
         raise NotConnected
