@@ -18,7 +18,7 @@ import mikas
 from dashboard.recordings_rig import record
 from mikas.catalog import shipped
 from mikas.cleaning import clean_line, clean_text, is_in_calendar
-from mikas.dashboard.api.errors import made_of, two_or_none
+from mikas.dashboard.api.errors import made_of
 from mikas.dashboard.api.library.recordings import RecordingInfo
 from mikas.recording import CaptureReader
 from mikas.recording.annotations import fields
@@ -97,7 +97,6 @@ def list_entry(path):
         summary,
         id="a.pcapng",
         bytes=1,
-        model=two_or_none(summary.model),
         open=False,
         reference=False,
         virtual=False,

@@ -6,7 +6,7 @@ The texts of validation errors are in both languages; pydantic's own are English
 from __future__ import annotations
 
 import logging
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Annotated, Any, TypeVar
 
 from fastapi import FastAPI, Request
@@ -68,11 +68,6 @@ def content(media_type: str, description: str) -> dict[int | str, dict[str, Any]
 def two(text: Text) -> TwoTexts:
     """Return the model of `text`."""
     return TwoTexts(en=text.en, ru=text.ru)
-
-
-def two_or_none(text: Text | None) -> TwoTexts | None:
-    """Return the model of `text`; None for an empty one."""
-    return None if text is None or not text.en else two(text)
 
 
 def _none_if_empty(text: object) -> object:
@@ -173,10 +168,7 @@ def validation_text(error: Mapping[str, Any]) -> Text:
         problem = problem.filled(**error.get("ctx", {}))
     except (KeyError, IndexError):
         problem = _OTHER
-    field = _field(error["loc"])
+    # `wanted.3.name`, without the part of the request that holds the field
+    part, *inside = error["loc"] or ("?",)
+    field = ".".join(map(str, inside)) or part
     return Text(f"“{field}” {problem.en}", f"«{field}» {problem.ru}")
-
-
-def _field(location: Sequence[str | int]) -> str:
-    """Return `wanted.3.name`, without the part of the request that holds the field."""
-    return ".".join(map(str, location[1:])) or str(location[0] if location else "?")

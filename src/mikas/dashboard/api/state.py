@@ -8,7 +8,7 @@ from pydantic import BaseModel, Field
 
 from mikas.client.parameters.polling import Method
 from mikas.commands.unit import version_text
-from mikas.dashboard.api.errors import TwoTexts, made_of, two, two_or_none
+from mikas.dashboard.api.errors import OptionalTexts, TwoTexts, made_of, two
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.errors import ADVICE
 from mikas.dashboard.security.control import Client
@@ -87,13 +87,13 @@ class State(OwnState):
 
     line: Line
     text: TwoTexts
-    reason: TwoTexts | None = Field(description="the error with advice, while it lasts")
+    reason: OptionalTexts = Field(description="the error with advice, while it lasts")
     reason_code: str | None = Field(description="the class of that error: NoEcho…")
     since: float
     port: str | None
     checking: bool = Field(description="a connection check has the port; line is off meanwhile")
     adapter: str
-    model: TwoTexts | None
+    model: OptionalTexts
     version_code: str | None = Field(description="hex, as 0A")
     passport: list[str | None] | None
     method: str | None = Field(description="in use; plan.method is the requested one")
@@ -159,22 +159,22 @@ def shared_state(dashboard: Dashboard) -> State:
             text = monitor.line.text if monitor.line else _OPENING
         sampling = line == "sampling"
         silent, unit, error = monitor.silent(now), monitor.unit, monitor.error
-        return State(
+        return made_of(
+            State,
+            monitor,
+            **dict(OwnState()),
             line=line,
-            text=two(text),
-            reason=two_or_none(ADVICE.text(error) if error else silent),
+            text=text,
+            reason=ADVICE.text(error) if error else silent,
             reason_code=type(error).__name__ if error else None,
-            since=monitor.since,
             port=port.url if port else None,
             checking=checking,
             adapter=thread.adapter if thread else "",
-            model=two_or_none(unit.model if unit else None),
+            model=unit.model if unit else None,
             version_code=version_text(unit.version_code) if unit else None,
             passport=[*unit.passport.program, *unit.passport.data]
             if unit and unit.passport
             else None,
-            method=monitor.method,
-            rates=monitor.rates,
             rate=round(monitor.meters.rate(now), 2) if sampling and not silent else 0.0,
             bus_load=round(monitor.meters.load(thread.baud if thread else 9600), 3),
             errors_minute=monitor.meters.errors_minute(now),
@@ -192,7 +192,6 @@ def shared_state(dashboard: Dashboard) -> State:
             dropped_parameters=list(monitor.dropped),
             recording=recording,
             alarms=[_alarm(dashboard, it) for it in monitor.shown_alarms],
-            alarm_count=monitor.alarm_count,
             catalog=dashboard.catalog.version,
             fault_count=len(stored.faults) if stored else None,
             fault_time=stored.time if stored else None,
