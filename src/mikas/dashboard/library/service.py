@@ -24,8 +24,6 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Final
 
-from pydantic import TypeAdapter
-
 import mikas
 from mikas.cancellation import check_cancelled
 from mikas.catalog import Catalog
@@ -86,7 +84,7 @@ class References:
     """`marks`: the file of the marked names; `folder`: of the virtual car's recordings."""
 
     def __init__(self, marks: Path, folder: Path) -> None:
-        self.file = KeptFile(marks, _MOST_BYTES, TypeAdapter(list[str]).validate_python)
+        self.file = KeptFile(marks, _MOST_BYTES, _names)
         self._folder = folder
         self._changing = threading.Lock()
 
@@ -117,6 +115,13 @@ class References:
                 self._folder.mkdir(parents=True, exist_ok=True)
                 _record(file, DRIVES[drive], model)
         return RecordingFolder(self._folder).one(file.name)
+
+
+def _names(stored: object) -> list[str]:
+    """Return the marks in the file. Raises `TypeError`."""
+    if not isinstance(stored, list) or not all(isinstance(name, str) for name in stored):
+        raise TypeError("no list of names")
+    return stored
 
 
 def _record(file: Path, drive: Drive, model: str) -> None:
