@@ -154,8 +154,7 @@ class Server(uvicorn.Server):
         """Start, open the entrances, and call `ready`."""
         await super().startup([])
         plain = self._tls is None
-        for own in sockets or ():
-            self._entrances.append(self._entrance(own, self._tls, plain=plain))
+        self._entrances = [self._entrance(it, self._tls, plain=plain) for it in sockets or ()]
         first = () if plain else self._entrances
         self._app.state.sharing.attach(self._entrance, first)
         self._app.state.ending.attach(self._end)

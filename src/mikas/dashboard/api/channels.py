@@ -221,8 +221,8 @@ async def value(
     """Return a channel's value at a moment with its bytes, live or in a recording."""
     dashboard = requester.dashboard
     channel = dashboard.catalog.channel(name)
-    if recording is None and at is None:
-        return _now(dashboard, channel)
+    if recording is None and at is None and isinstance(channel, Parameter):
+        return _now(dashboard, channel.name)
     moments = await _moments(requester, [channel.name], recording, at)
     if (found := moments.get(channel.name)) is None:
         return ChannelValue(name=channel.name)
@@ -274,19 +274,16 @@ def _parsed(known: Catalog, body: TrialRequest) -> Parsed:
     return parsed
 
 
-def _now(dashboard: Dashboard, channel: Parameter | Derived) -> ChannelValue:
+def _now(dashboard: Dashboard, parameter: str) -> ChannelValue:
+    """Return the latest reading, with its own bytes."""
     monitor = dashboard.monitor
     with monitor.lock:
-        if monitor.line is not LineState.SAMPLING:
-            return ChannelValue(name=channel.name)
-        reading = monitor.latest.get(channel.name)
-    if isinstance(channel, Derived):
-        time, number = _live(dashboard, [channel.name], None).get(channel.name, (None, None))
-        return ChannelValue(name=channel.name, time=time, value=number)
+        is_sampled = monitor.line is LineState.SAMPLING
+        reading = monitor.latest.get(parameter) if is_sampled else None
     if not isinstance(reading, Reading) or dashboard.connection.now() - reading.time > _REACH:
-        return ChannelValue(name=channel.name)
+        return ChannelValue(name=parameter)
     value, raw = float(reading.value), api_hex(reading.raw)
-    return made_of(ChannelValue, reading, name=channel.name, value=value, raw=raw)
+    return made_of(ChannelValue, reading, name=parameter, value=value, raw=raw)
 
 
 async def _moments(

@@ -79,7 +79,15 @@ def find_live(
 ) -> FoundResponse:
     """Return the moments of the last `seconds` at which `expression` holds."""
     condition = SearchCondition(dashboard.catalog, expression)
-    _check_interpretation(dashboard, condition)
+    chosen = dashboard.library.interpretation
+    for name in condition.requires:
+        if not is_corrected(dashboard.catalog.channel(name), chosen):
+            raise usage_error(
+                f"{name} is sampled in the interpretation {chosen}; formulas need corrected. "
+                "Search in a recording, or start the program without --interpretation",
+                f"{name} опрашивается в толковании {chosen}, а формулам нужно corrected. Ищите в "
+                "записи или запустите программу без --interpretation",
+            )
     rows = dashboard.history.rows(seconds, condition.requires)
     return _found(condition, search_rows(rows, condition))
 
@@ -129,16 +137,3 @@ def _found(condition: SearchCondition, found: SearchResult) -> FoundResponse:
         peak_of=condition.peak_of or None,
         lowest=condition.is_lowest,
     )
-
-
-def _check_interpretation(dashboard: Dashboard, condition: SearchCondition) -> None:
-    """Raise `UsageError` for a parameter whose live values are not those that formulas use."""
-    chosen = dashboard.library.interpretation
-    for name in condition.requires:
-        if not is_corrected(dashboard.catalog.channel(name), chosen):
-            raise usage_error(
-                f"{name} is sampled in the interpretation {chosen}; formulas need corrected. "
-                "Search in a recording, or start the program without --interpretation",
-                f"{name} опрашивается в толковании {chosen}, а формулам нужно corrected. Ищите в "
-                "записи или запустите программу без --interpretation",
-            )

@@ -33,7 +33,7 @@ from mikas.dashboard.session.monitor import (
 )
 from mikas.dashboard.session.port_threads import SamplingThread
 from mikas.dashboard.settings import PlanSettings, PortSettings, Settings
-from mikas.errors import UnknownParameter, UsageError
+from mikas.errors import UsageError
 from mikas.i18n import Text
 from mikas.link.identity import KnownAdapter
 from mikas.link.ports import only_likely
@@ -234,14 +234,6 @@ class Connection:
             raise thread.failure
 
 
-def _is_known(catalog: Catalog, name: str) -> bool:
-    try:
-        catalog.channel(name)
-    except UnknownParameter:
-        return False
-    return True
-
-
 class SamplingPlanner:
     """The channels to sample and their cost, with and without a connection. Any thread may call.
 
@@ -302,10 +294,11 @@ class SamplingPlanner:
             before, self._options = self._options.catalog, replace(self._options, catalog=catalog)
             for made in ("_unconnected", "_inputs"):  # with the other catalog
                 self.__dict__.pop(made, None)
-            every = {name: n for name, n in self.request.every.items() if _is_known(catalog, name)}
+            known = dict.fromkeys(all_names(catalog), 1)
+            every = {name: n for name, n in self.request.every.items() if name in known}
             every |= {name: 1 for name in catalog.derived if name not in before.derived}
-            first = tuple(name for name in self.request.first if _is_known(catalog, name))
-            every = every or dict.fromkeys(all_names(catalog), 1)
+            first = tuple(name for name in self.request.first if name in known)
+            every = every or known
             request = replace(self.request, every=every, first=first)
             if (thread := self._connection.thread) is not None:
                 thread.acquisition.reconfigure(

@@ -132,10 +132,8 @@ class DumpJobs:
                 continue
             if manifest is not None and file.stem not in self.jobs:
                 manifest.set_bytes_read(kept.bytes)
-                job = DumpJob(file.stem, file, manifest, None)
-                if manifest.finished:
-                    job.phase = "done"
-                self.jobs[job.id] = job
+                phase: Phase = "done" if manifest.finished else "paused"
+                self.jobs[file.stem] = DumpJob(file.stem, file, manifest, None, phase)
 
     def start(self, job: DumpJob) -> None:
         """Start or resume `job`. Raises `Busy` while another one runs."""
