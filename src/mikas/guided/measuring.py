@@ -21,8 +21,9 @@ from mikas.catalog.formula_syntax import Parsed
 from mikas.catalog.formulas import Calculation
 from mikas.catalog.model import in_order
 from mikas.guided.definition import SECONDS, GuidedStep, Measure, Statistic, parameters_of
-from mikas.guided.result import Number, digits
+from mikas.guided.result import Number
 from mikas.i18n import Text
+from mikas.recording.formatting import digits
 
 Column = NDArray[np.float64]
 Mask = NDArray[np.bool_]

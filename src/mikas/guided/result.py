@@ -16,7 +16,7 @@ from mikas.cleaning import clean_line, clean_text, is_in_calendar
 from mikas.guided.definition import Certainty, VerdictKind
 from mikas.i18n import Language, Text, joined
 from mikas.json_values import json_of
-from mikas.recording.formatting import number
+from mikas.recording.formatting import digits
 
 _LONGEST: Final = 4000  # characters of a text
 _MOST: Final = 60  # steps, numbers, findings
@@ -147,11 +147,6 @@ class TestResult:
             sure = f"{words(RULE)} {each.formula}; {words(SURE[each.confidence])}"
             lines.append(f"{sure}. {words(each.doubt)}".rstrip())
         return lines
-
-
-def digits(value: float, decimals: int) -> Text:
-    """Return a number without its unit."""
-    return Text(number(value, decimals, "en"), number(value, decimals, "ru"))
 
 
 OUTCOMES: Final[Mapping[VerdictKind, Text]] = {

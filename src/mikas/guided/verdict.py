@@ -15,8 +15,9 @@ from typing import Final, NamedTuple
 from mikas.catalog.formulas import Calculation
 from mikas.guided.definition import GuidedTest, Measure, Rule, VerdictKind
 from mikas.guided.measuring import holds
-from mikas.guided.result import Finding, Number, digits
+from mikas.guided.result import Finding, Number
 from mikas.i18n import Text, joined
+from mikas.recording.formatting import digits
 
 _ORDER: Final = tuple(VerdictKind)
 

@@ -29,6 +29,16 @@ def with_unit(value: float, channel: Parameter | Derived, language: Language) ->
     return f"{digits}\N{NO-BREAK SPACE}{unit}" if unit else digits
 
 
+def digits(value: float, decimals: int) -> Text:
+    """Return the number in both languages."""
+    return Text(number(value, decimals, "en"), number(value, decimals, "ru"))
+
+
+def quantity(value: float, channel: Parameter | Derived) -> Text:
+    """Return the number with the channel's decimals and unit, in both languages."""
+    return Text(with_unit(value, channel, "en"), with_unit(value, channel, "ru"))
+
+
 def band(channel: Parameter | Derived, language: Language) -> str:
     """Return the catalog's reference, `13 … 16`; empty without one."""
     if channel.reference is None:

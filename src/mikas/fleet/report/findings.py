@@ -7,15 +7,7 @@ from dataclasses import dataclass
 from datetime import datetime
 
 from mikas.catalog import Catalog, Fault
-from mikas.fleet.report.comparing import (
-    FEWEST_OF_TREND,
-    FEWEST_OTHERS,
-    Outlier,
-    Trend,
-    outlier,
-    trend,
-    value_of,
-)
+from mikas.fleet.report import comparing
 from mikas.fleet.report.figures import CarFigures, FleetFigures
 from mikas.fleet.report.measures import MEASURES, CarMeasure
 from mikas.report.findings import Outcome
@@ -43,8 +35,8 @@ class CarFindings:
     """
 
     figures: CarFigures
-    stands_out: Mapping[CarMeasure, Outlier]
-    changes: Mapping[CarMeasure, Trend]
+    stands_out: Mapping[CarMeasure, comparing.Outlier]
+    changes: Mapping[CarMeasure, comparing.Trend]
     out_of_range: Mapping[CarMeasure, float]
     faults: tuple[CarFault, ...]
 
@@ -89,12 +81,12 @@ def find(figures: FleetFigures, catalog: Catalog) -> FleetFindings:
         measure: {
             car.car: value
             for car in figures.cars
-            if (value := value_of(car.values(measure.key))) is not None
+            if (value := comparing.value_of(car.values(measure.key))) is not None
         }
         for measure in MEASURES
     }
     cars = tuple(_car(car, values, catalog) for car in figures.cars)
-    enough = [each for each in MEASURES if len(values[each]) > FEWEST_OTHERS]
+    enough = [each for each in MEASURES if len(values[each]) > comparing.FEWEST_OTHERS]
     return FleetFindings(
         catalog,
         figures,
@@ -103,7 +95,7 @@ def find(figures: FleetFigures, catalog: Catalog) -> FleetFindings:
         tuple(enough),
         tuple(each for each in MEASURES if each not in enough),
         sum(
-            any(len(series) >= FEWEST_OF_TREND for series in car.series.values())
+            any(len(series) >= comparing.FEWEST_OF_TREND for series in car.series.values())
             for car in figures.cars
         ),
     )
@@ -117,12 +109,12 @@ def _car(
         mine = values[measure].get(car.car)
         if mine is not None:
             others = [value for name, value in values[measure].items() if name != car.car]
-            if (found := outlier(mine, others, measure.least)) is not None:
+            if (found := comparing.outlier(mine, others, measure.least)) is not None:
                 stands_out[measure] = found
             reference = measure.channel(catalog).reference
             if reference is not None and not is_inside(mine, reference):
                 out_of_range[measure] = mine
-        if (change := trend(car.values(measure.key), measure.least)) is not None:
+        if (change := comparing.trend(car.values(measure.key), measure.least)) is not None:
             changes[measure] = change
     return CarFindings(car, stands_out, changes, out_of_range, tuple(_faults(car, catalog)))
 

@@ -18,8 +18,8 @@ from mikas.fleet.report.comparing import (
 )
 from mikas.fleet.report.findings import CarFault, CarFindings, FleetFindings
 from mikas.fleet.report.measures import CarMeasure
-from mikas.i18n import Language, Text, counted, joined
-from mikas.recording.formatting import band, number, with_unit
+from mikas.i18n import Text, counted, joined
+from mikas.recording.formatting import band, digits, quantity
 from mikas.report.findings import Outcome
 
 CARS = (("car", "cars"), ("машина", "машины", "машин"))
@@ -164,40 +164,32 @@ def _stored(fault: CarFault) -> Text:
 
 def _out_of_range(measure: CarMeasure, value: float, found: FleetFindings) -> Text:
     channel, title = measure.channel(found.catalog), measure.title
+    shown = quantity(value, channel)
     return Text(
-        f"{title.en}: {with_unit(value, channel, 'en')}, outside the normal range "
-        f"({band(channel, 'en')}).",
-        f"{title.ru}: {with_unit(value, channel, 'ru')}, вне нормы ({band(channel, 'ru')}).",
+        f"{title.en}: {shown.en}, outside the normal range ({band(channel, 'en')}).",
+        f"{title.ru}: {shown.ru}, вне нормы ({band(channel, 'ru')}).",
     )
 
 
 def _stands_out(measure: CarMeasure, it: Outlier, found: FleetFindings) -> Text:
+    channel, title = measure.channel(found.catalog), measure.title
+    value, others = quantity(it.value, channel), quantity(it.others, channel)
+    low, high = (digits(end, channel.decimals) for end in (it.low, it.high))
     return Text(
-        f"{measure.title.en}: {_value(measure, it.value, found, 'en')}; the other {it.count} cars: "
-        f"{_value(measure, it.others, found, 'en')}, from {_digits(measure, it.low, found, 'en')} "
-        f"to {_digits(measure, it.high, found, 'en')}.",
-        f"{measure.title.ru}: {_value(measure, it.value, found, 'ru')}; у остальных машин "
-        f"({it.count}): {_value(measure, it.others, found, 'ru')}, от "
-        f"{_digits(measure, it.low, found, 'ru')} до {_digits(measure, it.high, found, 'ru')}.",
+        f"{title.en}: {value.en}; the other {it.count} cars: {others.en}, from {low.en} to "
+        f"{high.en}.",
+        f"{title.ru}: {value.ru}; у остальных машин ({it.count}): {others.ru}, от {low.ru} до "
+        f"{high.ru}.",
     )
 
 
 def _changes(measure: CarMeasure, it: Trend, found: FleetFindings) -> Text:
-    last = _value(measure, it.last, found, "ru").rstrip(".")  # of a shortened unit
+    channel, title = measure.channel(found.catalog), measure.title
+    first, last = digits(it.first, channel.decimals), quantity(it.last, channel)
     return Text(
-        f"{measure.title.en} has changed over {it.count} drives: from "
-        f"{_digits(measure, it.first, found, 'en')} to {_value(measure, it.last, found, 'en')}.",
-        f"{measure.title.ru}: изменение за поездки ({it.count}), с "
-        f"{_digits(measure, it.first, found, 'ru')} до {last}.",
+        f"{title.en} has changed over {it.count} drives: from {first.en} to {last.en}.",
+        f"{title.ru}: изменение за поездки ({it.count}), с {first.ru} до {last.ru.rstrip('.')}.",
     )
-
-
-def _value(measure: CarMeasure, value: float, found: FleetFindings, language: Language) -> str:
-    return with_unit(value, measure.channel(found.catalog), language)
-
-
-def _digits(measure: CarMeasure, value: float, found: FleetFindings, language: Language) -> str:
-    return number(value, measure.channel(found.catalog).decimals, language)
 
 
 def _listed(measures: tuple[CarMeasure, ...]) -> Text:

@@ -10,7 +10,7 @@ from __future__ import annotations
 from math import isfinite
 
 from mikas.i18n import Language, Text, counted, joined
-from mikas.recording.formatting import duration, moment, short, with_unit, within
+from mikas.recording.formatting import duration, moment, quantity, short, within
 from mikas.report.findings import Findings
 from mikas.report.labels import Labels
 from mikas.report.measurements.alarms import Alarm, worst
@@ -62,9 +62,7 @@ def _peak(alarm: Alarm) -> Text:
     """`highest 117 °C`; empty for a flag, and if the value is not known."""
     if alarm.channel.is_flag or not isfinite(alarm.peak):
         return Text("", "")
-    word = _PEAK[alarm.limit.side]
-    en, ru = (with_unit(alarm.peak, alarm.channel, language) for language in ("en", "ru"))
-    return Text(f"{word.en} {en}", f"{word.ru} {ru}")
+    return joined(" ", (_PEAK[alarm.limit.side], quantity(alarm.peak, alarm.channel)))
 
 
 def _in_full(alarm: Alarm, found: Findings) -> Text:
