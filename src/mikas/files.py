@@ -14,6 +14,7 @@ from __future__ import annotations
 import errno
 import os
 import stat
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, BinaryIO, Final, Literal
 
@@ -127,3 +128,20 @@ def read_json(path: Path, most: int) -> Any:  # noqa: ANN401  (any JSON)
         return clean_json(json.loads(read_regular(path, most).decode()))
     except RecursionError:
         raise ValueError("nested too deep") from None
+
+
+def allow_open(count: int) -> int:
+    """Let this process open `count` files at a time, as far as the system does; return how many."""
+    try:
+        import resource
+    except ImportError:  # Windows, which has no such limit
+        return count
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    if soft == resource.RLIM_INFINITY:
+        return count
+    wanted = count if hard == resource.RLIM_INFINITY else min(count, hard)
+    if soft < wanted:
+        with suppress(OSError, ValueError):
+            resource.setrlimit(resource.RLIMIT_NOFILE, (wanted, hard))
+            soft = wanted
+    return soft

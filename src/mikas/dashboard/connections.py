@@ -30,6 +30,7 @@ from enum import Enum
 from typing import Final
 
 from mikas.dashboard.listening import is_loopback
+from mikas.files import allow_open
 
 HEAD_SECONDS: Final = 10.0
 BODY_SECONDS: Final = 30.0
@@ -75,7 +76,7 @@ class TcpLimits:
     @classmethod
     def of_this_process(cls) -> TcpLimits:
         """Return the limits that the system's limit of open files allows."""
-        return cls(max(_MIN_TOTAL, min(MAX_TOTAL, _descriptors() - _OTHER_FILES)))
+        return cls(max(_MIN_TOTAL, min(MAX_TOTAL, allow_open(_DESCRIPTORS) - _OTHER_FILES)))
 
 
 @dataclass(eq=False, slots=True)
@@ -284,20 +285,3 @@ def _spare() -> int | None:
         return os.open(os.devnull, os.O_RDONLY)
     except OSError:
         return None
-
-
-def _descriptors() -> int:
-    """Return the number of files that this process may open, raised to 1024 if it is less."""
-    try:
-        import resource
-    except ImportError:  # Windows, where sockets are no files
-        return _DESCRIPTORS
-    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
-    if soft == resource.RLIM_INFINITY:
-        return _DESCRIPTORS
-    wanted = _DESCRIPTORS if hard == resource.RLIM_INFINITY else min(_DESCRIPTORS, hard)
-    if soft < wanted:
-        with suppress(OSError, ValueError):
-            resource.setrlimit(resource.RLIMIT_NOFILE, (wanted, hard))
-            soft = wanted
-    return soft

@@ -124,5 +124,6 @@ from mikas.errors.usage import NoList as NoList
 from mikas.errors.usage import UnknownParameter as UnknownParameter
 from mikas.errors.usage import UsageError as UsageError
 from mikas.errors.usage import ValueDoesNotFit as ValueDoesNotFit
+from mikas.errors.usage import library as library
 from mikas.errors.usage import naming_file as naming_file
 from mikas.errors.usage import usage_error as usage_error

@@ -5,7 +5,9 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 from mikas.errors.base import MikasError, reason_at
 from mikas.i18n import Text
@@ -196,3 +198,11 @@ class MissingExtra(UsageError, ImportError):
             'Установите: pip install "mikas[{extra}]".',
         )
     )
+
+
+def library(name: str, *, feature: str | Text, extra: str = "", advice: Text | None = None) -> Any:  # noqa: ANN401  (a module that may not be installed)
+    """Import an optional library. Raises `MissingExtra`, which says how to install it."""
+    try:
+        return import_module(name)
+    except ImportError as error:
+        raise MissingExtra(feature=feature, extra=extra, advice=advice) from error

@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeVar
 import duckdb
 
 from mikas.errors import FleetError, UsageError, usage_error
+from mikas.files import allow_open
 from mikas.fleet.ledger import Ledger, open_ledger
 from mikas.fleet.places import is_utf_8, shown
 from mikas.fleet.stores import DiskStore, Store, UrlStore, store
@@ -41,7 +42,7 @@ _EXPLAIN: Final = re.compile(r"EXPLAIN\s+(?:ANALYZE\s+)?(?:\([^)]*\)\s*)?", re.I
 _IN_PYTHON: Final = re.compile(r"Traceback \(most recent.*\b\w+Error: ", re.DOTALL)
 _FILE: Final = re.compile(rf"File '[^']+\.parquet'|{_IN_PYTHON.pattern}", re.DOTALL)  # unreadable
 _ZONE: Final = "'pytz'"  # which Python needs for a time with a zone
-_SPARE: Final = 200
+_SPARE: Final = 200  # open files
 _AT_ONCE: Final = 10_000  # rows
 
 
@@ -53,7 +54,7 @@ class Database:
         self._place = shown(files.place)
         while True:
             self.ledger: Ledger = open_ledger(files)
-            _allow_open(sum(len(entry.files) for entry in self.ledger.entries.values()))
+            allow_open(_SPARE + sum(len(it.files) for it in self.ledger.entries.values()))
             self._connection = duckdb.connect(
                 config={
                     "autoload_known_extensions": "false",
@@ -242,19 +243,6 @@ def _unreadable(place: str, error: duckdb.Error) -> FleetError:
 def _words(error: duckdb.Error) -> str:
     words = _KIND.sub("", _PLACE.split(str(error))[0])
     return _IN_PYTHON.sub("", words).strip().replace("\n", " ")
-
-
-def _allow_open(files: int) -> None:
-    """Let this process open so many files at a time, as far as the system lets it."""
-    try:
-        import resource
-    except ImportError:  # Windows, which has no such limit
-        return
-    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
-    wanted = files + _SPARE if hard == resource.RLIM_INFINITY else min(files + _SPARE, hard)
-    if soft != resource.RLIM_INFINITY and soft < wanted:
-        with suppress(ValueError, OSError):
-            resource.setrlimit(resource.RLIMIT_NOFILE, (wanted, hard))
 
 
 def _place(text: str, sql: str) -> tuple[int, int] | None:

@@ -15,9 +15,9 @@ from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any, Final, TypeAlias
+from typing import TYPE_CHECKING, Final, TypeAlias
 
-from mikas.errors import FleetError, MissingExtra, usage_error
+from mikas.errors import FleetError, library, usage_error
 from mikas.fleet.job import FileOutcome
 from mikas.fleet.places import FoundFile
 from mikas.i18n import Text
@@ -167,10 +167,7 @@ class DaskRunner(Runner):
     """The workers of a Dask cluster; `place`: of its scheduler, `dask://host` or `dask://host:port`."""
 
     def __init__(self, place: str, timeout: float = 10.0) -> None:
-        try:
-            from distributed import Client
-        except ImportError as error:
-            raise MissingExtra(feature="Dask", extra="dask") from error
+        dask = library("distributed", feature="Dask", extra="dask")
         for name in ("distributed", *logging.root.manager.loggerDict):
             if name.split(".")[0] == "distributed":  # each has a level of its own
                 logging.getLogger(name).setLevel(logging.CRITICAL)
@@ -179,8 +176,7 @@ class DaskRunner(Runner):
         if not re.search(r":\w+$", host):
             host = f"{host}:{_PORT}"
         try:
-            make: Any = Client
-            self._client = make(f"tcp://{host}", timeout=timeout, set_as_default=False)
+            self._client = dask.Client(f"tcp://{host}", timeout=timeout, set_as_default=False)
         except (OSError, ValueError, TimeoutError) as error:
             raise FleetError(place, _UNREACHABLE.filled(host=host)) from error
         threads = sum(self._client.nthreads().values())

@@ -14,7 +14,7 @@ from pathlib import Path, PurePosixPath
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
-from mikas.errors import FleetError, MikasError, MissingExtra, reason_of
+from mikas.errors import FleetError, MikasError, MissingExtra, library, reason_of
 from mikas.i18n import Text
 
 if TYPE_CHECKING:
@@ -40,10 +40,7 @@ class FoundFile(NamedTuple):
 
 def require_database() -> None:
     """Raise `MissingExtra` if the library that reads and writes a dataset is not installed."""
-    try:
-        import duckdb  # noqa: F401  (whether it is there)
-    except ImportError as error:
-        raise MissingExtra(feature="fleet", extra="fleet") from error
+    library("duckdb", feature="fleet", extra="fleet")
 
 
 def shown(place: str) -> str:
@@ -97,14 +94,11 @@ def _scrubbed(text: Text, place: str) -> Text:
 
 def file_system(place: str) -> tuple[AbstractFileSystem, str]:
     """Return the file system of a URL and the path in it. Raises `MissingExtra`, `FleetError`."""
-    try:
-        from fsspec.core import url_to_fs
-    except ImportError as error:
-        raise MissingExtra(feature="fleet", extra="fleet") from error
+    fsspec = library("fsspec.core", feature="fleet", extra="fleet")
     protocol = place.partition("://")[0]
     try:
         with errors_of(place):
-            system, path = url_to_fs(place)
+            system, path = fsspec.url_to_fs(place)
     except FleetError as error:
         cause = error.__cause__
         if isinstance(cause, ImportError) and protocol in ("s3", "s3a"):

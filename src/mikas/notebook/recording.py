@@ -14,13 +14,12 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from mikas.catalog import Catalog, load
 from mikas.cleaning import clean_line
-from mikas.errors import MikasError, MissingExtra, reason_of, usage_error
+from mikas.errors import MikasError, library, reason_of, usage_error
 from mikas.i18n import Text
 from mikas.recording import recording
 
@@ -150,10 +149,7 @@ class Recording(recording.Recording):
         is in seconds from the first row. Raises `MissingExtra` without matplotlib, `UsageError` for
         an unknown channel or if there is nothing to draw.
         """
-        try:
-            import_module("matplotlib")
-        except ImportError as error:
-            raise MissingExtra(feature=Text("A plot", "График"), extra="plot") from error
+        library("matplotlib", feature=Text("A plot", "График"), extra="plot")
         from mikas.notebook.drawing import draw
         from mikas.notebook.panes import chosen_panes, coloured
         from mikas.notebook.picture import picture_of

@@ -25,7 +25,7 @@ from dataclasses import KW_ONLY, dataclass
 from math import inf
 from typing import TYPE_CHECKING, Any, Final, ParamSpec, TypeVar
 
-from mikas.errors import BrokerLost, MissingExtra, NoBroker
+from mikas.errors import BrokerLost, NoBroker, library
 from mikas.publish.broker import Broker
 from mikas.publish.failures import connecting_failed, connection_lost
 from mikas.publish.outbox import Lost, Message, Outbox
@@ -290,10 +290,7 @@ def _log(_: object, context: dict[str, Any]) -> None:
 
 def check_library() -> None:
     """Raise `MissingExtra` without the client library."""
-    try:
-        import aiomqtt  # noqa: F401  (whether it is there)
-    except ImportError as error:
-        raise MissingExtra(feature="MQTT", extra="mqtt") from error
+    library("aiomqtt", feature="MQTT", extra="mqtt")
 
 
 class _DaemonThreads(ThreadPoolExecutor):

@@ -15,7 +15,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from mikas.errors import ExportError, MikasError, MissingExtra, reason_of
+from mikas.errors import ExportError, MikasError, library, reason_of
 from mikas.i18n import Language, Text
 from mikas.recording.export.dialects import PLAIN, Dialect
 from mikas.recording.table.channels import Channel, Rows
@@ -61,10 +61,7 @@ def format_of(out: Path) -> Format:
 def require_library(wanted: Format) -> None:
     """Raise `MissingExtra` if the format's library is not installed."""
     if wanted.library:
-        try:
-            import_module(wanted.library)
-        except ImportError as error:
-            raise MissingExtra(feature=wanted.name, extra=wanted.extra) from error
+        library(wanted.library, feature=wanted.name, extra=wanted.extra)
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,12 +10,11 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from importlib import import_module
 from typing import Any, Final
 
 import numpy as np
 
-from mikas.errors import MissingExtra
+from mikas import errors
 from mikas.i18n import Text
 from mikas.recording.exchanges.arrays import Floats
 from mikas.recording.table.channels import Channel
@@ -35,15 +34,11 @@ class Table:
 
 def library(name: str) -> Any:  # noqa: ANN401  (a module that may not be installed)
     """Import the library. Raises `MissingExtra` with the command that installs it."""
-    try:
-        return import_module(name)
-    except ImportError as error:
-        raise MissingExtra(
-            feature=Text(f"A table for {name}", f"Таблица для {name}"),
-            advice=Text(
-                f"Install it with: pip install {name}.", f"Установите: pip install {name}."
-            ),
-        ) from error
+    return errors.library(
+        name,
+        feature=Text(f"A table for {name}", f"Таблица для {name}"),
+        advice=Text(f"Install it with: pip install {name}.", f"Установите: pip install {name}."),
+    )
 
 
 def pandas_frame(table: Table) -> Any:  # noqa: ANN401  (pandas may not be installed)
