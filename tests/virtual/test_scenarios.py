@@ -13,8 +13,15 @@ from hypothesis import strategies as st
 from mikas.catalog.loading.source import parse_source
 from mikas.errors import CatalogError, UsageError
 from mikas.virtual.model.engine import Engine
-from mikas.virtual.scenarios.form import CONDITION, START, TIMELINE
-from mikas.virtual.scenarios.scenario import DEFAULT, SCENARIOS, Scenario, find, from_source, load
+from mikas.virtual.scenarios.scenario import (
+    DEFAULT,
+    FORM,
+    SCENARIOS,
+    Scenario,
+    find,
+    from_source,
+    load,
+)
 from mikas.virtual.scenarios.timeline import ScenarioTimeline, Track
 
 DOCS = Path(__file__).parents[2] / "docs" / "reference" / "scenarios.md"
@@ -225,5 +232,6 @@ def test_the_example_in_the_documentation_works() -> None:
 
 def test_the_documentation_names_every_scenario_and_key() -> None:
     text = DOCS.read_text(encoding="utf-8")
-    for word in (*SCENARIOS, "after_end", "loop_from", "passports", *START, *TIMELINE, *CONDITION):
+    keys = [key for table in ("start", "timeline", "condition") for key in FORM[table]]
+    for word in (*SCENARIOS, "after_end", "loop_from", "passports", *keys):
         assert f"`{word}`" in text

@@ -1,7 +1,7 @@
-"""The form of a scenario file: tables, keys, allowed values (docs/reference/scenarios.md).
+"""The form of the values in a scenario file (docs/reference/scenarios.md).
 
-Reads a file's tables into checked values. An invalid one is a `CatalogError` with file, line and
-the expected form.
+Each function reads one value of the file, or returns the reader of such values; it raises a
+`UsageError` with the expected form.
 """
 
 from __future__ import annotations
@@ -12,21 +12,9 @@ from decimal import Decimal
 from itertools import pairwise
 from typing import Any, TypeGuard
 
-from mikas.catalog.loading.fields import (
-    ANY,
-    TEXT,
-    Reader,
-    Schema,
-    boolean,
-    choice,
-    read_table,
-    span,
-    string,
-)
-from mikas.catalog.loading.source import CatalogFile
+from mikas.catalog.loading.fields import Reader, span
 from mikas.errors import UsageError, usage_error
 from mikas.i18n import Text
-from mikas.virtual.memory import SIZES
 from mikas.virtual.scenarios.timeline import Track
 
 PASSPORTS = 8  # three of the program, five of the data; 16 bytes each (§3)
@@ -58,9 +46,9 @@ def openings(value: object) -> tuple[float, float]:
     return low, high
 
 
-def track(low: float, high: float, *, smooth: bool = True) -> Reader:
-    """Return a reader of one number, or of points `[second, value]` in the order of time."""
-    in_range = number(low, high, whole=not smooth)
+def track(high: float, *, smooth: bool = True) -> Reader:
+    """Return a reader of one number up to `high`, or of points `[second, value]`, in order."""
+    in_range = number(0, high, whole=not smooth)
 
     def read(value: object) -> Track:
         points: Any = [[0, value]] if _is_number(value) else value
@@ -138,105 +126,3 @@ def _is_passport(value: object) -> bool:
 
 def _is_point(value: object) -> bool:
     return isinstance(value, list) and len(value) == 2 and all(_is_number(n) for n in value)
-
-
-START: Schema = {
-    "ambient": number(-40, 50),
-    "coolant": number(-40, 120),
-    "coolant_at_start": number(-40, 120),
-    "running": boolean,
-    "battery": number(0.3, 1),
-    "discharged": number(0, 45),
-}
-TIMELINE: Schema = {
-    "key": track(0, 1, smooth=False),
-    "starter": track(0, 1, smooth=False),
-    "load": track(0, 100),
-    "consumers": track(0, 60),
-    "throttle": track(0, 100),
-    "gear": track(0, 5, smooth=False),
-    "speed": track(0, 200),
-}
-CONDITION: Schema = {
-    "alternator": number(0, 1),
-    "regulator": number(12, 18),
-    "starter": number(0.2, 1),
-    "fuel_drained": number(0, 60),
-    "thermostat": number(0, 1),
-    "radiator": number(0, 1),
-    "leak": number(0, 30),
-    "idle_valve": number(0, 60),
-    "idle_passage": number(0.1, 1),
-    "idle_advance": number(-5, 40),
-    "air_meter": number(0.3, 2),
-    "air_meter_zero": number(0, 20),
-    "air_meter_loose": openings,
-    "coolant_sensor": number(-40, 40),
-    "throttle_dead": openings,
-    "throttle_stops": openings,
-    "knock": number(0, 20),
-}
-FORM: Schema = {
-    "name": string,
-    "duration": number(1, 1e6),
-    "after_end": choice(str, "hold", "loop"),
-    "loop_from": number(0, 1e6),
-    "text": TEXT,
-    "start": START,
-    "timeline": TIMELINE,
-    "condition": CONDITION,
-    "values": {ANY: pinned},
-    "raw": {ANY: hex_bytes},
-    "faults": numbers,
-    "passports": passports,
-    "memory": {space: {ANY: hex_bytes} for space in SIZES},
-}
-
-
-def read_form(source: CatalogFile) -> dict[str, Any]:
-    """Return the file's tables, every value checked. Raises `CatalogError`."""
-    form = read_table(source, (), source.tables, FORM)
-    form["memory"] = {
-        space: {_address(source, space, key, data): data for key, data in cells.items()}
-        for space, cells in form.get("memory", {}).items()
-    }
-    _check_times(source, form)
-    return form
-
-
-def _check_times(source: CatalogFile, form: dict[str, Any]) -> None:
-    duration = form.get("duration")
-    if duration is None:
-        raise source.error(
-            (),
-            "has no `duration` (seconds that the timeline lasts)",
-            "нет `duration` (длительность сценария в секундах)",
-        )
-    for name, points in form.get("timeline", {}).items():
-        if points.times[-1] > duration:
-            problem = Text(
-                f"has a point after the end; `duration` is {duration:g} s",
-                f"точка после конца; `duration` — {duration:g} с",
-            )
-            raise source.wrong(("timeline", name), problem)
-    if form.get("loop_from", 0) > duration - 1:
-        problem = Text(
-            f"must be at least 1 s before the end, which is at {duration:g} s",
-            f"должно быть хотя бы за 1 с до конца ({duration:g} с)",
-        )
-        raise source.wrong(("loop_from",), problem)
-
-
-def _address(source: CatalogFile, space: str, key: str, data: bytes) -> int:
-    try:
-        address = int(key, 16)
-    except ValueError:
-        address = -1
-    if 0 <= address <= SIZES[space] - len(data):
-        return address
-    last = SIZES[space] - 1
-    problem = Text(
-        f"must be an address in hex, and its bytes must end by {last:X}",
-        f"нужен адрес в шестнадцатеричном виде, а байты — не дальше {last:X}",
-    )
-    raise source.wrong(("memory", space, key), problem)
