@@ -125,13 +125,8 @@ def whole(number: Any, to: dtype) -> int:  # noqa: ANN401  (a number)
 
 def one(value: Any, to: dtype) -> Any:  # noqa: ANN401  (a number of the type)
     """Return one value in a type."""
-    if to is object_:
-        return value
-    if to is bool_:
-        return bool(value)
-    if to.kind == "f":
-        return float(value) if to is float64 else converted([value], to)[0]
-    return whole(value, to)
+    found = converted([value], to)[0]
+    return found != 0 if to is bool_ else found
 
 
 def converted(data: Any, to: dtype) -> Any:  # noqa: ANN401  (the values, as `ndarray` keeps them)

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
-from collections import Counter
-from itertools import chain, pairwise
+from collections import Counter, defaultdict
+from itertools import chain, count, pairwise
 from math import nan
 from typing import Any
 
 from mikas.browser.arrays import kernels
 from mikas.browser.arrays.creation import asarray, concatenate, is_scalar
 from mikas.browser.arrays.dtypes import bool_, float64, int64, uint8
-from mikas.browser.arrays.elementwise import equal, isnan, not_equal, subtract
+from mikas.browser.arrays.elementwise import equal, isnan, subtract
 from mikas.browser.arrays.ndarray import ndarray, outside
 
 
@@ -61,10 +61,10 @@ def insert(values: Any, places: Any, more: Any) -> ndarray:  # noqa: ANN401  (ar
     source = asarray(values)
     at = [places] if is_scalar(places) else asarray(places).tolist()
     new = source.copy()._values(asarray(more), len(at))  # noqa: SLF001  (its own array)
-    count = len(source)
-    if any(not -count <= place <= count for place in at):
+    size = len(source)
+    if any(not -size <= place <= size for place in at):
         raise IndexError("a place outside of the array")
-    at = [place + count if place < 0 else place for place in at]
+    at = [place + size if place < 0 else place for place in at]
     pieces, done = [], 0
     for number in sorted(range(len(at)), key=at.__getitem__):
         pieces += [source.data[done : at[number]], new[number : number + 1]]
@@ -106,13 +106,8 @@ def unique(
         return found, ndarray(often, int64)
     if not return_inverse:
         return found
-    places = {each: place for place, each in enumerate(different)}
-    if missing:
-        last = len(different)
-        inverse = [places.get(each, last) for each in data]
-    else:
-        inverse = [places[each] for each in data]
-    return found, ndarray(inverse, int64)
+    places: dict[Any, int] = defaultdict(lambda: len(different), zip(different, count()))
+    return found, ndarray([places[each] for each in data], int64)
 
 
 def bincount(values: Any, weights: Any = None) -> ndarray:  # noqa: ANN401  (arrays)
@@ -154,10 +149,10 @@ def array_equal(one: Any, other: Any, equal_nan: bool = False) -> bool:  # noqa:
     a, b = asarray(one), asarray(other)
     if len(a) != len(b):
         return False
-    if not equal_nan or a.dtype is not float64 or b.dtype is not float64:
-        return bool(equal(a, b).all())
-    unequal = not_equal(a, b)
-    return bool((unequal ^ (isnan(a) & isnan(b))).any()) is False
+    same = equal(a, b)
+    if equal_nan:
+        same = same | (isnan(a) & isnan(b))
+    return bool(same.all())
 
 
 def split(values: Any, places: Any) -> list[ndarray]:  # noqa: ANN401  (arrays)
