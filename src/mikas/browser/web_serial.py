@@ -124,17 +124,11 @@ class WebSerialLink(Link):
         self._port = port
         self._clock = serial.now
         self._about = about
-        self._can_break = True
         self._sent_until = 0.0
 
     @property
     def description(self) -> str:
         return self._about
-
-    @property
-    def can_break(self) -> bool:
-        """False once the adapter has refused."""
-        return self._can_break
 
     def now(self) -> float:
         return self._clock()

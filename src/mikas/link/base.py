@@ -64,10 +64,12 @@ class Link(ABC):
     granularity: float = LATENCY_TIMER
     """Seconds by which bytes may come late and together (D14); that of a latency timer."""
 
+    _can_break: bool = True
+
     @property
     def can_break(self) -> bool:
         """Whether `send_break` pulls the wire low; may turn false at the first attempt."""
-        return True
+        return self._can_break
 
     @property
     def description(self) -> str:

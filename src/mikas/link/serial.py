@@ -81,7 +81,7 @@ class SerialLink(Link):
         self.url = url
         self.baud = baud
         self._about = about
-        self._can_break = can_break
+        self._can_break = can_break  # turns false once the system has refused
         self.granularity = granularity
         self.port = port
         self._receive = _by_select(port) if port.timeout == 0 else _by_asking(port)
@@ -95,11 +95,6 @@ class SerialLink(Link):
         if not self._about:  # looked up on first use: listing the ports takes time
             self._about = _described(parse(self.url).address)
         return f"{self._about}, low latency" if self.granularity <= AT_ONCE else self._about
-
-    @property
-    def can_break(self) -> bool:
-        """False over plain TCP, and once the system has refused."""
-        return self._can_break
 
     def now(self) -> float:
         return self._clock.now()
