@@ -126,18 +126,15 @@ class ProcessRunner(Runner):
         for file in files:
             self.close()
             self._executor, self._lifeline = self._start(1)
-            future = self.submit(work, file)
+            future = self._executor.submit(work, file)
             try:
-                yield self._result(future)
+                while not future.done():
+                    wait([future], timeout=_LOOK)
+                yield future.result()
             except BrokenProcessPool:
                 yield FileOutcome(file, bad=_DIED)
         self.close()
         self._executor, self._lifeline = self._start(self._workers)
-
-    def _result(self, future: Future[FileOutcome]) -> FileOutcome:
-        while True:
-            with suppress(TimeoutError):
-                return future.result(timeout=_LOOK)
 
     def _start(self, workers: int) -> tuple[Executor, Connection]:
         from concurrent.futures import ProcessPoolExecutor

@@ -84,12 +84,10 @@ class Store(ABC):
     def missing(self, names: Iterable[str]) -> set[str]:
         """Return those of the names that no file has."""
 
-    @abstractmethod
-    def clear(self, run: str) -> None:
+    def clear(self, run: str) -> None:  # noqa: B027  (those of a URL are in temporary folders)
         """Remove the unfinished files of a run, whose processes may have been ended."""
 
-    @abstractmethod
-    def tidy(self) -> None:
+    def tidy(self) -> None:  # noqa: B027  (an object store keeps no part of a put)
         """Remove what killed programs have left, a day later."""
 
 
@@ -229,12 +227,6 @@ class UrlStore(Store):
         with suppress(FileNotFoundError):
             return list(self.system.find(self.root))
         return []
-
-    def clear(self, run: str) -> None:
-        """Nothing: they are in the folders of the computers that did the work."""
-
-    def tidy(self) -> None:
-        """Nothing: an object store keeps no part of a put."""
 
     def _at(self, name: str) -> str:
         return f"{self.root}/{name}"
