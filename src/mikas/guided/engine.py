@@ -160,16 +160,16 @@ class TestEngine:
         self._finish(time)
 
     def _finish(self, time: float) -> None:
-        verdict = judge(self.test, self._numbers)
+        outcome, findings, missing = judge(self.test, self._numbers)
         channels = ((self._catalog.channel(name), it) for name, it in self._curves.items())
         self.result = TestResult(
             test=self.test.name,
             title=self.test.title,
             began=time if self._begun is None else self._begun,
             ended=time,
-            outcome=verdict.outcome,
-            findings=verdict.findings,
-            missing=verdict.missing,
+            outcome=outcome,
+            findings=findings,
+            missing=missing,
             numbers=tuple(self._numbers[name] for name in self.test.measures),
             steps=tuple(self._done),
             curves=tuple(

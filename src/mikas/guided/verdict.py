@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from math import nan
-from typing import Final, NamedTuple
+from typing import Final, TypeAlias
 
 from mikas.catalog.formulas import Calculation
 from mikas.guided.definition import GuidedTest, Measure, Rule, VerdictKind
@@ -22,12 +22,8 @@ from mikas.recording.formatting import digits
 _ORDER: Final = tuple(VerdictKind)
 
 
-class Verdict(NamedTuple):
-    """The outcome, the rules that hold, and why others could not be decided."""
-
-    outcome: VerdictKind
-    findings: tuple[Finding, ...]
-    missing: tuple[Text, ...]
+Verdict: TypeAlias = tuple[VerdictKind, tuple[Finding, ...], tuple[Text, ...]]
+"""The outcome, the rules that hold, and why others could not be decided."""
 
 
 def judge(test: GuidedTest, numbers: Mapping[str, Number]) -> Verdict:
@@ -55,12 +51,12 @@ def judge(test: GuidedTest, numbers: Mapping[str, Number]) -> Verdict:
             kept.append(_finding(rule, numbers, near))
     if found:
         worst = max((it.outcome for it in found), key=_ORDER.index)
-        return Verdict(worst, tuple(found), tuple(missing))
+        return (worst, tuple(found), tuple(missing))
     if missing:
-        return Verdict(VerdictKind.UNKNOWN, (), tuple(missing))
+        return (VerdictKind.UNKNOWN, (), tuple(missing))
     if good:
-        return Verdict(VerdictKind.GOOD, (_doubted(good[0], near_limit),), ())
-    return Verdict(VerdictKind.UNKNOWN, (), (_NO_RULE,))
+        return (VerdictKind.GOOD, (_doubted(good[0], near_limit),), ())
+    return (VerdictKind.UNKNOWN, (), (_NO_RULE,))
 
 
 def _finding(rule: Rule, numbers: Mapping[str, Number], near: list[Text]) -> Finding:
