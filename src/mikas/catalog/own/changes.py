@@ -157,21 +157,20 @@ def _written(key: str, value: Any, before: AlarmLimits | None) -> Any:  # noqa: 
     return dict.fromkeys(_LIMITS) if value is None else _limits(value, before)
 
 
-def _limits(wanted: Mapping[str, Any] | None, before: AlarmLimits | None) -> dict[str, Any]:
+def _limits(wanted: Mapping[str, Any], before: AlarmLimits | None) -> dict[str, Any]:
     """Return the keys of `limits` that make `wanted` out of the shipped limits."""
     before = before or AlarmLimits()
-    keys: dict[str, Any] = {}
-    for key in _LIMITS:
-        value, shipped_one = (wanted or {}).get(key), getattr(before, key)
-        if key == "hysteresis":
-            value = value or 0
-        if key == "when_true":
-            value = str(value or Level.NONE)
-        if value == shipped_one:
-            keys[key] = None
-        else:
-            keys[key] = False if value is None else _plain(value)
-    return keys
+    return {
+        key: None if value == getattr(before, key) else False if value is None else _plain(value)
+        for key, value in _complete(wanted).items()
+    }
+
+
+def _complete(limits: Mapping[str, Any]) -> dict[str, Any]:
+    """Return `limits` with all of its keys."""
+    hysteresis, when_true = limits.get("hysteresis") or 0, limits.get("when_true") or Level.NONE
+    own = {"hysteresis": hysteresis, "when_true": str(when_true)}
+    return {key: own.get(key, limits.get(key)) for key in _LIMITS}
 
 
 def _plain(value: Any) -> Any:  # noqa: ANN401  (a value of TOML)
@@ -190,8 +189,7 @@ def _effect(channel: Parameter | Derived, key: str) -> object:
 def _wanted(key: str, value: Any) -> object:  # noqa: ANN401  (any key's)
     if key != "limits":
         return tuple(value) if isinstance(value, list | tuple) else value
-    named = {**value, "hysteresis": value.get("hysteresis") or 0}
-    named["when_true"] = str(value.get("when_true") or Level.NONE)
-    if not any(named.get(name) is not None for name in LIMITS):
+    named = _complete(value)
+    if not any(named[name] is not None for name in LIMITS):
         named["hysteresis"] = 0  # of no limits
-    return [named.get(name) for name in _LIMITS]
+    return named
