@@ -17,6 +17,7 @@ from mikas.report.measurements.alarms import Alarm, worst
 from mikas.report.sections.section import PageSection, items
 from mikas.sampling.alarms import BEYOND, LEVEL_TEXTS, Side
 
+NOTED = Text("{name} ({note})", "{name} ({note})")
 _PEAK = {Side.LOW: Text("lowest", "наименьшее"), Side.HIGH: Text("highest", "наибольшее")}
 
 
@@ -39,7 +40,7 @@ def alarm_section(found: Findings, language: Language) -> PageSection | None:
 
 def _briefly(alarm: Alarm) -> Text:
     name, limit = within(_crossed(alarm)), _peak(alarm)
-    return Text(f"{name.en} ({limit.en})", f"{name.ru} ({limit.ru})") if limit.en else name
+    return NOTED.filled(name=name, note=limit) if limit.en else name
 
 
 def _crossed(alarm: Alarm) -> Text:

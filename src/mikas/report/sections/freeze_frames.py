@@ -7,7 +7,6 @@ Air flow 3.1 kg/h …
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Final
 
 from markupsafe import Markup
@@ -21,6 +20,14 @@ from mikas.report.measurements.alarms import Channel
 from mikas.report.sections.section import PageSection, paragraph, table
 
 _SHARP: Final = 0.5  # s; a shorter time has no range of values
+_UNKNOWN: Final = Text(
+    "No freeze frame ({codes}): the moment is not known to a minute, or its values are not known.",
+    "Стоп-кадра нет ({codes}): момент не известен с точностью до минуты, или неизвестны значения.",
+)
+_BEFORE: Final = Text(
+    "No freeze frame ({codes}): stored before the first reading of the faults.",
+    "Стоп-кадра нет ({codes}): в памяти ещё до первого чтения ошибок.",
+)
 
 
 def frame_section(found: Findings, language: Language) -> PageSection | None:
@@ -30,7 +37,10 @@ def frame_section(found: Findings, language: Language) -> PageSection | None:
     stored = [each.code for each in found.real_faults]
     unknown = [code for code in stored if code in appeared and appeared[code].frame is None]
     before = [code for code in stored if code not in appeared]
-    parts += [paragraph(text.to(language)) for text in _missing(unknown, before)]
+    for codes, text in ((unknown, _UNKNOWN), (before, _BEFORE)):
+        if codes:
+            filled = text.filled(codes=", ".join(map(str, codes)))
+            parts.append(paragraph(filled.to(language)))
     if not parts:
         return None
     return PageSection(Labels(language)("frames"), Markup("").join(parts))
@@ -50,23 +60,6 @@ def _latest(found: Findings) -> dict[int, AppearedFault]:
         if not catalog.fault(each.code).informational:
             latest.setdefault(each.code, each)
     return latest
-
-
-def _missing(unknown: list[int], before: list[int]) -> Iterator[Text]:
-    if unknown:
-        codes = ", ".join(map(str, unknown))
-        yield Text(
-            f"No freeze frame ({codes}): the moment is not known to a minute, or its values are "
-            "not known.",
-            f"Стоп-кадра нет ({codes}): момент не известен с точностью до минуты, или неизвестны "
-            "значения.",
-        )
-    if before:
-        codes = ", ".join(map(str, before))
-        yield Text(
-            f"No freeze frame ({codes}): stored before the first reading of the faults.",
-            f"Стоп-кадра нет ({codes}): в памяти ещё до первого чтения ошибок.",
-        )
 
 
 def _frame(frame: FreezeFrame, found: Findings, language: Language) -> Markup:

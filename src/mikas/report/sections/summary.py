@@ -10,7 +10,7 @@ from mikas.i18n import Language, Text, counted, joined
 from mikas.recording.formatting import duration, moment, number, within
 from mikas.report.findings import BandPosition, Findings, Outcome, Unrated, is_open
 from mikas.report.measurements.warm_idle import ENOUGH, SETTLING, RuleResult, WarmIdle
-from mikas.report.sections.alarm_texts import alarm_summary
+from mikas.report.sections.alarm_texts import NOTED, alarm_summary
 from mikas.report.subject import ClearedFaults
 
 HEADLINES = {
@@ -92,9 +92,8 @@ def _of_values(found: Findings) -> Iterator[Text]:
     idle = found.measured.idle
     yield _of_ratings(found) if idle.enough else _no_idle(idle)
     if found.suspended:
-        named = Text("{name} ({codes})", "{name} ({codes})")
         sensors = (
-            named.filled(name=within(v.channel.text), codes=", ".join(map(str, v.sensor)))
+            NOTED.filled(name=within(v.channel.text), note=", ".join(map(str, v.sensor)))
             for v in found.suspended
         )
         listed = joined(", ", sensors)
@@ -171,10 +170,8 @@ def _of_ratings(found: Findings) -> Text:
             f"all {count} values that can be rated are normal at warm idle",
             f"все значения, которые можно оценить ({count}), на прогретом холостом ходу в норме",
         )
-    marked = Text("{name} ({mark})", "{name} ({mark})")
-    listed = joined(
-        ", ", (marked.filled(name=within(v.channel.short), mark=MARKS[v.mark]) for v in off)
-    )
+    marked = (NOTED.filled(name=within(v.channel.short), note=MARKS[v.mark]) for v in off)
+    listed = joined(", ", marked)
     out = counted(len(off), ("is", "are"), ("значение", "значения", "значений"))
     return Text(
         f"at warm idle {len(off)} of the {count} values that can be rated "
