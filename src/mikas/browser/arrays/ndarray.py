@@ -161,32 +161,24 @@ class ndarray:  # noqa: N801  (numpy's name; it has no hash; many operators)
     def _writable(self) -> Any:  # noqa: ANN401  (a list or a bytearray)
         if self._viewed:
             outside("change of an array that has slices, or is one")
-        if self.dtype in _BYTES:
-            if not isinstance(self.data, bytearray):
-                self.data = bytearray(self.data)
-        elif self._shared or not isinstance(self.data, list):
-            self.data = list(self.data)
-        if self._shared:
-            self.data, self._shared = self.data[:], False
+        kind = bytearray if self.dtype in _BYTES else list
+        if self._shared or not isinstance(self.data, kind):
+            self.data, self._shared = kind(self.data), False
         return self.data
 
     def _values(self, given: Any, count: int) -> Any:  # noqa: ANN401  (values as they are kept)
         """Return `count` values in this array's type: those given, or one of them repeated."""
-        if isinstance(given, (ndarray, list, tuple)):
-            data = given
-            if isinstance(given, ndarray) or self.dtype is not object_:
-                values = given if isinstance(given, ndarray) else _array(given)
-                data = values.data
-                if values.dtype is not self.dtype:
-                    data = converted(data, self.dtype)
-            if len(data) == count:
-                return data
-            if len(data) != 1:
-                raise ValueError(f"{len(data)} values for {count} places")
-            value = data[0]
+        if isinstance(given, (list, tuple)) and self.dtype is not object_:
+            given = _array(given)
+        if isinstance(given, ndarray):
+            data = given.data if given.dtype is self.dtype else converted(given.data, self.dtype)
         else:
-            value = one(given, self.dtype)
-        return bytes([value]) * count if self.dtype in _BYTES else [value] * count
+            data = given if isinstance(given, (list, tuple)) else converted([given], self.dtype)
+        if len(data) == count:
+            return data
+        if len(data) != 1:
+            raise ValueError(f"{len(data)} values for {count} places")
+        return (bytes(data) if self.dtype in _BYTES else list(data)) * count
 
     def nonzero(self) -> tuple[ndarray]:
         """Return the places of all values but zero."""
