@@ -32,7 +32,7 @@ from typing import Any, Final
 from mikas import commands as c
 from mikas.catalog import INTERPRETATIONS, Catalog, Conversion, Erratum, Parameter
 from mikas.commands.base import NO_COMPLETION_CODE
-from mikas.commands.memory import OTHER_COUNT
+from mikas.commands.memory import OTHER_COUNT, ByteCommand, ReadBlock, WriteBlock, WriteByte
 from mikas.commands.unit import NO_SEPARATOR, OTHER_NUMBER_OF_FAULTS
 from mikas.errors import NotSupported, WriteRefused, WrongAddress, WrongContent, WrongLength
 from mikas.i18n import Language, Text
@@ -40,20 +40,11 @@ from mikas.i18n import Language, Text
 _LAYOUTS: Final[dict[type[c.Command[Any]], tuple[str, ...]]] = {
     c.Availability: ("", "model"),
     c.ReadFaults: ("", "faults"),
-    c.ReadRamByte: ("address", "address value"),
-    c.WriteRamByte: ("address value", "address value"),
-    c.ReadXramByte: ("address", "address value"),
-    c.WriteXramByte: ("address value", "address value"),
-    c.ReadCodeByte: ("address", "address value"),
-    c.WriteCodeByte: ("address value", "address value"),
+    ByteCommand: ("address", "address value"),
+    WriteByte: ("address value", "address value"),
     c.ReadRamBlock: ("address count", "address count bytes"),
-    c.WriteRamBlock: ("address count bytes", "result"),
-    c.ReadXramBlock: ("address count", "address bytes", "address count bytes"),
-    c.WriteXramBlock: ("address count bytes", "result"),
-    c.ReadCodeBlock: ("address count", "address bytes", "address count bytes"),
-    c.WriteCodeBlock: ("address count bytes", "result"),
-    c.ReadSfr: ("address", "address value"),
-    c.WriteSfr: ("address value", "address value"),
+    ReadBlock: ("address count", "address bytes", "address count bytes"),
+    WriteBlock: ("address count bytes", "result"),
     c.GoTo: ("address", "any"),
     c.ReadProgramPassport: ("", "text"),
     c.ReadDataPassport: ("", "text"),
@@ -65,7 +56,9 @@ _LAYOUTS: Final[dict[type[c.Command[Any]], tuple[str, ...]]] = {
     c.StreamCyclic: ("codes", "values"),
     c.StreamAtStroke: ("codes", "values"),
 }
-"""The request's layout, then those of the responses, the usual one first (D7)."""
+"""The request's layout, then those of the responses, the usual one first (D7); a family's is that
+of its commands.
+"""
 
 MESSAGES: Final[dict[str, Text]] = {
     "done": Text("done", "выполнено"),
@@ -124,7 +117,8 @@ def _command(command: type[c.Command[Any]], code: int) -> dict[str, object]:
     (D12).
     """
     space: c.Space | None = getattr(command, "SPACE", None)
-    request, *responses = (layout.split() for layout in _LAYOUTS[command])
+    layouts = next(_LAYOUTS[kind] for kind in command.__mro__ if kind in _LAYOUTS)
+    request, *responses = (layout.split() for layout in layouts)
     return {
         "code": code,
         "name": command.SOURCE_NAME,

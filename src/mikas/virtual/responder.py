@@ -11,6 +11,7 @@ from typing import Any, Protocol
 
 from mikas import commands as c
 from mikas.commands.base import Write
+from mikas.commands.memory import ByteCommand, ReadBlock, WriteBlock, WriteByte
 from mikas.virtual.memory import EcuMemory
 from mikas.virtual.quirks import BadWrite, EcuQuirks, LongList, Unknown
 
@@ -158,21 +159,20 @@ class Responder:
     def _access_memory(self, command: c.Command[Any]) -> bytes | None:
         memory, max_block = self.memory, self.quirks.max_block
         match command:
-            case c.ReadRamBlock() | c.ReadXramBlock() | c.ReadCodeBlock():
+            case ReadBlock():
                 if command.count > max_block:
                     return self._unknown()
-                counted = self.quirks.counted_blocks or isinstance(command, c.ReadRamBlock)
                 data = memory.read(command.SPACE, command.address, command.count)
-                return command.respond(data, counted=counted)
-            case c.WriteRamBlock() | c.WriteXramBlock() | c.WriteCodeBlock():
+                return command.respond(data, counted=self.quirks.counted_blocks or None)
+            case WriteBlock():
                 if len(command.data) > max_block:
                     return self._bad_write()
                 memory.write(command.SPACE, command.address, command.data)
                 return b"\x00"
-            case c.WriteRamByte() | c.WriteXramByte() | c.WriteCodeByte() | c.WriteSfr():
+            case WriteByte():
                 memory.write(command.SPACE, command.address, bytes([command.value]))
                 return command.respond(command.value)
-            case c.ReadRamByte() | c.ReadXramByte() | c.ReadCodeByte() | c.ReadSfr():
+            case ByteCommand():
                 return command.respond(memory.read(command.SPACE, command.address)[0])
         raise AssertionError(f"{command.name.en} is not implemented")
 
