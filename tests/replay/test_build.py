@@ -19,8 +19,7 @@ from mikas.recording.exchanges.columnar import column_exchanges
 from mikas.recording.exchanges.turns import quick_exchanges
 from mikas.replay import behaviour as replay_habits
 from mikas.replay import build as building
-from mikas.replay.build import build
-from mikas.replay.builder import ReplayBuilder
+from mikas.replay.build import ReplayBuilder, build
 from mikas.replay.model import ChangingValue, Series
 
 FEW = 3  # delays that are enough, so that runs begin early

@@ -7,7 +7,7 @@ that the builder's state before and after a run is complete.
 
 from __future__ import annotations
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -17,9 +17,11 @@ from mikas.recording.exchanges.layouts import STREAMS
 from mikas.recording.exchanges.pieces import joined
 from mikas.recording.exchanges.refusals import is_lone, is_twice
 from mikas.recording.exchanges.result import Exchanges
-from mikas.replay.builder import ReplayBuilder
 from mikas.replay.contents import ROUNDING, RecordedPort, Request
 from mikas.replay.model import Series
+
+if TYPE_CHECKING:
+    from mikas.replay.build import ReplayBuilder
 
 _MIN_RUN: Final = 16  # exchanges
 _RETRY_AFTER: Final = 64  # rows after an attempt that found no run
