@@ -16,6 +16,8 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+import numpy as np
+
 from mikas import commands as c
 from mikas.catalog import Catalog, shipped
 from mikas.commands.base import ERROR
@@ -28,14 +30,14 @@ from mikas.recording.capture.reader import Problem, Source
 from mikas.recording.exchanges import has_whole_numpy, read_exchanges
 from mikas.recording.exchanges.result import JUMP, LONGEST_PAUSE, Exchanges
 from mikas.replay.behaviour import EcuBehaviour
-from mikas.replay.contents import Contents, RecordedPort, Request
+from mikas.replay.contents import Contents, RecordedPort, Request, Response
 from mikas.replay.model import ReplayData
 from mikas.replay.outages import Outages
 
 if TYPE_CHECKING:
     from mikas.replay.routine import Routine
 
-_Row = tuple[float, int, int, int, int, int]
+_Row = tuple[float, int, int, int, int, int, int, bool]
 _AT_ONCE: Final = 64  # rows that are converted at once
 _PAUSE: Final = 3.0  # s between two recordings in a file
 _AFTER: Final = 0.5  # s from the last packet of a recording to its end
@@ -89,11 +91,13 @@ class ReplayBuilder:
     def enter(self, item: Exchanges) -> RecordedPort:
         """Begin the next stretch; return its port."""
         self._place(item)
-        port = self._ports.setdefault(item.source, self.contents.port())
+        if item.source not in self._ports:
+            self._ports[item.source] = RecordedPort(self.contents, item.bodies)
         self._echoes += item.echoes
         self._requests += len(item.requests.numbers)
         self.behaviour.raw_checksum |= item.raw_checksum
-        return port
+        self.contents.learn_sizes(item)
+        return self._ports[item.source]
 
     def _place(self, stretch: Exchanges) -> None:
         """Give a stretch its time; within it, times do not run back."""
@@ -139,16 +143,13 @@ class ReplayBuilder:
             self.behaviour.failed(before.time, before.body, None)
             self.outages.failed(before.time)
         port.previous, port.request = before, request
-        if request:
-            self.contents.sent(request.body, port)
 
-    def take_response(
-        self, port: RecordedPort, request: Request, body: bytes, began: float, ended: float
-    ) -> None:
+    def take_response(self, port: RecordedPort, request: Request, response: Response) -> None:
         """Take a response."""
         request.responded = True
         self.data.frames += 1
-        answered = self.contents.add_response(request, port, body, began)
+        body, began = response.body, response.began
+        answered = self.contents.add_response(request, port, response)
         if answered is None:
             if body == ERROR:  # a datum or a refusal: the ECU is there
                 self.outages.supplied(request.time)
@@ -164,12 +165,12 @@ class ReplayBuilder:
                 self.behaviour.streamed(began - request.ended)
         self.outages.supplied(began if request.answered else request.time)
         request.answered = answered
-        request.ended = ended
+        request.ended = response.ended
 
     def _end_recording(self) -> None:
         self.outages.supplied(self._latest + _AFTER)
         for port in self._ports.values():
-            port.resolver.conclude()
+            port.refusals.conclude()
         self._ports.clear()
         self.contents.end_recording(self._began)
 
@@ -186,6 +187,13 @@ class _Stretch:
         self._byte_time = exchanges.source.byte_time
         self._next_serial = exchanges.requests.first
         self._damaged = set(exchanges.damaged.tolist())
+        self._first_number = port.refusals.taken
+        self._groups = list(port.classifier.groups(exchanges))
+        self._group = np.full(len(exchanges.responses.times), -1)  # of each response
+        for number, group in enumerate(self._groups):
+            self._group[group.rows] = number
+        self._series = [builder.contents.series_of(group.layout) for group in self._groups]
+        port.refusals.add_responses(self._groups, exchanges.responses)
         if port.request and port.request.serial in self._damaged:
             port.request.responded = True
 
@@ -196,34 +204,40 @@ class _Stretch:
         if has_whole_numpy():
             from mikas.replay.routine import Routine
 
-            routine = Routine(self._builder, self._port, self._exchanges)
-        row = first = 0
+            outages = self._builder.outages
+            routine = Routine(self._port, self._exchanges, self._groups, outages, self._shift)
+        row, first, count = 0, 0, len(responses.times)
         rows: list[_Row] = []
-        while row < len(responses.times):
+        while row < count:
             if routine is not None and (taken := routine.add_routine(row)):
                 row += taken
+                self._builder.data.frames += taken
                 self._next_serial = max(self._next_serial, int(responses.requests[row]))
             if row >= first + len(rows):
                 first, rows = row, self._rows(slice(row, row + _AT_ONCE))
-            self._take_response(rows[row - first])
+            self._take_response(row, rows[row - first])
             row += 1
         self._take_requests(requests.first + len(requests.numbers) - 1)
 
     def _rows(self, some: slice) -> list[_Row]:
         it = self._exchanges.responses
         columns = (it.times, it.requests, it.after, it.starts, it.lengths, it.wire_lengths)
-        return list(zip(*(column[some].tolist() for column in columns), strict=True))
+        kinds = (self._group, self._port.refusals.doubtful)
+        return list(zip(*(column[some].tolist() for column in (*columns, *kinds)), strict=True))
 
-    def _take_response(self, row: _Row) -> None:
+    def _take_response(self, number: int, row: _Row) -> None:
         """Take the requests before a response, and the response."""
-        began, serial, after, start, length, wire = row
+        began, serial, after, start, length, wire, group, is_doubtful = row
         self._take_requests(after)
         for request in (self._port.request, self._port.previous):
             if request and request.serial == serial:
                 began += self._shift
                 body = self._bodies[start : start + length]
                 ended = began + wire * self._byte_time
-                self._builder.take_response(self._port, request, body, began, ended)
+                series = self._series[group] if group >= 0 else None
+                doubtful = self._first_number + number if is_doubtful else None
+                response = Response(body, began, ended, series, doubtful)
+                self._builder.take_response(self._port, request, response)
                 return
 
     def _take_requests(self, last: int) -> None:

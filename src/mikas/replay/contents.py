@@ -1,23 +1,27 @@
 """The contents of responses by subject: data, identity, faults, memory, writes.
 
-A request is parsed once. A list holds from the `00` that answered its 64 until the next 64 is sent.
-An `01` that may be a refusal (D10) is kept once `exchanges.refusals` has decided that it counts;
-while a code is refused, the replayed ECU refuses it too.
+A command is parsed once. An `01` that may be a refusal (D10) is kept if `exchanges.refusals` has
+decided, or decides later, that it counts; while a code is refused, the replayed ECU refuses it too.
 """
 
 from __future__ import annotations
 
 from array import array
 from collections import Counter
+from contextlib import suppress
 from dataclasses import dataclass
+from itertools import islice
 from typing import Any, Final, NamedTuple
 
 from mikas import commands as c
 from mikas.catalog import Catalog
 from mikas.commands.base import ERROR
 from mikas.errors import MikasError, NotSupported, WriteRefused
-from mikas.recording.exchanges.layouts import DATA, READ_LIST, WRITE_LIST, Layouts
-from mikas.recording.exchanges.refusals import RefusalResolver
+from mikas.recording.exchanges.arrays import present
+from mikas.recording.exchanges.groups import ResponseClassifier
+from mikas.recording.exchanges.layouts import READ_LIST, STREAMS, Layout, Layouts
+from mikas.recording.exchanges.refusals import RefusalColumns
+from mikas.recording.exchanges.result import Exchanges
 from mikas.replay.behaviour import EcuBehaviour
 from mikas.replay.model import Cells, ChangingValue, ReplayData, Series
 
@@ -44,8 +48,20 @@ class Request:
     ended: float = 0.0
 
 
-class Doubtful(NamedTuple):
-    """A response `01` that may be a refusal. `time`: to which its datum belongs."""
+class Response(NamedTuple):
+    """A response. `series`: of its data; None: it has none. `doubtful`: its number among all of the
+    port if it is an `01` that may be a refusal.
+    """
+
+    body: bytes
+    began: float
+    ended: float
+    series: Series | None
+    doubtful: int | None
+
+
+class Data(NamedTuple):
+    """Data of a response. `time`: to which they belong."""
 
     series: Series
     time: float
@@ -53,14 +69,28 @@ class Doubtful(NamedTuple):
     request: Request
 
 
-@dataclass(slots=True)
 class RecordedPort:
-    """One port in one recording. `request`, `previous`: the last two requests; None: damaged."""
+    """One port in one recording. `request`, `previous`: the last two requests; None: damaged.
 
-    resolver: RefusalResolver[Doubtful]
-    request: Request | None = None
-    previous: Request | None = None
-    list: Series | None = None
+    `waiting`: the doubtful responses so far that are not decided, by number; `decided`: whether
+    those count that are still to come.
+    """
+
+    def __init__(self, contents: Contents, bodies: list[bytes]) -> None:
+        self.contents = contents
+        self.classifier = ResponseClassifier(contents.layouts)
+        self.refusals = RefusalColumns(bodies, self._decide)
+        self.request: Request | None = None
+        self.previous: Request | None = None
+        self.waiting: dict[int, Data] = {}
+        self.decided: dict[int, bool] = {}
+
+    def _decide(self, numbers: list[int], counts: bool) -> None:
+        for number in numbers:
+            if (waiting := self.waiting.pop(number, None)) is None:
+                self.decided[number] = counts
+            else:
+                self.contents.decide(waiting, counts)
 
 
 class Contents:
@@ -69,11 +99,11 @@ class Contents:
     def __init__(self, data: ReplayData, catalog: Catalog, behaviour: EcuBehaviour) -> None:
         self._data = data
         self._catalog = catalog
-        self._behaviour = behaviour
+        self.behaviour = behaviour
         self._sizes: dict[int, int] = {}  # of codes that the catalog lacks
-        self._layouts = Layouts(self._size_of)
+        self.layouts = Layouts(self._size_of)
         self._series: dict[tuple[tuple[int, int, int], ...], Series] = {}
-        self._meanings: dict[bytes, Series | c.Command[Any]] = {}
+        self._commands: dict[bytes, c.Command[Any]] = {}
         self._versions: Counter[int] = Counter()
 
     @property
@@ -81,27 +111,24 @@ class Contents:
         """All series with a response."""
         return [series for series in self._series.values() if series.times]
 
-    def port(self) -> RecordedPort:
-        """Return the state of a port at the begin of a recording."""
-        return RecordedPort(RefusalResolver(self._decide))
+    def series_of(self, layout: Layout) -> Series:
+        """Return the series of a layout."""
+        return self._series.setdefault(layout.places, Series(layout))
 
-    def series_of(self, request: bytes, port: RecordedPort) -> Series | None:
-        """Return the series of a known `request`; None: it has none, or is not known yet."""
-        meant = port.list if request == READ_LIST else self._meanings.get(request)
-        return meant if isinstance(meant, Series) else None
-
-    def is_routine(self, series: Series, port: RecordedPort) -> bool:
-        """Return whether one more response in `series` without 01s brings only data."""
+    def is_refused(self, layout: Layout) -> bool:
+        """Return whether a code of a layout is refused now."""
         refused = (code for code, it in self._data.refused.items() if it.values[-1])
-        if any(code in series.layout.last for code in refused):
-            return False
-        return port.resolver.is_quiet(series.layout)
+        return any(code in layout.last for code in refused)
 
-    def sent(self, body: bytes, port: RecordedPort) -> None:
-        """Note that a request was sent."""
-        port.resolver.sent(body)
-        if body.startswith(WRITE_LIST):
-            port.list = None
+    def learn_sizes(self, exchanges: Exchanges) -> None:
+        """Learn the sizes of codes that the catalog lacks, from responses to a 61 with one code."""
+        responses, bodies = exchanges.responses, exchanges.bodies
+        for number in present(responses.numbers[responses.numbers >= 0]):
+            request = bodies[number]
+            if len(request) == 2 and request[0] == _READ and self._size_of(request[1]) is None:
+                rows = (responses.numbers == number).nonzero()[0].tolist()
+                data = (body for row in rows if (body := responses.body(row)) != ERROR)
+                self._sizes.update((request[1], len(body)) for body in islice(data, 1))
 
     def end_recording(self, began: float) -> None:
         """Keep the version of the recording that began then."""
@@ -109,62 +136,60 @@ class Contents:
             self._data.version.add(began, version)
         self._versions.clear()
 
-    def add_response(
-        self, request: Request, port: RecordedPort, body: bytes, began: float
-    ) -> bool | None:
-        """Keep the content of `body` and return whether it is a valid response.
+    def add_response(self, request: Request, port: RecordedPort, response: Response) -> bool | None:
+        """Keep the content of a response and return whether it is a valid one.
 
         False: a refusal, or too short. None: doubtful, or no response to this request.
         """
-        meant = self._meaning(request.body, port, body)
-        if meant is None:
-            return self._take_unknown(request, body)
-        if isinstance(meant, Series):
-            return self._take_data(request, port, meant, body, began)
+        if response.series is not None:
+            return self._take_data(request, port, response, response.series)
+        if (command := self._command(request.body)) is None:
+            return self._take_unknown(request, response.body)
         try:
-            value = meant.read(body)
+            value = command.read(response.body)
         except WriteRefused:
-            return not isinstance(meant, c.WriteList)
+            return not isinstance(command, c.WriteList)
         except NotSupported:
             return False
         except MikasError:
             return None
-        self._keep(request.time, meant, value, body)
-        if isinstance(meant, c.WriteList) and port.request is request:
-            port.list = self._data_of(request.body)
+        self._keep(request.time, command, value, response.body)
         return True
 
     def _take_data(
-        self, request: Request, port: RecordedPort, series: Series, body: bytes, began: float
+        self, request: Request, port: RecordedPort, response: Response, series: Series
     ) -> bool | None:
-        streamed = c.COMMANDS_BY_CODE[request.body[0]].STREAM
-        time = began - ROUNDING if streamed else request.time
-        doubtful = Doubtful(series, time, began, request)
-        if port.resolver.is_certain_value(
-            doubtful, request.body, request.serial, series.layout, body
-        ):
-            self._accept(doubtful, body)
-            return True
-        if len(body) == series.size:
+        body, number = response.body, response.doubtful
+        streamed = request.body[0] in STREAMS
+        time = response.began - ROUNDING if streamed else request.time
+        data = Data(series, time, response.began, request)
+        if number is not None:
+            if number in port.decided:
+                self.decide(data, port.decided.pop(number))
+            else:
+                port.waiting[number] = data
             return None
+        if len(body) == series.size:
+            self._accept(data, body)
+            return True
         about = set(request.body[1:])
         if body == ERROR and request.body[0] == _READ and len(about) == 1:
             self._refuse(about.pop(), time)
         return False if body == ERROR or 0 < len(body) < series.size else None
 
-    def _decide(self, doubtful: Doubtful, counts: bool) -> None:
+    def decide(self, doubtful: Data, counts: bool) -> None:
         """Keep or drop an `01`."""
         if counts:
             self._accept(doubtful, ERROR)
             return
         request = doubtful.request
-        self._behaviour.failed(request.time, request.body, ERROR)
+        self.behaviour.failed(request.time, request.body, ERROR)
         if request.body[0] == _READ:
             self._refuse(request.body[1], doubtful.time)
 
-    def _accept(self, response: Doubtful, body: bytes) -> None:
+    def _accept(self, data: Data, body: bytes) -> None:
         """Keep data; their codes are not refused now."""
-        series, time, began, request = response
+        series, time, began, request = data
         for code, refused in self._data.refused.items():
             if code in series.layout.last:
                 refused.add(time, value=False)
@@ -179,32 +204,15 @@ class Contents:
             refused.add(0.0, value=False)
         refused.add(time, value=True)
 
-    def _meaning(
-        self, request: bytes, port: RecordedPort, body: bytes
-    ) -> Series | c.Command[Any] | None:
-        if request in self._meanings:
-            return self._meanings[request]
-        if request == READ_LIST:
-            return port.list
-        alone = request[:1] == bytes([_READ]) and len(request) == 2
-        if alone and body != ERROR and self._size_of(request[1]) is None:
-            self._sizes[request[1]] = len(body)
-            self._layouts = Layouts(self._size_of)
-        try:
-            command = c.parse(request, self._size_of)
-        except c.MalformedRequest:
-            return None
-        meant = self._data_of(request) if isinstance(command, DATA) else command
-        if meant is not None:
-            self._meanings[request] = meant
-        return meant
+    def _command(self, request: bytes) -> c.Command[Any] | None:
+        """Return the command of a request without data; None: there is none."""
+        if request not in self._commands and request != READ_LIST:
+            with suppress(c.MalformedRequest):
+                self._commands[request] = c.parse(request, self._size_of)
+        return self._commands.get(request)
 
     def _size_of(self, code: int) -> int | None:
         return self._catalog.size_of(code) or self._sizes.get(code)
-
-    def _data_of(self, request: bytes) -> Series | None:
-        layout = self._layouts.layout_of(request)
-        return None if layout is None else self._series.setdefault(layout.places, Series(layout))
 
     def _take_unknown(self, request: Request, body: bytes) -> bool | None:
         if request.body[0] in c.COMMANDS_BY_CODE:
@@ -254,5 +262,5 @@ class Contents:
             case _:
                 data = value
                 if space != "ram" and len(body) == 3 + len(data):
-                    self._behaviour.counted_blocks = True
+                    self.behaviour.counted_blocks = True
         self._data.cells.append(Cells(time, space, address, data))

@@ -7,6 +7,7 @@ import sys
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from refusals_reference import RefusalResolver
 from scalar_reference import scalar_exchanges
 from test_columnar import plain
 from test_refusals import exchange, write
@@ -15,9 +16,9 @@ from test_table_sessions import adapters, record, steps
 from mikas.catalog import shipped
 from mikas.recording.capture.reader import Problem
 from mikas.recording.exchanges.columnar import column_exchanges
-from mikas.recording.exchanges.groups import RefusalColumns, ResponseClassifier
+from mikas.recording.exchanges.groups import ResponseClassifier
 from mikas.recording.exchanges.layouts import READ_LIST, Layouts
-from mikas.recording.exchanges.refusals import RefusalResolver
+from mikas.recording.exchanges.refusals import RefusalColumns
 from mikas.recording.exchanges.turns import quick_exchanges
 from mikas.virtual.fault_injector import FaultInjector, LineFault
 
@@ -81,7 +82,10 @@ def refused_by_columns(path):
         refusals = refusals or RefusalColumns(item.bodies)
         refusals.add_responses(list(classifier.groups(item)), item.responses)
         times += item.responses.times.tolist()
-    return set() if refusals is None else {times[number] for number in refusals.conclude()[0]}
+    if refusals is None:
+        return set()
+    refusals.conclude()
+    return {times[number] for number in refusals.refused}
 
 
 def refused_in_order(path):

@@ -38,20 +38,20 @@ class Layout:
 
 
 class Layouts:
-    """The layouts of all requests. `size_of`: bytes of a code's datum; None: not known."""
+    """The layouts of all requests. `size_of`: bytes of a code's datum; None: not known yet."""
 
     def __init__(self, size_of: Callable[[int], int | None]) -> None:
         self._size_of = size_of
-        self._known: dict[bytes, Layout | None] = {}
+        self._known: dict[bytes, Layout] = {}
 
     def layout_of(self, request: bytes) -> Layout | None:
         """Return the layout of the responses to `request`; of a 64, that of the list it sets.
 
         None: no data, or a code whose size is not known.
         """
-        if request not in self._known:
-            self._known[request] = self._parsed(request)
-        return self._known[request]
+        if (layout := self._known.get(request)) is None and (layout := self._parsed(request)):
+            self._known[request] = layout
+        return layout
 
     def _parsed(self, request: bytes) -> Layout | None:
         try:

@@ -1,4 +1,4 @@
-"""Which `01`s are data, and which are the refusal of D10: the rule, applied response by response.
+"""Which `01`s are data, and which are the refusal of D10: the rule, over arrays of responses.
 
 An `01` is doubtful as the first response of a stream of one byte, and as the response to a 61 with
 one code of one byte. Later responses decide (on a live line, the client decides before it returns a
@@ -10,178 +10,210 @@ value):
   a datum 01 that can't be a refusal makes the next ones count again;
 - at the end of a recording a 61's counts after a datum 01 that can't be a refusal, or if two or
   more follow each other and `61 P P` was requested too: the tester accepted them.
+
+Responses are numbered through all stretches of a port.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
-from typing import Final, Generic, TypeVar
+from dataclasses import dataclass, field, replace
+from typing import Final
+
+import numpy as np
 
 from mikas import commands as c
 from mikas.commands.base import ERROR
+from mikas.recording.exchanges.arrays import Index, Mask
+from mikas.recording.exchanges.groups import ResponseGroup
 from mikas.recording.exchanges.layouts import STREAMS, Layout
+from mikas.recording.exchanges.result import Responses
 
-T = TypeVar("T")
+Decide = Callable[[list[int], bool], None]
+"""Takes the numbers of doubtful responses once they are decided, and whether they count."""
 
-OTHER, DATUM, REFUSAL = 0, 1, 2
-"""Responses that decide: a value other than 01, a certain datum 01, an `01` to `61 P P`."""
+_Events = list[tuple[Index, Index]]  # rows and their kinds
+# Responses that decide: a value other than 01, a certain datum 01, an `01` to `61 P P`; and one
+# that waits.
+_OTHER, _DATUM, _REFUSAL, _DOUBTFUL = range(4)
+_ONE: Final = ERROR[0]
 _READ: Final = c.ReadParameters.CODES[0]
 _BELIEVED: Final = 2  # `01`s at the end
+_NOWHERE: Final = np.empty(0, np.int64)
 
 
 @dataclass(slots=True)
-class LoneResponses:
-    """The rule for one code: its doubtful `01`s, numbered from 0. `count`: how many there were.
+class _LoneResponses:
+    """The rule for one code. `waiting`: the numbers of its undecided `01`s."""
 
-    `waiting`: the number of the first undecided one. `refused`: ranges (start, stop) of numbers
-    that do not count.
-    """
-
+    decide: Decide
     is_sure: bool = False  # the latest datum is a certain 01
     is_wary: bool = False  # after an `01` to `61 P P`, without a certain 01 since
-    count: int = 0
-    waiting: int = 0
-    refused: list[tuple[int, int]] = field(default_factory=list)
+    waiting: list[int] = field(default_factory=list)
 
-    def decide(self, kind: int) -> bool:
-        """Take a response that decides; return whether the waiting ones count."""
-        counts = kind == DATUM or (kind == OTHER and not self.is_wary)
-        self._end(counts=counts)
-        if kind != OTHER:
-            self.is_wary = kind == REFUSAL
-        self.is_sure = kind == DATUM
-        return counts
+    def take(self, kind: int) -> None:
+        """Take a response that decides."""
+        self._end(counts=kind == _DATUM or (kind == _OTHER and not self.is_wary))
+        if kind != _OTHER:
+            self.is_wary = kind == _REFUSAL
+        self.is_sure = kind == _DATUM
 
     def conclude(self, *, asked_twice: bool) -> bool:
-        """Decide at the end of the recording; return whether the waiting ones count."""
-        believed = asked_twice and not self.is_wary and self.count - self.waiting >= _BELIEVED
-        counts = self.is_sure or believed
+        """Decide at the end of the recording; return whether some waited, and count."""
+        count = len(self.waiting)
+        counts = self.is_sure or (asked_twice and not self.is_wary and count >= _BELIEVED)
         self._end(counts=counts)
-        return counts
+        return counts and count > 0
 
     def _end(self, *, counts: bool) -> None:
-        if not counts and self.waiting < self.count:
-            self.refused.append((self.waiting, self.count))
-        self.waiting = self.count
+        if self.waiting:
+            self.decide(self.waiting, counts)
+            self.waiting = []
 
 
-def is_twice(request: bytes) -> bool:
+def _is_twice(request: bytes) -> bool:
     """Return whether `request` is `61 P P`."""
     return len(request) == 3 and request[0] == _READ and request[1] == request[2]
 
 
-def is_lone(request: bytes, layout: Layout) -> bool:
-    """Return whether an `01` to `request` is doubtful: one code of one byte."""
-    return len(request) == 2 and layout.length == 1
+class RefusalColumns:
+    """Finds one port's doubtful responses, and decides which of them count.
 
-
-class RefusalResolver(Generic[T]):
-    """The responses with data of one port in one recording, in order.
-
-    `decide(item, counts)` is called once a doubtful response is decided, with the item that `take`
-    got with it.
+    `doubtful`: which of the latest stretch are; `refused`: the numbers of those that do not count;
+    `taken`: how many responses were taken.
     """
 
-    def __init__(self, decide: Callable[[T, bool], None]) -> None:
+    def __init__(self, bodies: list[bytes], decide: Decide = lambda *_: None) -> None:
+        self._bodies = bodies  # of requests, by number; grows
         self._decide = decide
-        self._codes: dict[int, tuple[LoneResponses, list[T]]] = {}
-        self._twice: set[int] = set()
-        self._streams: dict[bytes, tuple[int, list[T]]] = {}  # serial, its first if doubtful
+        self.taken = 0
+        self._begun: dict[int, int] = {}  # streams that began with 01: serial, number of that
+        self._last_serials: dict[int, int] = {}  # of streams, by the request's number
+        self._codes: dict[int, _LoneResponses] = {}
         self._latest: dict[Layout, tuple[int, bytes]] = {}
-        self._taken = 0
-        self._places: dict[Layout, list[tuple[int, int, int]]] = {}  # of followed codes
+        self.doubtful: Mask = np.zeros(0, np.bool_)
+        self.refused: list[int] = []
 
-    def sent(self, request: bytes) -> None:
-        """Note that `request` was sent."""
-        if is_twice(request):
-            self._twice.add(request[1])
+    def add_responses(self, groups: list[ResponseGroup], responses: Responses) -> set[int]:
+        """Take the next responses; return the codes that have a certain value in them."""
+        certain: list[ResponseGroup] = []
+        lone: dict[int, ResponseGroup] = {}
+        found: set[int] = set()
+        self.doubtful = np.zeros(len(responses.starts), np.bool_)
+        for group in groups:
+            request = self._bodies[group.request]
+            doubtful = _NOWHERE
+            if len(request) != 2 or group.layout.length != 1:
+                if _is_twice(request):
+                    self._follow(request[1])
+                certain.append(group)
+            elif request[0] in STREAMS:
+                doubtful = self._beginnings(group, responses)
+                certain.append(replace(group, fitting=np.setdiff1d(group.fitting, doubtful)))
+                continued = np.unique(responses.requests[certain[-1].fitting]).tolist()
+                serials = responses.requests[doubtful].tolist()
+                self._begun.update(zip(serials, (doubtful + self.taken).tolist(), strict=True))
+                goes_on = [self._begun.pop(serial) for serial in continued if serial in self._begun]
+                self._decided(goes_on, True)
+            else:
+                lone[request[1]] = group
+                self._follow(request[1])
+                doubtful = group.fitting[_is_one(group, responses)]
+            self.doubtful[doubtful] = True
+            if doubtful.size < group.fitting.size:
+                found.update(code for code, _, _ in group.layout.places)
+        self._remember(certain, responses)
+        for code, events in self._events(certain, lone, responses).items():
+            self._take(self._codes[code], *_in_order(events))
+        self.taken += len(responses.starts)
+        return found
 
-    def follows(self, code: int) -> bool:
-        """Return whether the code was requested alone, or as `61 P P`."""
-        return code in self._codes
+    def conclude(self) -> set[int]:
+        """Decide at the end of the recording; return codes whose last doubtful responses count."""
+        self._decided(list(self._begun.values()), False)
+        twice = {request[1] for request in self._bodies if _is_twice(request)}
+        lone = self._codes.items()
+        return {code for code, each in lone if each.conclude(asked_twice=code in twice)}
 
-    def followed(self, layout: Layout) -> list[tuple[int, int]]:
-        """Return where data of followed codes begin in this layout, and their sizes."""
-        return [(begin, size) for _, begin, size in self._followed(layout)]
+    def _decided(self, numbers: list[int], counts: bool) -> None:
+        if not counts:
+            self.refused += numbers
+        self._decide(numbers, counts)
 
-    def is_quiet(self, layout: Layout) -> bool:
-        """Return whether a response of this layout without 01s changes nothing."""
-        lone = [self._codes[code][0] for code, _, _ in self._followed(layout)]
-        return not any(it.is_sure or it.waiting < it.count for it in lone)
+    def _beginnings(self, group: ResponseGroup, responses: Responses) -> Index:
+        """Return the doubtful responses of a stream of one byte."""
+        serials = responses.requests[group.rows]
+        before = np.concatenate(([self._last_serials.get(group.request, -1)], serials[:-1]))
+        self._last_serials[group.request] = int(serials[-1])
+        first = np.isin(group.fitting, group.rows[serials != before])
+        doubtful: Index = group.fitting[first & _is_one(group, responses)]
+        return doubtful
 
-    def is_certain_value(
-        self, item: T, request: bytes, serial: int, layout: Layout, body: bytes
-    ) -> bool:
-        """Return whether `body` is certainly data; otherwise it is doubtful, or has no data."""
-        if is_lone(request, layout) and request[0] in STREAMS:
-            known, first = self._streams.get(request, (None, []))
-            if serial != known:
-                self._streams[request] = serial, []
-                for each in first:
-                    self._decide(each, False)
-                if body == ERROR:
-                    self._streams[request][1].append(item)
-                    return False
-            elif first and len(body) == layout.length:
-                self._decide(first.pop(), True)
-        elif is_twice(request):
-            self._follow(request[1])
-            if body == ERROR:
-                self._settle(request[1], REFUSAL)
-        elif is_lone(request, layout):
-            lone, waiting = self._follow(request[1])
-            if body == ERROR:
-                lone.count += 1
-                waiting.append(item)
-                return False
-        if len(body) != layout.length:
-            return False
-        self.pass_over(layout, body)
-        return True
+    # The latest data before a code is followed
 
-    def pass_over(self, layout: Layout, body: bytes) -> None:
-        """Take certain data."""
-        self._taken += 1
-        self._latest[layout] = self._taken, body
-        for code, begin, size in self._followed(layout):
-            self._settle(code, DATUM if body[begin : begin + size] == ERROR else OTHER)
-
-    def conclude(self) -> None:
-        """Decide the waiting responses, at the end of the recording."""
-        for _, first in self._streams.values():
-            for each in first:
-                self._decide(each, False)
-        for code, (lone, waiting) in self._codes.items():
-            counts = lone.conclude(asked_twice=code in self._twice)
-            for each in waiting:
-                self._decide(each, counts)
-
-    def _followed(self, layout: Layout) -> list[tuple[int, int, int]]:
-        if layout not in self._places:
-            places = ((code, layout.last.get(code)) for code in self._codes)
-            self._places[layout] = [(code, *place) for code, place in places if place]
-        return self._places[layout]
-
-    def _follow(self, code: int) -> tuple[LoneResponses, list[T]]:
+    def _follow(self, code: int) -> None:
         if code not in self._codes:
-            self._codes[code] = LoneResponses(is_sure=was_one(code, self._latest)), []
-            self._places.clear()
-        return self._codes[code]
+            data = [
+                (number, body[place[0] : sum(place)])
+                for layout, (number, body) in self._latest.items()
+                if (place := layout.last.get(code)) is not None
+            ]
+            is_sure = bool(data) and max(data)[1] == ERROR
+            self._codes[code] = _LoneResponses(self._decided, is_sure)
 
-    def _settle(self, code: int, kind: int) -> None:
-        lone, waiting = self._codes[code]
-        counts = lone.decide(kind)
-        for each in waiting:
-            self._decide(each, counts)
-        waiting.clear()
+    def _remember(self, certain: list[ResponseGroup], responses: Responses) -> None:
+        for group in certain:
+            if group.fitting.size:
+                last = int(group.fitting[-1])
+                self._latest[group.layout] = self.taken + last, responses.body(last)
+
+    # A 61 with one code
+
+    def _take(self, lone: _LoneResponses, rows: Index, kinds: Index) -> None:
+        # Where a kind repeats, the first one has decided.
+        news = np.ones(kinds.size, np.bool_)
+        news[1:] = (kinds[1:] != kinds[:-1]) | (kinds[1:] == _DOUBTFUL)
+        numbers = (rows[news] + self.taken).tolist()
+        for number, kind in zip(numbers, kinds[news].tolist(), strict=True):
+            if kind == _DOUBTFUL:
+                lone.waiting.append(number)
+            else:
+                lone.take(kind)
+
+    def _events(
+        self,
+        certain: list[ResponseGroup],
+        lone: Mapping[int, ResponseGroup],
+        responses: Responses,
+    ) -> dict[int, _Events]:
+        """Return, by followed code, the rows that concern it, and their kinds."""
+        events: dict[int, _Events] = {}
+        for group in certain:
+            if group.fitting.size:
+                for code in self._codes.keys() & group.layout.last.keys():
+                    begin, size = group.layout.last[code]
+                    values = responses.bodies[responses.starts[group.fitting] + begin]
+                    kinds = np.where((values == _ONE) & (size == 1), _DATUM, _OTHER)
+                    events.setdefault(code, []).append((group.fitting, kinds))
+            request = self._bodies[group.request]
+            if _is_twice(request):
+                short = group.rows[responses.lengths[group.rows] == 1]
+                refused = short[responses.bodies[responses.starts[short]] == _ONE]
+                kinds = np.full(refused.size, _REFUSAL)
+                events.setdefault(request[1], []).append((refused, kinds))
+        for code, group in lone.items():
+            kinds = np.where(_is_one(group, responses), _DOUBTFUL, _OTHER)
+            events.setdefault(code, []).append((group.fitting, kinds))
+        return events
 
 
-def was_one(code: int, latest: Mapping[Layout, tuple[int, bytes]]) -> bool:
-    """Return whether the code's latest datum was 01. `latest`: by layout, (order, body)."""
-    data = [
-        (order, body[place[0] : sum(place)])
-        for layout, (order, body) in latest.items()
-        if (place := layout.last.get(code)) is not None
-    ]
-    return bool(data) and max(data)[1] == ERROR
+def _in_order(events: _Events) -> tuple[Index, Index]:
+    """Return the rows of all events, rising, and their kinds."""
+    rows, kinds = (np.concatenate(column) for column in zip(*events, strict=True))
+    order = rows.argsort(kind="stable")
+    return rows[order], kinds[order]
+
+
+def _is_one(group: ResponseGroup, responses: Responses) -> Mask:
+    one: Mask = responses.bodies[responses.starts[group.fitting]] == _ONE
+    return one

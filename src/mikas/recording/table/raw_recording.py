@@ -25,8 +25,9 @@ from mikas.recording.capture.notes import Note
 from mikas.recording.capture.reader import Problem, Source
 from mikas.recording.exchanges import read_exchanges
 from mikas.recording.exchanges.arrays import Bytes, Floats, Index, Mask
-from mikas.recording.exchanges.groups import RefusalColumns, ResponseClassifier, ResponseGroup
+from mikas.recording.exchanges.groups import ResponseClassifier, ResponseGroup
 from mikas.recording.exchanges.layouts import Layout, Layouts
+from mikas.recording.exchanges.refusals import RefusalColumns
 from mikas.recording.exchanges.result import Exchanges
 from mikas.sampling.events import FaultReading
 
@@ -159,8 +160,8 @@ class RawRecording:
             elif self._held is not None:
                 self._held.append(rows)
         for source, port in refusals.items():
-            self._refused[source], believed = port.conclude()
-            self.codes |= believed
+            self.codes |= port.conclude()
+            self._refused[source] = np.sort(np.array(port.refused, np.int64))
 
     def _again(self) -> Iterator[RawRows]:
         return (rows for _, _, rows in self._walk(lambda _: None) if len(rows.times))
