@@ -22,7 +22,7 @@ from mikas.virtual.bus import Bus
 _PERIOD: Final = 1.0  # s between two steps of an engine that no request reads
 
 
-class _BusLink(Link):
+class BusLink(Link):
     """The common part of the links of both clocks."""
 
     is_virtual = True
@@ -58,7 +58,7 @@ class _BusLink(Link):
             raise LinkLost(url=self.url, problem=self._problem, time=self.now())
 
 
-class VirtualLink(_BusLink):
+class VirtualLink(BusLink):
     """A virtual unit on simulated time, which passes only during `read`."""
 
     def __init__(self, bus: Bus, *, url: str = "sim:?clock=simulated", start: float = 0.0) -> None:
@@ -134,7 +134,7 @@ def follower_of(bus: Bus) -> Follower:
     return follower
 
 
-class RealTimeVirtualLink(_BusLink):
+class RealTimeVirtualLink(BusLink):
     """A virtual unit in this process, in real time."""
 
     def __init__(self, bus: Bus, *, url: str = "sim:") -> None:

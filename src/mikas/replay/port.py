@@ -16,7 +16,7 @@ from mikas.catalog import Catalog, shipped
 from mikas.errors import RecordingOver, usage_error
 from mikas.link.base import CaptureTee, Link
 from mikas.link.urls import take_clock
-from mikas.link.virtual import RealTimeVirtualLink, VirtualLink
+from mikas.link.virtual import BusLink, RealTimeVirtualLink, VirtualLink
 from mikas.options import OptionParser, check_names
 from mikas.replay.build import load
 from mikas.replay.car import ReplayCar
@@ -102,27 +102,23 @@ def car_on(bus: object) -> ReplayCar | None:
     return car if isinstance(car, ReplayCar) else None
 
 
-class ReplayLink(VirtualLink):
+class _EndingLink(BusLink):
+    """The end of a recording is that of its port."""
+
+    def _check(self) -> None:
+        super()._check()
+        car, now = car_on(self.bus), self.now()
+        if car is not None and car.is_over(now):
+            car.look(now)
+            raise RecordingOver(file=_file_in(self.url), time=now)
+
+
+class ReplayLink(_EndingLink, VirtualLink):
     """A replay in simulated time."""
 
-    def _check(self) -> None:
-        super()._check()
-        _raise_if_over(self)
 
-
-class RealTimeReplayLink(RealTimeVirtualLink):
+class RealTimeReplayLink(_EndingLink, RealTimeVirtualLink):
     """A replay in real time."""
-
-    def _check(self) -> None:
-        super()._check()
-        _raise_if_over(self)
-
-
-def _raise_if_over(link: ReplayLink | RealTimeReplayLink) -> None:
-    car, now = car_on(link.bus), link.now()
-    if car is not None and car.is_over(now):
-        car.look(now)
-        raise RecordingOver(file=_file_in(link.url), time=now)
 
 
 def _file_in(url: str) -> str:
