@@ -20,11 +20,10 @@ from matplotlib.ticker import FuncFormatter, Locator, MaxNLocator
 from matplotlib.transforms import ScaledTranslation
 
 from mikas.notebook import time_axis
-from mikas.notebook.interruptions import united
 from mikas.notebook.panes import DAY, NIGHT, Palette
 from mikas.notebook.picture import Picture, PlottedLine
 from mikas.recording.formatting import short
-from mikas.recording.table.channels import calendar
+from mikas.recording.table.channels import calendar, united
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from mikas.recording.table.channels import Rows
+from mikas.recording.table.channels import Rows, Span, united
 from mikas.recording.table.decimation import decimated
 from mikas.sampling.events import Event, Gap, StateChanged
 
@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from mikas.i18n import Text
     from mikas.recording.exchanges.arrays import Floats
     from mikas.recording.recording import Recording
-
-Span = tuple[float, float]
 
 # As the dashboard's chart: a line is interrupted after a few of its usual intervals.
 _DEFAULT: Final = 3.0  # s, with too few values to measure the interval
@@ -77,17 +75,6 @@ def interruptions(times: Floats, gaps: Iterable[Span] = ()) -> list[Span]:
     wide = np.flatnonzero(np.diff(times) > longest_interval(times))
     found = [*zip(times[wide].tolist(), times[wide + 1].tolist(), strict=True), *gaps]
     return united(found)
-
-
-def united(spans: Iterable[Span], distance: float = 0.0) -> list[Span]:
-    """Return the spans in their order; those that overlap, or are so near, as one."""
-    joined: list[Span] = []
-    for begin, end in sorted(spans):
-        if joined and begin <= joined[-1][1] + distance:
-            joined[-1] = joined[-1][0], max(joined[-1][1], end)
-        else:
-            joined.append((begin, end))
-    return joined
 
 
 def broken(times: Floats, values: Floats, spans: Sequence[Span]) -> tuple[Floats, Floats]:

@@ -19,11 +19,12 @@ import numpy as np
 from mikas.cleaning import clean_line
 from mikas.errors import usage_error
 from mikas.i18n import Text
-from mikas.notebook.interruptions import Span, course, reasons_of_gaps, span_of
+from mikas.notebook.interruptions import course, reasons_of_gaps, span_of
 from mikas.notebook.panes import Pane, Trace, axis_key
 from mikas.notebook.value_axes import Axis, AxisLine, axes_of, scale_of, stacked_axes
 from mikas.recording.annotations.events import car_of
 from mikas.recording.formatting import date_of
+from mikas.recording.table.channels import Span
 from mikas.sampling.events import AlarmChanged, Event, Marker, UnitFound
 
 if TYPE_CHECKING:

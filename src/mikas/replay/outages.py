@@ -17,9 +17,8 @@ from typing import Final
 from mikas.recording.annotations.events import gap_of
 from mikas.recording.capture.notes import Kind, Note
 from mikas.recording.exchanges.result import GAP
+from mikas.recording.table.channels import Span, united
 from mikas.replay.model import Series
-
-Span = tuple[float, float]
 
 SILENT_FOR: Final = 2.0  # s of unanswered requests are a loss of supply
 _JUST_BEFORE: Final = 0.001  # s; the supply is there when a request comes
@@ -67,7 +66,7 @@ class Outages:
         """Return the losses of supply, and the holes."""
         cycle = _usual_cycle(series)
         least = inf if cycle is None else max(SILENT_FOR, _CYCLES * cycle)
-        all_noted = {recording: _merged(noted) for recording, noted in self._noted.items()}
+        all_noted = {recording: united(noted) for recording, noted in self._noted.items()}
         holes = []
         for recording, begin, end, shift in self._quiet:
             noted = all_noted.get(recording, [])
@@ -75,7 +74,7 @@ class Outages:
             is_noted = before > 0 and begin - shift < noted[before - 1][1]
             if is_noted or end - begin > least:
                 holes.append((begin + (cycle or 0.0), end - _EARLY))
-        return _merged(self._off), _merged([it for it in holes if it[0] < it[1]])
+        return united(self._off), united([it for it in holes if it[0] < it[1]])
 
 
 def _hole_of(note: Note) -> Span | None:
@@ -94,14 +93,3 @@ def _usual_cycle(series: Iterable[Series]) -> float | None:
         return None
     apart = max(1, len(longest) // _MOST_STEPS)
     return median(longest[at] - longest[at - 1] for at in range(1, len(longest), apart))
-
-
-def _merged(spans: list[Span]) -> list[Span]:
-    """Return the spans in order, overlapping ones as one."""
-    merged: list[Span] = []
-    for begin, end in sorted(spans):
-        if merged and begin <= merged[-1][1]:
-            merged[-1] = merged[-1][0], max(end, merged[-1][1])
-        else:
-            merged.append((begin, end))
-    return merged

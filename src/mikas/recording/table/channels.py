@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-_Span = tuple[float, float]
+Span = tuple[float, float]
 
 PLAINLY_UNIX: Final = 1e9  # 2001; a simulated clock would have run for 31 years
 
@@ -155,7 +155,18 @@ def with_gaps(rows: Iterable[Rows], events: Iterable[Event]) -> Iterator[Rows]:
         yield Rows(times, {name: np.full(len(times), np.nan) for name in last.values})
 
 
-def _pop_between(spans: list[_Span], begin: float, end: float) -> list[_Span]:
+def united(spans: Iterable[Span], distance: float = 0.0) -> list[Span]:
+    """Return the spans in their order; those that overlap, or are so near, as one."""
+    joined: list[Span] = []
+    for begin, end in sorted(spans):
+        if joined and begin <= joined[-1][1] + distance:
+            joined[-1] = joined[-1][0], max(joined[-1][1], end)
+        else:
+            joined.append((begin, end))
+    return joined
+
+
+def _pop_between(spans: list[Span], begin: float, end: float) -> list[Span]:
     """Take the spans that begin from `begin` to before `end` out of all, which are sorted."""
     inside = slice(bisect_left(spans, (begin,)), bisect_left(spans, (end,)))
     taken = spans[inside]
@@ -163,7 +174,7 @@ def _pop_between(spans: list[_Span], begin: float, end: float) -> list[_Span]:
     return taken
 
 
-def _middles(gaps: list[_Span], following: Floats) -> Floats:
+def _middles(gaps: list[Span], following: Floats) -> Floats:
     """Return the times of the gaps' rows, rising. `following`: the time of the row after each."""
     import numpy as np
 
