@@ -70,6 +70,9 @@ class FastLink(RealTimeVirtualLink):
         self._clock = clock
         self._gone = _FastGone()
 
+    def now(self):
+        return self._clock.now()
+
 
 class Cars:
     """What the ports of this computer lead to. The same port leads to the same car."""
