@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dashboard.rig import ADAPTER
 from mikas.dashboard.errors import ADVICE
+from mikas.dashboard.session.connection import OTHER_REQUEST
 from mikas.dashboard.session.history import History, reason_of
 from mikas.dashboard.session.monitor import (
     DISCONNECTED,
     OTHER_PLAN,
-    OTHER_REQUEST,
     SILENT,
     ConnectionMonitor,
 )

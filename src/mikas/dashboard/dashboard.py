@@ -34,12 +34,12 @@ from mikas.dashboard.session.catalog_in_use import (
     computing,
 )
 from mikas.dashboard.session.changes import UnitChanges
-from mikas.dashboard.session.connection import Connection, SamplingPlanner
+from mikas.dashboard.session.connection import DIAGNOSIS, RECONNECTED, Connection, SamplingPlanner
 from mikas.dashboard.session.dump_jobs import DumpJobs
 from mikas.dashboard.session.freeze_frames import FreezeFrameStore
 from mikas.dashboard.session.guided_tests import GuidedTests
 from mikas.dashboard.session.history import FaultHistory, History
-from mikas.dashboard.session.monitor import DIAGNOSIS, RECONNECTED, ConnectionMonitor
+from mikas.dashboard.session.monitor import ConnectionMonitor
 from mikas.dashboard.session.port_threads import Diagnosis, SamplingThread
 from mikas.dashboard.session.recorder import SessionRecorder
 from mikas.dashboard.settings import PortSettings, Settings

@@ -34,13 +34,7 @@ from typing import Final, Self
 
 from mikas.client import Change
 from mikas.commands import Safety
-from mikas.dashboard.errors import (
-    ConfirmationExpired,
-    ConfirmationOutdated,
-    Locked,
-    NotAllowed,
-    NotController,
-)
+from mikas.dashboard import errors
 from mikas.i18n import Text
 
 AFTER_SOCKET = 15.0
@@ -117,11 +111,11 @@ class ControlLease:
         a free lease stays free. Raises `NotAllowed`, `NotController`.
         """
         if not client.may_control:
-            raise NotAllowed
+            raise errors.NotAllowed
         with self._lock:
             holder = self._current()
             if holder is not None and holder.id != client.id and not force:
-                raise NotController(holder=holder.name or holder.handle)
+                raise errors.NotController(holder=holder.name or holder.handle)
             if holder is None and not take:
                 return lambda: None
             self._requests += 1
@@ -276,7 +270,7 @@ class ConfirmationStore:
         with self._lock:
             until, change = self._kept.pop((client.id, nonce), (0.0, None))
         if change is None or self.clock() >= until:
-            raise ConfirmationExpired
+            raise errors.ConfirmationExpired
         return change
 
     def clear(self) -> None:
@@ -304,7 +298,7 @@ class WriteLock:
     def check(self, client: Client) -> None:
         """Raise `Locked`, unless writing is unlocked for `client`."""
         if self.left is None or self._client != client.id:
-            raise Locked
+            raise errors.Locked
 
     @property
     def left(self) -> float | None:
@@ -339,5 +333,5 @@ class WriteApproval:
         if not self._in_force:
             return change.safety <= Safety.REVERSIBLE
         if change.before != self._before:
-            raise ConfirmationOutdated
+            raise errors.ConfirmationOutdated
         return True

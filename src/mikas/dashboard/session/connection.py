@@ -23,14 +23,7 @@ from mikas.client import Ecu
 from mikas.client.connecting import ConnectionOptions
 from mikas.dashboard.errors import ADVICE, Busy, NotConnected
 from mikas.dashboard.session.catalog_in_use import all_names
-from mikas.dashboard.session.monitor import (
-    DIAGNOSIS,
-    DISCONNECTED,
-    OTHER_PORT,
-    OTHER_REQUEST,
-    RECONNECTED,
-    ConnectionMonitor,
-)
+from mikas.dashboard.session.monitor import DISCONNECTED, ConnectionMonitor
 from mikas.dashboard.session.port_threads import SamplingThread
 from mikas.dashboard.settings import PlanSettings, PortSettings, Settings
 from mikas.errors import UsageError
@@ -50,6 +43,10 @@ _FIRST_STATE = 2.0  # s that `connect` waits for the port's first state
 _TURN = 30.0  # s that a job waits for its turn
 _MAY_ANSWER = (None, LineState.ECU_ALIVE, LineState.SAMPLING)
 """States of the line in which a job waits for its turn; None: the port is being opened."""
+RECONNECTED = Text("The connection was restarted.", "Соединение установлено заново.")
+DIAGNOSIS = Text("Paused for the connection check.", "Пауза на время проверки связи.")
+OTHER_REQUEST = Text("The line was used for another request.", "Линия была занята другим запросом.")
+_OTHER_PORT = Text("Another connection was chosen.", "Выбрано другое соединение.")
 CHANGING = Text("the connection is being changed", "соединение как раз меняется")
 _LINE_BUSY = Text("the line is busy; the request was cancelled", "линия занята; запрос отменён")
 
@@ -127,7 +124,7 @@ class Connection:
             parse(url)
             port = self.port
             again = port is not None and port.url == url
-            await self.close(RECONNECTED if again else OTHER_PORT)
+            await self.close(RECONNECTED if again else _OTHER_PORT)
             accepted(url)
             self.port = PortSettings(url, echo)
             self._open(self.port)

@@ -27,13 +27,7 @@ from mikas.tester import Failure
 DISCONNECTED: Final = Text(
     "The connection was closed by the user.", "Соединение закрыто пользователем."
 )
-RECONNECTED: Final = Text("The connection was restarted.", "Соединение установлено заново.")
-OTHER_PORT: Final = Text("Another connection was chosen.", "Выбрано другое соединение.")
-DIAGNOSIS: Final = Text("Paused for the connection check.", "Пауза на время проверки связи.")
 OTHER_PLAN: Final = Text("The sampling plan was changed.", "План опроса изменён.")
-OTHER_REQUEST: Final = Text(
-    "The line was used for another request.", "Линия была занята другим запросом."
-)
 SILENT: Final = Text(
     "No values for two seconds. If the unit does not answer soon: is the ignition on, is the "
     "adapter plugged in?",
