@@ -179,18 +179,13 @@ class Ending:
 
     def check(self) -> None:
         """End the program if it is not used any more; the server calls this once a second."""
-        if not self._dashboard.settings.desktop:
-            return
-        now = self._dashboard.clock()
-        if self._is_used():
-            self._used = now
-        elif now - self._used >= AWAY:
-            self.end_program()
-
-    def _is_used(self) -> bool:
         dashboard = self._dashboard
-        return bool(
+        now = dashboard.clock()
+        if (
             dashboard.control.viewers
             or dashboard.recorder.file_name
             or any(job.phase == "running" for job in dashboard.dump_jobs.jobs.values())
-        )
+        ):
+            self._used = now
+        elif dashboard.settings.desktop and now - self._used >= AWAY:
+            self.end_program()

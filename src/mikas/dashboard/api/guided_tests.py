@@ -188,12 +188,12 @@ def tests(dashboard: TheDashboard) -> TestList:
     for kept in guided.results:
         it = kept.result
         last.setdefault(it.test, LastOutcome(id=kept.identity, outcome=it.outcome, ended=it.ended))
-    running = state is not None and state[0].result is None
+    running = state[0].test.name if state and state[0].result is None else None
     folder = dashboard.settings.tests
     return TestList(
         tests=[made_of(TestInfo, test, last=last.get(test.name)) for test in found.tests.values()],
         errors=[made_of(TestFileError, it, text=it.problem) for it in found.errors],
-        running=state[0].test.name if state and running else None,
+        running=running,
         folder=None if folder is None else str(folder),
     )
 

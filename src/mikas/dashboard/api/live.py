@@ -18,7 +18,7 @@ from contextlib import suppress
 from typing import Annotated, Any, Final
 
 from fastapi import APIRouter, Query, WebSocket, WebSocketDisconnect
-from pydantic import TypeAdapter, ValidationError
+from pydantic import TypeAdapter
 
 from mikas.cleaning import clean_json
 from mikas.dashboard.api.dependencies import address_of, client_of
@@ -104,15 +104,12 @@ def handle_request(listener: Listener, text: str | None) -> bool:
         return False
     try:
         request = _REQUEST.validate_json(text, strict=True)
-    except ValidationError:
-        return False
-    if isinstance(request, PingMessage):
-        try:
+        if isinstance(request, PingMessage):
             listener.pong = dumps(clean_json(request.ping))
-        except ValueError:  # a number of no use
-            return False
-    else:
-        listener.fields = None if request.fields is None else frozenset(request.fields)
+        else:
+            listener.fields = None if request.fields is None else frozenset(request.fields)
+    except ValueError:  # pydantic's, or of a number of no use
+        return False
     return True
 
 

@@ -212,13 +212,12 @@ class GuidedTests:
         with self._saving:
             with self._lock:
                 results = self._kept[file.path]
+            content = [
+                {"id": it.identity, "in_report": it.in_report} | it.result.as_json()
+                for it in results
+            ]
             with suppress(UsageError):  # the results stay in memory, and in the recording
-                file.save(
-                    [
-                        {"id": it.identity, "in_report": it.in_report} | it.result.as_json()
-                        for it in results
-                    ]
-                )
+                file.save(content)
 
 
 def _read(stored: object) -> list[KeptResult]:
@@ -231,7 +230,6 @@ def _read(stored: object) -> list[KeptResult]:
     for data in stored[:_MOST_KEPT]:
         result = read(data)
         if result is not None and isinstance(identity := data.get("id"), str):
-            kept.append(
-                KeptResult(clean_line(identity, _LONGEST_ID), result, data.get("in_report") is True)
-            )
+            name = clean_line(identity, _LONGEST_ID)
+            kept.append(KeptResult(name, result, data.get("in_report") is True))
     return kept

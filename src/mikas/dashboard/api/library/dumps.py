@@ -105,7 +105,12 @@ class DifferencesResponse(BaseModel):
 async def start(dashboard: TheDashboard, _: Controller, body: DumpRequest) -> DumpResponse:
     """Start reading a range of memory into a file."""
     check_range(body.space, body.first, body.last - body.first + 1)
-    manifest = await dashboard.connection.ask(lambda ecu: _manifest(ecu, body))
+
+    def manifest_of(ecu: Ecu) -> Manifest:
+        unit = ecu.model.text.en, *identity_of(ecu)
+        return Manifest(body.space, body.first, body.last, *unit, verify=body.verify)
+
+    manifest = await dashboard.connection.ask(manifest_of)
     stamp = time.strftime("%Y%m%d-%H%M%S")
     name = f"{body.space}-{body.first:04X}-{body.last:04X}-{stamp}"
     file = dashboard.dump_jobs.new_file(name)
@@ -173,17 +178,6 @@ async def compare(
         return DifferencesResponse(differences=shown, count=len(shown) + sum(1 for _ in found))
 
     return await asyncio.to_thread(work)
-
-
-def _manifest(ecu: Ecu, body: DumpRequest) -> Manifest:
-    return Manifest(
-        body.space,
-        body.first,
-        body.last,
-        ecu.model.text.en,
-        *identity_of(ecu),
-        verify=body.verify,
-    )
 
 
 def _response(job: DumpJob) -> DumpResponse:
