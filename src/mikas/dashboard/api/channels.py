@@ -31,7 +31,6 @@ from mikas.dashboard.api.dependencies import (
     Controller,
     KnownClient,
     Line,
-    Requester,
     TheDashboard,
     TheRequester,
     Words,
@@ -287,7 +286,7 @@ def _now(dashboard: Dashboard, parameter: str) -> ChannelValue:
 
 
 async def _moments(
-    requester: Requester, names: Sequence[str], recording: str | None, at: float | None
+    requester: TheRequester, names: Sequence[str], recording: str | None, at: float | None
 ) -> Moments:
     if recording is None:
         return _live(requester.dashboard, names, at)

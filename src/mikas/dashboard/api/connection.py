@@ -293,12 +293,8 @@ def _line(port: str, step: Step) -> DiagnosisStep:
     advice, to_try = Text("", ""), None
     if step.error is not None:
         advice, to_try = step.error.advice, ADVICE.advice(step.error)
-    found = Text(
-        *(
-            detail.removesuffix(shown).strip()
-            for detail, shown in zip(step.detail, advice, strict=True)
-        )
-    )
+    pairs = zip(step.detail, advice, strict=True)
+    found = Text(*(detail.removesuffix(shown).strip() for detail, shown in pairs))
     code = type(step.error).__name__ if step.error else None
     shown = {"title": _TITLES[step.name], "detail": found, "to_try": to_try}
     return made_of(DiagnosisStep, step, port=port, code=code, **shown)

@@ -15,7 +15,6 @@ from mikas.catalog.lookup import is_corrected
 from mikas.dashboard.api.dependencies import KnownClient, Line, TheDashboard, TheRequester
 from mikas.dashboard.api.errors import errors, made_of
 from mikas.dashboard.dashboard import Dashboard
-from mikas.dashboard.library.folder import RecordingFile
 from mikas.dashboard.session.history import row_time
 from mikas.errors import usage_error
 from mikas.recording.search import SearchCondition, SearchResult, search, search_rows
@@ -99,11 +98,9 @@ async def find_recorded(
     """Return the moments of a recording at which `expression` holds."""
     library = requester.library
     condition = SearchCondition(library.catalog, expression)
-
-    def look(file: RecordingFile) -> FoundResponse:
-        return _found(condition, search(library.opened(file), condition))
-
-    return await requester.view(identity, look)
+    return await requester.view(
+        identity, lambda file: _found(condition, search(library.opened(file), condition))
+    )
 
 
 @router.get("/searches", responses=errors())

@@ -174,9 +174,7 @@ def _reason(error: OSError) -> Text:
 
 
 def _kept(file: Path) -> tuple[x509.Certificate | None, bool]:
-    """Return the certificate in `file`, None if there is none with its key; and whether only its
-    owner could read the key.
-    """
+    """Return the certificate in `file`, None without its key; and whether others can't read it."""
     try:
         data = read_regular(file, _LARGEST)
         is_private = os.name == "nt" or not file.lstat().st_mode & 0o077

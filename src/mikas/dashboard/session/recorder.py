@@ -109,10 +109,8 @@ class SessionRecorder:
 
         Never raises.
         """
-        if (
-            self.file_name is None
-            or (future := self._connection.monitor.session.read_now()) is None
-        ):
+        session = self._connection.monitor.session
+        if self.file_name is None or (future := session.read_now()) is None:
             return
         waiting = asyncio.wrap_future(future)
         waiting.add_done_callback(lambda it: it.cancelled() or it.exception())

@@ -14,7 +14,6 @@ import asyncio
 import os
 import shutil
 import tempfile
-from collections.abc import AsyncIterator
 from contextlib import AsyncExitStack, suppress
 from math import inf
 from pathlib import Path
@@ -197,7 +196,11 @@ async def add(
         return new.rename(folder.new_path(name))
 
     try:
-        await _write(new, request.stream())
+        with await asyncio.to_thread(new.open, "xb") as file:
+            async for part in request.stream():
+                await asyncio.to_thread(file.write, part)
+            await asyncio.to_thread(file.flush)
+            await asyncio.to_thread(os.fsync, file.fileno())
         kept = await asyncio.to_thread(keep)
     except ClientDisconnect:
         raise HTTPException(GONE, "the client has disconnected") from None
@@ -209,11 +212,3 @@ async def add(
         with suppress(OSError):
             await asyncio.to_thread(new.unlink, missing_ok=True)
     return AddedRecording(id=kept.name)
-
-
-async def _write(path: Path, parts: AsyncIterator[bytes]) -> None:
-    with await asyncio.to_thread(path.open, "xb") as file:
-        async for part in parts:
-            await asyncio.to_thread(file.write, part)
-        await asyncio.to_thread(file.flush)
-        await asyncio.to_thread(os.fsync, file.fileno())

@@ -18,7 +18,6 @@ from mikas.dashboard.api.errors import TwoTexts, errors, two
 from mikas.dashboard.api.guided_tests import TestVerdict, verdict_of
 from mikas.dashboard.api.unit import FreezeFrameInfo, StoredFault, fault_info, frame_info
 from mikas.dashboard.errors import NotFound
-from mikas.dashboard.library.folder import RecordingFile
 from mikas.dashboard.session.guided_tests import KeptResult
 from mikas.i18n import Text
 from mikas.recording.capture.notes import Kind
@@ -49,16 +48,12 @@ class RecordedFaultsResponse(BaseModel):
 @router.get("/recordings/{identity}/faults", responses=errors(404, 409, 504))
 async def recorded_faults(requester: TheRequester, identity: str) -> RecordedFaultsResponse:
     """Return the faults in a recording, and the values of the moments at which they appeared."""
-
-    def look(file: RecordingFile) -> RecordedFaultsResponse:
-        recording = requester.library.opened(file)
-        return _response(faults_in(recording), recording)
-
-    return await requester.view(identity, look, virtual=True)
+    opened = requester.library.opened
+    return await requester.view(identity, lambda file: _response(opened(file)), virtual=True)
 
 
-def _response(found: RecordedFaults, recording: Recording) -> RecordedFaultsResponse:
-    catalog = recording.catalog
+def _response(recording: Recording) -> RecordedFaultsResponse:
+    found, catalog = faults_in(recording), recording.catalog
     began = max((note.time for note in recording.notes if note.kind == Kind.FAULTS), default=-inf)
     frames = [each.frame for each in found.appeared if each.frame is not None]
     last = found.readings[-1] if found.readings else None

@@ -22,7 +22,6 @@ from mikas.dashboard.api.dependencies import (
     KnownClient,
     Line,
     Names,
-    Requester,
     TheDashboard,
     TheRequester,
     Words,
@@ -289,7 +288,7 @@ async def remove_recorded_marker(
     return await _change_marker(requester, identity, Marker(time, removed=True))
 
 
-async def _change_marker(requester: Requester, identity: str, marker: Marker) -> MarkerResponse:
+async def _change_marker(requester: TheRequester, identity: str, marker: Marker) -> MarkerResponse:
     def write(file: RecordingFile) -> MarkerResponse:
         if not had_marker(CaptureReader(file.path).notes(), marker.time):
             raise NotFound(name=file.id)

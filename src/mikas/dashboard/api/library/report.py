@@ -10,6 +10,7 @@ import asyncio
 from bisect import bisect_left
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Final
 
 from fastapi import APIRouter
@@ -44,10 +45,7 @@ async def report(
     requester: TheRequester, *, lang: Language = "en", inline: bool = False
 ) -> Response:
     """Return a page on the connected car, made of the last quarter of an hour."""
-
-    def findings() -> Findings:
-        return _of_connection(requester.dashboard)
-
+    findings = partial(_of_connection, requester.dashboard)
     return await _page(requester, _LIVE, findings, lang, None if inline else "mikas.html")
 
 
