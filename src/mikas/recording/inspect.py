@@ -20,7 +20,7 @@ from mikas.errors import MikasError, NotSupported, WrongLength
 from mikas.i18n import Language, Text
 from mikas.link.base import Direction
 from mikas.recording.capture.reader import Packet, Problem, Source
-from mikas.recording.exchanges.layouts import READ_LIST, WRITE_LIST
+from mikas.recording.exchanges.layouts import DATA, READ_LIST, WRITE_LIST
 from mikas.recording.exchanges.scalar import UNFINISHED, DecodedDamage, DecodedFrame, PortDecoder
 
 Describe = Callable[[bytes, bytes | None], Text | None]
@@ -156,8 +156,6 @@ def _hex(data: bytes) -> str:
 
 _BOTH: Final[tuple[Language, Language]] = ("en", "ru")
 _VALUE_OR_REFUSAL = Text("a value of 01, or a refusal", "значение 01 или отказ")
-_REFUSABLE = (c.ReadParameters, c.StreamCyclic, c.StreamAtStroke)
-_DATA = (c.ReadParameters, c.ReadList, c.StreamCyclic, c.StreamAtStroke)
 
 
 class Describer:
@@ -194,7 +192,7 @@ class Describer:
         if isinstance(command, c.WriteList):
             self._set_list(command.parameters)
         first = isinstance(command, c.ReadParameters) or started == request
-        if isinstance(command, _REFUSABLE) and first and len(request) == 2 and response == ERROR:
+        if isinstance(command, DATA) and first and len(request) == 2 and response == ERROR:
             return _VALUE_OR_REFUSAL
         return self._described_value(command, value)
 
@@ -241,7 +239,7 @@ class Describer:
                 return Text(f"faults {numbers}", f"ошибки {numbers}")
             case c.ReadProgramPassport() | c.ReadDataPassport():
                 return Text(f"“{value}”", f"«{value}»")
-            case _ if isinstance(command, _DATA):
+            case _ if isinstance(command, (*DATA, c.ReadList)):
                 data = list(zip(command.parameters, value, strict=True))
                 en, ru = (" ".join(self._datum(*it, to) for it in data) for to in _BOTH)
                 return Text(en, ru)

@@ -152,7 +152,7 @@ def faults_in(recording: Recording) -> RecordedFaults:
     events = (event for event in recording.events if event.recording == port.recording)
     frames = FrameCollector(heard, events)
     if not frames.is_empty:
-        for source, rows in recording.last_session():
+        for source, rows in recording.stretches(raw.last_session):
             if source == port:
                 frames.add(rows)
     return RecordedFaults(heard, frames.appeared)

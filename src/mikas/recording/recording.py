@@ -178,18 +178,12 @@ class Recording:
         for _, rows in self.stretches():
             yield rows
 
-    def stretches(self) -> Iterator[tuple[Source, Rows]]:
-        """Yield the rows, each stretch with the port and the session that it comes from."""
-        return self._stretches(None)
+    def stretches(self, session: int | None = None) -> Iterator[tuple[Source, Rows]]:
+        """Yield the rows, each stretch with the port and the session that it comes from.
 
-    def last_session(self) -> Iterator[tuple[Source, Rows]]:
-        """Yield the rows of the last session that has any, at best many at a time: where a clock
-        runs to and fro, times run back within a stretch.
+        Of one `session`, they come at best many at a time: where a clock runs to and fro, times run
+        back within a stretch.
         """
-        session = self.raw.last_session
-        return iter(()) if session is None else self._stretches(session)
-
-    def _stretches(self, session: int | None) -> Iterator[tuple[Source, Rows]]:
         from mikas.recording.table.conversion import Converter
         from mikas.recording.table.derived import Deriver
 

@@ -99,7 +99,7 @@ def _ports(recording: Recording, readings: FaultReadings) -> dict[Source, _Port]
     """Return the ports of the last session that has rows."""
     names = [channel.name for channel in recording.channels]
     ports: dict[Source, _Port] = {}
-    for source, rows in recording.last_session():
+    for source, rows in recording.stretches(recording.raw.last_session):
         if source not in ports:
             events = [it for it in recording.events if it.recording == source.recording]
             frames = FrameCollector(readings.readings_of_port(source), events)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -55,15 +56,19 @@ def events_of(block):
         elif reason != SOUND:
             yield Damage(REASONS[reason], wire, offset)
         else:
-            raw, irregular = bool(block.raw_checksum[index]), bool(block.irregular[index])
-            yield Frame(block.body_of(index), wire, offset, raw, irregular)
+            yield Frame(block.body_of(index), wire, offset, bool(block.raw_checksum[index]))
+
+
+def known(events):
+    """Events of `Decoder.feed` without what the bulk decoder does not say: irregular escapes."""
+    return [replace(it, irregular=False) if isinstance(it, Frame) else it for it in events]
 
 
 @given(chunked(), limits)
 def test_the_same_events_after_the_same_piece(stream, limit):
     slow, fast = Decoder(limit=limit), BulkDecoder(limit=limit)
     for part, _ in zip(*stream, strict=True):
-        assert list(events_of(fast.feed(part))) == slow.feed(part)
+        assert list(events_of(fast.feed(part))) == known(slow.feed(part))
         assert (fast.pending, fast.offset) == (slow.pending, slow.offset)
 
 
@@ -82,7 +87,7 @@ def test_cuts_are_resets(stream, limit, together):
             if left := slow.reset():
                 expected.append(left)
             cuts.append(len(batch))
-        expected += slow.feed(part)
+        expected += known(slow.feed(part))
         batch += part
         if number % together == 0:
             flush()
@@ -116,7 +121,7 @@ def test_long_runs_of_bytes_with_damage_have_the_same_events(seed, size):
         for start in range(0, spoilt.size, 997)
         for event in events_of(fast.feed(spoilt[start : start + 997]))
     ]
-    assert shown == Decoder().feed(spoilt.tobytes())
+    assert shown == known(Decoder().feed(spoilt.tobytes()))
 
 
 def test_memory_is_bounded_by_the_limit():

@@ -54,7 +54,6 @@ class FrameBlock:
     body_starts: Index
     body_ends: Index
     raw_checksum: Mask
-    irregular: Mask
 
     def __len__(self) -> int:
         return len(self.starts)
@@ -112,7 +111,6 @@ class BulkDecoder:
         escapes, owners = found.escapes, found.owners
         if found.torn.size:  # nothing follows them in their frame
             escapes = escapes[~np.isin(escapes + 1, found.torn)]
-        irregular = np.zeros(count, np.bool_)
         if not count or not escapes.size:
             bodies, body_starts, body_ends = region, starts, found.ends - 2
             odd = _NOWHERE
@@ -140,7 +138,6 @@ class BulkDecoder:
             body_starts=body_starts,
             body_ends=body_ends,
             raw_checksum=found.raw,
-            irregular=irregular,
         )
         odd = odd[odd >= 0]
         odd = odd[reasons[odd] == SOUND]
@@ -157,7 +154,6 @@ class BulkDecoder:
             extra += event.body
             block.body_ends[index] = block.bodies.size + len(extra)
             block.raw_checksum[index] = event.raw_checksum
-            block.irregular[index] = event.irregular
         bodies = np.concatenate((block.bodies, np.frombuffer(extra, np.uint8)))
         return replace(block, bodies=bodies)
 

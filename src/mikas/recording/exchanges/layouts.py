@@ -8,7 +8,8 @@ unit may have either list.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Final
 
 from mikas import commands as c
@@ -21,20 +22,17 @@ STREAMS: Final = frozenset([*c.StreamCyclic.CODES, *c.StreamAtStroke.CODES])
 DATA: Final = (c.ReadParameters, c.StreamCyclic, c.StreamAtStroke)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Layout:
-    """A body of `length` bytes; `places`: (code, where its datum begins, its size), in order.
-
-    `last`: by code, where its last datum begins, and its size.
-    """
+    """A body of `length` bytes; `places`: (code, where its datum begins, its size), in order."""
 
     length: int
     places: tuple[tuple[int, int, int], ...]
-    last: Mapping[int, tuple[int, int]] = field(init=False)
 
-    def __post_init__(self) -> None:
-        last = {code: (begin, size) for code, begin, size in self.places}
-        object.__setattr__(self, "last", last)
+    @cached_property
+    def last(self) -> Mapping[int, tuple[int, int]]:
+        """By code, where its last datum begins, and its size."""
+        return {code: (begin, size) for code, begin, size in self.places}
 
 
 class Layouts:

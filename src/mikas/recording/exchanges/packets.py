@@ -207,12 +207,7 @@ def seconds(
 def read(path: str | os.PathLike[str], window: int = WINDOW) -> Iterator[Packets | Problem | Note]:
     """Yield packets, problems and notes in the file's order. Raise as `CaptureReader` does."""
     with opened_capture(path) as file:
-        yield from walk(file, window)
-
-
-def walk(file: BinaryIO, window: int = WINDOW) -> Iterator[Packets | Problem | Note]:
-    """Yield the same of an open file, up to its present end."""
-    return _Walk(file, window).items()
+        yield from _Walk(file, window).items()
 
 
 class _Walk:
