@@ -19,6 +19,7 @@ from mikas.client.cars import CarDetails, car_details
 from mikas.client.identity import UnitIdentity
 from mikas.commands.unit import version_of
 from mikas.i18n import Text
+from mikas.json_values import picked
 from mikas.recording.annotations.fields import (
     LONGEST_COMMENT,
     LONGEST_LINE,
@@ -61,26 +62,21 @@ def note_of(event: Event, interpretation: str = "corrected") -> Note:
 
     Raises `ValueError` for an event that no recording keeps.
     """
-    data = event.as_json()
+    kind, time, data = event.kind, event.time, event.as_json()
     del data["kind"], data["time"]
     match event:
-        case TextNote() | Marker() | Gap() | StateChanged() | AdapterMoved():
-            time = event.began if isinstance(event, Gap) else event.time
-            if isinstance(event, Marker):
-                for change in ("renamed", "removed"):
-                    if getattr(event, change):
-                        data[change] = True
-            return Note(Kind(event.kind), time, data)
+        case TextNote() | StateChanged() | AdapterMoved():
+            pass
+        case Gap():
+            time = event.began
+        case Marker():
+            data |= {it: True for it in ("renamed", "removed") if getattr(event, it)}
         case UnitFound():
             data = {
                 "version_code": data["version_code"],
                 "passports": data["passport"],
-                "adapter": event.adapter,
-                "baud": event.baud,
-                "echo": event.echo,
-                "another": event.another,
+                **picked(event, "adapter", "baud", "echo", "another"),
             }
-            return Note(Kind.UNIT, event.time, data)
         case PlanChanged(plan=plan):
             data = {
                 "method": plan.method,
@@ -89,23 +85,20 @@ def note_of(event: Event, interpretation: str = "corrected") -> Note:
                 "max_list": plan.max_list,
                 "reading": interpretation,
             }
-            return Note(Kind.PLAN, event.time, data)
         case AlarmChanged():
-            keys = ("level", "before", "better", "side", "value", "limit", "text")
-            data["better"] = event.better
-            form = {"channel": event.name} | {key: data[key] for key in keys}
-            return Note(Kind.ALARM, event.time, form)
+            data |= {"channel": event.name, "better": event.better}
+            keys = ("channel", "level", "before", "better", "side", "value", "limit", "text")
+            data = {key: data[key] for key in keys}
         case FaultReading():
-            data = {"codes": list(event.codes), "erased": event.erased}
-            return Note(Kind.FAULTS_READ, event.time, data)
+            kind, data = Kind.FAULTS_READ, {"codes": list(event.codes), "erased": event.erased}
         case MethodChosen() | ParameterDropped() | ParameterReturned():
+            if not isinstance(event, MethodChosen):
+                data = {kind: event.name}
             limits = {} if event.limits is None else asdict(event.limits)
-            if isinstance(event, ParameterDropped):
-                data = {"dropped": event.name}
-            elif isinstance(event, ParameterReturned):
-                data = {"returned": event.name}
-            return Note(Kind.LEARNT, event.time, limits | data)
-    raise ValueError(event.kind)
+            kind, data = Kind.LEARNT, limits | data
+        case _:
+            raise ValueError(kind)
+    return Note(Kind(kind), time, data)
 
 
 def catalog_note(time: float, version: str) -> Note:
@@ -180,7 +173,6 @@ def unit_of(notes: Iterable[Note], catalog: Catalog) -> RecordedUnit | None:
         return None
     unit, plan = first[Kind.UNIT], first.get(Kind.PLAN, {})
     version, passport = identity
-    names = plan.get("names")
     return RecordedUnit(
         version_code=version,
         model=None if version is None else catalog.model(version).text,
@@ -191,7 +183,7 @@ def unit_of(notes: Iterable[Note], catalog: Catalog) -> RecordedUnit | None:
         catalog=line_of(first.get(Kind.CATALOG, {}).get("version")),
         interpretation=line_of(plan.get("reading")),
         method=line_of(plan.get("method")),
-        names=_names(names),
+        names=_names(plan.get("names")),
     )
 
 
