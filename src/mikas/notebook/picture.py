@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime
 from math import isfinite, isinf
 from numbers import Real
@@ -56,6 +56,11 @@ class PlottedLine:
     key: str
     band: Span | None
     covered: int = 0
+
+    def covers(self, other: PlottedLine) -> bool:
+        """Return whether another line has the same points, on the same axis."""
+        same = self.key == other.key and np.array_equal(self.times, other.times)
+        return same and np.array_equal(self.values, other.values, equal_nan=True)
 
 
 @dataclass(frozen=True, slots=True)
@@ -222,11 +227,10 @@ class _Window:
         axes = stacked_axes(lines) if stacked else axes_of(lines)
         drawn: list[PlottedLine] = []
         for trace, key, columns, axis, line in zip(pane, keys, values, axes, lines, strict=True):
-            times, shown = self._points_of(*columns)
-            covered = (
-                0 if stacked else sum(it.key == key and _same(it, times, shown) for it in drawn)
-            )
-            drawn.append(PlottedLine(trace, times, shown, axis, key, line.band, covered))
+            times, shown = course(*columns, self._gaps, self._points)
+            new = PlottedLine(trace, times - self._zero, shown, axis, key, line.band)
+            covered = 0 if stacked else sum(map(new.covers, drawn))
+            drawn.append(replace(new, covered=covered))
         return drawn
 
     def _values(self, name: str) -> tuple[Floats, Floats]:
@@ -242,13 +246,3 @@ class _Window:
         inside = values[(times >= self._begin) & (times <= self._end)]
         seen = inside if inside.size else values
         return (float(seen.min()), float(seen.max())) if seen.size else None
-
-    def _points_of(self, times: Floats, values: Floats) -> tuple[Floats, Floats]:
-        """Return the points of a line, broken where it is interrupted."""
-        times, values = course(times, values, self._gaps, self._points)
-        return times - self._zero, values
-
-
-def _same(line: PlottedLine, times: Floats, values: Floats) -> bool:
-    """Return whether a line has these points."""
-    return np.array_equal(line.times, times) and np.array_equal(line.values, values, equal_nan=True)

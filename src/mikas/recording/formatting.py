@@ -6,9 +6,8 @@ from datetime import datetime
 from math import ceil, floor, isfinite
 
 from mikas.catalog import Confidence, Derived, Parameter
-from mikas.cleaning import is_in_calendar
 from mikas.i18n import Language, Text
-from mikas.recording.table.channels import PLAINLY_UNIX
+from mikas.recording.table.channels import calendar
 
 
 def number(value: float, decimals: int, language: Language) -> str:
@@ -77,9 +76,8 @@ def clock(seconds: float) -> str:
 
 def date_of(time: float | None) -> datetime | None:
     """Return the date of a time of the link's clock; None without one: a simulated clock."""
-    if time is None or time < PLAINLY_UNIX or not is_in_calendar(time):
-        return None
-    return datetime.fromtimestamp(time).astimezone()
+    date = None if time is None else calendar(time)
+    return None if date is None else date.astimezone()
 
 
 def moment(time: float, began: float | None) -> Text:

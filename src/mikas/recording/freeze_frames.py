@@ -17,6 +17,7 @@ from typing import Any, Final
 
 from mikas.catalog import Fault
 from mikas.cleaning import clean_line, is_in_calendar
+from mikas.recording.annotations.fields import number_of
 from mikas.recording.table.channels import Rows
 from mikas.recording.table.decimation import decimated
 from mikas.sampling.events import FaultReading
@@ -154,12 +155,10 @@ def frame_from(stored: Any) -> FreezeFrame | None:  # noqa: ANN401  (any JSON)
     without, seen = _number(stored.get("without")), _number(stored.get("seen"))
     if not (isinstance(code, int) and 0 <= code <= 255 and isinstance(times, list)):
         return None
-    if not isinstance(values, dict) or len(times) > 2 * _MOST_ROWS:
+    if len(times) > 2 * _MOST_ROWS or not isinstance(values, dict) or len(values) > _MOST_COLUMNS:
         return None
     instants = tuple(map(_number, times))
     if not all(is_in_calendar(abs(time)) for time in (without, seen, *instants)):
-        return None
-    if len(values) > _MOST_COLUMNS:
         return None
     columns = {
         clean_line(name, _NAME): tuple(map(_number, column))
@@ -185,6 +184,5 @@ def _stored_then(stored: object) -> dict[str, ValueThen]:
 
 def _number(value: object) -> float:
     """Return a finite number; NaN for anything else."""
-    if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
-        return nan
-    return float(value)
+    number = number_of(value)
+    return number if number is not None and isfinite(number) else nan

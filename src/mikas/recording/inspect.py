@@ -18,6 +18,7 @@ from mikas.catalog import Catalog
 from mikas.commands.base import ERROR
 from mikas.errors import MikasError, NotSupported, WrongLength
 from mikas.i18n import Language, Text
+from mikas.json_values import json_of
 from mikas.link.base import Direction
 from mikas.recording.capture.reader import Packet, Problem, Source
 from mikas.recording.exchanges.layouts import DATA, READ_LIST, WRITE_LIST
@@ -88,7 +89,7 @@ def _described(
 def to_json(item: Item) -> dict[str, object]:
     """Return a line of `mikas decode --json`: `type` is frame, damage or problem; bytes in hex."""
     if isinstance(item, Problem):
-        text = {"en": item.text.en, "ru": item.text.ru}
+        text = json_of(item.text)
         return {"schema": SCHEMA, "type": "problem", "offset": item.offset, "text": text}
     line: dict[str, object] = {
         "schema": SCHEMA,
@@ -103,7 +104,6 @@ def to_json(item: Item) -> dict[str, object]:
     }
     if isinstance(item, DecodedDamage):
         return line | {"reason": item.reason, "data": _hex(item.data)}
-    meaning = None if item.meaning is None else {"en": item.meaning.en, "ru": item.meaning.ru}
     return line | {
         "body": _hex(item.frame.body),
         "wire": _hex(item.frame.wire),
@@ -111,7 +111,7 @@ def to_json(item: Item) -> dict[str, object]:
         "irregular": item.frame.irregular,
         "name": item.name,
         "request": None if item.request is None else _hex(item.request),
-        "meaning": meaning,
+        "meaning": json_of(item.meaning),
     }
 
 

@@ -17,6 +17,7 @@ from mikas.catalog import Catalog
 from mikas.cleaning import is_in_calendar
 from mikas.errors import usage_error
 from mikas.i18n import Text
+from mikas.json_values import json_of
 from mikas.recording.capture.clock import LONGEST
 from mikas.sampling.derived import required_by
 from mikas.sampling.events import Event, Gap
@@ -44,8 +45,7 @@ class Channel:
 
     def facts(self) -> dict[str, Any]:
         """Return unit, description and decimals, for metadata."""
-        text = self.text
-        return {"unit": self.unit, "en": text.en, "ru": text.ru, "decimals": self.decimals}
+        return {"unit": self.unit, **json_of(self.text), "decimals": self.decimals}
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,6 +16,7 @@ import numpy as np
 
 from mikas import errors
 from mikas.i18n import Text
+from mikas.json_values import json_of
 from mikas.recording.exchanges.arrays import Floats
 from mikas.recording.table.channels import Channel
 
@@ -80,7 +81,7 @@ def arrow_table(table: Table) -> Any:  # noqa: ANN401  (pyarrow may not be insta
 
 
 def _about(unit: str, text: Text) -> dict[str, str]:
-    return {"unit": unit, "en": text.en, "ru": text.ru}
+    return {"unit": unit, **json_of(text)}
 
 
 FRAMES: Final = {"pandas": pandas_frame, "polars": polars_frame, "pyarrow": arrow_table}
