@@ -7,33 +7,20 @@ from graphlib import CycleError
 from pathlib import PurePath
 from typing import Any, TypeVar
 
+from mikas.catalog import model
 from mikas.catalog.conversion import NO_TEXT, Conversion
 from mikas.catalog.formula_syntax import parse
 from mikas.catalog.loading.entries import Entries, Entry
 from mikas.catalog.loading.fields import constant, made, read_value
 from mikas.catalog.loading.source import KeyPath
 from mikas.catalog.lookup import Catalog
-from mikas.catalog.model import (
-    LIMITS,
-    AlarmLimits,
-    Confidence,
-    Derived,
-    Erratum,
-    Fault,
-    Lamp,
-    Level,
-    Meaning,
-    Model,
-    Parameter,
-    in_order,
-)
 from mikas.errors import UsageError
 from mikas.i18n import Text
 from mikas.options import nearest
 
-T = TypeVar("T", Derived, Erratum, Fault, Model, Parameter)
+T = TypeVar("T", model.Derived, model.Erratum, model.Fault, model.Model, model.Parameter)
 
-_OF_NUMBERS = (*LIMITS, "hysteresis")
+_OF_NUMBERS = (*model.LIMITS, "hysteresis")
 _OF_FLAGS = ("when_true",)
 _LONGEST_CIRCLE = 8  # names shown
 
@@ -62,7 +49,7 @@ def catalog_of(entries: Entries, version: str) -> Catalog:
             for code, entry in entries["fault"].items()
         },
         models={
-            code: _built(Model, entry, code=code, text=entry.text("text"))
+            code: _built(model.Model, entry, code=code, text=entry.text("text"))
             for code, entry in entries["model"].items()
         },
         errata={name: _erratum(name, entry) for name, entry in entries["erratum"].items()},
@@ -71,7 +58,7 @@ def catalog_of(entries: Entries, version: str) -> Catalog:
     )
 
 
-def alarm_limits(entry: Entry, *, is_flag: bool) -> AlarmLimits | None:
+def alarm_limits(entry: Entry, *, is_flag: bool) -> model.AlarmLimits | None:
     """Build the table `limits`; None if no limit is left in it."""
     table = entry.values.get("limits", {})
     unfit, problem = (_OF_NUMBERS, NOT_FOR_FLAGS) if is_flag else (_OF_FLAGS, ONLY_FOR_FLAGS)
@@ -79,7 +66,7 @@ def alarm_limits(entry: Entry, *, is_flag: bool) -> AlarmLimits | None:
     values: dict[str, Any] = {"source": _file(entry)}
     values |= {key: value for key, value in table.items() if key not in unfit}
     try:
-        limits = AlarmLimits(**values)
+        limits = model.AlarmLimits(**values)
     except UsageError as error:
         last = max((("limits", key) for key in reversed(_OF_NUMBERS)), key=entry.order)
         problem = Text(f"can't be: {error.reason.en}", f"не годится: {error.reason.ru}")
@@ -98,20 +85,20 @@ def _short(entry: Entry) -> Text:
     return entry.text("short" if is_current else "text")
 
 
-def lamp(entry: Entry, *, is_flag: bool) -> Lamp | None:
+def lamp(entry: Entry, *, is_flag: bool) -> model.Lamp | None:
     """Build the texts of a flag's lamp; None if it has none."""
     if not _fits(entry, "lamp", ONLY_FOR_FLAGS, fits=is_flag):
         return None
-    trouble = Level(entry.values["lamp"].get("trouble", Level.NONE))
-    return Lamp(on=entry.text("lamp", "on"), off=entry.text("lamp", "off"), trouble=trouble)
+    trouble = model.Level(entry.values["lamp"].get("trouble", model.Level.NONE))
+    return model.Lamp(on=entry.text("lamp", "on"), off=entry.text("lamp", "off"), trouble=trouble)
 
 
-def meaning(entry: Entry, *, is_flag: bool) -> Meaning | None:
+def meaning(entry: Entry, *, is_flag: bool) -> model.Meaning | None:
     """Build the table `meaning`; None if it is missing."""
     if not _fits(entry, "meaning", NOT_FOR_FLAGS, fits=not is_flag):
         return None
     sides = {side: optional(entry, "meaning", side) for side in ("low", "high")}
-    return Meaning(**{"source": _file(entry), **entry.values["meaning"], **sides})
+    return model.Meaning(**{"source": _file(entry), **entry.values["meaning"], **sides})
 
 
 def _fits(entry: Entry, key: str, problem: Text, *, fits: bool) -> bool:
@@ -132,7 +119,7 @@ def _refuse(
 
 def _derived(
     name: str, entry: Entry, unit_texts: Mapping[str, Text], known: Mapping[str, Entry]
-) -> Derived:
+) -> model.Derived:
     entry.require("formula")
     values, constants = entry.values, entry.values.get("constants", {})
     for each in constants:
@@ -146,7 +133,7 @@ def _derived(
             raise entry.wrong(("formula",), does_not_exist(each, (*known, *constants)))
     unit = values.get("unit", "")
     return _built(
-        Derived,
+        model.Derived,
         entry,
         name=name,
         text=entry.text("text"),
@@ -170,10 +157,10 @@ def _check_names(entries: Entries) -> None:
         raise entry.wrong_name(Text("is the name of a parameter", "имя занято параметром"))
 
 
-def _check_cycles(entries: Mapping[str, Entry], built: Mapping[str, Derived]) -> None:
+def _check_cycles(entries: Mapping[str, Entry], built: Mapping[str, model.Derived]) -> None:
     """Refuse a channel that needs itself, at the formula that was written last."""
     try:
-        in_order(built, built)
+        model.in_order(built, built)
     except CycleError as error:
         circle = error.args[1]
         latest = max((entries[name] for name in circle), key=lambda each: each.order(("formula",)))
@@ -189,11 +176,11 @@ _FOR_DISPLAY = ("range", "reference", "gauge", "span_least")
 _NUMERIC = ("signed", "scale", "bias", "offset", "unit")
 
 
-def _fault(code: int, entry: Entry, known: Mapping[str, Entry]) -> Fault:
+def _fault(code: int, entry: Entry, known: Mapping[str, Entry]) -> model.Fault:
     text, check = entry.text("text"), optional(entry, "check")
     related, sensor = (_names(entry, key, known) for key in ("parameters", "sensor"))
     return _built(
-        Fault,
+        model.Fault,
         entry,
         code=code,
         text=text,
@@ -204,14 +191,14 @@ def _fault(code: int, entry: Entry, known: Mapping[str, Entry]) -> Fault:
     )
 
 
-def _erratum(name: str, entry: Entry) -> Erratum:
+def _erratum(name: str, entry: Entry) -> model.Erratum:
     texts = {key: entry.text(key) for key in ("title", "reason", "default", "alternative")}
-    return _built(Erratum, entry, name=name, **texts)
+    return _built(model.Erratum, entry, name=name, **texts)
 
 
 def _parameter(
     name: str, entry: Entry, unit_texts: Mapping[str, Text], entries: Entries
-) -> Parameter:
+) -> model.Parameter:
     entry.require("code")
     entry.require("size")
     values, size = entry.values, entry.values["size"]
@@ -226,7 +213,7 @@ def _parameter(
         _refuse(entry, ((key,) for key in (*_FOR_DISPLAY, "decimals")), NOT_FOR_FLAGS)
         values = {key: value for key, value in values.items() if key not in _FOR_DISPLAY}
     return _built(
-        Parameter,
+        model.Parameter,
         entry,
         name=name,
         text=entry.text("text"),
@@ -290,10 +277,10 @@ def _decimals(conversion: Conversion) -> int:
     return next((places for places in (1, 2) if abs(conversion.scale) * 10**places >= 1), 3)
 
 
-def _confidence_of(values: Mapping[str, Any], key: str) -> Confidence:
+def _confidence_of(values: Mapping[str, Any], key: str) -> model.Confidence:
     """Return the confidence of `key`; UNKNOWN if the key is missing."""
-    default = Confidence.UNCONFIRMED if key in values else Confidence.UNKNOWN
-    return Confidence(values.get(f"{key}_confidence", default))
+    default = model.Confidence.UNCONFIRMED if key in values else model.Confidence.UNKNOWN
+    return model.Confidence(values.get(f"{key}_confidence", default))
 
 
 def _built(kind: type[T], entry: Entry, **given: object) -> T:
@@ -301,7 +288,7 @@ def _built(kind: type[T], entry: Entry, **given: object) -> T:
 
     By default its source is the name of its last file, and it is unconfirmed.
     """
-    keys = {"source": _file(entry), "confidence": Confidence.UNCONFIRMED, **entry.values}
+    keys = {"source": _file(entry), "confidence": model.Confidence.UNCONFIRMED, **entry.values}
     return made(kind, keys, **given)
 
 

@@ -9,14 +9,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from typing import Any, TypeAlias
 
-from mikas.catalog.loading.fields import (
-    FAMILIES,
-    as_table,
-    read_table,
-    read_value,
-    string,
-    unknown_key,
-)
+from mikas.catalog.loading import fields
 from mikas.catalog.loading.source import CatalogFile, KeyPath
 from mikas.errors import CatalogError
 from mikas.i18n import Text
@@ -82,24 +75,24 @@ class Entry:
 
 def merged(sources: Iterable[CatalogFile]) -> Entries:
     """Merge the entries of all files. CatalogError: an unknown key, a wrong type, a duplicate."""
-    entries: Entries = {family: {} for family in FAMILIES}
+    entries: Entries = {family: {} for family in fields.FAMILIES}
     for order, each in enumerate(sources):
         source = replace(each, order=order)
         for family, tables in source.tables.items():
             if family == "version":
-                read_value(source, (family,), string, tables)
-            elif family in FAMILIES:
+                fields.read_value(source, (family,), fields.string, tables)
+            elif family in fields.FAMILIES:
                 _add_tables(entries[family], source, family, tables)
             else:
-                raise unknown_key(source, (family,), (*FAMILIES, "version"))
+                raise fields.unknown_key(source, (family,), (*fields.FAMILIES, "version"))
     return entries
 
 
 def _add_tables(known: dict[Any, Entry], source: CatalogFile, family: str, tables: object) -> None:
-    names = set()
-    for key, table in as_table(source, (family,), tables, f"{family}.NAME").items():
+    names, kind = set(), fields.FAMILIES[family]
+    for key, table in fields.as_table(source, (family,), tables, f"{family}.NAME").items():
         path = (family, key)
-        name = read_value(source, path, FAMILIES[family].key, key)
+        name = fields.read_value(source, path, kind.key, key)
         if name in names:
             raise source.wrong(path, Text("is there twice", "есть дважды"))
         names.add(name)
@@ -113,4 +106,4 @@ def _add_tables(known: dict[Any, Entry], source: CatalogFile, family: str, table
             )
         entry = known.setdefault(name, Entry(source, path, (source, path)))
         entry.source, entry.table = source, path
-        entry.override((), entry.values, read_table(source, path, table, FAMILIES[family].schema))
+        entry.override((), entry.values, fields.read_table(source, path, table, kind.schema))
