@@ -45,33 +45,64 @@ def with_keys(text: str, family: str, name: str, keys: Mapping[str, Any], *, fil
     `name`: in any case. A table or an entry that loses its last key is removed. Raises
     `CatalogError` naming `file` if the text is no TOML, or the entry can't be changed.
     """
-    tables = _parsed(text, file)
-    entry = (family, _written(tables, family, name))
+    document = _Document(text, file)
+    entry = document.entry(family, name)
     for path, value in _leaves(entry, keys):
-        text, tables = _changed(text, tables, path, value, file)
-    return _without_empty(text, tables, entry, file)
+        document.change(path, value)
+    for path in (*((*entry, key) for key in document.at(entry) or ()), entry):
+        if document.at(path) == {}:
+            document.change(path, None)
+    return document.text
 
 
 def without(text: str, family: str, name: str, *, file: str = "") -> str:
     """Return `text` without the entry; the same text if it has none. Raises as `with_keys`."""
-    tables = _parsed(text, file)
-    path = (family, _written(tables, family, name))
-    if _at(tables, path) is None:
-        return text
-    return _changed(text, tables, path, None, file)[0]
+    document = _Document(text, file)
+    document.change(document.entry(family, name), None)
+    return document.text
 
 
-def _parsed(text: str, file: str) -> Tables:
-    try:
-        return toml.parse(text)
-    except toml.TomlError as error:
-        raise CatalogError(file, error.line, error.problem) from error
+class _Document:
+    """A file's text, changed at one place after the other; its tables change with it."""
 
+    def __init__(self, text: str, file: str) -> None:
+        self.text, self._file = text, file
+        try:
+            self._tables = toml.parse(text)
+        except toml.TomlError as error:
+            raise CatalogError(file, error.line, error.problem) from error
 
-def _written(tables: Tables, family: str, name: str) -> str:
-    """Return the entry's name as the file has it."""
-    known = tables.get(family, {})
-    return next((key for key in known if key.upper() == name.upper()), name)
+    def entry(self, family: str, name: str) -> KeyPath:
+        """Return the path of an entry, with its name as the file has it."""
+        known = self._tables.get(family, {})
+        return family, next((key for key in known if key.upper() == name.upper()), name)
+
+    def at(self, path: KeyPath) -> Any:  # noqa: ANN401  (any TOML)
+        """Return the value at `path`; None: there is none."""
+        found: Any = self._tables
+        for key in path:
+            found = found.get(key) if isinstance(found, dict) else None
+        return found
+
+    def change(self, path: KeyPath, value: object) -> None:
+        """Put `value` at `path`; None: remove what is there."""
+        present = self.at(path)
+        if present == value and type(present) is type(value):
+            return
+        wanted = deepcopy(self._tables)
+        _put(wanted, path, value)
+        for way in (_by_headers, _by_tomlkit):
+            try:
+                after = way(self.text, path, value, present=present is not None)
+                if after is None:
+                    continue
+                tables = toml.parse(after)
+                if _meant(tables) == _meant(wanted):
+                    self.text, self._tables = after, tables
+                    return
+            except _UNFIT:
+                continue
+        raise CatalogFile(self._file, self.text, self._tables).error(path, *_BY_HAND)
 
 
 def _leaves(path: KeyPath, keys: Mapping[str, Any]) -> Iterator[tuple[KeyPath, Any]]:
@@ -80,35 +111,6 @@ def _leaves(path: KeyPath, keys: Mapping[str, Any]) -> Iterator[tuple[KeyPath, A
             yield from _leaves((*path, key), value)
         else:
             yield (*path, key), value
-
-
-def _at(tables: Tables, path: KeyPath) -> Any:  # noqa: ANN401  (any TOML)
-    found: Any = tables
-    for key in path:
-        found = found.get(key) if isinstance(found, dict) else None
-    return found
-
-
-def _changed(
-    text: str, tables: Tables, path: KeyPath, value: object, file: str
-) -> tuple[str, Tables]:
-    """Return the text and the tables with `value` at `path`; None: without it."""
-    present = _at(tables, path)
-    if present == value and type(present) is type(value):
-        return text, tables
-    wanted = deepcopy(tables)
-    _put(wanted, path, value)
-    for way in (_by_headers, _by_tomlkit):
-        try:
-            after = way(text, path, value, present=present is not None)
-            if after is None:
-                continue
-            tables = toml.parse(after)
-            if _meant(tables) == _meant(wanted):
-                return after, tables
-        except _UNFIT:
-            continue
-    raise CatalogFile(file, text, tables).error(path, *_BY_HAND)
 
 
 def _meant(tables: Tables) -> Tables:
@@ -127,15 +129,6 @@ def _put(tables: Tables, path: KeyPath, value: object) -> None:
         tables.pop(last, None)
     else:
         tables[last] = value
-
-
-def _without_empty(text: str, tables: Tables, entry: KeyPath, file: str) -> str:
-    found = _at(tables, entry)
-    for key in [key for key, value in (found or {}).items() if value == {}]:
-        text, tables = _changed(text, tables, (*entry, key), None, file)
-    if _at(tables, entry) == {}:
-        text, _ = _changed(text, tables, entry, None, file)
-    return text
 
 
 def _by_headers(text: str, path: KeyPath, value: object, *, present: bool) -> str | None:
