@@ -41,37 +41,32 @@ def lines_of(text: str) -> dict[KeyPath, int]:
     `text` is valid TOML with bare newlines. Tables implied by a dotted key are listed too; keys of
     tables in an array have the array's path.
     """
-    return _scanned(text).lines
+    return _Scanner(text).lines
 
 
 def headers_of(text: str) -> list[tuple[KeyPath, int]]:
     """Return the table and the 1-based line of each header, in the order of `text`."""
-    return _scanned(text).headers
-
-
-def _scanned(text: str) -> _Scanner:
-    scanner = _Scanner()
-    for token, is_name, line in _tokens(text):
-        if scanner.in_key:
-            scanner.key_token(token, is_name, line)
-        else:
-            scanner.value_token(token)
-    return scanner
+    return _Scanner(text).headers
 
 
 class _Scanner:
-    """The state: in a key, a header or between statements (`in_key`), or in a value."""
+    """The state: in a key, a header or between statements (`_in_key`), or in a value."""
 
-    def __init__(self) -> None:
+    def __init__(self, text: str) -> None:
         self.lines: dict[KeyPath, int] = {}
         self.headers: list[tuple[KeyPath, int]] = []
-        self.in_key = True
+        self._in_key = True
         self._key: list[str] = []
         self._table: KeyPath = ()  # the header above
         self._value: KeyPath = ()  # the path of the value being read
         self._open: list[tuple[str, KeyPath]] = []  # its brackets, and the path they belong to
+        for token, is_name, line in _tokens(text):
+            if self._in_key:
+                self._key_token(token, is_name, line)
+            else:
+                self._value_token(token)
 
-    def key_token(self, token: str, is_name: bool, line: int) -> None:
+    def _key_token(self, token: str, is_name: bool, line: int) -> None:
         # A key and the sign behind it stand on one line.
         if is_name:
             self._key.append(_unquoted(token))
@@ -80,20 +75,20 @@ class _Scanner:
             self.headers.append((self._table, line))
         elif token == "=":
             self._value = self._record(self._open[-1][1] if self._open else self._table, line)
-            self.in_key = False
+            self._in_key = False
         elif token == "}":  # an empty table
-            self._value, self.in_key = self._open.pop()[1], False
+            self._value, self._in_key = self._open.pop()[1], False
 
-    def value_token(self, token: str) -> None:
+    def _value_token(self, token: str) -> None:
         if token in {"[", "{"}:
             self._open.append((token, self._value))
-            self.in_key = token == "{"
+            self._in_key = token == "{"
         elif token in {"]", "}"}:
             self._value = self._open.pop()[1]
         elif token == ",":
-            self.in_key = self._open[-1][0] == "{"
+            self._in_key = self._open[-1][0] == "{"
         elif token == "\n":
-            self.in_key = not self._open
+            self._in_key = not self._open
 
     def _record(self, inside: KeyPath, line: int) -> KeyPath:
         path = (*inside, *self._key)
