@@ -11,6 +11,8 @@ from collections import deque
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from enum import Enum
+from functools import reduce
+from itertools import chain
 from typing import Any, Final
 
 from mikas.cleaning import terminal_json
@@ -159,13 +161,8 @@ class Outbox:
     def next(self) -> Message | None:
         """Return the next message, which stays here until `sent`; None: nothing is due."""
         with self._lock:
-            for messages in (self._pending, self._live):
-                if messages:
-                    return next(iter(messages.values()))
-            for queue in (self._events, self._samples):
-                if queue:
-                    return queue[0]
-            return None
+            due = self._pending.values(), self._live.values(), self._events, self._samples
+            return next(chain(*due), None)
 
     def sent(self, message: Message) -> None:
         """Remove a message of `next`, unless a later one has taken its place meanwhile."""
@@ -182,7 +179,4 @@ class Outbox:
     def unsent(self) -> Lost:
         """The samples and events that are still here, and those that had no room meanwhile."""
         with self._lock:
-            unsent = self._lost
-            for message in (*self._samples, *self._events):
-                unsent = unsent.plus(message)
-            return unsent
+            return reduce(Lost.plus, (*self._samples, *self._events), self._lost)
