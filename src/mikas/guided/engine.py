@@ -116,7 +116,7 @@ class TestEngine:
             phase, names, needed = run.phase(now), run.step.watch, run.needed
             gap, seconds = max(_START_GAP, run.step.longest_gap), now - run.began
         values = self._values.at(now, names, gap)
-        lacking = () if phase is ProgressPhase.DONE else self._lacking(now, needed, gap)
+        lacking = () if phase is ProgressPhase.DONE else self._values.lacking(now, needed, gap)
         return Progress(
             phase=phase,
             step=None if run is None else len(self._done),
@@ -127,10 +127,6 @@ class TestEngine:
             values=values,
             lacking=lacking,
         )
-
-    def _lacking(self, now: float, needed: tuple[str, ...], gap: float) -> tuple[str, ...]:
-        ages = ((name, self._values.age(now, name)) for name in needed)
-        return tuple(name for name, age in ages if age is None or age > gap)
 
     def _ready(self, time: float) -> bool:
         if self._start is None:

@@ -30,6 +30,7 @@ Mask = NDArray[np.bool_]
 
 MOST_ROWS: Final = 100_000  # of a step; more than half an hour at 50 a second
 _BINS: Final = 20
+_NEVER: Final = (-1e18, nan)
 _LEAST_RATE_SPAN: Final = 1.0  # s; a shorter part has no rate worth the name
 
 
@@ -77,7 +78,7 @@ class Values:
         found = {}
         parameters, derived = self._needed[names]
         for name in parameters:
-            when, value = self._latest.get(name, (-1e18, nan))
+            when, value = self._latest.get(name, _NEVER)
             if 0 <= time - when <= longest_gap:
                 found[name] = value
         for channel in derived:
@@ -89,9 +90,10 @@ class Values:
                     found[channel.name] = value
         return found
 
-    def age(self, time: float, name: str) -> float | None:
-        """Return the age of a parameter's latest value; None: it never had one."""
-        return None if name not in self._latest else time - self._latest[name][0]
+    def lacking(self, time: float, names: tuple[str, ...], longest_gap: float) -> tuple[str, ...]:
+        """Return the parameters without a value, or with one that is too old."""
+        ages = ((name, time - self._latest.get(name, _NEVER)[0]) for name in names)
+        return tuple(name for name, age in ages if age > longest_gap)
 
 
 class StepRows:
