@@ -97,7 +97,7 @@ class OwnCatalog:
         catalog = load_text(str(self.path), after, *self._more)
         accept(catalog)
         if after != before:
-            self._write(after, windows=self._has_windows_lines())
+            self._write(after)
         return catalog
 
     def _read(self) -> str:
@@ -113,17 +113,13 @@ class OwnCatalog:
         except toml.TomlError as error:
             raise CatalogError(str(self.path), error.line, error.problem) from error
 
-    def _has_windows_lines(self) -> bool:
-        try:
-            return os.linesep == "\n" and b"\r\n" in toml.read_bytes(self.path)
-        except FileNotFoundError:
-            return False
-
-    def _write(self, text: str, *, windows: bool) -> None:
+    def _write(self, text: str) -> None:
         try:
             path = self.path.resolve()  # the user may keep the file elsewhere, by a link
             path.parent.mkdir(parents=True, exist_ok=True)
-            save(path, text.replace("\n", "\r\n") if windows else text)
+            if os.linesep == "\n" and path.exists() and b"\r\n" in toml.read_bytes(path):
+                text = text.replace("\n", "\r\n")  # as it was
+            save(path, text)
         except OSError as error:
             raise self._failed(reason_of(error)) from error
 
