@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from concurrent.futures import Future
+from concurrent.futures import Executor, Future
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -23,15 +23,18 @@ MINUTE = Drive(BEGAN, seconds=60.0, rate=4.0, plate="а 101 мр 52", car="ГА�
 SETTINGS = InterpretingSettings(shipped())
 
 
-class HereRunner(Runner):
-    """This process itself."""
-
-    window = 1
-
+class HereExecutor(Executor):
     def submit(self, work: Work, file: FoundFile) -> Future[FileOutcome]:
         done: Future[FileOutcome] = Future()
         done.set_result(work(file))
         return done
+
+
+class HereRunner(Runner):
+    """This process itself."""
+
+    window = 1
+    _executor = HereExecutor()
 
     def close(self) -> None: ...
 

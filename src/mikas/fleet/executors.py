@@ -62,10 +62,6 @@ class Runner(ABC):
     window: int
     _executor: Executor
 
-    def submit(self, work: Work, file: FoundFile) -> Future[FileOutcome]:
-        """Begin a job."""
-        return self._executor.submit(work, file)
-
     @abstractmethod
     def close(self) -> None:
         """End; a job under way is dropped."""
@@ -80,7 +76,7 @@ class Runner(ABC):
         """Yield the outcomes as they come."""
         waiting: dict[Future[FileOutcome], FoundFile] = {}
         for file in files:
-            waiting[self.submit(work, file)] = file
+            waiting[self._executor.submit(work, file)] = file
             while len(waiting) >= self.window:
                 yield from self._some(work, waiting)
         while waiting:
