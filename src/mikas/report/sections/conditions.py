@@ -87,13 +87,10 @@ def _gaps(pauses: tuple[Gap, ...] | None, began: float, label: Labels, language:
     texts = []
     for pause in pauses[:_MOST_PAUSES]:
         ended = "…" if pause.ended is None else clock(pause.ended - began)
-        why = f" ({_plain(pause.reason.to(language))})" if pause.reason else ""
+        why = ""
+        if pause.reason is not None:
+            why = f" ({_SENTENCE_END.split(pause.reason.to(language))[0]})"
         texts.append(f"{clock(pause.began - began)}–{ended}{why}")
     more = len(pauses) - _MOST_PAUSES
     rest = Text(f"{more} more", f"ещё {more}").to(language) if more > 0 else ""
     return "; ".join(filter(None, (f"{len(pauses)}: {texts[0]}", *texts[1:], rest)))
-
-
-def _plain(reason: str) -> str:
-    """Return the first sentence of a reason: without the bytes and without advice."""
-    return _SENTENCE_END.split(reason, maxsplit=1)[0]

@@ -65,16 +65,11 @@ def _test(result: TestResult, found: Findings, language: Language) -> Markup:
     )
     parts.append(table((text.to(language) for text in _HEAD), rows))
     channels = found.subject.catalog.channels
-    drawings = (
-        _drawing(curve, channels.get(curve.name), language) for curve in _moving(result.curves)
-    )
+    # A constant value is among the numbers.
+    moving = [it for it in result.curves if it.times and max(it.highs) > min(it.lows)]
+    drawings = (_drawing(it, channels.get(it.name), language) for it in moving[:_CURVES])
     parts.append(Markup("<div class='charts'>{}</div>").format(Markup("").join(drawings)))
     return Markup("").join(parts)
-
-
-def _moving(curves: tuple[Curve, ...]) -> list[Curve]:
-    """Return the curves to draw: a constant value is among the numbers."""
-    return [it for it in curves if it.times and max(it.highs) > min(it.lows)][:_CURVES]
 
 
 def _finding(finding: Finding, language: Language) -> Markup:
