@@ -39,7 +39,6 @@ from mikas.dashboard.api.errors import TwoTexts, errors, made_of, two
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.errors import NotFound, api_hex
 from mikas.dashboard.library.folder import RecordingFile
-from mikas.dashboard.session.catalog_in_use import all_names
 from mikas.errors import FormulaError, UnknownParameter, ValueDoesNotFit
 from mikas.i18n import Text
 from mikas.recording.table.channels import Rows
@@ -261,10 +260,9 @@ async def try_formula(requester: TheRequester, _: KnownClient, body: TrialReques
 def _parsed(known: Catalog, body: TrialRequest) -> Parsed:
     """Return the formula. Raises `FormulaError`, also for a channel that does not exist."""
     parsed = parse(body.formula, body.constants)
-    names = all_names(known)
     for name, span in zip(parsed.inputs, parsed.places, strict=True):
-        if name not in names:
-            raise FormulaError(does_not_exist(name, (*names, *body.constants)), span)
+        if name not in known.channels:
+            raise FormulaError(does_not_exist(name, (*known.channels, *body.constants)), span)
         needed = in_order(known.derived, [name]) if name in known.derived else ()
         if body.name.upper() in {each.name for each in needed}:
             raise FormulaError(

@@ -29,7 +29,6 @@ from mikas.dashboard.api.errors import OptionalTexts, TwoTexts, errors, made_of
 from mikas.dashboard.api.state import PlannedChannel, State, state_of
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.errors import ADVICE, Busy
-from mikas.dashboard.session.catalog_in_use import all_names
 from mikas.dashboard.session.connection import CHANGING
 from mikas.dashboard.session.port_threads import Diagnosis
 from mikas.dashboard.settings import PlanSettings
@@ -176,7 +175,7 @@ def price(dashboard: TheDashboard, body: PriceRequest) -> PriceResponse:
     base = dashboard.plan.price(names, body.method, first)
     known = first or [wanted.name for wanted in body.wanted]
     more = {}
-    for channel in all_names(dashboard.catalog):
+    for channel in dashboard.catalog.channels:
         if channel not in known:
             longer = ([*names, channel], first) if not first else (names, [*first, channel])
             with_it = dashboard.plan.price(longer[0], body.method, longer[1])

@@ -62,14 +62,9 @@ class CatalogInUse:
             return catalog
 
 
-def all_names(catalog: Catalog) -> list[str]:
-    """Return the names of all channels."""
-    return list(catalog.channels)
-
-
 def changed_channels(catalog: Catalog, before: Catalog) -> list[str]:
     """Return the channels of either catalog whose values are not the same in both."""
-    names = dict.fromkeys([*all_names(before), *all_names(catalog)])
+    names = {**before.channels, **catalog.channels}
     return [name for name in names if not catalog.gives_same_values(name, before)]
 
 

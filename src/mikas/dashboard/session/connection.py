@@ -22,7 +22,6 @@ from mikas.catalog import Catalog
 from mikas.client import Ecu
 from mikas.client.connecting import ConnectionOptions
 from mikas.dashboard.errors import ADVICE, Busy, NotConnected
-from mikas.dashboard.session.catalog_in_use import all_names
 from mikas.dashboard.session.monitor import DISCONNECTED, ConnectionMonitor
 from mikas.dashboard.session.port_threads import SamplingThread
 from mikas.dashboard.settings import PlanSettings, PortSettings, Settings
@@ -241,7 +240,7 @@ class SamplingPlanner:
     def __init__(self, connection: Connection, options: ConnectionOptions) -> None:
         self._connection, self._options = connection, options
         self._lock = threading.Lock()
-        self.request = PlanSettings(dict.fromkeys(all_names(options.catalog), 1))
+        self.request = PlanSettings(dict.fromkeys(options.catalog.channels, 1))
 
     def sample(self, request: PlanSettings) -> None:
         """Sample `request` from now on, or from the next connection. Raises `UnknownParameter` …"""
@@ -291,11 +290,11 @@ class SamplingPlanner:
             before, self._options = self._options.catalog, replace(self._options, catalog=catalog)
             for made in ("_unconnected", "_inputs"):  # with the other catalog
                 self.__dict__.pop(made, None)
-            known = dict.fromkeys(all_names(catalog), 1)
+            known = catalog.channels
             every = {name: n for name, n in self.request.every.items() if name in known}
             every |= {name: 1 for name in catalog.derived if name not in before.derived}
             first = tuple(name for name in self.request.first if name in known)
-            every = every or known
+            every = every or dict.fromkeys(known, 1)
             request = replace(self.request, every=every, first=first)
             if (thread := self._connection.thread) is not None:
                 thread.acquisition.reconfigure(
