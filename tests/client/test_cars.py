@@ -7,6 +7,7 @@ import json
 import pytest
 
 from mikas.client.cars import LONGEST, NO_CAR, CarBook, CarDetails, car_details
+from mikas.client.identity import Passport, UnitIdentity
 from mikas.recording.annotations.events import car_note, car_of
 from mikas.recording.capture.notes import Kind, Note
 from mikas.virtual import VIRTUAL_PASSPORT
@@ -14,26 +15,30 @@ from mikas.virtual import VIRTUAL_PASSPORT
 VOLGA = CarDetails("Волга 3110", "А123ВС 52", 154_000, "Гараж")
 
 
+def unit(version_code, *pieces):
+    return UnitIdentity(version_code, Passport(pieces, ()))
+
+
 def test_kept_by_unit_and_the_workshop_for_all(tmp_path) -> None:
     book = CarBook(tmp_path / "state" / "cars.json")
-    assert book.details_of(10, ("A",)) is None
-    book.keep(10, ("A",), VOLGA)
-    book.keep(10, ("B",), CarDetails(workshop="Гараж"))
+    assert book.details_of(unit(10, "A")) is None
+    book.keep(unit(10, "A"), VOLGA)
+    book.keep(unit(10, "B"), CarDetails(workshop="Гараж"))
     again = CarBook(tmp_path / "state" / "cars.json")
-    assert again.details_of(10, ("A",)) == VOLGA
-    assert again.details_of(10, ("B",)) == CarDetails(workshop="Гараж")  # put off, but asked
-    assert again.details_of(9, ("A",)) is None
-    book.keep(10, ("A",), CarDetails("Волга", "", None, "Сервис"))
-    assert again.details_of(10, ("A",)) == CarDetails("Волга", "", 154_000, "Сервис")
-    assert again.details_of(10, ("B",)) == CarDetails(workshop="Сервис")
+    assert again.details_of(unit(10, "A")) == VOLGA
+    assert again.details_of(unit(10, "B")) == CarDetails(workshop="Гараж")  # put off, but asked
+    assert again.details_of(unit(9, "A")) is None
+    book.keep(unit(10, "A"), CarDetails("Волга", "", None, "Сервис"))
+    assert again.details_of(unit(10, "A")) == CarDetails("Волга", "", 154_000, "Сервис")
+    assert again.details_of(unit(10, "B")) == CarDetails(workshop="Сервис")
 
 
 def test_a_unit_with_empty_passports_has_no_car(tmp_path) -> None:
     book = CarBook(tmp_path / "cars.json")
-    book.keep(10, ("", ""), VOLGA)
-    book.keep(None, ("A",), VOLGA)
-    assert book.details_of(10, ("", "")) is None
-    assert book.details_of(None, ("A",)) is None
+    book.keep(unit(10, "", ""), VOLGA)
+    book.keep(unit(None, "A"), VOLGA)
+    assert book.details_of(unit(10, "", "")) is None
+    assert book.details_of(unit(None, "A")) is None
     assert book.workshop == "Гараж"
 
 
@@ -43,9 +48,9 @@ def test_a_unit_with_empty_passports_has_no_car(tmp_path) -> None:
 def test_a_file_that_can_not_be_used_has_no_cars(tmp_path, stored) -> None:
     (tmp_path / "cars.json").write_text(stored)
     book = CarBook(tmp_path / "cars.json")
-    assert (book.details_of(10, ("A",)), book.workshop) == (None, "")
-    book.keep(10, ("A",), VOLGA)
-    assert book.details_of(10, ("A",)) == VOLGA
+    assert (book.details_of(unit(10, "A")), book.workshop) == (None, "")
+    book.keep(unit(10, "A"), VOLGA)
+    assert book.details_of(unit(10, "A")) == VOLGA
 
 
 def test_the_book_is_bounded(tmp_path) -> None:
@@ -53,9 +58,9 @@ def test_the_book_is_bounded(tmp_path) -> None:
     cars = {f"{number:016x}": {"car": str(number)} for number in range(600)}
     file.write_text(json.dumps({"cars": cars}))
     book = CarBook(file)
-    book.keep(10, ("A",), VOLGA)
+    book.keep(unit(10, "A"), VOLGA)
     assert len(json.loads(file.read_text("utf-8"))["cars"]) == 500
-    assert book.details_of(10, ("A",)) == VOLGA
+    assert book.details_of(unit(10, "A")) == VOLGA
 
 
 @pytest.mark.parametrize(
@@ -85,7 +90,7 @@ def test_the_last_note_counts() -> None:
 
 def test_nothing_is_kept_of_a_virtual_unit_unless_asked_for(tmp_path) -> None:
     book = CarBook(tmp_path / "cars.json", virtual_units=False)
-    book.keep(10, ("A", VIRTUAL_PASSPORT), VOLGA)
-    assert book.details_of(10, ("A", VIRTUAL_PASSPORT)) is None
-    assert not book.keeps(10, ("A", VIRTUAL_PASSPORT))
-    assert book.keeps(10, ("A", "B"))
+    book.keep(unit(10, "A", VIRTUAL_PASSPORT), VOLGA)
+    assert book.details_of(unit(10, "A", VIRTUAL_PASSPORT)) is None
+    assert not book.keeps(unit(10, "A", VIRTUAL_PASSPORT))
+    assert book.keeps(unit(10, "A", "B"))

@@ -52,7 +52,7 @@ def test_what_can_not_be_used_is_said_and_kept_aside(tmp_path, name, damaged):
         it.put("/presets", {"presets": [PRESET]})
         it.put("/searches", {"searches": [{"name": "", "expression": "FREQ > 0"}]})
         it.dashboard.library.references.mark("a.pcapng", on=True)
-        it.dashboard.cars.keep(0x71, ("A",), CarDetails("Volga"))
+        it.dashboard.cars.keep(UNIT.identity, CarDetails("Volga"))
         assert (state / f"{name}.broken-2").read_text("utf-8") == damaged
         assert it.get("/about")["problems"] == []
         assert it.get("/presets")["presets"][0]["id"] == "a"

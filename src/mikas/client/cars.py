@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from mikas.cleaning import clean_line
+from mikas.client.identity import UnitIdentity
 from mikas.client.limits import unit_file
 from mikas.saving import KeptFile
 from mikas.virtual import VIRTUAL_PASSPORT
@@ -83,15 +84,15 @@ class CarBook:
         self._virtual_units = virtual_units
         self._lock = threading.Lock()
 
-    def keeps(self, version_code: int | None, passports: tuple[str, ...]) -> bool:
+    def keeps(self, unit: UnitIdentity | None) -> bool:
         """Return whether the details of this unit can be kept."""
-        return self._key(version_code, passports) is not None
+        return self._key(unit) is not None
 
-    def details_of(self, version_code: int | None, passports: tuple[str, ...]) -> CarDetails | None:
+    def details_of(self, unit: UnitIdentity | None) -> CarDetails | None:
         """Return the details of a unit; `mileage` is the last one given. None: never asked."""
         stored = self._load()
         cars, workshop = stored["cars"], _line(stored.get("workshop"))
-        key = self._key(version_code, passports)
+        key = self._key(unit)
         if key is None or key not in cars:
             return None
         return replace(car_details(cars[key]), workshop=workshop)
@@ -101,9 +102,7 @@ class CarBook:
         """The workshop, which is common to all cars."""
         return _line(self._load().get("workshop"))
 
-    def keep(
-        self, version_code: int | None, passports: tuple[str, ...], details: CarDetails
-    ) -> None:
+    def keep(self, unit: UnitIdentity, details: CarDetails) -> None:
         """Keep the details of a unit, also empty ones: it was asked. Raises `UsageError`.
 
         A mileage of None keeps the last one.
@@ -111,7 +110,7 @@ class CarBook:
         with self._lock:
             stored = self._load()
             stored["workshop"] = details.workshop
-            if (key := self._key(version_code, passports)) is not None:
+            if (key := self._key(unit)) is not None:
                 cars = stored["cars"]
                 before = car_details(cars.pop(key, None))
                 kept = asdict(replace(details, mileage=details.over(before).mileage))
@@ -120,12 +119,13 @@ class CarBook:
                 stored["cars"] = dict(list(cars.items())[-_MOST_CARS:])
             self.file.save(stored)
 
-    def _key(self, version_code: int | None, passports: tuple[str, ...]) -> str | None:
-        if version_code is None or not any(passports):
+    def _key(self, unit: UnitIdentity | None) -> str | None:
+        if unit is None or unit.version_code is None or unit.passport is None:
             return None
-        if VIRTUAL_PASSPORT in passports and not self._virtual_units:
+        pieces = unit.passport.pieces
+        if not any(pieces) or (VIRTUAL_PASSPORT in pieces and not self._virtual_units):
             return None
-        return unit_file(Path(), version_code, passports).stem
+        return unit_file(Path(), unit.version_code, pieces).stem
 
     def _load(self) -> dict[str, Any]:
         return self.file.load() or {"workshop": "", "cars": {}}

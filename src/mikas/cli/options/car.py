@@ -70,13 +70,12 @@ class CarOptions:
         given = self.details
 
         def note(unit: UnitFound) -> Note | None:
-            passports = unit.passport.pieces if unit.passport else ()
-            kept = book.details_of(unit.version_code, passports)
+            kept = book.details_of(unit.identity)
             known = replace(kept, mileage=None) if kept else replace(NO_CAR, workshop=book.workshop)
             details = known if unit.another else given.over(known)
             if given and not unit.another:
                 with suppress(UsageError):  # the recording has them anyway
-                    book.keep(unit.version_code, passports, details)
+                    book.keep(unit.identity, details)
             return car_note(unit.time, details) if details else None
 
         return note

@@ -172,9 +172,7 @@ class SessionRecorder:
 
     def _car_note(self, unit: UnitFound) -> Note | None:
         """Return the note on a unit's car; without the mileage, which is another by now."""
-        details = self._cars.details_of(
-            unit.version_code, unit.passport.pieces if unit.passport else ()
-        )
+        details = self._cars.details_of(unit.identity)
         known = replace(details, mileage=None) if details else None
         return car_note(unit.time, known) if known else None
 

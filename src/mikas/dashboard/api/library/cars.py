@@ -7,7 +7,7 @@ from dataclasses import asdict, replace
 from fastapi import APIRouter
 from pydantic import BaseModel, Field
 
-from mikas.client.cars import LONGEST, MOST_MILEAGE, CarDetails, car_details
+from mikas.client.cars import LONGEST, MOST_MILEAGE, NO_CAR, CarDetails, car_details
 from mikas.dashboard.api.dependencies import KnownClient, Line, TheDashboard, TheRequester
 from mikas.dashboard.api.errors import errors
 from mikas.dashboard.dashboard import Dashboard
@@ -51,11 +51,11 @@ class CarResponse(CarInfo):
 @router.get("/car", responses=errors())
 def car(dashboard: TheDashboard) -> CarResponse:
     """Return the details of the connected unit's car."""
-    unit = _unit(dashboard)
-    kept = dashboard.cars.details_of(*unit)
-    shown = kept or CarDetails(workshop=dashboard.cars.workshop)
-    keeps = dashboard.cars.keeps(*unit)
-    return CarResponse(**asdict(shown), unit=keeps, asked=kept is not None)
+    unit, cars = dashboard.monitor.unit, dashboard.cars
+    identity = unit.identity if unit else None
+    kept = cars.details_of(identity)
+    shown = kept or CarDetails(workshop=cars.workshop)
+    return CarResponse(**asdict(shown), unit=cars.keeps(identity), asked=kept is not None)
 
 
 @router.put("/car", responses=errors(409, 503))
@@ -68,7 +68,7 @@ def write_car(dashboard: TheDashboard, _: KnownClient, body: CarRequest) -> CarR
     if unit is None or unit.version_code is None:
         raise NotConnected
     details = body.details()
-    dashboard.cars.keep(*_unit(dashboard), details)
+    dashboard.cars.keep(unit.identity, details)
     dashboard.car_now = unit.identity, details
     if details:
         dashboard.recorder.describe(details)
@@ -103,19 +103,10 @@ def _keep_unknown(dashboard: Dashboard, recorded: RecordedUnit | None, details: 
     unit = dashboard.monitor.unit
     if recorded is None or unit is None or not recorded.identity.may_be(unit.identity):
         return
-    version_code, pieces = _unit(dashboard)
-    kept = dashboard.cars.details_of(version_code, pieces)
+    kept = dashboard.cars.details_of(unit.identity)
     if details.name and not (kept and kept.name):
         workshop = CarDetails(workshop=dashboard.cars.workshop)
-        dashboard.cars.keep(version_code, pieces, details.over(workshop))
-
-
-def _unit(dashboard: Dashboard) -> tuple[int | None, tuple[str, ...]]:
-    """Return the version code and the passport's pieces of the connected unit."""
-    unit = dashboard.monitor.unit
-    if unit is None:
-        return None, ()
-    return unit.version_code, unit.passport.pieces if unit.passport else ()
+        dashboard.cars.keep(unit.identity, details.over(workshop))
 
 
 def car_of_connection(dashboard: Dashboard) -> CarDetails:
@@ -125,4 +116,5 @@ def car_of_connection(dashboard: Dashboard) -> CarDetails:
     unit, now = dashboard.monitor.unit, dashboard.car_now
     if unit is not None and now is not None and now[0].may_be(unit.identity):
         return now[1]
-    return replace(dashboard.cars.details_of(*_unit(dashboard)) or CarDetails(), mileage=None)
+    kept = dashboard.cars.details_of(unit.identity if unit else None)
+    return replace(kept or NO_CAR, mileage=None)
