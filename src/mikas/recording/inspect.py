@@ -49,29 +49,25 @@ def decode(
 
     `describer` makes the `Describe` of one line: a list that 64 sets belongs to it alone.
     """
-    ports: dict[Source, PortDecoder] = {}
-    describers: dict[Source, Describe] = {}
+    lines: dict[Source, tuple[PortDecoder, Describe | None]] = {}
     recording = 0
     for item in items:
         if isinstance(item, Problem):
-            for port in ports.values():
+            for port, _ in lines.values():
                 port.matching.interrupt()
             yield item
             continue
         if item.source.recording != recording:
             recording = item.source.recording
-            for port in ports.values():
+            for port, _ in lines.values():
                 yield from port.finish()
-            ports.clear()
-            describers.clear()
-        if item.source not in ports:
-            ports[item.source] = PortDecoder(item.source)
-            if describer is not None:
-                describers[item.source] = describer()
-        describe = describers.get(item.source)
-        for part in ports[item.source].feed(item):
+            lines.clear()
+        if item.source not in lines:
+            lines[item.source] = PortDecoder(item.source), describer and describer()
+        port, describe = lines[item.source]
+        for part in port.feed(item):
             yield part if describe is None else _described(part, describe)
-    for port in ports.values():
+    for port, _ in lines.values():
         yield from port.finish()
 
 

@@ -25,9 +25,7 @@ from mikas.recording.exchanges.result import Exchanges
 from mikas.replay.behaviour import EcuBehaviour
 from mikas.replay.model import Cells, ChangingValue, ReplayData, Series
 
-ROUNDING: Final = (
-    0.0005  # s; far above the rounding of times, far below the time between two responses
-)
+ROUNDING: Final = 0.0005  # s; far above that of times, far below the time between two responses
 _READ: Final = c.ReadParameters.CODES[0]
 
 

@@ -76,9 +76,8 @@ class GapTracker:
         """The present gap."""
         self._arrivals = Arrivals()
         self._sampling = False
-        self._state: LineState | str | None = (
-            None  # of the open gap's reason; None: a failed cycle's
-        )
+        # Of the open gap's reason; None: a failed cycle's.
+        self._state: LineState | str | None = None
         self._last: float | None = None  # the latest values, or the end of a later gap
         self._pause: _Reason | None = None  # of the requested pause
         self._disconnected = False

@@ -304,7 +304,7 @@ def capture_error(
     path: str | os.PathLike[str], error: OSError, why: Text | None = None
 ) -> CaptureError:
     """Return the error of a capture that could not be read or written. `why`: if not as usual."""
-    kind = DiskFull if error.errno in _FULL else CaptureError
+    kind = DiskFull if error.errno in FULL else CaptureError
     return kind(os.fspath(path), why or reason_of(error))
 
 
@@ -371,10 +371,10 @@ _PACKET_CUT = Text(
     "the next packet was recorded without its last bytes ({count})",
     "следующий пакет записан без последних байтов ({count})",
 )
-_FULL: Final = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+FULL: Final = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 _REASONS: Final = {
     **dict.fromkeys(
-        _FULL,
+        FULL,
         Text(
             "there is no room left; what was recorded so far is whole",
             "места больше нет; записанное до сих пор цело",

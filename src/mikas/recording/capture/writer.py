@@ -23,7 +23,7 @@ from mikas.files import open_regular
 from mikas.i18n import Text
 from mikas.recording.capture import blocks as pcapng
 from mikas.recording.capture.notes import Note, block_of
-from mikas.recording.capture.reader import FLAGS, CaptureReader, capture_error
+from mikas.recording.capture.reader import FLAGS, FULL, CaptureReader, capture_error
 from mikas.saving import write_all
 
 if TYPE_CHECKING:
@@ -220,9 +220,7 @@ _NOT_BEGUN: Final = {
             "система не даёт писать туда; выберите другую папку, например свою домашнюю",
         ),
     ),
-    **dict.fromkeys(
-        (errno.ENOSPC, errno.EDQUOT, errno.EFBIG), Text("there is no room left", "места больше нет")
-    ),
+    **dict.fromkeys(FULL, Text("there is no room left", "места больше нет")),
     errno.ENAMETOOLONG: Text(
         "the name is too long; choose a shorter one", "имя длинное; выберите покороче"
     ),
