@@ -101,13 +101,6 @@ def rational(value: object) -> Fraction:
     )
 
 
-def nonzero(value: object) -> Fraction:
-    """Read an exact number other than 0, for a scale."""
-    if number := rational(value):
-        return number
-    raise usage_error("must not be 0", "не может быть 0")
-
-
 def number(value: object) -> float:
     """Read any number."""
     if (exact := _number(value)) is not None:
@@ -126,20 +119,6 @@ def limit(value: object) -> float | None:
     )
 
 
-def between(low: float, high: float) -> Reader:
-    """Return the reader of a number from `low` to `high`."""
-
-    def read(value: object) -> float:
-        found = number(value)
-        if low <= found <= high:
-            return float(found)
-        raise usage_error(
-            f"must be a number from {low:g} to {high:g}", f"нужно число от {low:g} до {high:g}"
-        )
-
-    return read
-
-
 def span(value: object) -> tuple[float, float]:
     """Read `[low, high]`."""
     ends = [_number(item) for item in value] if isinstance(value, list) else []
@@ -156,19 +135,32 @@ def span(value: object) -> tuple[float, float]:
     return low, high
 
 
-def scale_ends(value: object) -> tuple[float, float]:
-    """Read `[low, high]`, two different numbers."""
-    low, high = span(value)
-    if low == high:
-        raise usage_error("must have two different ends", "концы должны различаться")
-    return low, high
+def checked(read: Callable[[object], T], fits: Callable[[T], bool], en: str, ru: str) -> Reader:
+    """Return the reader of what `read` reads, if that `fits`."""
+
+    def read_and_check(value: object) -> T:
+        if fits(found := read(value)):
+            return found
+        raise usage_error(en, ru)
+
+    return read_and_check
 
 
-def positive(value: object) -> float:
-    """Read a number above 0."""
-    if (read := number(value)) > 0:
-        return read
-    raise usage_error("must be above 0", "должно быть больше 0")
+def between(low: float, high: float) -> Reader:
+    """Return the reader of a number from `low` to `high`."""
+    return checked(
+        lambda value: float(number(value)),
+        lambda found: low <= found <= high,
+        f"must be a number from {low:g} to {high:g}",
+        f"нужно число от {low:g} до {high:g}",
+    )
+
+
+nonzero = checked(rational, bool, "must not be 0", "не может быть 0")
+positive = checked(number, lambda it: it > 0, "must be above 0", "должно быть больше 0")
+scale_ends = checked(
+    span, lambda it: it[0] != it[1], "must have two different ends", "концы должны различаться"
+)
 
 
 def _number(value: object) -> Fraction | None:
