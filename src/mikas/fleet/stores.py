@@ -124,7 +124,7 @@ class DiskStore(Store):
         with errors_of(self.place):
             (self.root / name).unlink(missing_ok=True)
             with suppress(OSError):  # the folder of a car or a day that has no other file
-                for folder in list((self.root / name).relative_to(self.root).parents)[:-2]:
+                for folder in list(PurePosixPath(name).parents)[:-2]:
                     (self.root / folder).rmdir()
 
     def names(self, folder: str) -> list[str]:
@@ -219,14 +219,11 @@ class UrlStore(Store):
     def missing(self, names: Iterable[str]) -> set[str]:
         with errors_of(self.place):
             self.system.invalidate_cache()
-            listed = {path.removeprefix(f"{self.root}/") for path in self._found()}
+            listed: set[str] = set()
+            with suppress(FileNotFoundError):
+                listed |= {it.removeprefix(f"{self.root}/") for it in self.system.find(self.root)}
             # A list may have names in another encoding: what it does not have is read.
             return {name for name in set(names) - listed if self.read(name) is None}
-
-    def _found(self) -> list[str]:
-        with suppress(FileNotFoundError):
-            return list(self.system.find(self.root))
-        return []
 
     def _at(self, name: str) -> str:
         return f"{self.root}/{name}"

@@ -54,9 +54,8 @@ class CarFindings:
 
 @dataclass(frozen=True, slots=True)
 class FleetFindings:
-    """The content of the report. `values`: by measure, of the cars that have one; `compared`,
-    `not_compared`: the measures with enough cars, and those with too few; `followed`: cars with
-    enough drives for a trend of some measure.
+    """The content of the report. `values`: by measure, of the cars that have one; `compared`:
+    the measures with enough cars; `followed`: cars with enough drives for a trend of some measure.
     """
 
     catalog: Catalog
@@ -64,7 +63,6 @@ class FleetFindings:
     cars: tuple[CarFindings, ...]
     values: Mapping[CarMeasure, Collection[float]]
     compared: tuple[CarMeasure, ...]
-    not_compared: tuple[CarMeasure, ...]
     followed: int
 
     @property
@@ -86,14 +84,12 @@ def find(figures: FleetFigures, catalog: Catalog) -> FleetFindings:
         for measure in MEASURES
     }
     cars = tuple(_car(car, values, catalog) for car in figures.cars)
-    enough = [each for each in MEASURES if len(values[each]) > comparing.FEWEST_OTHERS]
     return FleetFindings(
         catalog,
         figures,
         cars,
         {measure: of_cars.values() for measure, of_cars in values.items() if of_cars},
-        tuple(enough),
-        tuple(each for each in MEASURES if each not in enough),
+        tuple(each for each in MEASURES if len(values[each]) > comparing.FEWEST_OTHERS),
         sum(
             any(len(series) >= comparing.FEWEST_OF_TREND for series in car.series.values())
             for car in figures.cars

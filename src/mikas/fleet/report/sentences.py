@@ -17,7 +17,7 @@ from mikas.fleet.report.comparing import (
     Trend,
 )
 from mikas.fleet.report.findings import CarFault, CarFindings, FleetFindings
-from mikas.fleet.report.measures import CarMeasure
+from mikas.fleet.report.measures import MEASURES, CarMeasure
 from mikas.i18n import Text, counted, joined
 from mikas.recording.formatting import band, digits, quantity
 from mikas.report.findings import Outcome
@@ -103,8 +103,8 @@ def method(found: FleetFindings) -> Iterator[Text]:
 
 def unknowns(found: FleetFindings) -> Iterator[Text]:
     """Yield what the data can't show."""
-    if found.not_compared:
-        listed = _listed(found.not_compared)
+    if too_few := tuple(each for each in MEASURES if each not in found.compared):
+        listed = _listed(too_few)
         yield Text(
             f"Too few cars to compare ({FEWEST_OTHERS + 1} are needed): {listed.en}.",
             f"Слишком мало машин для сравнения (нужно {FEWEST_OTHERS + 1}): {listed.ru}.",
