@@ -60,6 +60,13 @@ class Finding:
     doubt: Text
     confidence: Certainty
 
+    @property
+    def grounds(self) -> Text:
+        """The rule, how sure it is, and what speaks against it."""
+        sure = _SURE[self.confidence]
+        filled = _GROUNDS.filled(formula=self.formula, sure=sure, doubt=self.doubt)
+        return Text(*map(str.rstrip, filled))
+
 
 @dataclass(frozen=True, slots=True)
 class StepDone:
@@ -143,10 +150,7 @@ class TestResult:
             + (f" ({words(each.why)})" if each.value is None else "")
             for each in self.numbers
         ]
-        for each in self.findings:
-            sure = f"{words(RULE)} {each.formula}; {words(SURE[each.confidence])}"
-            lines.append(f"{sure}. {words(each.doubt)}".rstrip())
-        return lines
+        return [*lines, *(words(each.grounds) for each in self.findings)]
 
 
 OUTCOMES: Final[Mapping[VerdictKind, Text]] = {
@@ -155,14 +159,14 @@ OUTCOMES: Final[Mapping[VerdictKind, Text]] = {
     VerdictKind.BAD: Text("bad", "неисправно"),
     VerdictKind.UNKNOWN: Text("can't tell", "нельзя сказать"),
 }
-SURE: Final[Mapping[Certainty, Text]] = {
+_SURE: Final[Mapping[Certainty, Text]] = {
     Certainty.HIGH: Text("confidence: high", "уверенность: высокая"),
     Certainty.MEDIUM: Text("confidence: medium", "уверенность: средняя"),
     Certainty.LOW: Text("confidence: low", "уверенность: низкая"),
 }
 CHECK: Final = Text("Check next:", "Проверьте дальше:")
 MISSING: Final = Text("Not decided:", "Не решено:")
-RULE: Final = Text("Rule:", "Правило:")
+_GROUNDS: Final = Text("Rule: {formula}; {sure}. {doubt}", "Правило: {formula}; {sure}. {doubt}")
 
 
 def read(data: object, *, shift: float = 0.0) -> TestResult | None:

@@ -7,16 +7,7 @@ from typing import Final
 from markupsafe import Markup
 
 from mikas.guided.definition import VerdictKind
-from mikas.guided.result import (
-    CHECK,
-    MISSING,
-    OUTCOMES,
-    RULE,
-    SURE,
-    Curve,
-    Finding,
-    TestResult,
-)
+from mikas.guided.result import CHECK, MISSING, OUTCOMES, Curve, Finding, TestResult
 from mikas.i18n import Language, Text
 from mikas.recording.formatting import moment, number
 from mikas.report.charts import axis_ends
@@ -76,9 +67,8 @@ def _finding(finding: Finding, language: Language) -> Markup:
     parts = [Markup("<p><strong>{}</strong></p>").format(finding.text.to(language))]
     if finding.check.en:
         parts.append(paragraph(f"{CHECK.to(language)} {finding.check.to(language)}"))
-    rule = f"{RULE.to(language)} {finding.formula}; {SURE[finding.confidence].to(language)}."
-    doubt = f"{rule} {finding.doubt.to(language)}".rstrip()
-    parts.append(Markup("<p class='small quiet'>{}</p>").format(doubt))
+    grounds = finding.grounds.to(language)
+    parts.append(Markup("<p class='small quiet'>{}</p>").format(grounds))
     return Markup("").join(parts)
 
 
