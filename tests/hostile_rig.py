@@ -325,9 +325,14 @@ def hostile(
 ) -> Iterator[World]:
     """`hostile:` is a unit of this manner `since` a time; all of mikas' waits are in its world."""
     world = World(manner(), since, interrupted, patience)
+    init = reconnecting.ReconnectingPort.__init__
+
+    def in_world(port: reconnecting.ReconnectingPort, *args: object, **settings: object) -> None:
+        init(port, *args, **(settings | {"wait": world.wait}))
+
     with (
         registered("hostile", lambda *_: HostileLink(world)),
-        patch.object(reconnecting.ReconnectingPort, "wait", lambda _, s: world.wait(s)),
+        patch.object(reconnecting.ReconnectingPort, "__init__", in_world),
         patch.object(reconnecting.ReconnectingPort, "now", lambda _: world.time),
     ):
         yield world
