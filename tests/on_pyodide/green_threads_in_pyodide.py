@@ -6,6 +6,7 @@ import _thread
 import sys
 import threading
 import time
+from concurrent.futures import Future
 
 import pytest
 
@@ -80,7 +81,7 @@ def test_a_bare_thread_says_its_error(monkeypatch):
 
 
 def test_long_work_lets_the_others_run():
-    working, rung, over, ended = threading.Event(), threading.Event(), threading.Event(), []
+    working, rung, outcome = threading.Event(), threading.Event(), Future()
 
     def answer():
         working.wait()
@@ -91,14 +92,9 @@ def test_long_work_lets_the_others_run():
         while not rung.is_set():
             check_cancelled()
 
-    def end(result, failure):
-        ended.append((result, failure))
-        over.set()
-
     threading.Thread(target=answer).start()
-    WorkThread("long", work, end).start()
-    over.wait()
-    assert ended == [(None, None)]
+    WorkThread("long", work, outcome).start()
+    assert outcome.result() is None
 
 
 def test_sleep_sleeps():
