@@ -7,10 +7,12 @@ from __future__ import annotations
 import asyncio
 import threading
 from concurrent.futures import Future
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
 
+from mikas.catalog import shipped
 from mikas.client.connecting import ConnectionOptions
 from mikas.dashboard.errors import Busy
 from mikas.dashboard.session.connection import Connection, SamplingPlanner, result_in_turn
@@ -150,3 +152,14 @@ def test_of_two_plans_at_once_the_sampled_one_is_reported(monkeypatch):
     thread.join()
     assert sampled == reported == [["TWAT"], ["FREQ"]]
     assert planner.request.names == sampled[-1]
+
+
+def test_with_another_catalog_raw_codes_are_sampled_on():
+    connection = SimpleNamespace(thread=None, monitor=SimpleNamespace(set_names=lambda every: None))
+    own = replace(shipped(), derived={})
+    planner = SamplingPlanner(connection, ConnectionOptions())
+    planner.sample(PlanSettings({"TWAT": 1, "0x3F:2": 4, "FUEL_FLOW": 1}))
+    planner.prefer(["0x3F:2", "FUEL_FLOW"])
+    planner.use_catalog(own)
+    assert planner.request.every == {"TWAT": 1, "0x3F:2": 4}
+    assert planner.request.first == ("0x3F:2",)

@@ -25,7 +25,7 @@ from mikas.dashboard.errors import ADVICE, Busy, NotConnected
 from mikas.dashboard.session.monitor import DISCONNECTED, ConnectionMonitor
 from mikas.dashboard.session.port_threads import SamplingThread
 from mikas.dashboard.settings import PlanSettings, PortSettings, Settings
-from mikas.errors import UsageError
+from mikas.errors import UnknownParameter, UsageError
 from mikas.i18n import Text
 from mikas.link.identity import KnownAdapter
 from mikas.link.ports import only_likely
@@ -230,6 +230,15 @@ class Connection:
             raise thread.failure
 
 
+def _is_known(catalog: Catalog, name: str) -> bool:
+    """Whether `name` is a channel's, or a code, which no table lists."""
+    try:
+        catalog.channel(name)
+    except UnknownParameter:
+        return False
+    return True
+
+
 class SamplingPlanner:
     """The channels to sample and their cost, with and without a connection. Any thread may call.
 
@@ -290,11 +299,10 @@ class SamplingPlanner:
             before, self._options = self._options.catalog, replace(self._options, catalog=catalog)
             for made in ("_unconnected", "_inputs"):  # with the other catalog
                 self.__dict__.pop(made, None)
-            known = catalog.channels
-            every = {name: n for name, n in self.request.every.items() if name in known}
+            every = {name: n for name, n in self.request.every.items() if _is_known(catalog, name)}
             every |= {name: 1 for name in catalog.derived if name not in before.derived}
-            first = tuple(name for name in self.request.first if name in known)
-            every = every or dict.fromkeys(known, 1)
+            first = tuple(name for name in self.request.first if _is_known(catalog, name))
+            every = every or dict.fromkeys(catalog.channels, 1)
             request = replace(self.request, every=every, first=first)
             if (thread := self._connection.thread) is not None:
                 thread.acquisition.reconfigure(
