@@ -51,7 +51,6 @@ if TYPE_CHECKING:
 @option(
     "--recording",
     type=existing_file,
-    metavar="FILE",
     en="do the test over a recording (needs no port)",
     ru="по записи (порт не нужен)",
 )

@@ -40,7 +40,6 @@ _LINE_FAULTS = ", ".join(it.value for it in LineFault if it is not LineFault.DAM
 @option(
     "--replay",
     type=any_file,
-    metavar="FILE",
     en="a recorded unit that answers as it did; options: --set seek=600, speed=2, loop=1",
     ru="записанный блок: отвечает, как в записи; ещё --set seek=600, speed=2, loop=1",
 )

@@ -38,7 +38,6 @@ class BrokerOptions:
     )
     password_file: Path | None = optional_field(
         parse=any_file,
-        metavar="FILE",
         en="file whose first line is the password (or MIKAS_MQTT_PASSWORD); one in the address "
         "can be read in the list of processes",
         ru="файл с паролем в первой строке (или MIKAS_MQTT_PASSWORD); пароль в адресе виден в "
@@ -52,19 +51,16 @@ class BrokerOptions:
     )
     tls_ca: Path | None = optional_field(
         parse=any_file,
-        metavar="FILE",
         en="certificate of the authority to trust, with mqtts:// (PEM; the system's)",
         ru="сертификат центра, которому доверять, для mqtts:// (PEM; иначе системные)",
     )
     tls_cert: Path | None = optional_field(
         parse=any_file,
-        metavar="FILE",
         en="certificate of this client, if the broker demands one (PEM)",
         ru="сертификат этого клиента, если его требует брокер (PEM)",
     )
     tls_key: Path | None = optional_field(
         parse=any_file,
-        metavar="FILE",
         en="its private key (PEM)",
         ru="закрытый ключ к нему (PEM)",
     )

@@ -14,18 +14,19 @@ import click
 
 from mikas.cli.config import CHECKSUMS, ECHO, INTERPRETATIONS, LANGUAGES, MAX_RETRIES
 from mikas.cli.language import localized
-from mikas.cli.options.parameter_types import any_file, one_of, timeout, whole
+from mikas.cli.options.parameter_types import METAVARS, any_file, one_of, timeout, whole
 from mikas.i18n import Text
 
 
 class LocalizedOption(click.Option):
-    """An option whose help is in both languages."""
+    """An option whose help is in both languages; some types have a metavar."""
 
     def __init__(
         self, *args: Any, en: str, ru: str, words: Iterable[str] = (), **kwargs: Any
     ) -> None:
         if words:
             kwargs |= {"type": one_of(words), "metavar": f"[{'|'.join(words)}]"}
+        kwargs.setdefault("metavar", METAVARS.get(kwargs.get("type")))
         super().__init__(*args, **kwargs)
         self.text = Text(en, ru)
 
@@ -84,14 +85,12 @@ def common_options() -> list[click.Parameter]:
         CommonOption(
             ["--timeout"],
             type=timeout,
-            metavar="SECONDS",
             en="how long to wait for the first byte of a response (0.5)",
             ru="сколько ждать первого байта ответа, секунд (0.5)",
         ),
         CommonOption(
             ["--inter-byte"],
             type=timeout,
-            metavar="SECONDS",
             en="longest pause inside a response (0.2); longer for a slow network or a busy "
             "computer: --inter-byte 0.5",
             ru="наибольшая пауза внутри ответа, секунд (0.2); для медленной сети или занятого "
@@ -121,7 +120,6 @@ def common_options() -> list[click.Parameter]:
         CommonOption(
             ["--capture"],
             type=any_file,
-            metavar="FILE",
             en="record everything on the line (.pcapng)",
             ru="записать весь обмен на линии (.pcapng)",
         ),
@@ -135,7 +133,6 @@ def common_options() -> list[click.Parameter]:
             ["--catalog"],
             type=any_file,
             multiple=True,
-            metavar="FILE",
             en="your own parameters and faults, added to the shipped ones",
             ru="свои параметры и ошибки в дополнение к встроенным",
         ),

@@ -33,13 +33,11 @@ class DashboardOptions:
     )
     tls_cert: Path | None = optional_field(
         parse=existing_file,
-        metavar="FILE",
         en="certificate of your own for the network (PEM); otherwise mikas makes one",
         ru="свой сертификат для доступа из сети (PEM); иначе его сделает mikas",
     )
     tls_key: Path | None = optional_field(
         parse=existing_file,
-        metavar="FILE",
         en="its private key (PEM)",
         ru="закрытый ключ к нему (PEM)",
     )

@@ -185,3 +185,9 @@ def existing_file(text: str) -> Path:
     if not os.path.exists(path):  # noqa: PTH110  (false for an invalid name)
         raise _invalid(f"there is no file “{text}”.", f"файла «{text}» нет.")
     return path
+
+
+METAVARS: Final[dict[object, str]] = {
+    any_file: "FILE", existing_file: "FILE", hex_address: "ADDR", timeout: "SECONDS",
+}  # fmt: skip
+"""How an option of such a type is shown."""

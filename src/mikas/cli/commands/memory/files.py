@@ -53,7 +53,6 @@ BLOCK = option(
     "first",
     type=hex_address,
     default="0",
-    metavar="ADDR",
     en="first address (0)",
     ru="первый адрес (0)",
 )
@@ -61,7 +60,6 @@ BLOCK = option(
     "--to",
     "last",
     type=hex_address,
-    metavar="ADDR",
     en="last address, inclusive",
     ru="последний адрес, включительно",
 )
@@ -162,7 +160,6 @@ def _show_differences(
     "--from",
     "first",
     type=hex_address,
-    metavar="ADDR",
     en="first address, with --ignore-manifest",
     ru="первый адрес, вместе с --ignore-manifest",
 )
@@ -253,7 +250,7 @@ def _write_back(context: CommandContext, job: Restore) -> None:
 )
 @click.argument("space", metavar="SPACE", type=SPACE)
 @click.argument("file", metavar="FILE", type=existing_file)
-@option("--from", "first", type=hex_address, metavar="ADDR", en="first address", ru="первый адрес")
+@option("--from", "first", type=hex_address, en="first address", ru="первый адрес")
 @BLOCK
 @RELEARN
 def verify(
