@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import click
 
-from mikas.cli.click_extensions import YES, LocalizedGroup, command
-from mikas.cli.commands import LIST_COMMANDS
+from mikas.cli.click_extensions import YES, command
 from mikas.cli.commands.unit.parameters import show_readings
 from mikas.cli.context import CommandContext
 from mikas.cli.language import tr
@@ -18,16 +17,6 @@ _SET_OR_NAME = Text(
     "`mikas list read NAME…`.",
     "Задать: `mikas list set NAME…`; или назовите его параметры по порядку: "
     "`mikas list read NAME…`.",
-)
-
-list = LocalizedGroup(  # noqa: A001  (the command's name)
-    "list",
-    homes=LIST_COMMANDS,
-    en="The list in the unit: `set` chooses its parameters, `read` reads all of them by one short "
-    "request. The unit forgets it when its supply goes off.",
-    ru="Список в самом блоке: `set` задаёт его параметры, `read` читает их все одним коротким "
-    "запросом. При отключении питания блок его забывает.",
-    examples=("mikas list set FREQ TWAT INJ", "mikas list read"),
 )
 
 
