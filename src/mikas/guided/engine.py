@@ -202,6 +202,7 @@ class _StepRun:
         began: float,
     ) -> None:
         self.step, self.began = step, began
+        self._ready_at = began + step.prepare
         self._measures, self._catalog, self._values = measures, catalog, values
         self._until = Calculation(step.until) if step.until else None
         inputs = formulas_inputs([step.until, *(f for each in measures for f in each.formulas)])
@@ -210,10 +211,6 @@ class _StepRun:
         self._held_since: float | None = None
         self._last = began  # the row before
 
-    @property
-    def _ready_at(self) -> float:
-        return self.began + self.step.prepare
-
     def add_row(self, time: float, fresh: Mapping[str, float]) -> bool:
         """Take a row; return whether the step is done."""
         if time < self._ready_at:
@@ -221,27 +218,20 @@ class _StepRun:
         step = self.step
         if self.needed and not any(name in fresh for name in self.needed):
             return False
-        if time - self._last > step.longest_gap:
-            self._held_since = None
-            if not step.whole:
-                self._rows.clear()
+        is_gap, is_held = time - self._last > step.longest_gap, self._holds(time)
         self._last = time
-        latest = self._values.at(time, self.needed, step.longest_gap)
-        if step.whole:
-            self._rows.add(time, latest, fresh)
-        if not self._holds(time):
+        if is_gap or not is_held:
             self._held_since = None
             if not step.whole:
                 self._rows.clear()
-            return False
-        if self._held_since is None:
+        if is_held or step.whole:
+            self._rows.add(time, self._values.at(time, self.needed, step.longest_gap), fresh)
+        if is_held and self._held_since is None:
             self._held_since = time
-        if not step.whole:
-            self._rows.add(time, latest, fresh)
-        return time - self._held_since >= step.hold
+        return self._held_since is not None and time - self._held_since >= step.hold
 
     def _holds(self, time: float) -> bool:
-        """Return whether the condition holds, without a gap since the row before."""
+        """Return whether the condition holds."""
         if self._until is None:
             return True
         values = self._values.at(time, self._until.inputs, self.step.longest_gap)
