@@ -15,7 +15,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from mikas.catalog import Catalog, Derived
+from mikas.catalog import Catalog
 from mikas.catalog.conversion import NO_TEXT
 from mikas.catalog.formula_syntax import Parsed
 from mikas.catalog.formulas import Calculation
@@ -56,8 +56,7 @@ class Values:
     def __init__(self, catalog: Catalog) -> None:
         self._catalog = catalog
         self._latest: dict[str, tuple[float, float]] = {}
-        self._calculations: dict[str, Calculation] = {}
-        self._needed: dict[tuple[str, ...], tuple[tuple[str, ...], tuple[Derived, ...]]] = {}
+        self._needed: dict[tuple[str, ...], tuple[tuple[str, ...], dict[str, Calculation]]] = {}
 
     def add_row(self, time: float, values: Mapping[str, float]) -> None:
         """Take the fresh values of a row."""
@@ -74,20 +73,19 @@ class Values:
         if names not in self._needed:
             known = self._catalog.derived
             derived = in_order(known, [name for name in names if name in known])
-            self._needed[names] = parameters_of(self._catalog, names), derived
+            calculations = {each.name: each.calculation() for each in derived}
+            self._needed[names] = parameters_of(self._catalog, names), calculations
         found = {}
-        parameters, derived = self._needed[names]
+        parameters, calculations = self._needed[names]
         for name in parameters:
             when, value = self._latest.get(name, _NEVER)
             if 0 <= time - when <= longest_gap:
                 found[name] = value
-        for channel in derived:
-            if all(each in found for each in channel.inputs):
-                if channel.name not in self._calculations:
-                    self._calculations[channel.name] = channel.calculation()
-                value = self._calculations[channel.name].number(found)
+        for name, calculation in calculations.items():
+            if all(each in found for each in calculation.inputs):
+                value = calculation.number(found)
                 if isfinite(value):
-                    found[channel.name] = value
+                    found[name] = value
         return found
 
     def lacking(self, time: float, names: tuple[str, ...], longest_gap: float) -> tuple[str, ...]:

@@ -39,7 +39,7 @@ def judge(test: GuidedTest, numbers: Mapping[str, Number]) -> Verdict:
         if lacking:
             missing |= {joined(": ", (it.text, it.why)): None for it in lacking}
             continue
-        near = list(_near(rule, values, test.measures))
+        near = list(_near(calculation, values, test.measures))
         if rule.outcome is not VerdictKind.GOOD:
             near_limit |= dict.fromkeys(near)
         if not holds(calculation, values):
@@ -83,10 +83,9 @@ def _doubted(finding: Finding, near: Mapping[Text, None]) -> Finding:
 
 
 def _near(
-    rule: Rule, values: Mapping[str, float], measures: Mapping[str, Measure]
+    calculation: Calculation, values: Mapping[str, float], measures: Mapping[str, Measure]
 ) -> Iterator[Text]:
     """Yield the measures by which the rule would turn over, one step of the channel away."""
-    calculation = Calculation(rule.when)
     now = holds(calculation, values)
     for name in calculation.inputs:
         measure = measures[name]
