@@ -17,14 +17,7 @@ from functools import cache
 from importlib import import_module
 from typing import Any, Protocol
 
-from mikas.errors import (
-    LinkLost,
-    NoConnection,
-    NoPortGiven,
-    PortBusy,
-    PortFailed,
-    PortNotFound,
-)
+from mikas.errors import LinkLost, NoPortGiven, PortBusy, PortFailed, PortNotFound
 from mikas.i18n import Text
 from mikas.link.base import (
     BAUD,
@@ -190,17 +183,19 @@ def open_web_serial(url: str, options: dict[str, str]) -> Link:
     baud = given.integer("baud", BAUD, lowest=50, highest=4_000_000)
     lines = given.switch("dtr", default=True), given.switch("rts", default=False)
     granted = _granted()
-    port = _chosen(url, by_likelihood(granted))
+    port = _chosen(url, sorted(granted, key=by_likelihood))
     serial, suspend = _host()
     opened = suspend(serial.open(granted[port], baud, *lines).promise)
     if hasattr(opened, "refused"):
-        raise _not_opened(url, opened)
+        if opened.refused in ("NetworkError", "InvalidStateError"):
+            raise PortBusy(url=url, advice=_BUSY)
+        raise PortFailed(url=url, problem=Text(opened.message, opened.message))
     return WebSerialLink(url, opened, baud=baud, about=port.description)
 
 
 def find_web_ports() -> list[Port]:
     """Return the granted ports that are plugged in, the most likely adapter first."""
-    return by_likelihood(_granted())
+    return sorted(_granted(), key=by_likelihood)
 
 
 def _granted() -> dict[Port, Granted]:
@@ -243,9 +238,3 @@ def _chosen(url: str, ports: list[Port]) -> Port:
     if port is None:
         raise PortNotFound(url=url, found=listed(ports))
     return port
-
-
-def _not_opened(url: str, refusal: Any) -> NoConnection:  # noqa: ANN401
-    if refusal.refused in ("NetworkError", "InvalidStateError"):
-        return PortBusy(url=url, advice=_BUSY)
-    return PortFailed(url=url, problem=Text(refusal.message, refusal.message))

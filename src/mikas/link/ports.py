@@ -67,12 +67,7 @@ def system_ports() -> Iterable[ListPortInfo]:
 
 def find_ports(lister: Lister = system_ports, sysfs: Path = _SYSFS) -> list[Port]:
     """Return all serial ports, the most likely adapter first."""
-    return by_likelihood(_port(each, sysfs) for each in lister())
-
-
-def by_likelihood(ports: Iterable[Port]) -> list[Port]:
-    """Return `ports`, the most likely adapter first."""
-    return sorted(ports, key=_order)
+    return sorted((_port(each, sysfs) for each in lister()), key=by_likelihood)
 
 
 def choose_port(lister: Lister = system_ports) -> str:
@@ -147,7 +142,8 @@ def _latency(device: str, sysfs: Path) -> int | None:
         return None  # not Linux, or a chip without one
 
 
-def _order(port: Port) -> tuple[bool, int, list[tuple[int, str]]]:
+def by_likelihood(port: Port) -> tuple[bool, int, list[tuple[int, str]]]:
+    """Return the key by which the most likely adapter is the first one."""
     rank = _RANK.get(port.chip, len(_RANK)) - (port.vid is not None)
     pieces = re.findall(r"\d+|\D+", port.url)  # COM10 follows COM9
     return not port.likely, rank, [(int(it), "") if it.isdigit() else (0, it) for it in pieces]
