@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING
 
 from mikas.cli.click_extensions import grouped, option_field, optional_field
@@ -56,8 +56,7 @@ class CarOptions:
         """The options as details, cleaned and bounded."""
         from mikas.client.cars import car_details
 
-        given = {"car": self.car, "plate": self.plate, "workshop": self.workshop}
-        return car_details({**given, "mileage": self.mileage})
+        return car_details(asdict(self))
 
     def note_maker(self) -> Callable[[UnitFound], Note | None]:
         """Return the `car` of a `Recorder`: options are of the first unit, not of another one."""
