@@ -342,3 +342,18 @@ def test_what_numpy_has_and_we_lack_raises():
     with pytest.raises(ValueError, match="ambiguous"):
         bool(floats)
     assert not hasattr(browser, "polyfit")
+
+
+def test_an_array_is_no_value_of_another():
+    floats, whole = browser.array([1.0, 2.0]), browser.array([1.0, 2.0])
+    with pytest.raises(TypeError):
+        floats[0] = whole
+    with pytest.raises(TypeError):
+        browser.full(2, whole, float)
+    assert floats.tolist() == [1.0, 2.0]
+
+
+def test_arrays_of_other_types_are_compared_as_by_numpy():
+    numbers = both([1, 2], "int64")
+    for values in ([1, 2], [1, 3]):
+        same(lambda np, a, b: np.array_equal(a, b, equal_nan=True), numbers, both(values, "uint8"))

@@ -125,6 +125,8 @@ def whole(number: Any, to: dtype) -> int:  # noqa: ANN401  (a number)
 
 def one(value: Any, to: dtype) -> Any:  # noqa: ANN401  (a number of the type)
     """Return one value in a type."""
+    if to is float64:
+        return float(value)  # which refuses an array; multiplied, it would stay one
     found = converted([value], to)[0]
     return found != 0 if to is bool_ else found
 

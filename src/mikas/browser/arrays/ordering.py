@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
-from collections import Counter, defaultdict
-from itertools import chain, count, pairwise
+from collections import Counter
+from itertools import chain, pairwise
 from math import nan
 from typing import Any
 
@@ -106,8 +106,8 @@ def unique(
         return found, ndarray(often, int64)
     if not return_inverse:
         return found
-    places: dict[Any, int] = defaultdict(lambda: len(different), zip(different, count()))
-    return found, ndarray([places[each] for each in data], int64)
+    places, last = {each: place for place, each in enumerate(different)}, len(different)
+    return found, ndarray([places.get(each, last) for each in data], int64)  # NaN is the last
 
 
 def bincount(values: Any, weights: Any = None) -> ndarray:  # noqa: ANN401  (arrays)
@@ -150,7 +150,7 @@ def array_equal(one: Any, other: Any, equal_nan: bool = False) -> bool:  # noqa:
     if len(a) != len(b):
         return False
     same = equal(a, b)
-    if equal_nan:
+    if equal_nan and a.dtype is float64 and b.dtype is float64:
         same = same | (isnan(a) & isnan(b))
     return bool(same.all())
 
