@@ -26,19 +26,19 @@ def option(*names: str, en: str, ru: str, **settings: Any) -> Callable[[F], F]:
     return click.option(*names, cls=LocalizedOption, en=en, ru=ru, **settings)
 
 
-def option_field(default: T, *, en: str, ru: str, **settings: Any) -> T:
-    """Return a field of a dataclass for `grouped`: of a field `a_name`, the option `--a-name`."""
-    return field(default=default, metadata={"en": en, "ru": ru, **settings})
+def option_field(default: T, name: str, *, en: str, ru: str, **settings: Any) -> T:
+    """Return a field of a dataclass for `grouped`: an option of the field's name."""
+    return field(default=default, metadata={"name": name, "en": en, "ru": ru, **settings})
 
 
-def optional_field(*, parse: Callable[[str], T], **settings: Any) -> T | None:
+def optional_field(name: str, *, parse: Callable[[str], T], **settings: Any) -> T | None:
     """As `option_field`, for a text that `parse` reads; None: the option is not given."""
-    return option_field(None, type=parse, **settings)
+    return option_field(None, name, type=parse, **settings)
 
 
-def flag_field(*, en: str, ru: str) -> bool:
+def flag_field(name: str, *, en: str, ru: str) -> bool:
     """As `option_field`, for an option without a value."""
-    return option_field(False, is_flag=True, en=en, ru=ru)
+    return option_field(False, name, is_flag=True, en=en, ru=ru)
 
 
 def grouped(
@@ -50,9 +50,9 @@ def grouped(
     decorators above. A field without an option is filled by the parameter of its name.
     """
     options = [
-        option(f"--{each.name.replace('_', '-')}", **each.metadata)
+        option(settings.pop("name"), **settings)
         for each in fields(kind)
-        if each.metadata
+        if (settings := dict(each.metadata))
     ]
 
     def decorate(function: Callable[..., Any]) -> Callable[..., Any]:

@@ -31,48 +31,57 @@ class PublishOptions:
 
     every: float = option_field(
         1.0,
+        "--every",
         type=positive,
         metavar="S",
         en="seconds between two messages of values (1); --rate is how often the unit is asked",
         ru="секунд между сообщениями со значениями (1); --rate — как часто опрашивать блок",
     )
     each: bool = flag_field(
+        "--each",
         en="each value under a topic of its own, too: TOPIC/value/NAME",
         ru="каждое значение ещё и под своей темой: TOPIC/value/NAME",
     )
     samples: bool = flag_field(
+        "--samples",
         en="every sample, too, several in a message: for a database; kept while the broker is away",
         ru="ещё и все замеры, по нескольку в сообщении: для базы данных; пока брокера нет, "
         "сохраняются",
     )
     qos: int = option_field(
         0,
+        "--qos",
         type=whole(0, 2),
         metavar="N",
         en="quality of service of the values, 0 to 2 (0); of all others 1",
         ru="качество доставки значений, от 0 до 2 (0); у остального 1",
     )
     home_assistant: bool = flag_field(
+        "--home-assistant",
         en="make the car a device of Home Assistant",
         ru="сделать машину устройством Home Assistant",
     )
     discovery_prefix: str | None = optional_field(
+        "--discovery-prefix",
         parse=str,
         metavar="TOPIC",
         en="where Home Assistant looks for devices (homeassistant)",
         ru="где Home Assistant ищет устройства (homeassistant)",
     )
     name: str | None = optional_field(
+        "--name",
         parse=str,
         metavar="TEXT",
         en="name of that device (the last word of TOPIC)",
         ru="название этого устройства (последнее слово TOPIC)",
     )
     wait: bool = flag_field(
+        "--wait",
         en="wait for broker, adapter and unit at the start, too: for a service",
         ru="ждать брокера, адаптер и блок и при запуске: для службы",
     )
     remove: bool = flag_field(
+        "--remove",
         en="delete the device and all that the broker keeps under TOPIC (needs no port)",
         ru="удалить устройство и всё, что брокер хранит под TOPIC (порт не нужен)",
     )

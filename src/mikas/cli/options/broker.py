@@ -25,18 +25,21 @@ class BrokerOptions:
 
     address: str
     topic: str | None = optional_field(
+        "--topic",
         parse=str,
         metavar="TOPIC",
         en="topic under which all is published (mikas/car); another one for each car",
         ru="тема, под которой всё публикуется (mikas/car); у каждой машины своя",
     )
     user: str | None = optional_field(
+        "--user",
         parse=str,
         metavar="NAME",
         en="user name for the broker (MIKAS_MQTT_USER)",
         ru="имя на брокере (MIKAS_MQTT_USER)",
     )
     password_file: Path | None = optional_field(
+        "--password-file",
         parse=any_file,
         en="file whose first line is the password (or MIKAS_MQTT_PASSWORD); one in the address "
         "can be read in the list of processes",
@@ -44,22 +47,26 @@ class BrokerOptions:
         "списке процессов",
     )
     client_id: str | None = optional_field(
+        "--client-id",
         parse=str,
         metavar="NAME",
         en="name of this client; the broker lets in one of a name (made of TOPIC)",
         ru="имя клиента; с одним именем брокер пускает только одного (составляется из TOPIC)",
     )
     tls_ca: Path | None = optional_field(
+        "--tls-ca",
         parse=any_file,
         en="certificate of the authority to trust, with mqtts:// (PEM; the system's)",
         ru="сертификат центра, которому доверять, для mqtts:// (PEM; иначе системные)",
     )
     tls_cert: Path | None = optional_field(
+        "--tls-cert",
         parse=any_file,
         en="certificate of this client, if the broker demands one (PEM)",
         ru="сертификат этого клиента, если его требует брокер (PEM)",
     )
     tls_key: Path | None = optional_field(
+        "--tls-key",
         parse=any_file,
         en="its private key (PEM)",
         ru="закрытый ключ к нему (PEM)",

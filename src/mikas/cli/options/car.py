@@ -28,17 +28,20 @@ class CarOptions:
 
     car: str = option_field(
         "",
+        "--car",
         metavar="TEXT",
         en="the car, as “Volga 3110”; kept for this unit",
         ru="машина, «Волга 3110»; запоминается",
     )
     plate: str = option_field(
         "",
+        "--plate",
         metavar="TEXT",
         en="its number plate; kept for this unit",
         ru="госномер; запоминается",
     )
     mileage: int | None = optional_field(
+        "--mileage",
         parse=whole(0, 9_999_999),
         metavar="KM",
         en="its mileage now, in km",
@@ -46,6 +49,7 @@ class CarOptions:
     )
     workshop: str = option_field(
         "",
+        "--workshop",
         metavar="TEXT",
         en="who measures; kept for all cars",
         ru="кто проводит измерение; запоминается",

@@ -18,35 +18,44 @@ class DashboardOptions:
     """
 
     host_port: int | None = optional_field(
+        "--host-port",
         parse=whole(1, 65535),
         metavar="N",
         en="TCP port of the page (8071, or the next free one)",
         ru="порт TCP для страницы (8071 или следующий свободный)",
     )
     lan: bool = flag_field(
+        "--lan",
         en="allow viewing from the network, encrypted, by a link with a key (also a QR code)",
         ru="разрешить просмотр из сети, с шифрованием, по ссылке с ключом (есть и QR-код)",
     )
     lan_control: bool = flag_field(
+        "--lan-control",
         en="allow control from the network, not only viewing",
         ru="разрешить из сети и управление, не только просмотр",
     )
     tls_cert: Path | None = optional_field(
+        "--tls-cert",
         parse=existing_file,
         en="certificate of your own for the network (PEM); otherwise mikas makes one",
         ru="свой сертификат для доступа из сети (PEM); иначе его сделает mikas",
     )
     tls_key: Path | None = optional_field(
+        "--tls-key",
         parse=existing_file,
         en="its private key (PEM)",
         ru="закрытый ключ к нему (PEM)",
     )
     no_tls: bool = flag_field(
+        "--no-tls",
         en="do not encrypt in the network: others there can read the key of the link",
         ru="не шифровать в сети: ключ из ссылки смогут прочитать другие в ней",
     )
-    no_browser: bool = flag_field(en="only print the address", ru="только напечатать адрес")
+    no_browser: bool = flag_field(
+        "--no-browser", en="only print the address", ru="только напечатать адрес"
+    )
     record: Path | None = optional_field(
+        "--record",
         parse=Path,
         metavar="DIR",
         en="folder for recordings and dumps (mikas in your documents)",

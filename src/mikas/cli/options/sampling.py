@@ -32,6 +32,7 @@ class SamplingOptions:
     names: Sequence[str] = ()
     method: str = option_field(
         _DEFAULT,
+        "--method",
         type=_method,
         metavar="METHOD",
         en="sampling method: auto (the fastest that works), single, batch, list, stream, stroke0 "
@@ -40,18 +41,21 @@ class SamplingOptions:
         "stroke0 … stroke4",
     )
     rate: float | None = optional_field(
+        "--rate",
         parse=positive,
         metavar="HZ",
         en="at most this many readings/s",
         ru="опросов в секунду, не больше",
     )
     count: int | None = optional_field(
+        "--count",
         parse=whole(1),
         metavar="N",
         en="stop after this many samples",
         ru="остановиться после стольких замеров",
     )
     duration: float | None = optional_field(
+        "--duration",
         parse=positive,
         metavar="S",
         en="stop after this many seconds",
