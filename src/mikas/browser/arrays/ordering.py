@@ -133,6 +133,8 @@ def isin(values: Any, wanted: Any) -> ndarray:  # noqa: ANN401  (arrays)
     if source.dtype is not int64 or (len(known) and known.dtype is not int64):
         outside("isin but of whole numbers")
     among = set(known.data)
+    if not among:
+        return ndarray(bytes(len(source)), bool_)  # the usual case, quick
     return ndarray(bytes([each in among for each in source.data]), bool_)
 
 
