@@ -19,6 +19,7 @@ from mikas.i18n import Text
 
 F = TypeVar("F", bound=Callable[..., Any])
 T = TypeVar("T")
+_OPTION = "option"  # key of a field's metadata
 
 
 def option(*names: str, en: str, ru: str, **settings: Any) -> Callable[[F], F]:
@@ -28,7 +29,7 @@ def option(*names: str, en: str, ru: str, **settings: Any) -> Callable[[F], F]:
 
 def option_field(default: T, name: str, *, en: str, ru: str, **settings: Any) -> T:
     """Return a field of a dataclass for `grouped`: an option of the field's name."""
-    return field(default=default, metadata={"name": name, "en": en, "ru": ru, **settings})
+    return field(default=default, metadata={_OPTION: option(name, en=en, ru=ru, **settings)})
 
 
 def optional_field(name: str, *, parse: Callable[[str], T], **settings: Any) -> T | None:
@@ -49,11 +50,7 @@ def grouped(
     The command gets an instance of `kind` as the argument after the context, before those of the
     decorators above. A field without an option is filled by the parameter of its name.
     """
-    options = [
-        option(settings.pop("name"), **settings)
-        for each in fields(kind)
-        if (settings := dict(each.metadata))
-    ]
+    options = [each.metadata[_OPTION] for each in fields(kind) if each.metadata]
 
     def decorate(function: Callable[..., Any]) -> Callable[..., Any]:
         @wraps(function)

@@ -60,8 +60,13 @@ class SessionRecorder:
     @property
     def file_name(self) -> str | None:
         """The name of the file in progress; None: nothing is being recorded."""
+        path = self._path
+        return path.name if path else None
+
+    @property
+    def _path(self) -> Path | None:
         status = self.recorder.status
-        return status.path.name if status is not None and status.failure is None else None
+        return status.path if status is not None and status.failure is None else None
 
     async def start(self, name: str | None) -> None:
         """Record to a new file, as soon as the unit is known; a recording in progress ends.
@@ -133,8 +138,8 @@ class SessionRecorder:
         """Mark this moment, and return its time. Without a recording it is only shown."""
         time = self._connection.now()  # not that of the latest sample: several may follow it
         self.recorder.marker(time, label)
-        if (file := self.file_name) is not None:
-            self._marked[time] = self._folder.folder / file
+        if (path := self._path) is not None:
+            self._marked[time] = path
             if len(self._marked) > _MOST_MARKED:
                 self._marked.popitem(last=False)
         self._connection.monitor.log(Marker(time, label))
@@ -160,7 +165,7 @@ class SessionRecorder:
 
     def append_note(self, path: Path, note: Note) -> None:
         """Write a note into a recording's file, which may be in progress. Raises `CaptureError`."""
-        if path.name == self.file_name:
+        if path == self._path:
             self.recorder.note(note)
         else:
             append_note(path, note)
