@@ -85,7 +85,7 @@ class _Document:
         return found
 
     def change(self, path: KeyPath, value: object) -> None:
-        """Put `value` at `path`; None: remove what is there."""
+        """Put `value` at `path`; None: remove the present one."""
         present = self.at(path)
         if present == value and type(present) is type(value):
             return

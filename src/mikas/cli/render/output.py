@@ -1,5 +1,5 @@
-"""Data to stdout, everything else to stderr; tables with rich on a terminal, plain otherwise;
-what is redrawn (a status line, a progress bar) on a terminal only.
+"""Data to stdout, everything else to stderr; tables with rich on a terminal, plain otherwise; a
+status line and a progress bar on a terminal only.
 
 `--json`: one object, or one a line for endless commands, each with `"schema": 1`. `terminal`
 writes, and escapes what could steer a terminal; JSON has the escapes of JSON for it.
