@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from types import ModuleType
 
 from mikas.errors.base import MikasError, reason_at
 from mikas.i18n import Text
@@ -200,7 +200,9 @@ class MissingExtra(UsageError, ImportError):
     )
 
 
-def library(name: str, *, feature: str | Text, extra: str = "", advice: Text | None = None) -> Any:  # noqa: ANN401  (a module that may not be installed)
+def library(
+    name: str, *, feature: str | Text, extra: str = "", advice: Text | None = None
+) -> ModuleType:
     """Import an optional library. Raises `MissingExtra`, which says how to install it."""
     try:
         return import_module(name)

@@ -67,23 +67,27 @@ class ufunc:  # noqa: N801  (numpy's name)
         result = self._result(found, common)
         return result if isinstance(a, ndarray) or isinstance(b, ndarray) else result[0]
 
-    def _typed(self, operand: Any, common: dtype) -> Any:  # noqa: ANN401  (a number or an array)
+    def _typed(self, operand: object, common: dtype) -> kernels.Values:
         """Return the values in the type in which numpy computes; a number as the only one."""
         if common is object_ or (self._gives is not bool_ and common in STORED):
             outside(f"{self.__name__} of {common}")
         if self._gives is None and common is bool_:
             outside(f"{self.__name__} of masks")
-        is_array = isinstance(operand, ndarray)
-        data, of = (operand.data, operand.dtype) if is_array else ([operand], scalar_type(operand))
-        if of is float64 or (common is not float64 and self._gives is not float64):
-            return data
-        return converted(data, float64)
+        data: kernels.Values = [operand]
+        if isinstance(operand, ndarray):
+            data, of = operand.data, operand.dtype
+        else:
+            of = scalar_type(operand)
+        if of is not float64 and float64 in (common, self._gives):
+            data = converted(data, float64)
+        return data
 
-    def _moved(self, a: Any, b: Any) -> ndarray | None:  # noqa: ANN401  (numbers and arrays)
+    def _moved(self, a: object, b: object) -> ndarray | None:
         """Return indexes that follow each other, moved by `b`; None if it is another case."""
-        is_run = isinstance(a, ndarray) and isinstance(a.data, range) and type(b) is int
-        if is_run and self.__name__ in ("add", "subtract"):
-            by, was = b if self.__name__ == "add" else -b, a.data
+        if self.__name__ not in ("add", "subtract") or type(b) is not int:
+            return None
+        if isinstance(a, ndarray) and isinstance(was := a.data, range):
+            by = b if self.__name__ == "add" else -b
             return ndarray(range(was.start + by, was.stop + by, was.step), int64)
         return None
 
@@ -163,13 +167,15 @@ def _operand(given: Any) -> Any:  # noqa: ANN401  (a number or an array)
     return given if isinstance(given, ndarray) or is_scalar(given) else asarray(given)
 
 
-def _common(a: Any, b: Any) -> dtype:  # noqa: ANN401  (numbers and arrays)
+def _common(a: object, b: object) -> dtype:
     """Return the type that has the values of both operands."""
-    one, other = (a, b) if isinstance(a, ndarray) else (b, a)
-    if not isinstance(one, ndarray):
-        return promoted(scalar_type(one), scalar_type(other))
-    is_array = isinstance(other, ndarray)
-    return promoted(one.dtype, other.dtype) if is_array else with_scalar(one.dtype, other)
+    if isinstance(a, ndarray) and isinstance(b, ndarray):
+        return promoted(a.dtype, b.dtype)
+    if isinstance(a, ndarray):
+        return with_scalar(a.dtype, b)
+    if isinstance(b, ndarray):
+        return with_scalar(b.dtype, a)
+    return promoted(scalar_type(a), scalar_type(b))
 
 
 add = ufunc("add", kernel("x + y"), running=lambda a: list(accumulate(a)))

@@ -13,6 +13,9 @@ from math import ceil, copysign, floor, inf, isnan, nan
 from typing import Any, Final, NamedTuple
 
 Values = Sequence[Any]
+Operand = Values | float
+"""Values, or one number for all of them."""
+Loop = Callable[[Any, Any], list[Any]]
 _ROUNDER: Final = 6755399441055744.0
 """1.5 · 2⁵²: a number to which it is added has no bits left for a fraction."""
 _FRACTIONS: Final = float(1 << 51)
@@ -43,10 +46,10 @@ def quotient(x: float, y: float) -> float:
     return nan if isnan(x) or x == 0 else copysign(inf, x) * copysign(1.0, y)
 
 
-def _quick_or_safe(quick: Callable[..., list[Any]], safe: Callable[..., list[Any]]) -> Any:  # noqa: ANN401
+def _quick_or_safe(quick: Loop, safe: Loop) -> Loop:
     """Return the quick loop, with the safe one where that divides by zero."""
 
-    def loop(a: Any, b: Any) -> list[Any]:  # noqa: ANN401  (values, numbers)
+    def loop(a: Operand, b: Operand) -> list[Any]:
         try:
             return quick(a, b)
         except ZeroDivisionError:
@@ -117,17 +120,15 @@ def missing(a: Values) -> bytes:
     return bytes(len(a)) if all_finite(a) else bytes([x != x for x in a])  # noqa: PLR0124
 
 
-def chosen(mask: bytes, a: Any, b: Any) -> Any:  # noqa: ANN401  (values, numbers)
+def chosen(mask: bytes, a: Operand, b: Operand) -> list[Any]:
     """Return the values of `a` where `mask` is 1, else those of `b`; either may be one number."""
-    x, y = a, b
-    match isinstance(a, (int, float)), isinstance(b, (int, float)):
-        case False, False:
-            return [x if m else y for m, x, y in zip(mask, a, b)]  # noqa: B905  (of one length)
-        case False, True:
-            return [x if m else y for m, x in zip(mask, a)]  # noqa: B905
-        case True, False:
-            return [x if m else y for m, y in zip(mask, b)]  # noqa: B905
-    return [x if m else y for m in mask]
+    if isinstance(a, (int, float)):
+        if isinstance(b, (int, float)):
+            return [a if m else b for m in mask]
+        return [a if m else y for m, y in zip(mask, b, strict=False)]
+    if isinstance(b, (int, float)):
+        return [x if m else b for m, x in zip(mask, a, strict=False)]
+    return [x if m else y for m, x, y in zip(mask, a, b, strict=False)]
 
 
 def masked(a: bytes, b: bytes, operation: Callable[[int, int], int]) -> bytes:

@@ -94,7 +94,7 @@ from mikas.browser.arrays.statistics import (
     percentile,
 )
 
-abs, max, round = absolute, greatest, rounded  # noqa: A001
+abs, max, round = absolute, greatest, rounded  # noqa: A001  (numpy's names)
 inf, nan, nextafter = math.inf, math.nan, math.nextafter
 intp = int64
 generic = dtype

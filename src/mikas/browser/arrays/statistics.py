@@ -68,7 +68,7 @@ def nanargmax(values: Any) -> int:  # noqa: ANN401  (an array)
     return _place(values, max)
 
 
-def _place(values: Any, extreme: Callable[..., float]) -> int:  # noqa: ANN401  (an array)
+def _place(values: object, extreme: Callable[..., float]) -> int:
     found = _extreme(values, extreme)
     if isnan(found):
         raise ValueError("All-NaN slice encountered")
@@ -76,10 +76,10 @@ def _place(values: Any, extreme: Callable[..., float]) -> int:  # noqa: ANN401  
     return place
 
 
-def _extreme(values: Any, extreme: Callable[..., float]) -> float:  # noqa: ANN401  (an array)
+def _extreme(values: object, extreme: Callable[..., float]) -> float:
     source = asarray(values)
     if not len(source):
         raise ValueError("no extreme of no values")
     if source.dtype is not float64:
         outside(f"NaN in {source.dtype}")
-    return extreme((x for x in source.data if x == x), default=nan)  # noqa: PLR0124
+    return extreme((x for x in source.data if x == x), default=nan)  # noqa: PLR0124  (all but NaN)

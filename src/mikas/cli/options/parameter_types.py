@@ -172,7 +172,7 @@ def one_of(words: Iterable[str]) -> Callable[[str], str]:
 def any_file(text: str) -> Path:
     """Return a file's path; the file may be absent."""
     path = Path(text)
-    if os.path.isdir(path):  # noqa: PTH112  (false for an invalid name)
+    if os.path.isdir(path):  # noqa: PTH112  (`Path.is_dir` raises for some names)
         raise _invalid(
             f"“{text}” is a folder; a file is needed.", f"«{text}» — папка, а нужен файл."
         )
@@ -182,7 +182,7 @@ def any_file(text: str) -> Path:
 def existing_file(text: str) -> Path:
     """Return the path of a file that exists."""
     path = any_file(text)
-    if not os.path.exists(path):  # noqa: PTH110  (false for an invalid name)
+    if not os.path.exists(path):  # noqa: PTH110  (as above)
         raise _invalid(f"there is no file “{text}”.", f"файла «{text}» нет.")
     return path
 
