@@ -94,7 +94,8 @@ def test_the_peak_is_of_what_is_compared_first(expression, peak_of, lowest):
 
 
 @pytest.mark.parametrize(
-    "expression", ["FREQ >", "", "2 > 1", "FREQ > 3000 & DET", "__import__('os')"]
+    "expression",
+    ["FREQ >", "", "2 > 1", "FREQ > 3000 & DET", "__import__('os')", "1if FREQ else 0"],
 )
 def test_what_is_no_condition_is_said_with_its_subject(expression):
     with pytest.raises(UsageError, match="The condition "):

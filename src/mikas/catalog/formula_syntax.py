@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import ast
 import re
-import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import isfinite
@@ -52,6 +51,12 @@ _HABITS: tuple[tuple[re.Pattern[str], Callable[[str], str]], ...] = (
     (re.compile(r"(?<=\d),(?=\d)"), lambda _: "."),
 )
 """What other programs write, and how it is written here."""
+
+_TOKENS = re.compile(
+    r"[^\W\d]\w*"  # a name, which may have digits in it
+    r"|(?P<number>0[xX][0-9a-fA-F_]+|0[oO][0-7_]+|0[bB][01_]+"
+    r"|(?:[0-9][0-9_]*\.?[0-9_]*|\.[0-9][0-9_]*)(?:[eE][+-]?[0-9][0-9_]*)?[jJ]?)"
+)
 
 _SIGNS = {ast.Mod: "%", ast.FloorDiv: "//", ast.BitAnd: "&", ast.BitOr: "|", ast.BitXor: "^"}
 
@@ -118,10 +123,9 @@ def _syntax(line: str) -> ast.expr:
     if "#" in line:  # a comment would hide the rest of the joined lines
         at = line.index("#")
         raise _wrong("has a “#” in it", "содержит «#»", (at, at + 1))
+    _refuse_warned(line)
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            return ast.parse(line, mode="eval").body
+        return ast.parse(line, mode="eval").body
     except SyntaxError as error:
         if habit := _habit(line):
             raise habit from None
@@ -133,6 +137,23 @@ def _syntax(line: str) -> ast.expr:
         ) from None
     except (ValueError, RecursionError, MemoryError) as error:
         raise _wrong(f"is not a formula: {error}", "ошибка в записи") from None
+
+
+def _refuse_warned(line: str) -> None:
+    """Refuse the text of which Python's parser would print a warning: `1if FREQ else 0`, `"\\d"`.
+
+    To silence warnings is no way: their filters are those of all threads.
+    """
+    if (at := line.find("\\")) >= 0:
+        raise _wrong("has a “\\” in it", "содержит «\\»", (at, at + 1))
+    for found in _TOKENS.finditer(line):
+        number, behind = found["number"], line[found.end() : found.end() + 1]
+        if number and behind.isidentifier():
+            raise _habit(line) or _wrong(
+                f"is not a formula: a sign or a space is missing after “{number}”",
+                f"ошибка в записи: после «{number}» не хватает знака или пробела",
+                found.span(),
+            )
 
 
 def _habit(line: str) -> FormulaError | None:
