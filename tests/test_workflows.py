@@ -14,7 +14,8 @@ from tools.package.project import Failed, check_tag, version
 ROOT = Path(__file__).parent.parent
 FILES = sorted((ROOT / ".github" / "workflows").glob("*.yml"))
 MAKEFILE = (ROOT / "Makefile").read_text("utf-8")
-PINNED = re.compile(r"[\w-]+/[\w./-]+@v\d+(\.\d+)*")
+# Whoever owns an action can move its tags; a commit's hash is its content.
+PINNED = re.compile(r"uses: ([\w-]+/[\w./-]+)@([0-9a-f]{40}) # v\d+\.\d+\.\d+")
 
 
 def workflow(name):
@@ -28,7 +29,7 @@ def steps(file):
 
 
 @pytest.mark.parametrize("file", FILES, ids=lambda file: file.name)
-def test_each_action_has_a_version_and_each_need_is_a_job(file):
+def test_each_need_is_a_job_and_each_step_an_action_or_a_command(file):
     jobs = workflow(file.name)["jobs"]
     for job in jobs.values():
         needed = job.get("needs", [])
@@ -38,7 +39,34 @@ def test_each_action_has_a_version_and_each_need_is_a_job(file):
             assert (ROOT / job["uses"]).is_file()
     for step in steps(file):
         assert ("uses" in step) != ("run" in step)
-        assert "uses" not in step or PINNED.fullmatch(step["uses"]), step
+
+
+def test_each_action_is_pinned_by_a_commit_with_its_tag_beside_it():
+    found: dict[str, set[str]] = {}
+    for file in FILES:
+        lines = [line.strip().removeprefix("- ") for line in file.read_text("utf-8").splitlines()]
+        for line in (line for line in lines if line.startswith("uses:")):
+            if line.startswith("uses: ./"):
+                continue
+            pinned = PINNED.fullmatch(line)
+            assert pinned, f"{file.name}: {line}"
+            found.setdefault(pinned[1], set()).add(pinned[2])
+        assert sum("uses" in step for step in steps(file)) == sum(
+            PINNED.fullmatch(line) is not None for line in lines
+        )
+    assert {action for action, commits in found.items() if len(commits) > 1} == set()
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda file: file.name)
+def test_no_checkout_leaves_a_token_behind_for_what_runs_after_it(file):
+    for step in steps(file):
+        if step.get("uses", "").startswith("actions/checkout@"):
+            assert step["with"]["persist-credentials"] is False, step
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda file: file.name)
+def test_a_workflow_may_read_only_unless_a_job_says_more(file):
+    assert workflow(file.name)["permissions"] == {"contents": "read"}
 
 
 @pytest.mark.parametrize("file", FILES, ids=lambda file: file.name)
