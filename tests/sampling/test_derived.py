@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from mikas.catalog import Catalog, load, shipped
 from mikas.client.parameters.parameters import Reading, decode
-from mikas.sampling.derived import DerivedChannels, DerivedValue, required_by
+from mikas.sampling.derived import DerivedChannels, DerivedValue
 
 OWN = """
 [derived.SUM]
@@ -74,7 +74,7 @@ def test_a_value_is_never_bare() -> None:
 
 def test_channels_name_their_inputs_and_have_values_in_order() -> None:
     channels = DerivedChannels(shipped(), ["FUEL_USED", "FILLING", "FUEL_USED"])
-    assert required_by(shipped(), ["FUEL_USED", "FILLING"]) == ("FREQ", "INJ", "JAIR")
+    assert shipped().required_by(["FUEL_USED", "FILLING"]) == ("FREQ", "INJ", "JAIR")
     assert [each.name for each in channels.channels] == ["FUEL_USED", "FILLING"]
     assert list(channels.update(readings(0, INJ=4, FREQ=840, JAIR=15), 0)) == [
         "FUEL_USED",

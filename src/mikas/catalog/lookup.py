@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from mikas.catalog.conversion import Conversion
-from mikas.catalog.model import Derived, Erratum, Fault, Model, Parameter
+from mikas.catalog.model import Derived, Erratum, Fault, Model, Parameter, in_order
 from mikas.errors import UnknownParameter
 from mikas.i18n import Text
 from mikas.options import in_latin, nearest
@@ -101,18 +101,57 @@ class Catalog:
             conversion=Conversion(size),
         )
 
-    def gives_same_values(self, name: str, other: Catalog) -> bool:
-        """Return whether both catalogs make the same values of the channel `name` from the same
-        bytes; false if one of them lacks it. Texts, limits and decimals may differ.
+    @cached_property
+    def _needs(self) -> dict[str, int]:
+        """The parameters that each channel needs, as bits by their place in the table.
+
+        All at once, so that a chain of channels is as much work as the same number of others.
         """
-        match self.channels.get(name), other.channels.get(name):
-            case Parameter() as one, Parameter() as two:
-                return (one.code, one.interpretations) == (two.code, two.interpretations)
-            case Derived() as one, Derived() as two:
-                return (one.formula, one.constants, one.accumulates) == (
-                    two.formula, two.constants, two.accumulates,
-                ) and all(self.gives_same_values(each, other) for each in one.inputs)  # fmt: skip
-        return False
+        needs = {parameter.name: 1 << place for place, parameter in enumerate(self.parameters)}
+        for channel in in_order(self.derived, self.derived):
+            bits = 0
+            for name in channel.inputs:
+                bits |= needs.get(name, 0)
+            needs[channel.name] = bits
+        return needs
+
+    @cached_property
+    def _required(self) -> dict[int, tuple[str, ...]]:
+        """The names of parameters by their bits, as asked for: many channels need the same."""
+        return {}
+
+    def required_by(self, names: Iterable[str]) -> tuple[str, ...]:
+        """Return the parameters that these channels need, in the order of the table."""
+        bits = 0
+        for name in names:
+            bits |= self._needs[name]
+        if (found := self._required.get(bits)) is None:
+            digits = zip(self.parameters, reversed(f"{bits:b}"), strict=False)
+            found = tuple(parameter.name for parameter, digit in digits if digit == "1")
+            self._required[bits] = found
+        return found
+
+    def same_channels(self, other: Catalog) -> frozenset[str]:
+        """Return the channels of which both catalogs make the same values from the same bytes.
+
+        Texts, limits and decimals may differ.
+        """
+        same = {
+            name
+            for name, one in self._by_name.items()
+            if (two := other._by_name.get(name))
+            and (one.code, one.interpretations) == (two.code, two.interpretations)
+        }
+        for derived in in_order(self.derived, self.derived):
+            before = other.derived.get(derived.name)
+            if (
+                before is not None
+                and (derived.formula, derived.constants, derived.accumulates)
+                == (before.formula, before.constants, before.accumulates)
+                and same.issuperset(derived.inputs)
+            ):
+                same.add(derived.name)
+        return frozenset(same)
 
     def fault(self, code: int) -> Fault:
         """Return the fault of that number; an unknown one has no text."""

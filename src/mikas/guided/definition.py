@@ -25,7 +25,6 @@ from mikas.catalog.loading.fields import (
     string,
     strings,
 )
-from mikas.catalog.model import in_order
 from mikas.i18n import Text
 
 SECONDS = "SECONDS"
@@ -183,9 +182,7 @@ def parameters_of(catalog: Catalog, names: Iterator[str] | tuple[str, ...]) -> t
         if name == SECONDS:
             continue
         channel = catalog.channel(name)
-        if not isinstance(channel, Derived):
-            found[channel.name] = None
-            continue
-        for each in in_order(catalog.derived, [channel.name]):
-            found |= dict.fromkeys(it for it in each.inputs if it not in catalog.derived)
+        found |= dict.fromkeys(
+            catalog.required_by([channel.name]) if isinstance(channel, Derived) else (channel.name,)
+        )
     return tuple(found)

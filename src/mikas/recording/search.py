@@ -25,7 +25,6 @@ from mikas.recording.exchanges.arrays import Floats, Mask
 from mikas.recording.recording import Recording
 from mikas.recording.table.channels import Rows, joined_rows
 from mikas.recording.table.derived import Deriver
-from mikas.sampling.derived import required_by
 
 PAUSE: Final = 2.0  # s, as of a gap; more where such steps are usual
 _ALIKE: Final = 2.5  # times the usual step
@@ -86,7 +85,7 @@ class SearchCondition:
         derived = {name: _channel(name, formula) for name, formula in formulas.items()}
         self.catalog = replace(catalog, derived={**catalog.derived, **derived})
         self.names = tuple(derived)
-        self.requires = required_by(self.catalog, self.names)
+        self.requires = self.catalog.required_by(self.names)
 
     def find(self, stretches: Iterable[Rows]) -> SearchResult:
         """Return the hits in rows with the columns `names`, in their order."""

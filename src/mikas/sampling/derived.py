@@ -76,15 +76,13 @@ class DerivedChannels:
         A channel that another catalog computes otherwise starts again.
         """
         requested = set(requested)
-        kept = {
-            name: integral
-            for name, integral in before.totals.items()
-            if self._catalog is before._catalog
-            or self._catalog.gives_same_values(name, before._catalog)
-        }
+        kept = before.totals
+        if kept and self._catalog is not before._catalog:
+            same = self._catalog.same_channels(before._catalog)
+            kept = {name: integral for name, integral in kept.items() if name in same}
         self.totals |= kept
         for name, integral in kept.items():
-            if not requested.issuperset(required_by(self._catalog, [name])):
+            if not requested.issuperset(self._catalog.required_by([name])):
                 integral.interrupt()
         names = [channel.name for channel in self.channels]
         self._steps = _steps(self._catalog, dict.fromkeys([*names, *self.totals]))
@@ -229,9 +227,3 @@ def numbers_of(readings: Mapping[str, Reading]) -> dict[str, float]:
 def _steps(catalog: Catalog, names: Iterable[str]) -> list[tuple[Derived, Calculation]]:
     """Return the channels `names` and their derived inputs, inputs first."""
     return [(each, each.calculation()) for each in in_order(catalog.derived, list(names))]
-
-
-def required_by(catalog: Catalog, names: Iterable[str]) -> tuple[str, ...]:
-    """Return the parameters that these derived channels need, in the order of the catalog."""
-    needed = {name for channel in in_order(catalog.derived, list(names)) for name in channel.inputs}
-    return tuple(each.name for each in catalog.parameters if each.name in needed)

@@ -31,7 +31,6 @@ from mikas.client.parameters.polling import STREAMS, FixedMethod
 from mikas.commands import Datum
 from mikas.errors import usage_error
 from mikas.framing import encode
-from mikas.sampling.derived import required_by
 
 _STUFFED = 2 / 256  # of random bytes: 0D and 40 take two bytes on the wire
 _LARGEST_DIVISOR = 1000
@@ -245,7 +244,7 @@ def select(catalog: Catalog, names: Iterable[str]) -> Selection:
         if isinstance(channel, Parameter):
             add(channel, divisor)
         else:
-            for required in required_by(catalog, [channel.name]):
+            for required in catalog.required_by([channel.name]):
                 add(catalog.parameter(required), divisor)
                 inputs[required] = gcd(divisor, inputs.get(required, divisor))
     for required, common in inputs.items():

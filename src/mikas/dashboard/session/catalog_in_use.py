@@ -18,7 +18,7 @@ from mikas.catalog.lookup import is_corrected
 from mikas.catalog.own.file import OwnCatalog
 from mikas.dashboard.errors import CatalogOutdated
 from mikas.errors import CatalogError
-from mikas.sampling.derived import DerivedChannels, required_by
+from mikas.sampling.derived import DerivedChannels
 
 if TYPE_CHECKING:
     from mikas.dashboard.session.history import Compute
@@ -64,8 +64,8 @@ class CatalogInUse:
 
 def changed_channels(catalog: Catalog, before: Catalog) -> list[str]:
     """Return the channels of either catalog whose values are not the same in both."""
-    names = {**before.channels, **catalog.channels}
-    return [name for name in names if not catalog.gives_same_values(name, before)]
+    same = catalog.same_channels(before)
+    return [name for name in {**before.channels, **catalog.channels} if name not in same]
 
 
 def computing(catalog: Catalog, names: Sequence[str], interpretation: str) -> Compute | None:
@@ -79,7 +79,7 @@ def computing(catalog: Catalog, names: Sequence[str], interpretation: str) -> Co
     usable = [
         name
         for name in wanted
-        if gone.isdisjoint(needed := required_by(catalog, [name]))
+        if gone.isdisjoint(needed := catalog.required_by([name]))
         and all(is_corrected(catalog.parameter(each), interpretation) for each in needed)
     ]
     if not usable:

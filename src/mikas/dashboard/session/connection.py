@@ -32,7 +32,6 @@ from mikas.link.ports import only_likely
 from mikas.link.reconnecting import ReconnectingPort
 from mikas.link.urls import parse, with_name
 from mikas.sampling.acquisition import Acquisition
-from mikas.sampling.derived import required_by
 from mikas.sampling.events import LineState
 from mikas.sampling.plan import Plan, Price, datum_of
 
@@ -291,7 +290,7 @@ class SamplingPlanner:
     def _inputs(self) -> dict[str, tuple[str, ...]]:
         """The parameters of each derived channel."""
         catalog = self._options.catalog
-        return {it: required_by(catalog, [it]) for it in catalog.derived}
+        return {it: catalog.required_by([it]) for it in catalog.derived}
 
     def use_catalog(self, catalog: Catalog) -> None:
         """Sample by another catalog, on the same connection: its new derived channels too."""

@@ -19,7 +19,6 @@ from mikas.errors import usage_error
 from mikas.i18n import Text
 from mikas.json_values import json_of
 from mikas.recording.capture.clock import LONGEST
-from mikas.sampling.derived import required_by
 from mikas.sampling.events import Event, Gap
 
 if TYPE_CHECKING:
@@ -102,7 +101,7 @@ def named(catalog: Catalog, name: str) -> str:
 
 def is_recorded(name: str, catalog: Catalog, recorded: Collection[str]) -> bool:
     """Return whether the channel, or all inputs of a derived one, are recorded."""
-    needed = required_by(catalog, [name]) if name in catalog.derived else (name,)
+    needed = catalog.required_by([name]) if name in catalog.derived else (name,)
     return all(each in recorded for each in needed)
 
 

@@ -16,7 +16,7 @@ import numpy as np
 from mikas.catalog import Catalog
 from mikas.recording.exchanges.arrays import Floats
 from mikas.recording.table.channels import Rows
-from mikas.sampling.derived import DerivedChannels, required_by
+from mikas.sampling.derived import DerivedChannels
 
 FRESH: Final = 1.0  # s that a value holds for later responses
 LONGEST: Final = 10.0  # s of a cycle: one request a code, to a unit that needs 0.5 s for each
@@ -28,8 +28,10 @@ class Deriver:
     def __init__(self, catalog: Catalog, names: Iterable[str]) -> None:
         names = list(names)
         self._channels = DerivedChannels(catalog, names)
-        self._requires = required_by(catalog, names)
-        self._inputs = {name: required_by(catalog, [name]) for name in names}
+        self._requires = catalog.required_by(names)
+        self._alike: dict[tuple[str, ...], list[str]] = {}  # the names by what they require
+        for name in dict.fromkeys(names):
+            self._alike.setdefault(catalog.required_by([name]), []).append(name)
         self._last: dict[str, tuple[float, float]] = {}  # time, value
         self._step: dict[str, float] = {}  # s since the previous value
 
@@ -46,11 +48,12 @@ class Deriver:
             for name, column in inputs.items()
         }
         derived = self._channels.columns(rows.times, {**rows.values, **held})
-        for name, column in derived.items():
-            new = np.zeros(len(column), np.bool_)
-            for source in self._inputs[name]:
+        for sources, names in self._alike.items():
+            new = np.zeros(len(rows.times), np.bool_)
+            for source in sources:
                 new |= np.isfinite(inputs[source])
-            derived[name] = np.where(new, column, np.nan)
+            for name in names:
+                derived[name] = np.where(new, derived[name], np.nan)
         return derived
 
     def _cycle(self, times: Floats, inputs: dict[str, Floats]) -> Floats:
