@@ -21,6 +21,7 @@ from functools import cache, cached_property, partial, reduce
 from math import isfinite
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from mikas.cancellation import check_cancelled
 from mikas.catalog.formula_syntax import Operation, Parsed, Term
 
 if TYPE_CHECKING:
@@ -30,6 +31,13 @@ if TYPE_CHECKING:
     Column: TypeAlias = NDArray[np.float64]
 
 NO_VALUE = math.nan
+POWER = 150
+"""The operations that take as long as one power in a column, which is computed one by one."""
+
+_BLOCK = 8192
+"""Rows computed at a time: what lies between two operations fits the processor's cache, and a long
+formula takes little memory and can be cancelled.
+"""
 Arithmetic: TypeAlias = Mapping[str, Callable[..., Any]]
 _COMPARISONS: Mapping[str, Callable[[Any, Any], Any]] = {
     "<": operator.lt,
@@ -127,6 +135,11 @@ class Calculation:
         self._plain = formula.plain
         self.inputs = formula.inputs
 
+    @property
+    def cost(self) -> int:
+        """The operations for one row of a column; a power counts as `POWER`."""
+        return _cost(self._plain)
+
     def number(self, values: Mapping[str, float]) -> float:
         """Return the formula's value for `inputs`; NaN if one of them is NaN or infinite."""
         named = {name: float(values[name]) for name in self.inputs}
@@ -139,9 +152,14 @@ class Calculation:
         import numpy as np
 
         named = {name: np.asarray(values[name], dtype=np.float64) for name in self.inputs}
-        present = np.logical_and.reduce([np.isfinite(column) for column in named.values()])
-        with np.errstate(all="ignore"):
-            return np.where(present, self._of_columns(named), NO_VALUE)
+        blocks = []
+        for at in range(0, len(named[self.inputs[0]]), _BLOCK) or (0,):
+            check_cancelled()
+            part = {name: column[at : at + _BLOCK] for name, column in named.items()}
+            present = np.logical_and.reduce([np.isfinite(column) for column in part.values()])
+            with np.errstate(all="ignore"):
+                blocks.append(np.where(present, self._of_columns(part), NO_VALUE))
+        return blocks[0] if len(blocks) == 1 else np.concatenate(blocks)
 
     @cached_property
     def _of_numbers(self) -> Callable[[Mapping[str, float]], float]:
@@ -150,6 +168,13 @@ class Calculation:
     @cached_property
     def _of_columns(self) -> Callable[[Mapping[str, Column]], Column]:
         return _function(self._plain, _columns())
+
+
+def _cost(plain: Term) -> int:
+    if not isinstance(plain, Operation):
+        return 0
+    own = POWER if plain.name == "**" else max(1, len(plain.operands) - 1)
+    return own + sum(map(_cost, plain.operands))
 
 
 def _function(plain: Term, arithmetic: Arithmetic) -> Callable[[Mapping[str, Any]], Any]:

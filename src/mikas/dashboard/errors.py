@@ -181,6 +181,15 @@ class TookTooLong(ApiRefusal, status=504):
     )
 
 
+class AnswerTookTooLong(TookTooLong):
+    """A request that reads no recording passed its deadline; it was cancelled."""
+
+    advice = Text(
+        "Ask for a shorter time, for fewer channels, or by a shorter formula.",
+        "Запросите меньшее время, меньше каналов или формулу короче.",
+    )
+
+
 class ConfirmationExpired(ApiRefusal, status=410):
     """An unknown, expired or used confirmation, or that of another client."""
 

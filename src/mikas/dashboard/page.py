@@ -89,10 +89,13 @@ def _file_in(folder: Path, path: str) -> Path | None:
 
 @docs_router.get("/docs")
 def docs(request: Request) -> HTMLResponse:
-    """Return the page."""
-    described: dict[str, Any] = request.app.openapi()
-    page = _templates().get_template("docs.html")
-    return HTMLResponse(page.render(api=described, routes=_routes(described)))
+    """Return the page, which is made once."""
+    made = request.app.state
+    if not hasattr(made, "docs"):
+        described: dict[str, Any] = request.app.openapi()
+        page = _templates().get_template("docs.html")
+        made.docs = page.render(api=described, routes=_routes(described))
+    return HTMLResponse(made.docs)
 
 
 @docs_router.get("/docs/style.css")

@@ -20,6 +20,7 @@ import numpy as np
 from mikas.catalog import Catalog, Derived
 from mikas.catalog.conversion import NO_TEXT
 from mikas.catalog.formula_syntax import LONGEST, parse
+from mikas.catalog.model import in_order
 from mikas.errors import UsageError, usage_error
 from mikas.recording.exchanges.arrays import Floats, Mask
 from mikas.recording.recording import Recording
@@ -28,6 +29,7 @@ from mikas.recording.table.derived import Deriver
 
 PAUSE: Final = 2.0  # s, as of a gap; more where such steps are usual
 _ALIKE: Final = 2.5  # times the usual step
+_PIECE: Final = 8192  # rows: of a chain of a thousand channels 64 MB
 _CONDITION, _PEAK = "?", "?PEAK"  # no channel has such a name
 _HIGH, _LOW = (ast.Gt, ast.GtE), (ast.Lt, ast.LtE)
 
@@ -64,7 +66,8 @@ class SearchCondition:
 
     `requires`: the parameters that these need. `peak_of`: the formula that its first comparison
     compares with something, of which a hit has the extreme: the lowest value of a `<`
-    (`is_lowest`), else the highest; empty without a comparison.
+    (`is_lowest`), else the highest; empty without a comparison. `cost`: operations for each row,
+    with those of the derived channels.
 
     Raises `UsageError` for a formula that is none, `UnknownParameter` with the nearest names.
     """
@@ -86,6 +89,8 @@ class SearchCondition:
         self.catalog = replace(catalog, derived={**catalog.derived, **derived})
         self.names = tuple(derived)
         self.requires = self.catalog.required_by(self.names)
+        steps = in_order(self.catalog.derived, self.names)
+        self.cost = sum(each.calculation().cost for each in steps)
 
     def find(self, stretches: Iterable[Rows]) -> SearchResult:
         """Return the hits in rows with the columns `names`, in their order."""
@@ -128,8 +133,14 @@ def search(recording: Recording, condition: SearchCondition) -> SearchResult:
 
 def search_rows(rows: Rows, condition: SearchCondition) -> SearchResult:
     """Return the hits in rows of the parameters that the condition `requires`, corrected."""
-    columns = Deriver(condition.catalog, condition.names).columns(rows)
-    return condition.find([Rows(rows.times, columns)])
+    deriver = Deriver(condition.catalog, condition.names)
+
+    def computed() -> Iterator[Rows]:
+        for at in range(0, len(rows.times), _PIECE):
+            piece = rows.part(slice(at, at + _PIECE))
+            yield Rows(piece.times, deriver.columns(piece))
+
+    return condition.find(computed())
 
 
 def _runs(times: Floats, holds: Mask) -> Iterator[tuple[int, int]]:

@@ -19,13 +19,21 @@ from pydantic import BaseModel, Field
 
 from mikas.catalog import Catalog, Confidence, Derived, Level, Parameter, shipped
 from mikas.catalog.own.file import left_out
-from mikas.dashboard.api.dependencies import KnownClient, Names, TheDashboard, Viewer, split_names
+from mikas.dashboard.api.dependencies import (
+    KnownClient,
+    Names,
+    TheDashboard,
+    TheRequester,
+    Viewer,
+    split_names,
+)
 from mikas.dashboard.api.errors import OptionalTexts, TwoTexts, content, errors, made_of, two
 from mikas.dashboard.api.messages import LiveEvent, LiveRows
 from mikas.dashboard.api.search import search_file
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.errors import NotFound
 from mikas.dashboard.security.access import Access
+from mikas.dashboard.security.control import Client
 from mikas.dashboard.session.history import json_columns, page_json
 from mikas.i18n import Text
 from mikas.recording.table.decimation import decimated
@@ -235,9 +243,14 @@ class HistoryResponse(LiveRows):
     events: list[LiveEvent]
 
 
-@router.get("/about", responses=errors())
-def about(request: Request, dashboard: TheDashboard, client: Viewer) -> AboutResponse:
+@router.get("/about", responses=errors(409, 504), response_model=AboutResponse)
+async def about(request: Request, requester: TheRequester, client: Viewer) -> Response:
     """Return the server's version, addresses and folder, and the client's rights."""
+    return await requester.answer(lambda: about_of(request, requester.dashboard, client))
+
+
+def about_of(request: Request, dashboard: Dashboard, client: Client) -> AboutResponse:
+    """Return the server as `client` sees it; reads the user's files."""
     access: Access = request.app.state.access
     own = dashboard.catalogs.problem
     unusable = [*([left_out(own)] if own else []), *problems(dashboard)]
@@ -268,9 +281,14 @@ def qr(request: Request, client: Viewer) -> Response:
     return Response(out.getvalue(), media_type="image/svg+xml")
 
 
-@router.get("/catalog", responses=errors())
-def catalog(dashboard: TheDashboard) -> CatalogResponse:
+@router.get("/catalog", responses=errors(409, 504), response_model=CatalogResponse)
+async def catalog(requester: TheRequester) -> Response:
     """Return every channel."""
+    return await requester.answer(lambda: catalog_of(requester.dashboard))
+
+
+def catalog_of(dashboard: Dashboard) -> CatalogResponse:
+    """Return the catalog in use."""
     known, own = dashboard.catalog, dashboard.catalogs.own.entries()
     problem = dashboard.catalogs.problem
     return CatalogResponse(
@@ -288,9 +306,13 @@ def catalog(dashboard: TheDashboard) -> CatalogResponse:
     )
 
 
-@router.get("/presets", responses=errors())
-def presets(dashboard: TheDashboard) -> PresetList:
+@router.get("/presets", responses=errors(409, 504), response_model=PresetList)
+async def presets(requester: TheRequester) -> Response:
     """Return the user's own presets; none if their file can't be used."""
+    return await requester.answer(lambda: _presets(requester.dashboard))
+
+
+def _presets(dashboard: Dashboard) -> PresetList:
     return _preset_file(dashboard).load() or PresetList(presets=[])
 
 
@@ -300,7 +322,7 @@ def write_presets(dashboard: TheDashboard, _: KnownClient, body: PresetList) -> 
     content = [{**preset.model_dump(), "shipped": False} for preset in body.presets]
     with dashboard.saving:
         _preset_file(dashboard).save(content)
-    return presets(dashboard)
+    return _presets(dashboard)
 
 
 def _preset_file(dashboard: Dashboard) -> KeptFile[PresetList]:
@@ -320,19 +342,24 @@ def problems(dashboard: Dashboard) -> list[Text]:
     return [problem for file in files if (problem := file.problem)]
 
 
-@router.get("/history", responses=errors(), response_model=HistoryResponse)
-def history(
-    dashboard: TheDashboard,
+@router.get("/history", responses=errors(409, 504), response_model=HistoryResponse)
+async def history(
+    requester: TheRequester,
     seconds: Annotated[float, Query(gt=0, le=86400)] = 900,
     points: Annotated[int, Query(ge=2, le=20000)] = 2000,
     names: Names = None,
 ) -> Response:
     """Return the last `seconds`, decimated by each column's minimum and maximum to keep spikes."""
-    rows = dashboard.history.rows(seconds, split_names(names))
-    since = (rows.times[-1] if len(rows.times) else dashboard.connection.now()) - seconds
-    events = [page_json(event) for event in dashboard.monitor.logged if event.time >= since]
-    fewer = decimated(rows, points)
-    return JSONResponse(json_columns(fewer.times, fewer.values) | {"events": events})
+    dashboard = requester.dashboard
+
+    def work() -> Response:
+        rows = dashboard.history.rows(seconds, split_names(names))
+        since = (rows.times[-1] if len(rows.times) else dashboard.connection.now()) - seconds
+        events = [page_json(event) for event in dashboard.monitor.logged if event.time >= since]
+        fewer = decimated(rows, points)
+        return JSONResponse(json_columns(fewer.times, fewer.values) | {"events": events})
+
+    return await requester.compute(work)
 
 
 @cache

@@ -10,15 +10,18 @@ from __future__ import annotations
 import json
 import os
 from contextlib import suppress
+from pathlib import Path as FilePath
 from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Path, Query
+from fastapi.responses import Response
 from pydantic import BaseModel, Field
 
+from mikas.cancellation import check_cancelled
 from mikas.cleaning import clean_json, is_in_calendar
 from mikas.client import Ecu
 from mikas.commands import WriteList
-from mikas.dashboard.api.dependencies import Controller, TheDashboard
+from mikas.dashboard.api.dependencies import Controller, TheDashboard, TheRequester
 from mikas.dashboard.api.errors import TwoTexts, errors, made_of
 from mikas.dashboard.api.state import State, state_of
 from mikas.dashboard.dashboard import Dashboard
@@ -221,14 +224,23 @@ def lock(dashboard: TheDashboard, client: Controller) -> State:
     return state_of(dashboard, client)
 
 
-@router.get("/journal", tags=["memory"], responses=errors(), response_model_exclude_unset=True)
-def journal(dashboard: TheDashboard) -> JournalResponse:
+@router.get("/journal", tags=["memory"], responses=errors(409, 504), response_model=JournalResponse)
+async def journal(requester: TheRequester) -> Response:
     """Return the last 200 changes of units by this computer, without the lists to send (64).
 
     Lines of another form are left out: cut at the beginning of the tail, or edited by hand.
     """
+
+    def work() -> Response:
+        shown = _journal(requester.dashboard.settings.journal).model_dump_json(exclude_unset=True)
+        return Response(shown, media_type="application/json")
+
+    return await requester.compute(work)
+
+
+def _journal(path: FilePath) -> JournalResponse:
     try:
-        with open_regular(dashboard.settings.journal) as file:
+        with open_regular(path) as file:
             size = file.seek(0, os.SEEK_END)
             file.seek(max(0, size - _TAIL))
             lines = file.read(_TAIL).decode("utf-8", "replace").split("\n")
@@ -236,6 +248,7 @@ def journal(dashboard: TheDashboard) -> JournalResponse:
         return JournalResponse(entries=[])
     entries: list[JournalEntry] = []
     for line in reversed(lines):
+        check_cancelled()
         if len(entries) == _ENTRIES:
             break
         with suppress(ValueError, RecursionError):

@@ -26,7 +26,7 @@ from mikas.catalog.lookup import is_corrected
 from mikas.catalog.model import in_order
 from mikas.catalog.own import changes
 from mikas.client import Reading
-from mikas.dashboard.api.catalog import CatalogResponse, catalog
+from mikas.dashboard.api.catalog import CatalogResponse, catalog_of
 from mikas.dashboard.api.dependencies import (
     Controller,
     KnownClient,
@@ -124,7 +124,7 @@ def change_keys(
     dashboard.catalogs.change(
         body.version, lambda own, known: changes.set_keys(own, known, name, keys)
     )
-    return catalog(dashboard)
+    return catalog_of(dashboard)
 
 
 @router.delete("/channels/{name}/keys", responses=errors(404, 409))
@@ -142,7 +142,7 @@ def reset_keys(
     dashboard.catalogs.change(
         version, lambda own, known: changes.reset_keys(own, known, name, named)
     )
-    return catalog(dashboard)
+    return catalog_of(dashboard)
 
 
 @router.put("/channels/{name}", responses=errors(409))
@@ -156,7 +156,7 @@ def change_channel(
         body.version,
         lambda own, known: changes.set_channel(own, known, name, keys, new=body.new),
     )
-    return catalog(dashboard)
+    return catalog_of(dashboard)
 
 
 @router.delete("/channels/{name}", responses=errors(409))
@@ -165,7 +165,7 @@ def delete_channel(
 ) -> CatalogResponse:
     """Delete a derived channel from the user's own catalog."""
     dashboard.catalogs.change(version, lambda own, known: changes.remove_channel(own, known, name))
-    return catalog(dashboard)
+    return catalog_of(dashboard)
 
 
 class ChannelValue(BaseModel):
@@ -287,7 +287,7 @@ async def _moments(
     requester: TheRequester, names: Sequence[str], recording: str | None, at: float | None
 ) -> Moments:
     if recording is None:
-        return _live(requester.dashboard, names, at)
+        return await requester.compute(lambda: _live(requester.dashboard, names, at))
 
     def look(file: RecordingFile) -> Moments:
         opened = requester.library.opened(file)

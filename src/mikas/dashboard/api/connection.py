@@ -12,9 +12,10 @@ from collections.abc import AsyncIterator
 from typing import Annotated, Literal
 
 from fastapi import APIRouter
-from fastapi.responses import StreamingResponse
+from fastapi.responses import Response, StreamingResponse
 from pydantic import BaseModel, Field
 
+from mikas.cancellation import check_cancelled
 from mikas.catalog import Catalog
 from mikas.client.doctor import Step
 from mikas.client.parameters.polling import Method
@@ -22,6 +23,7 @@ from mikas.dashboard.api.dependencies import (
     Controller,
     KnownClient,
     TheDashboard,
+    TheRequester,
     Viewer,
     check_port,
 )
@@ -168,18 +170,30 @@ def first(dashboard: TheDashboard, client: Controller, body: PriorityRequest) ->
     return state_of(dashboard, client)
 
 
-@router.post("/plan/price", responses=errors())
-def price(dashboard: TheDashboard, body: PriceRequest) -> PriceResponse:
+@router.post("/plan/price", responses=errors(409, 504), response_model=PriceResponse)
+async def price(requester: TheRequester, body: PriceRequest) -> Response:
     """Return the cost of a cycle of these channels, and of each further channel."""
-    names, first = _settings(dashboard.catalog, body).names, body.first
+    return await requester.answer(lambda: _price(requester.dashboard, body))
+
+
+def _price(dashboard: Dashboard, body: PriceRequest) -> PriceResponse:
+    catalog = dashboard.catalog
+    names, first = _settings(catalog, body).names, body.first
     base = dashboard.plan.price(names, body.method, first)
-    known = first or [wanted.name for wanted in body.wanted]
-    more = {}
-    for channel in dashboard.catalog.channels:
-        if channel not in known:
+    known = set(first or (wanted.name for wanted in body.wanted))
+    more: dict[str, ChannelPrice] = {}
+    alike: dict[object, ChannelPrice] = {}  # channels that need the same cost the same
+    for channel in catalog.channels:
+        if channel in known:
+            continue
+        needs = catalog.required_by([channel]), channel in catalog.derived
+        if needs not in alike:
+            check_cancelled()
             longer = ([*names, channel], first) if not first else (names, [*first, channel])
             with_it = dashboard.plan.price(longer[0], body.method, longer[1])
-            more[channel] = made_of(ChannelPrice, with_it, seconds=with_it.seconds - base.seconds)
+            seconds = with_it.seconds - base.seconds
+            alike[needs] = made_of(ChannelPrice, with_it, seconds=seconds)
+        more[channel] = alike[needs]
     return made_of(PriceResponse, base, more=more)
 
 

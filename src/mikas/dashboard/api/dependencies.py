@@ -17,7 +17,8 @@ from urllib.parse import unquote
 
 from fastapi import Depends, Header, Query, Request
 from fastapi.exceptions import RequestValidationError
-from pydantic import AfterValidator
+from fastapi.responses import Response
+from pydantic import AfterValidator, BaseModel
 from starlette.exceptions import HTTPException
 from starlette.requests import HTTPConnection
 
@@ -97,8 +98,17 @@ def _viewer(request: Request, client_id: ClientId = None, client_name: ClientNam
     return client_of(request, client_id, client_name)
 
 
+def json_of(model: BaseModel) -> Response:
+    """Return the response with `model`; to be called in a thread, as a long one takes its time."""
+    return Response(model.model_dump_json(), media_type="application/json")
+
+
 class Requester:
-    """The client that waits for work on recordings, in the lanes of the dashboard's library."""
+    """The client that waits for work, which is done in the lanes of the dashboard's library.
+
+    A route whose work grows with data, or with what the client sends, has this dependency; a test
+    (`tests/dashboard/test_work_of_routes.py`) names the routes that need none.
+    """
 
     def __init__(self, request: Request, dashboard: TheDashboard) -> None:
         self._request = request
@@ -125,6 +135,19 @@ class Requester:
         files = self.library.files
         with files.place(self.address):
             return await self.awaits(files.run(work, key=key, address=self.address))
+
+    async def compute(self, work: Callable[[], T]) -> T:
+        """Return the result of `work` on live data, lists or the user's files.
+
+        Raises `Busy`, `TookTooLong`.
+        """
+        answers = self.library.answers
+        with answers.place(self.address):
+            return await self.awaits(answers.run(work, key=None, address=self.address))
+
+    async def answer(self, work: Callable[[], BaseModel]) -> Response:
+        """Return the response with the model that `work` returns, made as in `compute`."""
+        return await self.compute(lambda: json_of(work()))
 
     async def awaits(self, work: Coroutine[Any, Any, T]) -> T:
         """Return the result of `work`, which is cancelled when the client disconnects."""

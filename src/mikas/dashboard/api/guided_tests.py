@@ -8,10 +8,17 @@ from __future__ import annotations
 from typing import Annotated
 
 from fastapi import APIRouter, Path
+from fastapi.responses import Response
 from pydantic import BaseModel, Field
 
-from mikas.dashboard.api.dependencies import Controller, KnownClient, TheDashboard
+from mikas.dashboard.api.dependencies import (
+    Controller,
+    KnownClient,
+    TheDashboard,
+    TheRequester,
+)
 from mikas.dashboard.api.errors import OptionalTexts, TwoTexts, errors, made_of
+from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.session.guided_tests import KeptResult
 from mikas.guided.definition import Certainty, VerdictKind
 from mikas.guided.engine import ProgressPhase
@@ -179,9 +186,13 @@ class InReportRequest(BaseModel):
     in_report: bool = Field(strict=True)
 
 
-@router.get("", responses=errors())
-def tests(dashboard: TheDashboard) -> TestList:
+@router.get("", responses=errors(409, 504), response_model=TestList)
+async def tests(requester: TheRequester) -> Response:
     """Return all tests, the user's files read again."""
+    return await requester.answer(lambda: _tests(requester.dashboard))
+
+
+def _tests(dashboard: Dashboard) -> TestList:
     guided = dashboard.guided
     found, state = guided.available(), guided.progress
     last: dict[str, LastOutcome] = {}
@@ -244,10 +255,13 @@ def cancel(dashboard: TheDashboard, _: Controller) -> TestRunState:
     return run(dashboard)
 
 
-@router.get("/results", responses=errors())
-def results(dashboard: TheDashboard) -> TestResults:
+@router.get("/results", responses=errors(409, 504), response_model=TestResults)
+async def results(requester: TheRequester) -> Response:
     """Return the kept results of this unit."""
-    return TestResults(results=[verdict_of(kept) for kept in dashboard.guided.results])
+    guided = requester.dashboard.guided
+    return await requester.answer(
+        lambda: TestResults(results=[verdict_of(kept) for kept in guided.results])
+    )
 
 
 @router.put("/results/{name}", responses=errors(404))

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import asyncio
+
 from fastapi import APIRouter, Request
 from pydantic import BaseModel, Field
 
-from mikas.dashboard.api.catalog import AboutResponse, about
+from mikas.dashboard.api.catalog import AboutResponse, about_of
 from mikas.dashboard.api.dependencies import LocalClient, TheDashboard
 from mikas.dashboard.api.errors import errors
 from mikas.dashboard.program import Ending, Sharing
@@ -33,7 +35,7 @@ async def network(
         await sharing.open(control=body.control)
     else:
         await sharing.close()
-    return about(request, dashboard, client)
+    return await asyncio.to_thread(about_of, request, dashboard, client)
 
 
 @router.post("/end", responses=errors(409))
@@ -44,4 +46,4 @@ async def end(request: Request, dashboard: TheDashboard, client: LocalClient) ->
     """
     ending: Ending = request.app.state.ending
     ending.end_program()
-    return about(request, dashboard, client)
+    return await asyncio.to_thread(about_of, request, dashboard, client)

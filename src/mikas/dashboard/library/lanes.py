@@ -1,7 +1,9 @@
 """Lanes of work: how many pieces run at a time, which of them wait, and what ends one.
 
-A piece of work runs in a thread of its own. Of a lane's slots, one key (a file) gets one, and the
-network all but one. So neither a long or crafted file nor a viewer in the network takes up a lane.
+A piece of work runs in a thread of its own. Of a lane's slots the network gets all but one, and one
+key (a file) gets one from this computer and one from the network. Of the pieces that wait, those of
+this computer come first, then one of each address in turn. So neither a long or crafted file nor a
+viewer in the network takes up a lane, and no viewer's work makes this computer wait.
 
 A piece is cancelled (`mikas.cancellation`) at its deadline, with the task that awaits it (its
 client has disconnected), and at the end of the program; if it has not ended a second later, it is
@@ -29,8 +31,8 @@ T = TypeVar("T")
 _PATIENCE: Final = 1.0  # s for a cancelled piece to end
 _STEPS: Final = 10  # after which an exception sent to a thread has arrived
 _TOO_MANY: Final = Text(
-    "several recordings are being read, or made into tables and reports, already",
-    "уже читаются другие записи или готовятся другие таблицы и отчёты",
+    "too many requests of this kind are waiting already; try again in a moment",
+    "таких запросов уже ждёт слишком много; повторите чуть позже",
 )
 _CLOSING: Final = Text("the dashboard is closing", "панель закрывается")
 
@@ -52,7 +54,7 @@ class LaneLimits:
 class _Piece:
     """`turn`: it may run. `done`: its thread has ended, with this outcome."""
 
-    def __init__(self, key: str, address: str | None) -> None:
+    def __init__(self, key: str | None, address: str | None) -> None:
         self.key, self.address = key, address
         self.turn: asyncio.Future[None] = asyncio.get_running_loop().create_future()
         self.outcome: Future[Any] = Future()
@@ -68,12 +70,20 @@ class _Piece:
 class Lane:
     """One lane; its methods are called in the event loop.
 
-    `address`: of a client in the network; None: the client is on this computer.
+    `address`: of a client in the network; None: the client is on this computer. `too_long`: the
+    error of a piece that passes its deadline. `on_end`: called when a piece has ended.
     """
 
-    def __init__(self, limits: LaneLimits) -> None:
+    def __init__(
+        self,
+        limits: LaneLimits,
+        too_long: type[TookTooLong] = TookTooLong,
+        on_end: Callable[[], None] = lambda: None,
+    ) -> None:
         self.limits = limits
+        self._too_long, self._on_end = too_long, on_end
         self._places: Counter[str | None] = Counter()
+        self._turns: dict[str | None, int] = {}  # by address: the number of its last turn
         self._waiting: list[_Piece] = []
         self._running: list[_Piece] = []
         self._closed = False
@@ -96,16 +106,19 @@ class Lane:
             places[address] -= 1
             if not places[address]:
                 del places[address]
+                self._turns.pop(address, None)
 
     async def run(
         self,
         work: Callable[[], T],
         *,
-        key: str,
+        key: str | None,
         address: str | None,
         deadline: float | None = None,
     ) -> T:
         """Return the result of `work`; `deadline`: another than the lane's, from its start on.
+
+        `key` None: it shares nothing with other work.
 
         Raises `TookTooLong`, and `Busy` at the end of the program.
         """
@@ -124,7 +137,7 @@ class Lane:
         try:
             await asyncio.wait({piece.done}, timeout=deadline)
             if not piece.done.done():
-                raise TookTooLong(seconds=f"{deadline:g}")
+                raise self._too_long(seconds=f"{deadline:g}")
             result: T = piece.done.result()
             return result
         except Cancelled:
@@ -144,20 +157,25 @@ class Lane:
             await asyncio.wait({piece.done for piece in self._running}, timeout=_PATIENCE)
 
     def _give_turns(self) -> None:
-        """Give turns in the order of coming, except to those that may not run yet."""
-        for piece in list(self._waiting):
-            if not piece.turn.done() and self._may_run(piece):
-                self._waiting.remove(piece)
-                self._running.append(piece)
-                piece.turn.set_result(None)
+        """Give turns, except to those that may not run yet: to this computer first, then to the
+        address whose last turn is the longest ago; of equals, in the order of coming.
+        """
+        while ready := [it for it in self._waiting if not it.turn.done() and self._may_run(it)]:
+            piece = min(ready, key=lambda it: self._turns.get(it.address, 0) if it.address else -1)
+            self._turns[piece.address] = max(self._turns.values(), default=0) + 1
+            self._waiting.remove(piece)
+            self._running.append(piece)
+            piece.turn.set_result(None)
 
     def _may_run(self, piece: _Piece) -> bool:
+        local = [it for it in self._running if it.address is None]
+        network = [it for it in self._running if it.address is not None]
         if len(self._running) >= self.limits.slots:
             return False
-        if piece.key in (each.key for each in self._running):
+        if piece.address is not None and len(network) >= self.limits.slots - 1:
             return False
-        in_network = sum(each.address is not None for each in self._running)
-        return piece.address is None or in_network < self.limits.slots - 1
+        alike = local if piece.address is None else network
+        return piece.key is None or piece.key not in (it.key for it in alike)
 
     def _leave(self, piece: _Piece) -> None:
         for pieces in (self._waiting, self._running):
@@ -169,9 +187,10 @@ class Lane:
         def leave(done: asyncio.Future[Any]) -> None:
             done.exception()  # retrieved here, in case its client has disconnected
             self._leave(piece)
+            self._on_end()
 
         piece.done.add_done_callback(leave)
-        piece.thread = WorkThread(f"mikas {piece.key}", work, piece.outcome)
+        piece.thread = WorkThread(f"mikas {piece.key or 'work'}", work, piece.outcome)
         piece.thread.start()
 
     @staticmethod

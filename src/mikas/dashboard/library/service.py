@@ -4,8 +4,10 @@ Recordings stay open so that scrolling does not read them each time; two at most
 some 170 MB. The recording in progress grows all the time: it is read again when it is requested
 some seconds later.
 
-Files are read in two lanes (`lanes.py`): `views`, what a screen waits for, and `files`, reports and
-exports, which take long. In each lane one file is read by one thread at a time.
+Work that a client causes is done in three lanes (`lanes.py`): `views`, what a screen shows of a
+file; `files`, reports and exports, which take long; `answers`, all else that grows with the data:
+values of the last hours, searches in them, lists and the user's own files. In each lane one file is
+read by one thread at a time for this computer, and by one for the network.
 
 References are recordings to compare with: those that the user marked, and those of the virtual car.
 The marks are names of files in a file beside the presets. A recording of the virtual car is made
@@ -27,7 +29,7 @@ from typing import Final
 import mikas
 from mikas.cancellation import check_cancelled
 from mikas.catalog import Catalog
-from mikas.dashboard.errors import NotFound, TookTooLong
+from mikas.dashboard.errors import AnswerTookTooLong, NotFound, TookTooLong
 from mikas.dashboard.library.folder import LeftOut, RecordingFile, RecordingFolder
 from mikas.dashboard.library.lanes import Lane, LaneLimits
 from mikas.errors import naming_file
@@ -47,6 +49,7 @@ _MAX_OPEN: Final = 2
 _GROWING: Final = 10.0  # s until the recording in progress is read again
 VIEWS: Final = LaneLimits(slots=3, deadline=60.0, places=32, per_address=8)
 FILES: Final = LaneLimits(slots=2, deadline=600.0, places=8, per_address=2)
+ANSWERS: Final = LaneLimits(slots=2, deadline=20.0, places=48, per_address=16)
 _SUMMARY_TIME: Final = 10.0  # s for one file; ten hours take some 0.1 s
 _LIST_TIME: Final = 30.0  # s for all that were not read before
 _TRY_AGAIN: Final = 300.0  # s until a file that took too long is tried again
@@ -180,6 +183,7 @@ class RecordingService:
 
     def __post_init__(self) -> None:
         self.views, self.files = Lane(VIEWS), Lane(FILES)
+        self.answers = Lane(ANSWERS, AnswerTookTooLong)
         self._summaries: dict[str, _Kept] = {}
         self._open: dict[str, _Open] = {}  # the latest used last
         self._changing = threading.Lock()  # of `_open`
@@ -245,7 +249,7 @@ class RecordingService:
 
     async def close(self) -> None:
         """Cancel all work."""
-        await asyncio.gather(self.views.close(), self.files.close())
+        await asyncio.gather(*(it.close() for it in (self.views, self.files, self.answers)))
 
     def _kept(self, file: RecordingFile) -> Summary | None:
         kept = self._summaries.get(file.id)

@@ -102,9 +102,10 @@ class DumpJob:
     @property
     def speed(self) -> float:
         """Bytes per second over the last 10 s."""
-        if self.phase != "running" or len(self.pace) < 2:
+        pace = tuple(self.pace)  # at once: the list of dumps is made in another thread
+        if self.phase != "running" or len(pace) < 2:
             return 0.0
-        (began, before), (ended, after) = self.pace[0], self.pace[-1]
+        (began, before), (ended, after) = pace[0], pace[-1]
         return (after - before) / (ended - began) if ended > began else 0.0
 
 

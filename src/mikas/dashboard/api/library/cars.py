@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict, replace
 
 from fastapi import APIRouter
+from fastapi.responses import Response
 from pydantic import BaseModel, Field
 
 from mikas.client.cars import LONGEST, MOST_MILEAGE, NO_CAR, CarDetails, car_details
@@ -48,9 +49,13 @@ class CarResponse(CarInfo):
     asked: bool = Field(description="the details were given, or put off, once")
 
 
-@router.get("/car", responses=errors())
-def car(dashboard: TheDashboard) -> CarResponse:
+@router.get("/car", responses=errors(409, 504), response_model=CarResponse)
+async def car(requester: TheRequester) -> Response:
     """Return the details of the connected unit's car."""
+    return await requester.answer(lambda: _car(requester.dashboard))
+
+
+def _car(dashboard: Dashboard) -> CarResponse:
     unit, cars = dashboard.monitor.unit, dashboard.cars
     identity = unit.identity if unit else None
     kept = cars.details_of(identity)
@@ -72,7 +77,7 @@ def write_car(dashboard: TheDashboard, _: KnownClient, body: CarRequest) -> CarR
     dashboard.car_now = unit.identity, details
     if details:
         dashboard.recorder.describe(details)
-    return car(dashboard)
+    return _car(dashboard)
 
 
 @router.put("/recordings/{identity}/car", responses=errors(404, 409, 504))

@@ -5,7 +5,6 @@ Deleting a dump is a change, shown and confirmed as every other (`api.changes`).
 
 from __future__ import annotations
 
-import asyncio
 import time
 from itertools import islice
 from typing import Annotated, Literal
@@ -18,7 +17,7 @@ from mikas.client import Ecu
 from mikas.client.memory.dumps import Manifest, differences, identity_of
 from mikas.commands.base import check_range
 from mikas.dashboard.api.changes import Space
-from mikas.dashboard.api.dependencies import Controller, TheDashboard
+from mikas.dashboard.api.dependencies import Controller, TheDashboard, TheRequester
 from mikas.dashboard.api.errors import content, errors, made_of
 from mikas.dashboard.api.library.files import LeftOutFile, OpenFile
 from mikas.dashboard.error_responses import ErrorBody, body_of
@@ -119,11 +118,14 @@ async def start(dashboard: TheDashboard, _: Controller, body: DumpRequest) -> Du
     return _response(job)
 
 
-@router.get("/dumps", responses=errors())
-async def dumps(dashboard: TheDashboard) -> DumpsResponse:
+@router.get("/dumps", responses=errors(409, 504), response_model=DumpsResponse)
+async def dumps(requester: TheRequester) -> Response:
     """Return all dumps."""
-    jobs = sorted(dashboard.dump_jobs.jobs.values(), key=lambda job: job.started, reverse=True)
-    return made_of(DumpsResponse, dashboard.dump_jobs, dumps=[_response(job) for job in jobs])
+    kept = requester.dashboard.dump_jobs
+    jobs = sorted(kept.jobs.values(), key=lambda job: job.started, reverse=True)
+    return await requester.answer(
+        lambda: made_of(DumpsResponse, kept, dumps=[_response(job) for job in jobs])
+    )
 
 
 @router.get("/dumps/{id}", responses=errors(404))
@@ -158,12 +160,15 @@ def file(job: TheDump) -> Response:
     return OpenFile(kept, job.file.name, "application/octet-stream", most=size)
 
 
-@router.post("/dumps/{id}/compare", responses=errors(404))
+@router.post(
+    "/dumps/{id}/compare", responses=errors(404, 409, 504), response_model=DifferencesResponse
+)
 async def compare(
+    requester: TheRequester,
     job: TheDump,
     other: Annotated[bytes, Body(media_type="application/octet-stream")],
     first: Annotated[int | None, Query(ge=0, le=0xFFFF)] = None,
-) -> DifferencesResponse:
+) -> Response:
     """Compare this dump (`a`) with the body (`b`, beginning at `first`)."""
     begin = job.manifest.first if first is None else first
 
@@ -177,7 +182,7 @@ async def compare(
         ]
         return DifferencesResponse(differences=shown, count=len(shown) + sum(1 for _ in found))
 
-    return await asyncio.to_thread(work)
+    return await requester.answer(work)
 
 
 def _response(job: DumpJob) -> DumpResponse:

@@ -10,10 +10,11 @@ from math import inf
 from typing import Annotated
 
 from fastapi import APIRouter, Path
+from fastapi.responses import Response
 from pydantic import BaseModel, Field
 
 from mikas.catalog import Catalog
-from mikas.dashboard.api.dependencies import TheRequester
+from mikas.dashboard.api.dependencies import TheRequester, json_of
 from mikas.dashboard.api.errors import TwoTexts, errors, two
 from mikas.dashboard.api.guided_tests import TestVerdict, verdict_of
 from mikas.dashboard.api.unit import FreezeFrameInfo, StoredFault, fault_info, frame_info
@@ -45,11 +46,17 @@ class RecordedFaultsResponse(BaseModel):
     frames: list[FreezeFrameInfo]
 
 
-@router.get("/recordings/{identity}/faults", responses=errors(404, 409, 504))
-async def recorded_faults(requester: TheRequester, identity: str) -> RecordedFaultsResponse:
+@router.get(
+    "/recordings/{identity}/faults",
+    responses=errors(404, 409, 504),
+    response_model=RecordedFaultsResponse,
+)
+async def recorded_faults(requester: TheRequester, identity: str) -> Response:
     """Return the faults in a recording, and the values of the moments at which they appeared."""
     opened = requester.library.opened
-    return await requester.view(identity, lambda file: _response(opened(file)), virtual=True)
+    return await requester.view(
+        identity, lambda file: json_of(_response(opened(file))), virtual=True
+    )
 
 
 def _response(recording: Recording) -> RecordedFaultsResponse:
@@ -87,10 +94,14 @@ class RecordedTest(BaseModel):
     left_out: list[TwoTexts]
 
 
-@router.get("/recordings/{identity}/tests/{name}", responses=errors(404, 409, 504))
+@router.get(
+    "/recordings/{identity}/tests/{name}",
+    responses=errors(404, 409, 504),
+    response_model=RecordedTest,
+)
 async def recorded_test(
     requester: TheRequester, identity: str, name: Annotated[str, Path(max_length=80)]
-) -> RecordedTest:
+) -> Response:
     """Return the verdict of a test over a recording, or why the recording gives none."""
 
     def work() -> RecordedTest:
@@ -109,4 +120,4 @@ async def recorded_test(
             left_out=[two(step.text) for step in by_hand],
         )
 
-    return await requester.make(identity, work)
+    return await requester.make(identity, lambda: json_of(work()))

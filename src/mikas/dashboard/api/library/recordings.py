@@ -9,7 +9,6 @@ car have ids of their own, by which `/recordings/{id}` and its rows are read lik
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import Collection
 from typing import Annotated, Any
 
@@ -204,16 +203,15 @@ async def recordings(requester: TheRequester) -> Response:
     library = requester.library
     listed, left = await requester.awaits(library.all(requester.address))
 
-    def described() -> Response:
+    def described() -> RecordingsResponse:
         marked = library.references.marked()
         found = [_info(library, file, summary, marked) for file, summary in listed]
         error = folder_error(library.folder.folder)
         problem = two(ADVICE.text(error)) if error else None
         more = {"recordings": found, "problem": problem, "left_out": left}
-        answer = RecordingsResponse.model_validate(more, from_attributes=True)
-        return Response(answer.model_dump_json(), media_type="application/json")
+        return RecordingsResponse.model_validate(more, from_attributes=True)
 
-    return await asyncio.to_thread(described)
+    return await requester.answer(described)
 
 
 @router.get(
@@ -370,17 +368,21 @@ class ReferenceRequest(BaseModel):
     on: bool
 
 
-@router.get("/references", responses=errors())
-def references(dashboard: TheDashboard) -> ReferencesResponse:
+@router.get("/references", responses=errors(409, 504), response_model=ReferencesResponse)
+async def references(requester: TheRequester) -> Response:
     """Return the marked recordings, and those of the virtual car.
 
     The latter are made when they are first read, which takes seconds.
     """
+    return await requester.answer(lambda: _references(requester.library))
+
+
+def _references(library: RecordingService) -> ReferencesResponse:
     virtual = [
         VirtualReferenceInfo(id=identity, model=model, text=two(DRIVES[drive].text))
         for identity, (drive, model) in VIRTUAL.items()
     ]
-    return ReferencesResponse(marked=dashboard.library.references.marked(), virtual=virtual)
+    return ReferencesResponse(marked=library.references.marked(), virtual=virtual)
 
 
 @router.put("/recordings/{identity}/reference", responses=errors(404, 409, 504))
@@ -391,6 +393,6 @@ async def mark(
 
     def write(file: RecordingFile) -> ReferencesResponse:
         requester.library.references.mark(file.id, on=body.on)
-        return references(requester.dashboard)
+        return _references(requester.library)
 
     return await requester.view(identity, write)
