@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 
 import pytest
@@ -213,3 +214,22 @@ def test_what_is_no_ascii_survives_a_stream_that_is(mikas, monkeypatch):
     import json
 
     assert json.loads(written) == {"schema": 1, "unit": "°C", "text": "обороты λ"}
+
+
+def test_a_long_list_is_written_as_it_comes(capsys) -> None:
+    from mikas.cli.render.output import Output
+
+    written = []
+
+    def items():
+        for number in range(3):
+            yield [number, "x" * 100_000]
+            written.append(len(capsys.readouterr().out))
+
+    Output(json=True).long_data({"columns": ["a", "b"]}, "rows", items())
+    assert all(count > 90_000 for count in written)
+    assert capsys.readouterr().out.endswith("]}\n")
+    for count in range(3):
+        Output(json=True).long_data({"columns": ["a"]}, "rows", ([it] for it in range(count)))
+        whole = {"schema": 1, "columns": ["a"], "rows": [[it] for it in range(count)]}
+        assert json.loads(capsys.readouterr().out) == whole

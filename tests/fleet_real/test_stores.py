@@ -15,9 +15,11 @@ import pytest
 from fsspec.implementations.local import LocalFileSystem
 
 from fleet_rig import BEGAN, DAY, add_here, ask, counts, make
-from mikas.errors import FleetError
+from mikas.errors import FleetError, UsageError
+from mikas.fleet.database import opened
 from mikas.fleet.places import as_local, recordings_in, shown
 from mikas.fleet.stores import store
+from sql_attacks import READS, WRITES, attack
 
 pytest.importorskip("moto")
 SECRET = "wJalrXUtnFEMIK7MDENGbPxRfiCYEXAMPLEKEY"
@@ -216,3 +218,25 @@ def test_a_remote_file_is_a_local_one_for_the_time(bucket, tmp_path) -> None:
         assert path.read_bytes() == b"data"
         assert path.name == "one.pcapng"
     assert not path.exists()
+
+
+def test_a_question_changes_and_reaches_nothing_in_a_bucket(bucket, tmp_path) -> None:
+    import fsspec
+
+    home = f"{bucket}/{uuid.uuid4().hex}"
+    add_here(make(tmp_path / "drive.pcapng"), to=home)
+    system, path = fsspec.core.url_to_fs(home)
+
+    def objects() -> dict[str, bytes]:
+        system.invalidate_cache()
+        found: dict[str, bytes] = system.cat(system.find(path))
+        return found
+
+    before = objects()
+    (table,) = (name for name in before if "/samples/" in name)
+    with opened(home) as database:
+        for sql in WRITES + READS:
+            for place in (f"s3://{table}", f"dataset://{table.removeprefix(f'{path}/')}"):
+                with pytest.raises(UsageError):
+                    list(database.ask(attack(sql, home, place)).rows)
+    assert objects() == before

@@ -2,29 +2,34 @@
 
     database ──► views drives, samples … ──► the files that the ledger counts, and no other file
 
-duckdb reads a folder by itself. A URL it reads through fsspec, so that no extension of duckdb is
-downloaded. After the views are made the configuration is locked: no other file, no network, no
-extension, no change of a setting. The database itself is in memory, and is dropped.
+duckdb reads through a file system of ours, which has those files alone and can't write: what duckdb
+reads by itself it may also write (`allowed_paths`, and its folder for spilt rows). A URL needs no
+extension of duckdb so. After the views are made the configuration is locked: no other file, no
+network, no extension, no change of a setting. `questions` says what is asked at all. The database
+itself is in memory, and is dropped; nothing is spilt to a disk.
 """
 
 from __future__ import annotations
 
 import re
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from concurrent.futures import Future, wait
 from contextlib import AbstractContextManager, closing, contextmanager, nullcontext, suppress
 from datetime import UTC, datetime
 from io import BytesIO
-from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeVar
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, BinaryIO, Final, NamedTuple, TypeVar
 
 import duckdb
 
 from mikas.errors import FleetError, UsageError, usage_error
-from mikas.files import allow_open
+from mikas.files import allow_open, open_regular
 from mikas.fleet.ledger import Ledger, open_ledger
+from mikas.fleet.memory import memory_limit, too_much_memory
 from mikas.fleet.places import is_utf_8, shown
-from mikas.fleet.stores import DiskStore, Store, UrlStore, store
+from mikas.fleet.questions import is_question
+from mikas.fleet.stores import Store, UrlStore, store
 from mikas.fleet.tables import PARTITIONS, TABLES
 from mikas.i18n import Text
 from mikas.recording.parquet import quoted
@@ -35,15 +40,23 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 _PROTOCOL: Final = "dataset"
-_MEMORY: Final = "1GB"
+_ROOT: Final = f"{_PROTOCOL}://"
 _WAIT: Final = 0.2  # s
-_MISREAD: Final = re.compile(r"[*?\[\]{}=]")  # of a folder: as a pattern, or as another car or day
-_EXPLAIN: Final = re.compile(r"EXPLAIN\s+(?:ANALYZE\s+)?(?:\([^)]*\)\s*)?", re.IGNORECASE)
 _IN_PYTHON: Final = re.compile(r"Traceback \(most recent.*\b\w+Error: ", re.DOTALL)
 _FILE: Final = re.compile(rf"File '[^']+\.parquet'|{_IN_PYTHON.pattern}", re.DOTALL)  # unreadable
 _ZONE: Final = "'pytz'"  # which Python needs for a time with a zone
 _SPARE: Final = 200  # open files
 _AT_ONCE: Final = 10_000  # rows
+_SETTINGS: Final = (
+    "enable_progress_bar = false",
+    "TimeZone = 'UTC'",  # else `utc > now()` compares with the local time
+    "python_enable_replacements = false",
+    "http_proxy = ''",  # of the environment, maybe with a password, which settings show
+    "secret_directory = ''",
+    "temp_directory = ''",  # it would be a place that a statement may write to
+    f"allowed_directories = [{quoted(_ROOT)}]",
+    "enable_external_access = false",
+)
 
 
 class Database:
@@ -59,7 +72,7 @@ class Database:
                 config={
                     "autoload_known_extensions": "false",
                     "autoinstall_known_extensions": "false",
-                    "memory_limit": _MEMORY,
+                    "memory_limit": f"{memory_limit() >> 20}MiB",
                 }
             )
             try:
@@ -87,8 +100,8 @@ class Database:
         if not is_utf_8(sql):
             raise usage_error("SQL: the text is not UTF-8", "SQL: текст не в UTF-8")
         with self._errors_of(sql):
-            is_question = self._run(lambda: self._is_question(sql))
-        if not is_question:
+            is_asked = self._run(lambda: is_question(self._connection, sql))
+        if not is_asked:
             raise usage_error(
                 "a dataset is only read: one SELECT, DESCRIBE, SUMMARIZE or EXPLAIN at a time",
                 "набор можно только читать: один запрос SELECT, DESCRIBE, SUMMARIZE или EXPLAIN",
@@ -124,20 +137,11 @@ class Database:
             yield
         except duckdb.Error as error:
             text = str(error)
+            if isinstance(error, duckdb.OutOfMemoryException):
+                raise too_much_memory() from error
             if isinstance(error, duckdb.IOException) or (_FILE.search(text) and _ZONE not in text):
                 raise _unreadable(self._place, error) from error
             raise _wrong(sql, error) from error
-
-    def _is_question(self, sql: str) -> bool:
-        """Return whether it is one statement that only reads: EXPLAIN ANALYZE executes another."""
-        statements = self._connection.extract_statements(sql)
-        if len(statements) != 1:
-            return False
-        (statement,) = statements
-        if statement.type == duckdb.StatementType.EXPLAIN:
-            inner, count = _EXPLAIN.subn("", statement.query.strip(), count=1)
-            (statement,) = self._connection.extract_statements(inner) if count else statements
-        return bool(statement.type == duckdb.StatementType.SELECT)
 
     def _run(self, work: Callable[[], T]) -> T:
         """Do it in a thread, as duckdb does not notice Ctrl-C."""
@@ -162,19 +166,14 @@ class Database:
 
     def _prepare(self, files: Store) -> None:
         run = self._connection.execute
-        by_url = not isinstance(files, DiskStore) or bool(_MISREAD.search(str(files.root)))
-        if by_url:
-            self._connection.register_filesystem(_file_system(files))
-        root = f"{_PROTOCOL}://" if by_url else f"{files.root}/"  # type: ignore[attr-defined]  # a folder
-        run("SET enable_progress_bar = false")
-        run("SET TimeZone = 'UTC'")  # else `utc > now()` compares with the local time
-        run("SET python_enable_replacements = false")
-        run(f"SET allowed_directories = [{quoted(root)}]")
-        run("SET enable_external_access = false")
+        listed_files = {name for entry in self.ledger.entries.values() for name in entry.files}
+        self._connection.register_filesystem(_file_system(files, listed_files))
+        for setting in _SETTINGS:
+            run(f"SET {setting}")
         named: dict[str, list[str]] = {table: [] for table in TABLES}
         for entry in self.ledger.entries.values():
             for name in entry.files:
-                named[name.partition("/")[0]].append(f"{root}{name}")
+                named[name.partition("/")[0]].append(f"{_ROOT}{name}")
         types = ", ".join(f"{quoted(name)}: {kind}" for name, kind in PARTITIONS.items())
         for table, names in named.items():
             if names:
@@ -260,19 +259,26 @@ def _place(text: str, sql: str) -> tuple[int, int] | None:
     return (number, column + 1) if 0 <= column <= len(whole) else None
 
 
-def _file_system(files: Store) -> AbstractFileSystem:
-    """Return a file system with the dataset's files alone, for reading."""
+class _TableFile:
+    """A file that is closed when duckdb drops it: duckdb does not close all that it opens."""
+
+    def __init__(self, file: BinaryIO) -> None:
+        self._file = file
+
+    def __getattr__(self, name: str) -> Any:  # noqa: ANN401  (as the file's)
+        return getattr(self._file, name)
+
+    def __del__(self) -> None:
+        self._file.close()
+
+
+def _file_system(files: Store, names: Collection[str]) -> AbstractFileSystem:
+    """Return a file system with those files of the dataset alone, for reading."""
     from fsspec import AbstractFileSystem
-    from fsspec.implementations.local import LocalFileSystem
 
     at_a_time: AbstractContextManager[Any] = nullcontext()
-    if isinstance(files, UrlStore):
-        system: Any = files.system
-        root = files.root
-        if not files.is_object_store:
-            at_a_time = threading.Lock()  # one connection, as of FTP, and duckdb has many threads
-    else:
-        system, root = LocalFileSystem(), str(files.root)  # type: ignore[attr-defined]  # a folder
+    if isinstance(files, UrlStore) and not files.is_object_store:
+        at_a_time = threading.Lock()  # one connection, as of FTP, and duckdb has many threads
 
     class DatasetFileSystem(AbstractFileSystem):  # type: ignore[misc]  # fsspec has no types
         """The dataset as duckdb sees it, `dataset://samples/…`."""
@@ -282,13 +288,16 @@ def _file_system(files: Store) -> AbstractFileSystem:
 
         def _at(self, path: str) -> str:
             name = str(self._strip_protocol(path))
-            if ".." in name.split("/"):
+            if name not in names:
                 raise FileNotFoundError(name)
-            return f"{root}/{name}"
+            return f"{files.root}/{name}"  # type: ignore[attr-defined]  # of both stores
 
         def info(self, path: str, **_: object) -> dict[str, Any]:
+            at = self._at(path)
+            if not isinstance(files, UrlStore):
+                return {"name": path, "type": "file", "size": Path(at).stat().st_size}
             with at_a_time:
-                return {**system.info(self._at(path)), "name": path}
+                return {**files.system.info(at), "name": path}
 
         def glob(self, path: str, **_: object) -> list[str]:
             return [str(self._strip_protocol(path))]
@@ -299,9 +308,12 @@ def _file_system(files: Store) -> AbstractFileSystem:
         def _open(self, path: str, mode: str = "rb", **_: object) -> object:
             if mode != "rb":
                 raise PermissionError(path)
+            at = self._at(path)
+            if not isinstance(files, UrlStore):
+                return _TableFile(open_regular(Path(at), buffering=0))
             if isinstance(at_a_time, nullcontext):
-                return system.open(self._at(path), "rb")
+                return files.system.open(at, "rb")
             with at_a_time:
-                return BytesIO(system.cat_file(self._at(path)))
+                return BytesIO(files.system.cat_file(at))
 
     return DatasetFileSystem()

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
 SCHEMA = 1
+_PIECE = 1 << 16
 T = TypeVar("T")
 
 
@@ -37,11 +38,21 @@ class Output:
 
     def data(self, value: Mapping[str, Any]) -> None:
         """Print one JSON object on a line of stdout, flushed for the reader of a pipe."""
-        # Where the stream is not UTF-8, escapes as \\u00b0 are safe.
-        escaped = not terminal.is_utf8_out()
-        whole = {"schema": SCHEMA, **value}
-        text = json.dumps(whole, ensure_ascii=escaped, allow_nan=False, default=_plain)
-        self.line(terminal_json(text))
+        self.line(_json({"schema": SCHEMA, **value}))
+
+    def long_data(self, value: Mapping[str, Any], name: str, items: Iterable[object]) -> None:
+        """Print one JSON object on a line as `data` does, with `items` in the list `name` at its
+        end: each is written as it comes.
+        """
+        terminal.write_out(_json({"schema": SCHEMA, **value})[:-1] + f", {_json(name)}: [")
+        waiting, length = [], 0
+        for number, item in enumerate(items):
+            waiting.append(f"{', ' if number else ''}{_json(item)}")
+            length += len(waiting[-1])
+            if length > _PIECE:  # a write for each would cost more than the items
+                terminal.write_out("".join(waiting))
+                waiting, length = [], 0
+        self.line(f"{''.join(waiting)}]}}")
 
     def line(self, text: str = "") -> None:
         """Print one line on stdout."""
@@ -191,6 +202,12 @@ def console(drawing: TextIO) -> Console:
     from rich.console import Console
 
     return Console(file=drawing, highlight=False)
+
+
+def _json(value: object) -> str:
+    # Where the stream is not UTF-8, escapes as \\u00b0 are safe.
+    escaped = not terminal.is_utf8_out()
+    return terminal_json(json.dumps(value, ensure_ascii=escaped, allow_nan=False, default=_plain))
 
 
 def _plain(value: object) -> object:

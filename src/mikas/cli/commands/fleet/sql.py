@@ -52,12 +52,13 @@ def sql(context: CommandContext, dataset: str, sql: str, *, as_csv: bool) -> Non
 
     require_database()
     from mikas.fleet.database import opened
+    from mikas.fleet.memory import bounded_memory
 
-    with opened(dataset) as database:
+    with opened(dataset) as database, bounded_memory():
         answer = database.ask(sql)
         if context.output.json:
-            rows = [[_json(value) for value in row] for row in answer.rows]
-            context.output.data({"columns": answer.columns, "rows": rows})
+            rows = ([_json(value) for value in row] for row in answer.rows)
+            context.output.long_data({"columns": answer.columns}, "rows", rows)
         elif as_csv:
             for row in chain([answer.columns], answer.rows):
                 context.output.line(_csv_line(map(_plain, row)))
