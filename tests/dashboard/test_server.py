@@ -122,6 +122,11 @@ def test_the_network_sees_us_only_when_that_is_wanted():
     assert not any(name.startswith("127.") for name in names)
 
 
+def test_a_computer_s_name_that_no_dns_can_have_is_only_shown(monkeypatch):
+    monkeypatch.setattr("socket.gethostname", lambda: "a" * 64)
+    assert own_addresses()[-2:] == ("a" * 64, f"{'a' * 64}.local")
+
+
 def test_a_virtual_car_outlives_its_connection():
     cars = VirtualCars()
     first = cars.open("sim:?seed=3")

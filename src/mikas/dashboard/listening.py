@@ -67,7 +67,7 @@ def own_addresses() -> tuple[str, ...]:
         probe.connect(("192.0.2.1", 9))  # nothing is sent: the system chooses the interface
         found[probe.getsockname()[0]] = None
     name = socket.gethostname()
-    with suppress(OSError):
+    with suppress(OSError, UnicodeError):  # the latter: a name that no DNS can have
         for *_, address in socket.getaddrinfo(name, None, socket.AF_INET):
             found[str(address[0])] = None
     numbers = [address for address in found if not address.startswith(("127.", "0."))]
