@@ -1,15 +1,15 @@
 """Fuzzes the parsers, two at a time: `make fuzz`. Exit status 1 on a finding.
 
-python -m fuzz                       all targets: `recordings` 180 s, the five others 45 s each
+python -m fuzz                       all targets: `recordings` 270 s, the others 45 s each
 python -m fuzz notes --seconds 5     this one
 python -m fuzz notes --input FILE    repeats one input, with its traceback
 python -m fuzz notes --base64 TEXT   the same; a finding prints this line
-python -m fuzz recordings --seed 2   other cases
+python -m fuzz recordings --seed 2   other cases, as of `clients`
 python -m fuzz --keep                moves what was reached since into fuzz/corpus, minimized
 
 A target is a module or a package of this folder with `check(data)`, which raises on a finding.
 libFuzzer mutates the inputs of fuzz/corpus; those that reach new code are kept in build/fuzz.
-`recordings` makes its inputs itself (fuzz/recordings/).
+`recordings` makes its inputs itself (fuzz/recordings/), and so does `clients` (fuzz/clients/).
 """
 
 from __future__ import annotations
@@ -30,6 +30,7 @@ from typing import Final
 
 TARGETS: Final = ("framing", "capture", "catalog", "guided", "notes")  # libFuzzer's
 RECORDINGS: Final = "recordings"
+CLIENTS: Final = "clients"
 CORPUS: Final = Path(__file__).parent / "corpus"
 BUILD: Final = Path("build/fuzz")
 
@@ -85,24 +86,25 @@ def main() -> int:
         work = _campaigns(given)
     with ThreadPoolExecutor(given.jobs) as pool:
         runs = list(pool.map(lambda target: work[target](), work))
-    print("\n".join(run.report() for run in runs if run.target != RECORDINGS))
+    print("\n".join(run.report() for run in runs if run.target in TARGETS))
     return 0 if all(run.is_good for run in runs) else 1
 
 
 def _campaigns(given: argparse.Namespace) -> Work:
     """Return the campaigns: that of recordings lasts as long as all others, one after another."""
     seconds = given.seconds or EACH
-    long = given.seconds if given.target and given.seconds else seconds * len(TARGETS)
+    long = given.seconds if given.target and given.seconds else seconds * (len(TARGETS) + 1)
     campaigns: Work = {RECORDINGS: partial(_fuzz_recordings, long, given.seed, given.cases)}
+    campaigns[CLIENTS] = partial(_fuzz_clients, seconds, given.seed)
     campaigns |= {target: partial(_fuzz, target, seconds) for target in TARGETS}
     return {given.target: campaigns[given.target]} if given.target else campaigns
 
 
 def _arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m fuzz", description="Fuzz the parsers.")
-    parser.add_argument("target", nargs="?", choices=(*TARGETS, RECORDINGS))
+    parser.add_argument("target", nargs="?", choices=(*TARGETS, RECORDINGS, CLIENTS))
     parser.add_argument("--seconds", type=int, help=f"for each target ({EACH})")
-    parser.add_argument("--seed", type=int, default=1, help="of the recordings")
+    parser.add_argument("--seed", type=int, default=1, help="of recordings and clients")
     parser.add_argument("--cases", type=int, default=CASES, help="at most so many recordings")
     parser.add_argument("--jobs", type=int, default=2, help="targets at a time")
     parser.add_argument("--keep", action="store_true", help="move what is new into fuzz/corpus")
@@ -117,6 +119,14 @@ def _fuzz_recordings(seconds: int, seed: int, cases: int) -> Run:
     command = [sys.executable, "-m", "fuzz.recordings.campaign", *options]
     done = subprocess.run(command, stdin=subprocess.DEVNULL, check=False)
     return Run(RECORDINGS, done.returncode, "", [])
+
+
+def _fuzz_clients(seconds: int, seed: int) -> Run:
+    """Run the campaign, which reports by itself."""
+    options = ("--seconds", str(seconds), "--seed", str(seed))
+    command = [sys.executable, "-m", "fuzz.clients.campaign", *options]
+    done = subprocess.run(command, stdin=subprocess.DEVNULL, check=False)
+    return Run(CLIENTS, done.returncode, "", [])
 
 
 def _fuzz(target: str, seconds: int) -> Run:

@@ -14,12 +14,16 @@ import pytest
 from dashboard.rig import ME, rig
 from mikas.dashboard.connections import (
     BODY_SECONDS,
+    GOODBYE_SECONDS,
     HEAD_SECONDS,
+    LONGEST_TURN,
     MAX_NEW,
     STALL_SECONDS,
+    AcceptedSocket,
     TcpConnections,
     TcpLimits,
     TcpPhase,
+    TurnClock,
 )
 from mikas.dashboard.entrance import Entrance
 from mikas.dashboard.listening import listen
@@ -40,7 +44,7 @@ class Accepted:
 
     def __init__(self):
         Accepted.count += 1
-        self.number, self.ended = Accepted.count, False
+        self.number, self.ended, self.unsent = Accepted.count, False, 0
 
     def getsockname(self):
         return "127.0.0.1", self.number
@@ -54,11 +58,13 @@ class Transport:
     def __init__(self, accepted):
         self.accepted, self.unsent = accepted, 0
 
+        self.closing = False
+
     def get_protocol(self):
         return None
 
     def is_closing(self):
-        return False
+        return self.closing
 
     def get_write_buffer_size(self):
         return self.unsent
@@ -172,32 +178,79 @@ def test_who_takes_nothing_of_what_was_sent_is_dropped_and_a_slow_one_is_not(gua
     assert it.ended
 
 
-def test_a_connection_that_can_t_be_looked_at_ends_no_sweep(guard, caplog):
-    broken, late = come(guard, None, 2)
-    enter(guard, broken, TcpPhase.NOTHING).get_write_buffer_size = lambda: 1 // 0
+def test_a_connection_that_can_t_be_checked_ends_no_sweep(guard, caplog):
+    broken, both, late = come(guard, None, 3)
+    for it in (broken, both):
+        enter(guard, it, TcpPhase.NOTHING).get_write_buffer_size = lambda: 1 // 0
+    both.connection._transport.abort = lambda: 1 // 0  # noqa: SLF001
     guard.clock.now += HEAD_SECONDS
     guard.sweep()
     assert late.ended
-    assert "could not be looked at" in caplog.text
-
-
-class ClosedTwice(Transport):
-    """As asyncio's transport of TLS is after a second `close`."""
-
-    def get_write_buffer_size(self):
-        raise AttributeError("'NoneType' object has no attribute '_get_write_buffer_size'")
-
-    def is_closing(self):
-        return True
-
-
-def test_tls_that_was_closed_twice_has_nothing_unsent_and_ends_in_its_time(guard):
-    (it,) = come(guard, None)
-    it.connection.attach(ClosedTwice(it), None)
-    assert it.connection.unsent == 0
-    guard.clock.now += HEAD_SECONDS
+    assert broken.ended
+    assert "could not be checked" in caplog.text
+    assert "could not be closed" in caplog.text
+    caplog.clear()
     guard.sweep()
-    assert it.connection.dropped
+    assert not caplog.records
+
+
+@pytest.mark.parametrize("phase", [TcpPhase.REQUEST, TcpPhase.BODY, TcpPhase.NOTHING])
+def test_who_does_not_say_goodbye_is_dropped_once_all_is_sent(guard, phase):
+    (it,) = come(guard, None)
+    transport = enter(guard, it, phase)
+    transport.closing = True
+    for it.unsent in range(9000, 0, -1000):  # of the transport below TLS
+        guard.clock.now += STALL_SECONDS - 1
+        guard.sweep()
+    it.unsent = 0
+    guard.clock.now += GOODBYE_SECONDS
+    guard.sweep()
+    assert not it.ended
+    guard.clock.now += GOODBYE_SECONDS
+    guard.sweep()
+    assert it.ended
+
+
+def test_a_stall_of_the_program_is_no_time_of_a_client():
+    time = Clock()
+    guard = TcpConnections(TcpLimits(64), TurnClock(time))
+    it = Accepted()
+    assert guard.admit(it, peer(None))
+
+    def turns(seconds):
+        for _ in range(int(seconds / 0.25)):
+            time.now += 0.25
+            guard.sweep()
+
+    turns(HEAD_SECONDS - 0.5)
+    time.now += 3600  # it was stopped, or the computer slept
+    guard.sweep()
+    turns(0.25)
+    assert not it.ended
+    time.now += LONGEST_TURN + 0.25  # starved
+    guard.sweep()
+    assert not it.ended
+    turns(0.25)
+    assert it.ended
+
+
+def test_bytes_that_the_system_did_not_take_are_counted():
+    ours, theirs = socket.socketpair()
+    with theirs, AcceptedSocket(fileno=ours.detach()) as own:
+        own.setblocking(False)
+        for send in (own.send, lambda data: own.sendmsg([data[:5], memoryview(data)[5:]])):
+            data, sent = bytes(1 << 24), 0
+            while (taken := send(data[sent:])) and taken < len(data) - sent:
+                sent += taken
+                assert own.unsent == len(data) - sent
+                with pytest.raises(BlockingIOError):
+                    own.send(b"more")
+                assert own.unsent == 4
+                assert theirs.recv(1 << 24)
+            assert own.unsent == 0
+            while own.unsent == 0:
+                assert theirs.recv(1 << 24)
+                break
 
 
 class NoFileLeft:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 import socket
 import ssl
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from datetime import UTC, datetime
 from hashlib import sha256
+from time import monotonic
 
 import httpx
 import pytest
@@ -15,7 +17,7 @@ from websockets.sync.client import connect
 
 from dashboard.rig import ME, rig
 from mikas.dashboard import entrance
-from mikas.dashboard.connections import TcpLimits
+from mikas.dashboard.connections import GOODBYE_SECONDS, HEAD_SECONDS, TcpLimits
 from mikas.dashboard.security.certificate import own_certificate
 
 TOKEN = "a-token-of-the-test"
@@ -118,16 +120,15 @@ def test_this_computer_needs_no_certificate(certificate, tmp_path):
             assert live.next()["state"]
 
 
-def test_what_does_not_shake_hands_is_closed_without_a_word(lan, certificate, monkeypatch, caplog):
+def test_what_does_not_shake_hands_is_closed_without_a_word(lan, certificate, caplog):
     with raw(lan) as browser:  # which was given http://
         browser.sendall(f"GET /?token={TOKEN} HTTP/1.1\r\nHost: a\r\n\r\n".encode())
         answer = end_of(browser)
         assert b"HTTP" not in answer
         assert TOKEN.encode() not in answer
-    with monkeypatch.context() as patch:
-        patch.setattr(entrance, "HEAD_SECONDS", 0.01)
-        with raw(lan) as silent:
-            assert end_of(silent) == b""
+    with raw(lan) as silent:
+        lan.server.guard.clock = lambda: monotonic() + HEAD_SECONDS
+        assert end_of(silent) == b""
     with raw(lan) as short:
         short.sendall(b"\x16\x03\x01")
     context = certificate[1]
@@ -157,3 +158,69 @@ def test_closed_to_the_network_it_ends_its_connections_and_takes_no_more(lan, ce
             assert end_of(half_open) == b""
     with raw(lan) as late:
         assert end_of(late) == b""
+
+
+UPGRADE = (
+    "GET /api/live?client=watcher-0001 HTTP/1.1\r\nHost: garage:{port}\r\nUpgrade: websocket\r\n"
+    "Connection: Upgrade\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA"
+    "==\r\n\r\n"
+)
+
+
+def test_a_refused_client_that_does_not_end_tls_ends_no_sweep_and_keeps_no_place(lan, certificate):
+    guard, now = lan.server.guard, [0.0]
+    guard.clock = lambda: now[0]
+
+    def in_loop(function):
+        async def called():
+            return function()
+
+        return asyncio.run_coroutine_threadsafe(called(), lan.reached.loop).result(60)
+
+    with raw(lan) as plain, certificate[1].wrap_socket(plain, server_hostname="garage") as client:
+        client.sendall(UPGRADE.format(port=lan.port).encode())
+        assert client.recv(12) == b"HTTP/1.1 403"
+        (connection,) = guard._open.values()  # noqa: SLF001
+        for _ in range(3):  # as uvicorn does; asyncio's own transport of TLS can bear only one
+            in_loop(connection._transport.close)  # noqa: SLF001
+            assert in_loop(lambda: (connection.is_closing, connection.unsent)) == (True, 0)
+        for _ in range(2):
+            in_loop(guard.sweep)
+            now[0] += GOODBYE_SECONDS
+        with suppress(ssl.SSLError):
+            end_of(client)
+        while in_loop(lambda: len(guard)):
+            pass
+
+
+def test_a_websocket_whose_client_takes_no_answers_is_aborted():
+    class Full:
+        aborted, written, closing, size = 0, 0, False, 0
+
+        def get_write_buffer_size(self):
+            return self.size
+
+        def is_closing(self):
+            return self.closing
+
+        def abort(self):
+            self.aborted, self.closing = self.aborted + 1, True
+
+        def write(self, data):
+            self.written += len(data)
+
+        def set_protocol(self, _):
+            pass
+
+    transport = Full()
+    served = entrance.ServedTransport(transport)
+    transport.size = 1 << 30  # a response, which waits by itself
+    served.write(b"a")
+    served.set_protocol(None)
+    transport.size = 1 << 16
+    served.write(b"b")
+    assert (transport.written, transport.aborted) == (2, 0)
+    transport.size = 1 << 23
+    for _ in range(3):
+        served.write(b"c")
+    assert (transport.written, transport.aborted) == (2, 1)

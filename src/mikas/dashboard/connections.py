@@ -8,11 +8,12 @@ Some places are kept for this computer, and each address in the network has a li
     waits for a request, or for TLS and a request    10 s
     waits for the rest of a request's body           30 s
     at work, or a WebSocket                          no limit here
+    was closed, and has nothing to send any more      2 s
     the client takes none of what was sent           30 s, in each of these
 
 `sweep` ends what has waited too long; the server calls it every second. What a connection waits for
 comes from `server.PhaseReports`. All of it runs in the event loop. `clock`: seconds that never
-run back.
+run back, a `TurnClock`.
 """
 
 from __future__ import annotations
@@ -22,19 +23,26 @@ import errno
 import logging
 import os
 import socket
+import sys
 from collections import Counter
 from collections.abc import Callable, Iterable
-from contextlib import suppress
 from dataclasses import dataclass
 from enum import Enum
-from typing import Final
+from typing import TYPE_CHECKING, Any, Final
 
 from mikas.dashboard.listening import is_loopback
 from mikas.files import allow_open
 
+if TYPE_CHECKING:
+    from _typeshed import ReadableBuffer
+
 HEAD_SECONDS: Final = 10.0
 BODY_SECONDS: Final = 30.0
+GOODBYE_SECONDS: Final = (
+    2.0  # for the other side to end TLS; a phone that left the Wi-Fi never does
+)
 STALL_SECONDS: Final = 30.0
+LONGEST_TURN: Final = 2.0
 MAX_TOTAL: Final = 256
 MAX_NEW: Final = 50  # of an address in the network, each second
 _MIN_TOTAL = 64
@@ -54,7 +62,26 @@ class TcpPhase(Enum):
 
     REQUEST = HEAD_SECONDS
     BODY = BODY_SECONDS
+    END = GOODBYE_SECONDS
     NOTHING = None
+
+
+class TurnClock:
+    """Seconds in which the event loop had its turns, by `clock`; it is read ten times a second.
+
+    A program that was stopped or starved, or whose computer slept, did not wait for its clients in
+    that time: their requests may be in the system's buffers. So such a stall does not count.
+    """
+
+    def __init__(self, clock: Callable[[], float]) -> None:
+        self._clock, self._read, self._now = clock, clock(), 0.0
+
+    def __call__(self) -> float:
+        before, self._read = self._read, self._clock()
+        step = self._read - before
+        if step <= LONGEST_TURN:
+            self._now += step
+        return self._now
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,16 +106,22 @@ class TcpLimits:
         return cls(max(_MIN_TOTAL, min(MAX_TOTAL, allow_open(_DESCRIPTORS) - _OTHER_FILES)))
 
 
-@dataclass(eq=False, slots=True)
+@dataclass(eq=False, slots=True, weakref_slot=True)
 class TcpConnection:
-    """An accepted connection. `address`: of an address in the network; None: of this computer."""
+    """An accepted connection. `address`: of an address in the network; None: of this computer.
+
+    `here`: the address of this computer at which it came in.
+    """
 
     address: str | None
-    _drop: Callable[[], object] | None
+    here: str
+    _socket: AcceptedSocket
     since: float
     phase: TcpPhase = TcpPhase.REQUEST
     _transport: asyncio.Transport | None = None
     _protocol: asyncio.BaseProtocol | None = None
+    dropped: bool = False
+    """Whether it was dropped; its socket may still be open for a moment."""
     _moved: float = 0.0  # when the client last took something of the unsent
     _unsent: int = 0
     _refused: bool = False
@@ -96,8 +129,6 @@ class TcpConnection:
     def attach(self, transport: asyncio.Transport, protocol: asyncio.BaseProtocol) -> None:
         """Set the transport and its HTTP, once there are; for TLS after the handshake."""
         self._transport, self._protocol = transport, protocol
-        if self._drop is not None:
-            self._drop = transport.abort
 
     def enter(self, phase: TcpPhase, now: float) -> None:
         """Set the phase; its time begins, unless it is the present one."""
@@ -106,16 +137,17 @@ class TcpConnection:
 
     @property
     def unsent(self) -> int:
-        """Bytes that the client has not taken; the system's own buffer is not counted."""
-        try:
-            return self._transport.get_write_buffer_size() if self._transport else 0
-        except AttributeError:  # asyncio's transport of TLS that was closed twice has no answer
-            return 0
+        """Bytes that the client has not taken; the system's own buffer is not counted.
+
+        A transport of TLS counts only those that it has not passed to the transport below it.
+        """
+        waiting = self._transport.get_write_buffer_size() if self._transport else 0
+        return waiting + self._socket.unsent
 
     @property
-    def dropped(self) -> bool:
-        """Whether it was dropped; its socket may still be open for a moment."""
-        return self._drop is None
+    def is_closing(self) -> bool:
+        """Whether the server has closed it, and the client has not yet."""
+        return self._transport is not None and self._transport.is_closing()
 
     @property
     def waits(self) -> bool:
@@ -130,6 +162,8 @@ class TcpConnection:
         if self._unsent:
             self.since = now  # the client is still taking the last response
             return now - self._moved >= STALL_SECONDS
+        if self.is_closing:
+            self.enter(TcpPhase.END, now)
         before, self._refused = self._refused, self._is_websocket_without_a_request()
         if before and self._refused:
             return True
@@ -139,16 +173,24 @@ class TcpConnection:
         """Return whether HTTP gave way to a WebSocket that the application has not been asked for:
         it may be about to be, or was refused without an answer, for more headers than are read."""
         transport = self._transport
-        if transport is None or self.phase is not TcpPhase.REQUEST or transport.is_closing():
+        if transport is None or self.phase is not TcpPhase.REQUEST:
             return False
         return transport.get_protocol() is not self._protocol
 
     def drop(self) -> None:
-        """End the connection at once."""
-        drop, self._drop = self._drop, None
-        if drop is not None:
-            with suppress(OSError):  # the client has gone already
-                drop()
+        """End the connection at once; its socket is closed in one of the next turns."""
+        if self.dropped:
+            return
+        self.dropped = True
+        try:
+            if self._transport is not None:
+                self._transport.abort()
+            else:  # the end of a handshake
+                self._socket.shutdown(socket.SHUT_RDWR)
+        except OSError:
+            return  # the client has gone already
+        except Exception:  # of one connection; the server and the others go on
+            _log.exception("a connection could not be closed")
 
 
 class TcpConnections:
@@ -184,9 +226,14 @@ class TcpConnections:
                 self._refuse_by_spare(listening)
                 continue
             accepted = AcceptedSocket(own.family, own.type, own.proto, fileno=own.detach())
-            with suppress(OSError):  # it has gone already, and has no name
+            try:
                 if self.admit(accepted, peer):
                     return accepted
+            except OSError as error:
+                _log.debug("a client has gone already, and has no name: %s", error)
+            except BaseException:
+                accepted.close()
+                raise
             accepted.close()
         raise BlockingIOError
 
@@ -200,10 +247,10 @@ class TcpConnections:
             others = [it for it in live if it.address is not None]
             if not (self._make_room(others) or self._make_room(live)):
                 return False
-        ends = peer, accepted.getsockname()
-        self._open[ends] = accepted.connection = TcpConnection(
-            address, lambda: accepted.shutdown(socket.SHUT_RDWR), now
-        )
+        here = accepted.getsockname()
+        ends = peer, here
+        connection = TcpConnection(address, str(here[0]), accepted, now)
+        self._open[ends] = accepted.connection = connection
         accepted.left = lambda: self._open.pop(ends, None)
         return True
 
@@ -212,10 +259,18 @@ class TcpConnections:
         now = self.clock()
         for connection in self._live():
             try:
-                if connection.is_late(now):
-                    connection.drop()
+                is_late = connection.is_late(now)
             except Exception:  # of one connection; the server and the others go on
-                _log.exception("a connection could not be looked at")
+                _log.exception("a connection could not be checked, and was closed")
+                is_late = True
+            if is_late:
+                connection.drop()
+
+    def drop_closing(self) -> None:
+        """Drop the connections that wait for their other side to be closed."""
+        for connection in self._live():
+            if connection.is_closing:
+                connection.drop()
 
     def _live(self) -> list[TcpConnection]:
         return [it for it in self._open.values() if not it.dropped]
@@ -262,10 +317,31 @@ def is_exhausted(error: object) -> bool:
 
 
 class AcceptedSocket(socket.socket):
-    """A connection's socket; `left` is called when it is closed."""
+    """A connection's socket; `left` is called when it is closed.
+
+    `unsent`: of the bytes last given to it, those that the system did not take.
+    """
 
     connection: TcpConnection
     left: Callable[[], object] | None = None
+    unsent: int = 0
+
+    def send(self, data: ReadableBuffer, flags: int = 0, /) -> int:
+        """Send, as `socket.send`."""
+        self.unsent = memoryview(data).nbytes
+        sent = super().send(data, flags)
+        self.unsent -= sent
+        return sent
+
+    if sys.platform != "win32":
+
+        def sendmsg(self, buffers: Iterable[ReadableBuffer], *other: Any) -> int:
+            """Send, as `socket.sendmsg`; asyncio does from Python 3.12 on."""
+            parts = [memoryview(part) for part in buffers]
+            self.unsent = sum(part.nbytes for part in parts)
+            sent = super().sendmsg(parts, *other)
+            self.unsent -= sent
+            return sent
 
     def close(self) -> None:
         """Close the socket, and count it no longer."""

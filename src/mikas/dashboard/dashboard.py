@@ -13,7 +13,7 @@ import asyncio
 import threading
 import time
 from collections.abc import AsyncIterator, Callable
-from contextlib import asynccontextmanager
+from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import replace
 
 from mikas.catalog import Catalog
@@ -121,16 +121,18 @@ class Dashboard:
         """Run as long as the application; at its end the recording and the port are closed."""
         await asyncio.to_thread(self.dump_jobs.find)
         self.connection.start()
-        try:
+        async with AsyncExitStack() as closing:  # from the last on, each whatever another raises
+            closing.callback(self.recorder.close)
+            closing.push_async_callback(self.connection.close)
+            closing.push_async_callback(self.recorder.read_last)
+            closing.push_async_callback(self._end_diagnosis)
+            closing.push_async_callback(self.dump_jobs.close)
+            closing.push_async_callback(self.library.close)
             yield
-        finally:
-            await self.library.close()
-            await self.dump_jobs.close()
-            if self.diagnosis is not None:
-                await self.diagnosis.stop_and_wait()
-            await self.recorder.read_last()
-            await self.connection.close()
-            self.recorder.close()
+
+    async def _end_diagnosis(self) -> None:
+        if self.diagnosis is not None:
+            await self.diagnosis.stop_and_wait()
 
     async def connect(
         self,

@@ -25,26 +25,40 @@ import ssl
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Awaitable, Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from types import FrameType
+from typing import Any
 
 import uvicorn
 from fastapi import FastAPI
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from mikas.dashboard.connections import TcpConnections, TcpLimits, TcpPhase
+from mikas.dashboard.connections import (
+    TcpConnection,
+    TcpConnections,
+    TcpLimits,
+    TcpPhase,
+    TurnClock,
+)
 from mikas.dashboard.entrance import Entrance
 
 _PING = 20.0
 _GRACE = 3
 _IDLE = 8  # seconds; httpx sends a request on a connection that was idle for up to 5
 _TICKS = 10  # of uvicorn's clock, a second
+_TURNS = 10  # of the event loop, in which a connection that was dropped has gone
 _INTERRUPTED = 130  # as docs/reference/cli.md has it
 _EXPECTED = (  # messages of uvicorn that report no error
     "ASGI callable returned without completing handshake.",  # a refused WebSocket
     "Cancel %s running task(s), timeout graceful shutdown exceeded",
+    "Invalid UTF-8 sequence received from client.",
 )
+_TOO_LATE = "can't handle event type"
+"""As h11 begins, where a client sent nonsense behind a request that was not answered yet."""
+
+_log = logging.getLogger("mikas.dashboard")
 
 
 def serve(
@@ -70,6 +84,16 @@ def _is_error(record: logging.LogRecord) -> bool:
     return record.msg not in _EXPECTED and not isinstance(error, asyncio.CancelledError)
 
 
+def _report(loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
+    """Report an error of a callback, unless clients cause it at will."""
+    if not _is_too_late(context.get("exception")):
+        loop.default_exception_handler(context)
+
+
+def _is_too_late(error: object) -> bool:
+    return str(error).startswith(_TOO_LATE)
+
+
 class Server(uvicorn.Server):
     """uvicorn with the application's settings. `clock`: seconds, for the times of connections."""
 
@@ -84,7 +108,8 @@ class Server(uvicorn.Server):
         log = logging.getLogger("uvicorn.error")
         log.setLevel(logging.ERROR)
         log.addFilter(_is_error)
-        self.guard = TcpConnections(TcpLimits.of_this_process(), clock)
+        logging.getLogger("asyncio").setLevel(logging.ERROR)  # of clients that have gone
+        self.guard = TcpConnections(TcpLimits.of_this_process(), TurnClock(clock))
         super().__init__(
             uvicorn.Config(
                 PhaseReports(app, self.guard),
@@ -108,6 +133,7 @@ class Server(uvicorn.Server):
         self._app, self._ready, self._tls = app, ready, tls
         self._entrances: list[Entrance] = []
         self._signal: int | None = None  # the first one received
+        self._failing: set[Callable[[], object]] = set()  # parts of a tick
 
     @contextmanager
     def capture_signals(self) -> Iterator[None]:
@@ -143,15 +169,27 @@ class Server(uvicorn.Server):
             signal.raise_signal(self._signal)
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
-        """Cancel reports and exports at once, then shut down."""
-        for entrance in self._entrances:
-            await entrance.close()
-        await self._app.state.sharing.close_for_good()
-        await self._app.state.dashboard.library.close()
-        await super().shutdown(sockets)
+        """Cancel reports and exports at once, then shut down, whatever the clients do meanwhile."""
+        state = self._app.state
+        closings = (*(entrance.close for entrance in self._entrances),
+                    state.sharing.close_for_good, state.dashboard.library.close,
+                    self._drop_closing)  # fmt: skip
+        for close in closings:
+            await _finished(close)
+        if not await _finished(lambda: super(Server, self).shutdown(sockets)):
+            await self.lifespan.shutdown()  # the recording and the port are closed all the same
+
+    async def _drop_closing(self) -> None:
+        """Drop the connections that are being closed: uvicorn can't shut down such a WebSocket."""
+        for _ in range(_TURNS):
+            self.guard.drop_closing()
+            if not any(it.transport.is_closing() for it in self.server_state.connections):
+                return
+            await asyncio.sleep(0)
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         """Start, open the entrances, and call `ready`."""
+        asyncio.get_running_loop().set_exception_handler(_report)
         await super().startup([])
         plain = self._tls is None
         self._entrances = [self._entrance(it, self._tls, plain=plain) for it in sockets or ()]
@@ -181,11 +219,34 @@ class Server(uvicorn.Server):
         )
 
     async def on_tick(self, counter: int) -> bool:
-        """End the connections that have waited for too long, once a second; and unused programs."""
+        """End the connections that have waited for too long, once a second; and unused programs.
+
+        Nothing that fails here ends the loop: it is reported once while it repeats.
+        """
+        self.guard.clock()
         if counter % _TICKS == 0:
-            self.guard.sweep()
-            self._app.state.ending.check()
+            for part in (self.guard.sweep, self._app.state.ending.check):
+                self._perform(part)
         return await super().on_tick(counter)
+
+    def _perform(self, part: Callable[[], object]) -> None:
+        try:
+            part()
+            self._failing.discard(part)
+        except Exception:
+            if part not in self._failing:
+                _log.exception("a bug in the server's clock")
+            self._failing.add(part)
+
+
+async def _finished(close: Callable[[], Awaitable[object]]) -> bool:
+    """Await one step of the end; return whether it was done. A bug in it is reported."""
+    try:
+        await close()
+    except Exception:  # the other steps follow
+        _log.exception("a bug at the end of the program")
+        return False
+    return True
 
 
 class PhaseReports:
@@ -207,33 +268,50 @@ class PhaseReports:
         if kind == "websocket":
             await self._app(scope, receive, send)
             return
-        is_whole = is_over = False
-
-        def enter(phase: TcpPhase) -> None:
-            if not (is_whole or is_over):
-                connection.enter(phase, self._guard.clock())
-
-        async def received() -> Message:
-            nonlocal is_whole
-            enter(TcpPhase.BODY)
-            message = await receive()
-            if not message.get("more_body"):
-                enter(TcpPhase.NOTHING)
-                is_whole = True
-            return message
-
-        async def sent(message: Message) -> None:
-            await send(message)
-            if message["type"] == "http.response.body" and not message.get("more_body"):
-                end()
-
-        def end() -> None:
-            nonlocal is_over
-            if not is_over:  # once: by then the next request may be in progress
-                is_over = True
-                connection.enter(TcpPhase.REQUEST, self._guard.clock())
-
+        request = _Request(connection, self._guard.clock, receive, send)
         try:
-            await self._app(scope, received, sent)
+            await self._app(scope, request.receive, request.send)
         finally:
-            end()
+            request.end()
+
+
+@dataclass
+class _Request:
+    """A request whose phases `connection` enters."""
+
+    _connection: TcpConnection
+    _clock: Callable[[], float]
+    _receive: Receive
+    _send: Send
+    _is_whole: bool = False
+    _is_over: bool = False
+
+    async def receive(self) -> Message:
+        """Wait for the body, or for the end of the connection."""
+        self._enter(TcpPhase.BODY)
+        message = await self._receive()
+        if not message.get("more_body"):
+            self._enter(TcpPhase.NOTHING)
+            self._is_whole = True
+        return message
+
+    async def send(self, message: Message) -> None:
+        """Send a part of the response."""
+        try:
+            await self._send(message)
+        except Exception as error:
+            if _is_too_late(error):  # as if the client had left
+                raise asyncio.CancelledError from error
+            raise
+        if message["type"] == "http.response.body" and not message.get("more_body"):
+            self.end()
+
+    def end(self) -> None:
+        """Wait for the next request; once: by then the next one may be in progress."""
+        if not self._is_over:
+            self._is_over = True
+            self._connection.enter(TcpPhase.REQUEST, self._clock())
+
+    def _enter(self, phase: TcpPhase) -> None:
+        if not (self._is_whole or self._is_over):
+            self._connection.enter(phase, self._clock())

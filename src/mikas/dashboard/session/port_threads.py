@@ -174,7 +174,10 @@ class Diagnosis(StoppablePort):
         """The task that calls `run` and gives the port back; set by its creator."""
 
     def run(self, report: Callable[[Step], None]) -> None:
-        """Run the steps, calling `report` as each ends. The port is free when this returns."""
+        """Run the steps, calling `report` as each ends. The port is free when this returns.
+
+        Raises as `examine`, and `InternalError` for a bug.
+        """
         steps = examine(lambda: self.open(self.url), self._options.create_ecu)
         try:
             for step in steps:
@@ -182,6 +185,11 @@ class Diagnosis(StoppablePort):
                     report(step)
         except Stopped:
             return
+        except MikasError:
+            raise
+        except Exception as bug:  # any: the page shows it
+            _log.error("a bug in the diagnosis", exc_info=bug)
+            raise InternalError(kind=f"{type(bug).__name__}: {bug}") from bug
 
     async def stop_and_wait(self) -> None:
         """Stop the diagnosis, and wait until the port is given back."""
