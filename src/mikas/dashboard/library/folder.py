@@ -26,6 +26,7 @@ from typing import BinaryIO, Final, NamedTuple
 from mikas.cleaning import REPLACEMENT, clean_line
 from mikas.dashboard.errors import NotFound
 from mikas.errors import CaptureError, UnfitFile, UsageError, reason_at, reason_of
+from mikas.file_locks import check_free
 from mikas.files import check_regular, open_regular
 from mikas.i18n import Text
 
@@ -158,8 +159,9 @@ class RecordingFolder:
         return path
 
     def delete(self, file: RecordingFile) -> None:
-        """Delete the file. Raises `CaptureError`."""
+        """Delete the file. Raises `CaptureError`, also if another program is recording to it."""
         try:
+            check_free(file.path)
             file.path.unlink()
         except OSError as error:
             raise CaptureError(str(file.path), reason_of(error)) from error

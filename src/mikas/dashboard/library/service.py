@@ -24,6 +24,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
+from secrets import token_hex
 from typing import Final
 
 import mikas
@@ -130,7 +131,7 @@ def _names(stored: object) -> list[str]:
 def _record(file: Path, drive: Drive, model: str) -> None:
     """Record the virtual car, as a session does; all of it or nothing."""
     url = f"sim:?clock=simulated&seed=1&scenario={drive.scenario}&model={model}"
-    part = file.with_name(f"{file.name}.part")
+    part = file.with_name(f"{file.name}.{token_hex(4)}.part")  # another program may make it, too
     try:
         sink = CaptureWriter(part, url=url, overwrite=True)
         with sink, mikas.connect(url, sink=sink) as ecu:

@@ -34,7 +34,8 @@ from mikas.dashboard.security.control import (
 from mikas.dashboard.session.catalog_in_use import CatalogInUse
 from mikas.dashboard.session.connection import Connection
 from mikas.dashboard.session.history import FaultHistory
-from mikas.errors import NotSupported, UsageError
+from mikas.errors import NotSupported, UnfitFile, UsageError
+from mikas.file_locks import check_free
 from mikas.i18n import Text
 
 _PROGRAM = Text(
@@ -245,8 +246,13 @@ async def recording_deletion(library: RecordingService, identity: str) -> Pendin
 
     def find() -> Found:
         file = library.folder.one(identity)
-        shown = RecordingShown(file.id, file.bytes)
-        return Found(shown, file.stamp, library.is_growing(file), partial(remove, file))
+        shown, growing = RecordingShown(file.id, file.bytes), library.is_growing(file)
+        if not growing:
+            try:
+                check_free(file.path)
+            except UnfitFile as error:  # `mikas log`, or another dashboard on the same folder
+                raise Busy(problem=error.text) from error
+        return Found(shown, file.stamp, growing, partial(remove, file))
 
     def remove(file: RecordingFile) -> None:
         library.folder.delete(file)

@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, Final, Self
 
 from mikas.errors import CaptureError
+from mikas.file_locks import hold
 from mikas.files import open_regular
 from mikas.i18n import Text
 from mikas.recording.capture import blocks as pcapng
@@ -36,6 +37,7 @@ _MICROSECOND = 1_000_000
 class CaptureWriter:
     """Appends the bytes on the wire to `path`. Implements `mikas.link.base.Sink`.
 
+    While the file is written, no other mikas changes or deletes it (`mikas.file_locks`).
     An existing file is refused, unless `overwrite` discards it. An existing named pipe is written
     to: other programs can read along. `pipe` false: only a new file is, as the user did not name
     it, and others may write to its folder.
@@ -141,9 +143,17 @@ class CaptureWriter:
 
     def _open(self, *, overwrite: bool, pipe: bool) -> BinaryIO:
         exists = self.path.exists() and not self.path.is_dir()
-        in_place = overwrite or (pipe and exists and not self.path.is_file())
-        file = self.path.open("wb" if in_place else "xb", buffering=0)
         self._made = not exists
+        if (overwrite or pipe) and exists and not self.path.is_file():
+            return self.path.open("wb", buffering=0)
+        file = self.path.open("r+b" if overwrite and exists else "xb", buffering=0)
+        try:
+            hold(file)
+            if exists:  # not before: another program may be recording to it
+                file.truncate(0)
+        except BaseException:
+            file.close()
+            raise
         return file
 
     def _describe_interface(self, tsoffset: int) -> None:
@@ -188,6 +198,7 @@ def append_note(path: Path, note: Note) -> None:
     CaptureReader(path)
     try:
         with open_regular(path, "r+b", buffering=0) as file:
+            hold(file)
             order = pcapng.BYTE_ORDERS.get(file.read(12)[8:]) or "<"
             end = file.seek(0, os.SEEK_END)
             try:

@@ -193,7 +193,11 @@ async def add(
 
     def keep() -> Path:
         CaptureReader(new)  # raises for other files
-        return new.rename(folder.new_path(name))
+        while True:
+            with suppress(FileExistsError):  # another program has just taken that name
+                free = folder.new_path(name)
+                free.touch(exist_ok=False)
+                return new.replace(free)
 
     try:
         with await asyncio.to_thread(new.open, "xb") as file:
