@@ -1,8 +1,9 @@
 """Text and numbers from outside, made safe once, where they are read.
 
 Files, catalogs, units and other computers may send anything. What a reader returns has passed
-through here; the raw bytes stay in their file. `terminal_text` is for the one place that writes to
-a terminal: it escapes the rest, also in texts that were not cleaned.
+through here; the raw bytes stay in their file. `public_url` and `public_port` leave out of an
+address what gives access. `terminal_text` is for the one place that writes to a terminal: it
+escapes the rest, also in texts that were not cleaned.
 """
 
 from __future__ import annotations
@@ -10,7 +11,8 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from math import isfinite
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
+from urllib.parse import unquote
 
 # Times outside of these have no date in every time zone. Seconds since 1970.
 EARLIEST: Final = 0.0
@@ -85,3 +87,74 @@ def _is_plain(text: str) -> bool:
 def _escaped(character: str) -> str:
     code = ord(character)
     return f"\\x{code:02x}" if code < 0x100 else f"\\u{code:04x}"
+
+
+_CHAIN: Final = "::"  # of fsspec: zip://in::s3://bucket/all.zip
+_URL: Final = re.compile(r"([A-Za-z][A-Za-z0-9+.-]+:(?://)?)(.*)", re.DOTALL)
+_PATHS: Final = ("file:", "replay:", "serial:")  # schemes that a path follows
+_SECRET_OPTION: Final = re.compile(
+    r"(?<=[?&;])([^=&;]*(?:pass|pwd|token|secret|key|sig|auth|cred)[^=&;]*)=([^&;]*)", re.IGNORECASE
+)
+_SHORTEST: Final = 3  # characters of a secret that are looked for in other texts
+_LONG: Final = 8  # of a name
+
+
+def public_url(url: str) -> str:
+    """Return the address of a place without what gives access to it: a user's name and password,
+    and all behind `?` or `#`, where a signed URL has its signature. A path stays as it is.
+    """
+    parts = map(_parted, url.split(_CHAIN))
+    return _CHAIN.join(f"{it.scheme}{it.place}" for it in parts)
+
+
+def public_port(url: str) -> str:
+    """Return a port's URL without name and password, and without the values of secret options."""
+    parts = _parted(url)
+    rest = _SECRET_OPTION.sub(r"\1=…", parts.place + parts.query)
+    return f"{parts.scheme}{'…@' if parts.user else ''}{rest}"
+
+
+def without_secrets(text: str, *, place: str = "", port: str = "") -> str:
+    """Return a text about an address with `…` for each part that its public form leaves out."""
+    found = [*_pieces(_parted(port).user), *(it[1] for it in _SECRET_OPTION.findall(port))]
+    for parts in map(_parted, place.split(_CHAIN)):
+        query = parts.query[1:]
+        found += [*_pieces(parts.user), query, *re.split("[&;=]", query)]
+    secrets = {each for it in found for each in (it, unquote(it)) if len(each) >= _SHORTEST}
+    for secret in sorted(secrets, key=len, reverse=True):
+        text = text.replace(secret, "…")
+    return text
+
+
+class _Parts(NamedTuple):
+    """`user`: name and password with their `@`; `query`: with its sign, of a URL with slashes also
+    a fragment. `place` is all that no other part has.
+    """
+
+    scheme: str
+    user: str
+    place: str
+    query: str
+
+
+def _parted(url: str) -> _Parts:
+    """Part an address. A password may have any sign in it, also `@` and `/`, which belong in
+    percent signs: so one ends at the last `@`.
+    """
+    found = _URL.fullmatch(url)
+    scheme, rest = found.groups() if found else ("", url)
+    user = ""
+    if found and not scheme.startswith(_PATHS):
+        host = re.split("[/?#]", rest)[0]
+        has_password = ":" in host or not scheme.endswith("//")
+        user = "".join((rest if has_password else host).rpartition("@")[:2])
+    place = rest[len(user) :]
+    end = re.search("[?#]" if scheme.endswith("//") and scheme != "file://" else r"(?!)", place)
+    at = len(place) if end is None else end.start()
+    return _Parts(scheme, user, place[:at], place[at:])
+
+
+def _pieces(user: str) -> list[str]:
+    name, _, password = user.removesuffix("@").partition(":")
+    names = [name] if len(name) >= _LONG else []  # a token stands there too, others are words
+    return [*names, password, *re.split("[@/#?:]", password)]

@@ -15,6 +15,7 @@ from typing import Self
 from mikas import commands as c
 from mikas.catalog import Catalog, Fault, Model
 from mikas.catalog.model import check_interpretation
+from mikas.cleaning import public_port
 from mikas.client.gate import Change, Confirm, Gate, journal_hex
 from mikas.client.identity import Info, Passport, PassportReader, count_parameters
 from mikas.client.limits import Limits, LimitsCache, LimitsStore, MethodTiming
@@ -290,7 +291,7 @@ class Ecu:
         return self.version_code, self.passport().pieces
 
     def _whose(self) -> dict[str, object]:
-        return {"port": self.tester.link.url, "model": self.model.text.en}
+        return {"port": public_port(self.tester.link.url), "model": self.model.text.en}
 
     def close(self) -> None:
         """End a running stream and close the port; a second call does nothing."""

@@ -8,6 +8,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import ClassVar
 
+from mikas.cleaning import public_port, public_url, without_secrets
 from mikas.i18n import Language, Text
 
 
@@ -16,7 +17,8 @@ class MikasError(Exception):
 
     `what` names the failure; `advice` lists likely causes in order and remedies for every user.
     Both may have `str.format` fields, filled from the keyword arguments. `AdviceTable` has the
-    advice of a user interface.
+    advice of a user interface. Of an address in `url` (a port's) or `place` (of files) no text, no
+    field and no advice has a password, nor of what is said about it.
     """
 
     what: ClassVar[Text] = Text("The operation failed", "Операция не выполнена")
@@ -35,7 +37,7 @@ class MikasError(Exception):
         self.request = request
         self.received = received
         self.time = time
-        self.fields = fields = {**self.defaults, **fields}
+        self.fields = fields = _public({**self.defaults, **fields})
         self.reason = self.what.filled(**fields)
         self.advice = (advice or type(self).advice).filled(**fields)
         self._class_advice = None if advice else self.advice
@@ -72,6 +74,22 @@ class MikasError(Exception):
                 f"{received} {hex_dump(self.received, unit)}" if self.received else nothing
             )
         return parts
+
+
+def _public(fields: dict[str, object]) -> dict[str, object]:
+    """Return the fields with the address in its public form, and no secret of it in another."""
+    port, place = (str(fields.get(name) or "") for name in ("url", "place"))
+
+    def public(text: str) -> str:
+        return without_secrets(text, place=place, port=port)
+
+    for name, value in fields.items():
+        if isinstance(value, Text):
+            fields[name] = Text(*map(public, value))
+        elif isinstance(value, str):
+            fields[name] = public(value)
+    known = {"url": public_port(port), "place": public_url(place)}
+    return fields | {name: known[name] for name in fields.keys() & known.keys()}
 
 
 _WIRE: dict[Language, tuple[str, str, str, str]] = {

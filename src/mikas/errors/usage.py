@@ -8,7 +8,9 @@ from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
+from typing import cast
 
+from mikas.cleaning import public_url
 from mikas.errors.base import MikasError, reason_at
 from mikas.i18n import Text
 
@@ -159,8 +161,8 @@ class FleetError(UsageError):
     )
 
     def __init__(self, place: str, problem: Text, advice: Text | None = None) -> None:
-        self.place, self.problem = place, problem
         super().__init__(place=place, problem=problem, advice=advice)
+        self.place, self.problem = public_url(place), cast("Text", self.fields["problem"])
 
 
 class JournalError(UsageError):

@@ -17,6 +17,7 @@ from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
 from typing import TYPE_CHECKING, Final, TypeAlias
 
+from mikas.cleaning import public_url
 from mikas.errors import FleetError, library, usage_error
 from mikas.fleet.job import FileOutcome
 from mikas.fleet.places import FoundFile
@@ -201,7 +202,8 @@ def runner_of(executor: str, workers: int) -> Runner:
         return ProcessRunner(workers)
     if executor.startswith("dask://") and len(executor) > len("dask://"):
         return DaskRunner(executor)
+    public = public_url(executor)
     raise usage_error(
-        f"There is no executor “{executor}”; there is processes, and dask://HOST[:PORT]",
-        f"Исполнителя «{executor}» нет; есть processes и dask://HOST[:PORT]",
+        f"There is no executor “{public}”; there is processes, and dask://HOST[:PORT]",
+        f"Исполнителя «{public}» нет; есть processes и dask://HOST[:PORT]",
     )

@@ -14,6 +14,7 @@ from pathlib import Path, PurePosixPath
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
+from mikas.cleaning import public_url
 from mikas.errors import FleetError, MikasError, MissingExtra, library, reason_of
 from mikas.i18n import Text
 
@@ -47,8 +48,7 @@ def shown(place: str) -> str:
     """Return the place as it may be shown and kept: without a user's name and password, and in
     UTF-8, which the name of a file need not be.
     """
-    public = re.sub(r"(?<=://)[^/@]*@", "", place)
-    return public.encode("utf-8", "backslashreplace").decode()
+    return public_url(place).encode("utf-8", "backslashreplace").decode()
 
 
 def is_utf_8(text: str) -> bool:
@@ -74,26 +74,36 @@ def errors_of(place: str) -> Iterator[None]:
     except (MikasError, KeyboardInterrupt):
         raise
     except OSError as error:
-        raise FleetError(shown(place), _scrubbed(reason_of(error), place)) from error
+        raise FleetError(place, _scrubbed(reason_of(error))) from error
     except Exception as error:  # each store's client has errors of its own
         if not is_url(place):
             raise
         words = str(error).partition("\n")[0] or type(error).__name__
-        raise FleetError(shown(place), _scrubbed(Text(words, words), place)) from error
+        raise FleetError(place, _scrubbed(Text(words, words))) from error
 
 
-def _scrubbed(text: Text, place: str) -> Text:
+def _scrubbed(text: Text) -> Text:
+    """Return a store's words without the secrets of the environment; `FleetError` leaves out those
+    of the place.
+    """
     secrets = [os.environ.get(name, "") for name in _SECRETS]
-    secrets += re.findall(r"://([^/@]+)@", place)
-    secrets += [part for each in secrets for part in each.split(":")]
     words = list(text)
     for secret in filter(None, secrets):
         words = [word.replace(secret, "…") for word in words]
     return Text(*words)
 
 
+_ODD: Final = re.compile(r"://[^/?#@]*:(?!\d*[/?#])[^/?#@]*[/?#][^@]*@")
+_SIGNS: Final = Text(
+    "signs like / # ? @ : % in a name or a password are written as %2F %23 %3F %40 %3A %25",
+    "знаки / # ? @ : % в имени или пароле пишутся как %2F %23 %3F %40 %3A %25",
+)
+
+
 def file_system(place: str) -> tuple[AbstractFileSystem, str]:
     """Return the file system of a URL and the path in it. Raises `MissingExtra`, `FleetError`."""
+    if _ODD.search(place):
+        raise FleetError(place, _SIGNS)
     fsspec = library("fsspec.core", feature="fleet", extra="fleet")
     protocol = place.partition("://")[0]
     try:

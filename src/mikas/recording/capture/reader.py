@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, Final
 
-from mikas.cleaning import clean_line
+from mikas.cleaning import clean_line, public_port
 from mikas.errors import CaptureError, DiskFull, UnfitFile
 from mikas.errors import reason_of as system_reason_of
 from mikas.files import open_regular
@@ -209,7 +209,7 @@ class Blocks:
         section = self._section or pcapng.Section()
         source = Source(
             recording=self._recording,
-            url=clean_line(interface.name),
+            url=public_port(clean_line(interface.name)),
             description=clean_line(interface.description),
             baud=interface.speed if interface.speed <= FASTEST else 0,
             application=clean_line(section.application),

@@ -18,6 +18,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, Final, Self
 
+from mikas.cleaning import public_port
 from mikas.errors import CaptureError
 from mikas.file_locks import hold
 from mikas.files import open_regular
@@ -59,7 +60,7 @@ class CaptureWriter:
         self.path = Path(path)
         self.deleted = False
         """The file was deleted while it was recorded; its contents are lost."""
-        self._interface = pcapng.Interface(name=url, speed=baud)
+        self._interface = pcapng.Interface(name=public_port(url), speed=baud)
         self._interfaces = 0
         self._end = 0  # of the last whole block
         self._checked = 0.0  # link's time of the last check that the file exists
