@@ -17,7 +17,12 @@ from websockets.sync.client import connect
 
 from dashboard.rig import ME, rig
 from mikas.dashboard import entrance
-from mikas.dashboard.connections import GOODBYE_SECONDS, HEAD_SECONDS, TcpLimits
+from mikas.dashboard.connections import (
+    GOODBYE_SECONDS,
+    HEAD_SECONDS,
+    STALL_SECONDS,
+    TcpLimits,
+)
 from mikas.dashboard.security.certificate import own_certificate
 
 TOKEN = "a-token-of-the-test"
@@ -167,29 +172,57 @@ UPGRADE = (
 )
 
 
+def in_loop(lan, function):
+    """What `function` returns in the loop of the server."""
+
+    async def called():
+        return function()
+
+    return asyncio.run_coroutine_threadsafe(called(), lan.reached.loop).result(60)
+
+
+def test_a_slow_client_gets_the_end_of_a_response_that_was_closed_long_ago(
+    lan, certificate, tmp_path
+):
+    page, guard, now = tmp_path / "page", lan.server.guard, [0.0]
+    guard.clock = lambda: now[0]
+    page.mkdir()
+    (page / "index.html").write_bytes(bytes(600_000))
+    with socket.socket() as plain:
+        plain.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 12)
+        plain.connect(("127.0.0.1", lan.port))
+        with certificate[1].wrap_socket(plain, server_hostname="garage") as client:
+            host = f"Host: 127.0.0.1:{lan.port}\r\nConnection: close"
+            client.sendall(f"GET / HTTP/1.1\r\n{host}\r\n\r\n".encode())
+            data = client.recv(1 << 12)
+            (connection,) = guard._open.values()  # noqa: SLF001
+            while not in_loop(lan, lambda: connection.is_closing):
+                data += client.recv(1 << 12)
+            assert in_loop(lan, lambda: connection.unsent)
+            for _ in range(3):
+                in_loop(lan, guard.sweep)
+                now[0] += STALL_SECONDS / 3
+            data += end_of(client)
+    assert len(data.partition(b"\r\n\r\n")[2]) == 600_000
+
+
 def test_a_refused_client_that_does_not_end_tls_ends_no_sweep_and_keeps_no_place(lan, certificate):
     guard, now = lan.server.guard, [0.0]
     guard.clock = lambda: now[0]
-
-    def in_loop(function):
-        async def called():
-            return function()
-
-        return asyncio.run_coroutine_threadsafe(called(), lan.reached.loop).result(60)
 
     with raw(lan) as plain, certificate[1].wrap_socket(plain, server_hostname="garage") as client:
         client.sendall(UPGRADE.format(port=lan.port).encode())
         assert client.recv(12) == b"HTTP/1.1 403"
         (connection,) = guard._open.values()  # noqa: SLF001
         for _ in range(3):  # as uvicorn does; asyncio's own transport of TLS can bear only one
-            in_loop(connection._transport.close)  # noqa: SLF001
-            assert in_loop(lambda: (connection.is_closing, connection.unsent)) == (True, 0)
+            in_loop(lan, connection._transport.close)  # noqa: SLF001
+            assert in_loop(lan, lambda: (connection.is_closing, connection.unsent)) == (True, 0)
         for _ in range(2):
-            in_loop(guard.sweep)
+            in_loop(lan, guard.sweep)
             now[0] += GOODBYE_SECONDS
         with suppress(ssl.SSLError):
             end_of(client)
-        while in_loop(lambda: len(guard)):
+        while in_loop(lan, lambda: len(guard)):
             pass
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import threading
 from types import SimpleNamespace
 
 import pytest
@@ -17,6 +18,7 @@ from mikas.dashboard.connections import TcpConnections, TcpLimits
 from mikas.dashboard.entrance import Entrance
 from mikas.dashboard.listening import listen
 from mikas.dashboard.server import Server
+from mikas.saving import KeptFile
 
 
 class Bug(Exception):
@@ -146,6 +148,38 @@ def test_a_bug_in_the_diagnosis_is_a_step_and_gives_the_port_back(idle, caplog, 
     assert "mikas" in step["detail"]["en"]
     assert reported(caplog) == 1
     idle.sampling()
+
+
+def ended_threads(name):
+    for thread in threading.enumerate():
+        if name in thread.name:
+            thread.join(60)
+
+
+def test_a_result_that_can_t_be_saved_ends_no_more_than_its_thread(shared_idle, monkeypatch):
+    ended, guided = [], shared_idle.dashboard.guided
+    monkeypatch.setattr("threading.excepthook", lambda it: ended.append(it.exc_type))
+    with monkeypatch.context() as patch:
+        patch.setattr(KeptFile, "save", Failing())
+        guided._keep([])  # noqa: SLF001
+        ended_threads("mikas test result")
+    assert ended == [Bug]
+    guided._keep([])  # noqa: SLF001
+    ended_threads("mikas test result")
+    assert guided.file.load() == []
+
+
+def test_a_freeze_frame_that_can_t_be_saved_ends_no_more_than_its_thread(shared_idle, monkeypatch):
+    ended, store = threading.Event(), shared_idle.dashboard.freeze_frames
+    monkeypatch.setattr("threading.excepthook", lambda it: ended.set())
+    frame = SimpleNamespace(id="1.000-1", seen=1.0, code=1, as_json=Failing())
+    store._keep(frame)  # noqa: SLF001
+    assert ended.wait(60)
+    assert store.frames == [frame]
+    frame.as_json.broken = False
+    store._keep(frame, at_once=True)  # noqa: SLF001
+    assert store.delete(frame.id)
+    shared_idle.sampling()
 
 
 @pytest.mark.parametrize("step", ["entrance", "sharing", "library", "dumps", "port", "uvicorn"])
