@@ -111,8 +111,9 @@ def check_regular(status: os.stat_result) -> None:
 def read_regular(path: Path, most: int, *, follow: bool = False) -> bytes:
     """Return the content of a regular file of at most `most` bytes. Raises as `open_regular`."""
     with open_regular(path, follow=follow) as file:
-        data = file.read(most + 1)
-    if len(data) > most:
+        is_too_large = os.fstat(file.fileno()).st_size > most  # not read in vain at each request
+        data = b"" if is_too_large else file.read(most + 1)
+    if is_too_large or len(data) > most:
         raise UnfitFile(errno.EFBIG, _TOO_LARGE.filled(most=most // 1024))
     return data
 

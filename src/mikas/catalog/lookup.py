@@ -117,18 +117,19 @@ class Catalog:
 
     @cached_property
     def _required(self) -> dict[int, tuple[str, ...]]:
-        """The names of parameters by their bits, as asked for: many channels need the same."""
+        """The names of parameters by their bits: many channels need the same."""
         return {}
 
     def required_by(self, names: Iterable[str]) -> tuple[str, ...]:
         """Return the parameters that these channels need, in the order of the table."""
-        bits = 0
+        names, bits = tuple(names), 0
         for name in names:
             bits |= self._needs[name]
         if (found := self._required.get(bits)) is None:
             digits = zip(self.parameters, reversed(f"{bits:b}"), strict=False)
             found = tuple(parameter.name for parameter, digit in digits if digit == "1")
-            self._required[bits] = found
+            if len(names) == 1:  # else a client could name ever other ones
+                self._required[bits] = found
         return found
 
     def same_channels(self, other: Catalog) -> frozenset[str]:

@@ -134,6 +134,12 @@ class Recording:
         return self.raw.row_counts.total()
 
     @property
+    def held(self) -> int:
+        """About as many bytes of memory as it takes now."""
+        windows: Windows | None = self.__dict__.get("_windows")
+        return self.raw.held + (windows.held if windows is not None else 0)
+
+    @property
     def notes(self) -> list[Note]:
         """The notes of all its sessions."""
         return self.raw.notes

@@ -43,7 +43,7 @@ router = APIRouter(tags=["about"])
 
 _SHIPPED: Final = Path(__file__).parent.parent / "presets.toml"
 _SVG: Final = content("image/svg+xml", "the image")
-_MOST_BYTES: Final = 1 << 24  # of the file of presets; a request's body has 1 MiB
+_MOST_BYTES: Final = 1 << 22  # of the file of presets; a request's body has 1 MiB, unindented
 _ChannelName = Annotated[str, Field(min_length=1, max_length=40)]
 
 

@@ -20,6 +20,7 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import Future
 from contextlib import contextmanager
 from dataclasses import dataclass
+from traceback import clear_frames
 from typing import Any, Final, TypeVar
 
 from mikas.cancellation import Cancellation, Cancelled
@@ -145,6 +146,11 @@ class Lane:
         finally:
             await self._end(piece)  # the caller may delete the files that it works on
 
+    @property
+    def is_busy(self) -> bool:
+        """Whether a piece runs or waits."""
+        return bool(self._running or self._waiting)
+
     async def close(self) -> None:
         """Cancel all pieces, and give the running ones a moment to end."""
         self._closed = True
@@ -244,6 +250,8 @@ class WorkThread(threading.Thread):
             finally:
                 self._close_gate()
         except BaseException as error:  # any: it is raised where the work is awaited
+            # Its frames hold what the work has read, and it holds them, in a circle.
+            clear_frames(error.__traceback__)
             self._outcome.set_exception(error)
         else:
             self._outcome.set_result(result)

@@ -1,8 +1,7 @@
 """The library of recordings: the folder, summaries and open recordings, kept until files change.
 
-Recordings stay open so that scrolling does not read them each time; two at most, as ten hours take
-some 170 MB. The recording in progress grows all the time: it is read again when it is requested
-some seconds later.
+Recordings stay open for a while (`open_recordings.py`). The one in progress grows all the time: it
+is read again when it is requested some seconds later.
 
 Work that a client causes is done in three lanes (`lanes.py`): `views`, what a screen shows of a
 file; `files`, reports and exports, which take long; `answers`, all else that grows with the data:
@@ -33,6 +32,12 @@ from mikas.catalog import Catalog
 from mikas.dashboard.errors import AnswerTookTooLong, NotFound, TookTooLong
 from mikas.dashboard.library.folder import LeftOut, RecordingFile, RecordingFolder
 from mikas.dashboard.library.lanes import Lane, LaneLimits
+from mikas.dashboard.library.open_recordings import (
+    IDLE,
+    OpenRecording,
+    OpenRecordings,
+    give_back_memory,
+)
 from mikas.errors import naming_file
 from mikas.i18n import Text
 from mikas.recording import CaptureWriter
@@ -46,11 +51,11 @@ MOST_MARKED: Final = 100
 _MOST_BYTES: Final = 1 << 17
 _PREFIX: Final = "virtual:"
 MODELS: Final = ("7.1", "5.4")
-_MAX_OPEN: Final = 2
 _GROWING: Final = 10.0  # s until the recording in progress is read again
 VIEWS: Final = LaneLimits(slots=3, deadline=60.0, places=32, per_address=8)
 FILES: Final = LaneLimits(slots=2, deadline=600.0, places=8, per_address=2)
 ANSWERS: Final = LaneLimits(slots=2, deadline=20.0, places=48, per_address=16)
+_QUIET: Final = 2.0  # s without work, after which freed memory is given back
 _SUMMARY_TIME: Final = 10.0  # s for one file; ten hours take some 0.1 s
 _LIST_TIME: Final = 30.0  # s for all that were not read before
 _TRY_AGAIN: Final = 300.0  # s until a file that took too long is tried again
@@ -152,13 +157,6 @@ def _record(file: Path, drive: Drive, model: str) -> None:
 
 
 @dataclass(frozen=True, slots=True)
-class _Open:
-    stamp: tuple[int, int, int]
-    at: float
-    recording: Recording
-
-
-@dataclass(frozen=True, slots=True)
 class _Kept:
     """A summary. `until`: on the clock; None: as long as the file does not change."""
 
@@ -183,11 +181,13 @@ class RecordingService:
     in_progress: Callable[[], str | None]
 
     def __post_init__(self) -> None:
-        self.views, self.files = Lane(VIEWS), Lane(FILES)
-        self.answers = Lane(ANSWERS, AnswerTookTooLong)
+        self.views = Lane(VIEWS, on_end=self._tidy_later)
+        self.files = Lane(FILES, on_end=self._tidy_later)
+        self.answers = Lane(ANSWERS, AnswerTookTooLong, self._tidy_later)
+        self._lanes = (self.views, self.files, self.answers)
         self._summaries: dict[str, _Kept] = {}
-        self._open: dict[str, _Open] = {}  # the latest used last
-        self._changing = threading.Lock()  # of `_open`
+        self._open = OpenRecordings(self.clock)
+        self._tidying: asyncio.TimerHandle | None = None
 
     def use_catalog(self, catalog: Catalog) -> None:
         """Decode by another catalog; a recording that is being read keeps its own."""
@@ -237,20 +237,38 @@ class RecordingService:
 
         `latest`: one in progress is read to its present end.
         """
-        with self._changing:
-            kept = self._open.pop(file.id, None)
+        kept = self._open.pop(file.id)
         if kept is None or not self._is_current(kept, file, latest=latest):
             recording = Recording(file.path, self.catalog, self.interpretation)
-            kept = _Open(file.stamp, self.clock(), recording)
-        with self._changing:
-            self._open[file.id] = kept
-            if len(self._open) > _MAX_OPEN:
-                del self._open[next(iter(self._open))]
+            kept = OpenRecording(file.stamp, self.clock(), recording)
+        self._open.put(file.id, kept)
         return kept.recording
 
     async def close(self) -> None:
         """Cancel all work."""
-        await asyncio.gather(*(it.close() for it in (self.views, self.files, self.answers)))
+        await asyncio.gather(*(lane.close() for lane in self._lanes))
+        if self._tidying is not None:
+            self._tidying.cancel()
+
+    def _tidy_later(self) -> None:
+        """Tidy once no work has been done for a moment; called when a piece has ended."""
+        self._open.close_some()
+        self._wait_to_tidy(_QUIET)
+
+    def _wait_to_tidy(self, seconds: float) -> None:
+        if self._tidying is not None:
+            self._tidying.cancel()
+        self._tidying = asyncio.get_running_loop().call_later(seconds, self._tidy)
+
+    def _tidy(self) -> None:
+        """Close what was not used for long, and give freed memory back; later again, if need be."""
+        self._tidying = None
+        if any(lane.is_busy for lane in self._lanes):
+            return  # its end comes
+        self._open.close_some()
+        threading.Thread(target=give_back_memory, name="mikas memory", daemon=True).start()
+        if len(self._open):
+            self._wait_to_tidy(IDLE)
 
     def _kept(self, file: RecordingFile) -> Summary | None:
         kept = self._summaries.get(file.id)
@@ -272,7 +290,7 @@ class RecordingService:
         self._summaries[file.id] = _Kept(file.stamp, slow, self.clock() + _TRY_AGAIN)
         return slow
 
-    def _is_current(self, kept: _Open, file: RecordingFile, *, latest: bool) -> bool:
+    def _is_current(self, kept: OpenRecording, file: RecordingFile, *, latest: bool) -> bool:
         if kept.recording.catalog is not self.catalog:
             return False
         is_grown = self.is_growing(file) and kept.stamp[2] == file.stamp[2]

@@ -128,6 +128,11 @@ class RawRecording:
         """The number of the last session with rows; None without rows."""
         return max((source.recording for source in self.row_counts), default=None)
 
+    @property
+    def held(self) -> int:
+        """About as many bytes of memory as its rows take."""
+        return sum(rows.held for rows in self._held or ())
+
     def stretches(self, session: int | None = None) -> Iterator[RawRows]:
         """Yield the rows in the order of the file, of one session or of all."""
         known = self._held

@@ -51,6 +51,12 @@ class _Packed:
         values[whole == _MISSING[numbers.dtype.itemsize]] = np.nan
         return values
 
+    @property
+    def held(self) -> int:
+        """Bytes of memory, with those of `ends` if they were needed."""
+        ends: tuple[Floats, Floats] | tuple[()] = self.__dict__.get("ends", ())
+        return sum(map(_size, (self.numbers, *ends)))
+
     @cached_property
     def ends(self) -> tuple[Floats, Floats]:
         """The extremes of each block of rows, in their order."""
@@ -91,6 +97,11 @@ class Windows:
             order = self.times.argsort(kind="stable")
             self.times = self.times[order]
         self._columns = {name: _joined(pieces.pop(name), order) for name in list(pieces)}
+
+    @property
+    def held(self) -> int:
+        """Bytes of memory that the columns take."""
+        return _size(self.times) + sum(column.held for column in self._columns.values())
 
     def window(
         self, begin: float, end: float, points: int, names: Sequence[str]
@@ -151,6 +162,11 @@ def _alternating(ones: Floats, others: Floats) -> Floats:
     both = np.empty(2 * ones.size)
     both[::2], both[1::2] = ones, others
     return both
+
+
+def _size(array: NDArray[np.generic]) -> int:
+    """Return its bytes of memory."""
+    return int(array.size * array.dtype.itemsize)
 
 
 def _packed(column: Floats, conversion: Conversion | None) -> _Packed:
