@@ -1,6 +1,7 @@
 """`mikas.cleaning`: text and numbers from files, catalogs, units and other computers."""
 
 import json
+import re
 import unicodedata
 from datetime import UTC, datetime
 from math import inf, nan
@@ -17,6 +18,7 @@ from mikas.cleaning import (
     clean_line,
     clean_text,
     is_in_calendar,
+    spreadsheet_text,
     terminal_text,
 )
 
@@ -87,3 +89,27 @@ def test_the_calendar_goes_from_1970_to_9999():
     assert datetime.fromtimestamp(LATEST, UTC).year == 9999
     assert datetime.fromtimestamp(LATEST).astimezone()
     assert not any(map(is_in_calendar, (nan, inf, -1, LATEST + 1, 2.0**64)))
+
+
+SIGNS = ("=", "+", "-", "@", "＝", "＋", "－", "＠")
+
+
+@pytest.mark.parametrize("sign", SIGNS)
+@pytest.mark.parametrize(
+    "before", ["", " ", "\t", "\r", "\n", '"', "'", ' "', "\u200b", "a;", "a\t"]
+)
+def test_a_text_that_a_spreadsheet_takes_for_a_formula_begins_with_an_apostrophe(
+    sign, before
+) -> None:
+    cell = spreadsheet_text(f"{before}{sign}cmd|' /C calc'!A0")
+    assert cell != f"{before}{sign}cmd|' /C calc'!A0"
+    for piece in re.split("[;\t\r\n]", cell):
+        assert not re.match(rf"[\s\"\u200b]*[{''.join(map(re.escape, SIGNS))}]", piece)
+
+
+@pytest.mark.parametrize(
+    "plain",
+    ["-5", "+5,25", "-1.5e-3", "-", "a-b", "Волга = 3110", "ГАЗ-3110", "", "1;-5", "=", " -5 "],
+)
+def test_a_number_and_a_plain_text_stay_as_they_are_in_a_table(plain) -> None:
+    assert spreadsheet_text(plain) == plain

@@ -3,7 +3,7 @@
 Files, catalogs, units and other computers may send anything. What a reader returns has passed
 through here; the raw bytes stay in their file. `public_url` and `public_port` leave out of an
 address what gives access. `terminal_text` is for the one place that writes to a terminal: it
-escapes the rest, also in texts that were not cleaned.
+escapes the rest, also in texts that were not cleaned; `spreadsheet_text` is for tables.
 """
 
 from __future__ import annotations
@@ -60,6 +60,27 @@ def clean_json(value: object) -> Any:  # noqa: ANN401  (any JSON)
         case int() if abs(value) > _LONGEST_INTEGER:
             raise ValueError("an integer has more than 64 bits")
     return value
+
+
+# What a spreadsheet takes for a formula, also in wide signs and behind spaces and quotation marks.
+# A program with another separator begins a cell at each `;`.
+_FORMULA: Final = re.compile(
+    r"(?P<before>^|[;\t\r\n])(?P<text>(?:[^\S\t\r\n]|[\"'\u200b\ufeff])*[=+\-@\uff1d\uff0b\uff0d\uff20][^;\t\r\n]+)"
+)
+_NUMBER: Final = re.compile(r"[+-]?\d+(?:[.,]\d+)?(?:[eE][+-]?\d+)?")
+
+
+def spreadsheet_text(text: str) -> str:
+    """Return a text cell for a table that a spreadsheet opens: what it would take for a formula
+    begins with an apostrophe. A number stays one. For each writer of CSV or cells with tabs.
+    """
+    return _FORMULA.sub(_as_text, text)
+
+
+def _as_text(found: re.Match[str]) -> str:
+    if _NUMBER.fullmatch(found["text"].strip()):
+        return found[0]
+    return f"{found['before']}'{found['text']}"
 
 
 def is_in_calendar(time: float) -> bool:

@@ -160,6 +160,17 @@ def test_sql_is_printed_as_text_csv_and_json(mikas, recordings) -> None:
     assert row == [None, [1, 2], {"a": 1.5}, "78", 1.5]
 
 
+def test_a_cars_name_is_no_formula_in_a_spreadsheet(mikas, tmp_path) -> None:
+    make(tmp_path / "in" / "drive.pcapng", plate="", car="=cmd|' /C calc'!A0;=1")
+    mikas("fleet", "add", "in", "--to", "set")
+    asked = "SELECT name, -5 AS n, -1.5::DOUBLE AS x, '-5' AS \"@t\", '\uff1dx' AS w FROM drives"
+    cells = ["'=cmd|' /C calc'!A0;'=1", "-5", "-1.5", "-5", "'\uff1dx"]
+    for options, separator in (((), "\t"), (("--csv",), ",")):
+        lines = mikas("fleet", "sql", "set", asked, *options).lines
+        assert lines == [separator.join(["name", "n", "x", "'@t", "w"]), separator.join(cells)]
+    assert mikas("fleet", "sql", "set", asked, "--json").object["rows"][0][0].startswith("=cmd")
+
+
 def test_an_error_of_sql_has_its_place(mikas, recordings) -> None:
     mikas("fleet", "add", "in", "--to", "set")
     ran = mikas("fleet", "sql", "set", "SELECT * FORM drives")

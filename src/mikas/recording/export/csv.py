@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mikas.catalog.conversion import EXACT
+from mikas.cleaning import spreadsheet_text
 from mikas.recording.export.sheet import Sheet, without
 from mikas.recording.table.channels import Channel
 
@@ -36,7 +37,7 @@ def write(path: Path, sheet: Sheet) -> None:
 def _title(channel: Channel, sheet: Sheet) -> str:
     unit = f"({channel.unit})" if channel.unit else ""
     title = f"{channel.name} {channel.text.to(sheet.language)} {unit}"
-    return without(title, sheet.dialect.separator, '"')
+    return spreadsheet_text(without(title, sheet.dialect.separator, '"'))
 
 
 def formatted(values: NDArray[np.float64], *, missing: str, decimal: str = ".") -> list[str]:

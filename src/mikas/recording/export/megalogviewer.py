@@ -20,6 +20,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from mikas.cleaning import spreadsheet_text
 from mikas.recording.export.csv import formatted, lines
 from mikas.recording.export.sheet import Column, Sheet, program, without
 
@@ -44,7 +45,7 @@ def write(path: Path, sheet: Sheet) -> None:
     with path.open("wb") as file:
         file.write(heading(sheet))
         for line in zip(*fields, strict=True):
-            file.write(lines([[without(cell, '"')] for cell in line], "\t"))
+            file.write(lines([[spreadsheet_text(without(cell, '"'))] for cell in line], "\t"))
         for piece in marked(sheet):
             if isinstance(piece, LogMark):
                 file.write(f"{piece.text}\n".encode())

@@ -53,6 +53,13 @@ export function saveFile(name: string, content: BlobPart, type = "text/plain;cha
   setTimeout(() => URL.revokeObjectURL(url), 10_000);
 }
 
-/** Rows of cells as text for a spreadsheet: tabs between the cells, none inside. */
+/** Rows of cells as text for a spreadsheet: tabs between the cells, none inside, and no formula. */
 export const tabbed = (rows: readonly (readonly (string | number)[])[]): string =>
-  rows.map((cells) => cells.map((cell) => String(cell).replace(/[\t\r\n]+/g, " ")).join("\t")).join("\n") + "\n";
+  rows.map((cells) => cells.map((cell) => harmless(String(cell).replace(/[\t\r\n]+/g, " "))).join("\t")).join("\n") + "\n";
+
+// The rule of `spreadsheet_text` (cleaning.py): what a spreadsheet would take for a formula begins with an apostrophe; a number stays one.
+const FORMULA = /(^|;)([\s"'\u200b]*[=+\-@\uff1d\uff0b\uff0d\uff20][^;]+)/g;
+const NUMBER = /^\s*[+-]?\d+(?:[.,]\d+)?(?:[eE][+-]?\d+)?\s*$/;
+
+const harmless = (cell: string): string =>
+  cell.replace(FORMULA, (whole, before: string, text: string) => (NUMBER.test(text) ? whole : `${before}'${text}`));

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from mikas.cleaning import spreadsheet_text
 from mikas.cli.click_extensions import command, flag
 from mikas.cli.context import CommandContext
 from mikas.cli.language import decimal
@@ -61,7 +62,7 @@ def sql(context: CommandContext, dataset: str, sql: str, *, as_csv: bool) -> Non
             context.output.long_data({"columns": answer.columns}, "rows", rows)
         elif as_csv:
             for row in chain([answer.columns], answer.rows):
-                context.output.line(_csv_line(map(_plain, row)))
+                context.output.line(_csv_line(_plain(_harmless(value)) for value in row))
         else:
             _print_table(context, answer)
 
@@ -83,9 +84,13 @@ def _print_table(context: CommandContext, answer: QueryRows) -> None:
                 f"Показаны только первые {MOST} строк; LIMIT даст меньше, --csv — все.",
             )
         return
-    context.output.table(answer.columns, [])
+    context.output.table([spreadsheet_text(name) for name in answer.columns], [])
     for row in rows:
-        context.output.table((), [[_cell(value) for value in row]])
+        context.output.table((), [[_cell(_harmless(value)) for value in row]])
+
+
+def _harmless(value: object) -> object:
+    return spreadsheet_text(value) if isinstance(value, str) else value
 
 
 def _cell(value: object) -> str:
