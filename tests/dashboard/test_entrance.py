@@ -226,6 +226,25 @@ def test_a_refused_client_that_does_not_end_tls_ends_no_sweep_and_keeps_no_place
             pass
 
 
+class Dropped:
+    dropped = True
+
+
+@pytest.mark.parametrize(("connection", "context"), [(Dropped(), None), (None, "of before")])
+def test_a_connection_that_was_ended_while_it_shook_hands_gets_no_protocol(connection, context):
+    class Transport:
+        aborted = False
+
+        def abort(self):
+            self.aborted = True
+
+    made, transport = [], Transport()
+    it = entrance.Entrance(None, lambda: made.append(1), None, None)
+    it.begin(connection, transport, context)
+    assert transport.aborted
+    assert not made
+
+
 def test_a_websocket_whose_client_takes_no_answers_is_aborted():
     class Full:
         aborted, written, closing, size = 0, 0, False, 0

@@ -139,7 +139,8 @@ class TcpConnection:
     def unsent(self) -> int:
         """Bytes that the client has not taken; the system's own buffer is not counted.
 
-        A transport of TLS counts only those that it has not passed to the transport below it.
+        A transport of TLS counts only those that it has not passed to the transport below it; of
+        those without TLS some are counted twice.
         """
         waiting = self._transport.get_write_buffer_size() if self._transport else 0
         return waiting + self._socket.unsent

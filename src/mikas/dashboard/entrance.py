@@ -131,6 +131,10 @@ class Entrance:
         context: ssl.SSLContext | None,
     ) -> None:
         """Give a connection its protocol; its handshake is over, if there was one."""
+        is_over = context is not None and self.context is not context  # since it began
+        if is_over or connection.dropped:
+            transport.abort()
+            return
         if context is not None:
             self._network.add(connection)
         protocol = self.create()
@@ -138,8 +142,6 @@ class Entrance:
         connection.attach(served, protocol)
         transport.set_protocol(protocol)
         protocol.connection_made(served)
-        if context is not None and self.context is not context:
-            connection.drop()  # closed, or opened again, during the handshake
 
 
 @dataclass
