@@ -24,8 +24,8 @@ _FAR: Final = 1 << 40  # no recording is so long
 _TAKEN: Final = (errno.EAGAIN, errno.EACCES, errno.EWOULDBLOCK)
 _MAX_COMMAND: Final = 60  # characters
 _WRITTEN: Final = Text(
-    "another program is writing to this file{who}; end that recording first",
-    "в этот файл сейчас пишет другая программа{who}; сначала завершите ту запись",
+    "another program is writing to this file{who}; wait for its end, or end it there, first",
+    "в этот файл сейчас пишет другая программа{who}; сначала дождитесь её конца или завершите её",
 )
 
 
@@ -38,11 +38,20 @@ def hold(file: BinaryIO) -> None:
         raise UnfitFile(errno.EBUSY, _refusal(file))
 
 
+def writer_of(path: Path) -> Text | None:
+    """Return why the file at `path` must stay as it is: it is held; None: it is not."""
+    try:
+        file = open_regular(path)
+    except OSError:  # it can't be looked at
+        return None
+    with file:
+        return None if _is_free(file.fileno()) else _refusal(file)
+
+
 def check_free(path: Path) -> None:
-    """Raise `UnfitFile` if the file at `path` is held; a file that can't be opened is not."""
-    with suppress(FileNotFoundError, PermissionError), open_regular(path) as file:
-        if not _is_free(file.fileno()):
-            raise UnfitFile(errno.EBUSY, _refusal(file))
+    """Raise `UnfitFile` if the file at `path` is held."""
+    if held := writer_of(path):
+        raise UnfitFile(errno.EBUSY, held)
 
 
 def _refusal(file: BinaryIO) -> Text:

@@ -19,6 +19,7 @@ from mikas.client.memory.dumps import (
     read_manifest,
 )
 from mikas.errors import AddressOutOfRange, LineError, NoConnection, UsageError
+from mikas.file_locks import hold
 
 
 def nothing(_: int) -> None:
@@ -183,3 +184,14 @@ def test_compare_gives_the_addresses_that_differ(ecu):
     found = list(compare(ecu.memory.xram, bytes(data), 0x100, 7, nothing))
     assert [it.address for it in found] == [0x103, 0x113]
     assert all(it.a == it.b ^ 1 for it in found)
+
+
+def test_a_dump_that_another_program_reads_is_not_continued(ecu, tmp_path):
+    file = tmp_path / "ram.bin"
+    job = dump(ecu, file)
+    file.write_bytes(bytes(8))
+    with file.open("r+b") as held:
+        hold(held)
+        with pytest.raises(UsageError, match="another program is writing to this file"):
+            job.advance(block=None, progress=nothing)
+    assert file.read_bytes() == bytes(8)

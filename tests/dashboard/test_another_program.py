@@ -32,8 +32,8 @@ def test_it_is_not_changed(desk):
     ]
     for refused in changes:
         assert "another program is writing to this file" in refused["en"]
-        assert "end that recording first" in refused["en"]
-        assert "сначала завершите ту запись" in refused["ru"]
+        assert "end it there, first" in refused["en"]
+        assert "дождитесь её конца или завершите её" in refused["ru"]
     assert desk.put("/recordings/log.pcapng/marker", at, 404)["code"] == "NotFound"
 
 

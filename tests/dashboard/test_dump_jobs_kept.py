@@ -10,6 +10,7 @@ import pytest
 
 from dashboard.dumps_rig import XRAM, ended, hold, until_read, when
 from dashboard.rig import rig
+from mikas import file_locks
 from mikas.client.memory.dumps import Manifest, manifest_path
 from mikas.dashboard.session import dump_jobs
 from mikas.dashboard.session.dump_jobs import DumpJobs
@@ -204,3 +205,14 @@ def test_a_pause_while_the_list_of_dumps_is_made_harms_nothing(off):
         assert off.get("/dumps")["dumps"][0]["speed"] == 8
     finally:
         job.phase = "paused"
+
+
+def test_a_dump_that_another_program_reads_is_not_deleted(off):
+    put(off.dashboard.settings.dumps, "a")
+    off.dashboard.dump_jobs.find()
+    file = off.dashboard.settings.dumps / "a.bin"
+    with file.open("r+b") as held:
+        file_locks.hold(held)
+        refused = off.post("/changes", {"kind": "delete_dump", "id": "a"}, 409)
+    assert "another program is writing to this file" in refused["en"]
+    assert file.exists()

@@ -21,6 +21,7 @@ from mikas.client.memory.spaces import MemorySpace
 from mikas.commands.base import check_range
 from mikas.commands.unit import version_of, version_text
 from mikas.errors import UsageError, naming_file, reason_at, usage_error
+from mikas.file_locks import hold
 from mikas.files import open_regular, read_json, read_regular
 from mikas.saving import save
 
@@ -213,6 +214,7 @@ class Dump:
         try:
             self._write_manifest()  # before the file: without it no byte could be resumed
             with self._opened() as out:
+                hold(out)  # another program may be reading the same dump
                 out.truncate(manifest.bytes_read)
                 out.seek(manifest.bytes_read)
                 for data in blocks:

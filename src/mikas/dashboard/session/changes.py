@@ -34,8 +34,8 @@ from mikas.dashboard.security.control import (
 from mikas.dashboard.session.catalog_in_use import CatalogInUse
 from mikas.dashboard.session.connection import Connection
 from mikas.dashboard.session.history import FaultHistory
-from mikas.errors import NotSupported, UnfitFile, UsageError
-from mikas.file_locks import check_free
+from mikas.errors import NotSupported, UsageError
+from mikas.file_locks import writer_of
 from mikas.i18n import Text
 
 _PROGRAM = Text(
@@ -247,11 +247,8 @@ async def recording_deletion(library: RecordingService, identity: str) -> Pendin
     def find() -> Found:
         file = library.folder.one(identity)
         shown, growing = RecordingShown(file.id, file.bytes), library.is_growing(file)
-        if not growing:
-            try:
-                check_free(file.path)
-            except UnfitFile as error:  # `mikas log`, or another dashboard on the same folder
-                raise Busy(problem=error.text) from error
+        if not growing and (held := writer_of(file.path)):  # `mikas log`, another dashboard
+            raise Busy(problem=held)
         return Found(shown, file.stamp, growing, partial(remove, file))
 
     def remove(file: RecordingFile) -> None:

@@ -29,6 +29,7 @@ from mikas.dashboard.session.changes import DUMP, Found, deletion
 from mikas.dashboard.session.connection import Connection
 from mikas.dashboard.settings import ensure_folder
 from mikas.errors import LineError, MikasError, NoConnection, UsageError, naming_file, reason_at
+from mikas.file_locks import writer_of
 from mikas.i18n import Text
 
 _log = logging.getLogger("mikas.dashboard")
@@ -176,6 +177,8 @@ class DumpJobs:
 
         def find() -> Found:
             job = self.one(name)
+            if job.phase != "running" and (held := writer_of(job.file)):  # `mikas dump`
+                raise Busy(problem=held)
             shown = DumpShown(name, job.file.name, job.done, job.total)
             return Found(
                 shown, (id(job), shown), job.phase == "running", partial(self._delete, job)
