@@ -63,6 +63,7 @@ TREE = {
     "WrongAddress": ("LineError", Exception),
     "WrongContent": ("LineError", Exception),
     "LineNotQuiet": ("LineError", Exception),
+    "ReadingSuspended": ("LineError", Exception),
     "SyncLost": ("LineError", Exception),
     "EcuRefused": ("MikasError", Exception),
     "WriteRefused": ("EcuRefused", Exception),

@@ -9,16 +9,24 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from types import SimpleNamespace
+from typing import Any
 
 import pytest
 import serial
 from serial import rfc2217
 from serial.urlhandler import protocol_loop
 
-from mikas.link import open_link
+from mikas.link import Link, LinkWrapper, open_link
 from mikas.link.serial import TICK, SerialLink
 
 from .contract import FAR, Rig
+
+
+def port_of(link: Link) -> Any:
+    """The port inside all that is around its link."""
+    while isinstance(link, LinkWrapper):
+        link = link.link
+    return link.port
 
 
 class TcpPeer:

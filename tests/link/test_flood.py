@@ -12,7 +12,7 @@ from mikas.errors import LineFlooded
 from mikas.link import Chunk, Link, open_link
 from mikas.link.flood import BACKLOG, BURST, FloodGuard
 
-from .rigs import hurry_pyserial, rfc2217_rig
+from .rigs import hurry_pyserial, port_of, rfc2217_rig
 
 LINE = 960.0  # bytes a second at 9600 baud
 
@@ -139,7 +139,7 @@ def test_a_terminal_server_that_sends_at_full_speed_waits_while_no_one_reads(mon
     """pyserial's own queue takes every byte."""
     hurry_pyserial(monkeypatch)
     with rfc2217_rig() as rig:
-        unread = rig.link.link.port._read_buffer  # noqa: SLF001
+        unread = port_of(rig.link)._read_buffer  # noqa: SLF001
         full = threading.Event()
         put = unread.put
 

@@ -17,7 +17,7 @@ from mikas.link.base import AT_ONCE, LATENCY_TIMER
 from mikas.link.serial import TICK, SerialLink
 
 from .contract import FAR, meanwhile, write_until_lost
-from .rigs import asked_rig, hurry_pyserial, rfc2217_rig, tcp_rig
+from .rigs import asked_rig, hurry_pyserial, port_of, rfc2217_rig, tcp_rig
 
 
 @pytest.fixture
@@ -157,7 +157,7 @@ def test_a_host_that_can_not_be_reached_is_an_error_in_time(scheme, reason, mess
 class TestSocket:
     def test_requests_are_not_held_back(self):
         with tcp_rig() as rig:
-            sock = rig.link.link.port._socket  # noqa: SLF001
+            sock = port_of(rig.link)._socket  # noqa: SLF001
             assert sock.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY)
 
     def test_is_named_by_its_place_and_has_the_baud_rate_behind_it(self):
@@ -185,7 +185,7 @@ class TestSocket:
             rig.link.write(b"unread: closing now resets the connection")
             rig.peer.received(1)
             rig.link.write(b"and this too")
-            sock = rig.link.link.port._socket  # noqa: SLF001
+            sock = port_of(rig.link)._socket  # noqa: SLF001
             rig.peer.vanish()
             with pytest.raises(LinkLost):
                 write_until_lost(rig.link, b"x")
@@ -221,7 +221,7 @@ class TestRfc2217:
         with rfc2217_rig() as rig:
             blocked = threading.Event()
             rig.peer.write = lambda _: blocked.wait(FAR)
-            rig.link.link.port._socket.settimeout(0.05)  # noqa: SLF001
+            port_of(rig.link)._socket.settimeout(0.05)  # noqa: SLF001
             rig.peer._came.put = lambda _: blocked.wait(FAR)  # noqa: SLF001
             try:
                 with pytest.raises(LinkLost, match="takes no more bytes"):

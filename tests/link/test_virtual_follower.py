@@ -26,7 +26,7 @@ def seen(monkeypatch):
                 event.set()
             return self.time
 
-    monkeypatch.setattr(virtual, "WallClock", Clock)
+    monkeypatch.setattr(virtual, "AwakeClock", Clock)
     monkeypatch.setattr(virtual, "_PERIOD", 0.0)
     return event
 

@@ -49,6 +49,7 @@
     │   ├── WrongAddress               a valid frame with another address (D13)
     │   ├── WrongContent               a valid frame with invalid content (§3)
     │   ├── LineNotQuiet               bytes keep coming (D2, D12)
+    │   ├── ReadingSuspended           the program did not run (Ctrl-Z, a laptop asleep)
     │   └── SyncLost                   resynchronisation failed (D13)
     ├── EcuRefused                     the ECU refused
     │   ├── WriteRefused               response 01 to a write (§3)
@@ -104,6 +105,7 @@ from mikas.errors.exchange import NoResponse as NoResponse
 from mikas.errors.exchange import NotConfirmed as NotConfirmed
 from mikas.errors.exchange import NotSupported as NotSupported
 from mikas.errors.exchange import ReadBackDiffers as ReadBackDiffers
+from mikas.errors.exchange import ReadingSuspended as ReadingSuspended
 from mikas.errors.exchange import SyncLost as SyncLost
 from mikas.errors.exchange import WriteRefused as WriteRefused
 from mikas.errors.exchange import WrongAddress as WrongAddress

@@ -126,6 +126,23 @@ class SyncLost(LineError):
     )
 
 
+class ReadingSuspended(LineError):
+    """The program did not run for a while; what came meanwhile has no time and is dropped."""
+
+    what = Text(
+        "The program did not run for {seconds:.1f} s; what came meanwhile is left out, its time is "
+        "unknown",
+        "Программа не работала {seconds:.1f} с; принятое тем временем отброшено: неизвестно, когда "
+        "оно пришло",
+    )
+    advice = Text(
+        "It was suspended (Ctrl-Z, a debugger), or the computer slept or was overloaded. Give a "
+        "command that was cut off again.",
+        "Её приостановили (Ctrl-Z, отладчик), либо компьютер спал или был перегружен. Прерванную "
+        "команду повторите.",
+    )
+
+
 class EcuRefused(MikasError):
     """The ECU refused the request, or does not know it."""
 

@@ -9,10 +9,13 @@ called from another. The contract suite `tests/link/contract.py` checks the sent
 
 from __future__ import annotations
 
+import sys
 import time
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
+from functools import partial
 from math import inf
 from typing import NamedTuple, Protocol, Self
 
@@ -235,19 +238,38 @@ class CaptureTee(LinkWrapper):
             self.failure = error
 
 
+def _steady(system: str = sys.platform) -> Callable[[], float]:
+    """Return a steady clock that goes on while the computer sleeps.
+
+    On Windows that is `perf_counter`; `monotonic` has steps of 15.6 ms there up to Python 3.12.
+    """
+    name = {"linux": "CLOCK_BOOTTIME", "darwin": "CLOCK_MONOTONIC"}.get(system, "")
+    number = getattr(time, name, None)
+    return time.perf_counter if number is None else partial(time.clock_gettime, number)
+
+
 class WallClock:
     """The clock of links in real time: UNIX time at its creation, steady from there.
 
     Changes of the system's date do not affect it, so intervals are exact. It may drift from UNIX
-    time over hours and stand still while the computer sleeps. `perf_counter` is used because
-    `monotonic` has steps of 15.6 ms on Windows up to Python 3.12.
+    time over hours. `steady` counts the seconds.
     """
 
-    __slots__ = ("_offset",)
+    __slots__ = ("_offset", "_steady")
 
-    def __init__(self) -> None:
-        self._offset = time.time() - time.perf_counter()
+    def __init__(self, steady: Callable[[], float] = _steady()) -> None:  # noqa: B008
+        self._steady = steady
+        self._offset = time.time() - steady()
 
     def now(self) -> float:
         """Return the seconds since 1970; a float resolves about 0.25 µs."""
-        return self._offset + time.perf_counter()
+        return self._offset + self._steady()
+
+
+class AwakeClock(WallClock):
+    """As `WallClock`, but it stands still while the computer sleeps: a virtual car's."""
+
+    __slots__ = ()
+
+    def __init__(self) -> None:
+        super().__init__(time.perf_counter)

@@ -22,6 +22,7 @@ from mikas.errors import BadPortUrl, UsageError
 from mikas.i18n import Text
 from mikas.link.base import Link
 from mikas.link.flood import FloodGuard
+from mikas.link.suspension import SuspensionGuard
 from mikas.options import OptionParser, nearest, with_nearest
 
 if TYPE_CHECKING:
@@ -67,7 +68,8 @@ class PortUrl:
 def open_link(url: str, /, **options: str | float) -> Link:
     """Open the link of `url`; `options` override those of its query.
 
-    A link that brings more bytes than its line can carry raises `LineFlooded`.
+    A link that brings more bytes than its line can carry raises `LineFlooded`, one that was not
+    read for a while `ReadingSuspended`.
 
     Raises `BadPortUrl` for an invalid URL or option, `NoConnection` if the port does not open,
     `UsageError` for a link that can't be loaded; an opener may raise other usage errors.
@@ -81,7 +83,7 @@ def open_link(url: str, /, **options: str | float) -> Link:
     opener = opener_of(parsed.scheme)
     try:
         link = opener(url, parsed.options)
-        return link if link.is_virtual else FloodGuard(link)
+        return link if link.is_virtual else FloodGuard(SuspensionGuard(link))
     except UsageError as error:
         if type(error) is not UsageError:
             raise

@@ -14,7 +14,7 @@ from weakref import WeakKeyDictionary, ref
 
 from mikas.errors import LinkLost, usage_error
 from mikas.i18n import Text
-from mikas.link.base import Chunk, Link, WallClock
+from mikas.link.base import AwakeClock, Chunk, Link, WallClock
 from mikas.link.ports import VIRTUAL
 from mikas.link.urls import take_clock
 from mikas.virtual.bus import Bus
@@ -105,7 +105,7 @@ class Follower:
 
     def __init__(self, bus: Bus) -> None:
         self.lock = threading.Lock()
-        self.clock = WallClock()
+        self.clock: WallClock = AwakeClock()
         self._bus = ref(bus)
         self.thread = threading.Thread(target=self._run, name="mikas-sim", daemon=True)
         self.thread.start()

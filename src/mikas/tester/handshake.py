@@ -102,12 +102,12 @@ def _find_echo(line: Line, expected: Echo, received_before: bytes) -> bool:
 
 def _send_availability(line: Line) -> tuple[bytes, bytes]:
     """Send `01`; return its frame and all bytes received."""
-    link, timing = line.link, line.timing
+    timing = line.timing
     request = line.send(AVAILABILITY)
     deadline = line.sent_until + timing.response_timeout
     last = deadline + timing.max_busy_time
     received = bytearray()
-    while (chunk := link.read(deadline)).data and chunk.time < last:
+    while (chunk := line.read(deadline)).data and chunk.time < last:
         received += chunk.data
         if not request.startswith(received):
             # More than the echo has arrived, which is enough. Wait for the rest to end.
@@ -124,7 +124,7 @@ def late_answer(line: Line, sync: LineSync) -> float | None:
     line.send(AVAILABILITY)
     deadline, decoder = line.sent_until + _SLOWEST, line.decoder()
     frames: list[tuple[Frame | Damage, float]] = []
-    while len(frames) <= line.echo and (chunk := line.link.read(deadline)).data:
+    while len(frames) <= line.echo and (chunk := line.read(deadline)).data:
         frames += decoder.feed(chunk)
     if len(frames) != 1 + line.echo or line.wait_for_quiet(line.idle_time):
         return None

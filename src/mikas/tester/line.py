@@ -21,6 +21,7 @@ from mikas.errors import (
     MikasError,
     NoEcho,
     NoResponse,
+    ReadingSuspended,
     hex_dump,
 )
 from mikas.framing import Damage, DamageReason, Decoder, Frame, encode
@@ -92,6 +93,8 @@ class Line:
         self._at_once = 0
         self.silences = 0  # how often two requests in a row got no byte: the unit was off
         self._unanswered = 0  # requests in a row
+        self.suspension: ReadingSuspended | None = None
+        """The latest time without reading that nobody has reported."""
         self._ahead = _NOTHING  # received together with the end of an echo
         self._log = _logger()
 
@@ -116,7 +119,8 @@ class Line:
         self._ahead = _NOTHING
         self.sent_until = self.link.now() + len(wire) * self.link.byte_time
         self._log_frame(">", wire)
-        self.link.write(wire)
+        with self._noting_suspension():
+            self.link.write(wire)
         return wire
 
     @_logged_errors()
@@ -135,7 +139,7 @@ class Line:
     def _check_echo(self, wire: bytes, deadline: float) -> float:
         received = bytearray()
         while len(received) < len(wire):
-            chunk = self.link.read(deadline)
+            chunk = self.read(deadline)
             if not chunk.data:
                 error = EchoDiffers if received else NoEcho
                 if not received:
@@ -229,7 +233,21 @@ class Line:
         if self._ahead.data:
             chunk, self._ahead = self._ahead, _NOTHING
             return chunk
-        return self.link.read(deadline)
+        return self.read(deadline)
+
+    def read(self, deadline: float) -> Chunk:
+        """As `Link.read`. A time without reading is noted, and voids the exchange."""
+        with self._noting_suspension():
+            return self.link.read(deadline)
+
+    @contextmanager
+    def _noting_suspension(self) -> Iterator[None]:
+        try:
+            yield
+        except ReadingSuspended as error:
+            self.suspension = error
+            self.silences += bool(error.received)  # another unit may answer, as after silence
+            raise
 
     def _gather(self, since: float, count: int, *, most: float = inf) -> None:
         """Sleep until all but the last of `count` bytes after `since` can have arrived.
@@ -245,7 +263,10 @@ class Line:
     def arrived(self) -> bytes:
         """Return bytes that no request caused, without waiting (D2)."""
         ahead, self._ahead = self._ahead.data, _NOTHING
-        return ahead + self.link.read(self.link.now()).data
+        try:
+            return ahead + self.read(self.link.now()).data
+        except ReadingSuspended as error:
+            return ahead + (error.received or b"")
 
     def wait_for_quiet(
         self, seconds: float, *, until: float = -inf, patience: float | None = None
@@ -256,13 +277,17 @@ class Line:
         `seconds` and `timing.max_busy_time`).
         """
         received = bytearray(self.arrived())
+        if patience is None:
+            patience = seconds + self.timing.max_busy_time
         began = self.link.now()
-        last = max(
-            until, began + (seconds + self.timing.max_busy_time if patience is None else patience)
-        )
-        quiet_at = max(until, began + seconds)
+        quiet_at, last = max(until, began + seconds), max(until, began + patience)
         while True:
-            chunk = self.link.read(quiet_at)
+            try:
+                chunk = self.read(quiet_at)
+            except ReadingSuspended:  # whether the line was quiet is unknown
+                began = self.link.now()
+                quiet_at, last = max(until, began + seconds), max(until, began + patience)
+                continue
             if not chunk.data:
                 return bytes(received)
             received += chunk.data

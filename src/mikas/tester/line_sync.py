@@ -170,7 +170,7 @@ class LineSync:
         link, timing = self.line.link, self.line.timing
         deadline = link.now() + timing.max_busy_time
         while link.now() < deadline:
-            chunk = link.read(link.now() + timing.stream_gap)
+            chunk = self.line.read(link.now() + timing.stream_gap)
             if not chunk.data or chunk.data[-1] == TERMINATOR:
                 return
 

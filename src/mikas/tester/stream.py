@@ -4,12 +4,21 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Self
 
 from mikas import commands as c
 from mikas.commands.base import lengths_in_words
-from mikas.errors import LineError, MikasError, NoConnection, NoResponse, NotSupported, WrongLength
+from mikas.errors import (
+    LineError,
+    MikasError,
+    NoConnection,
+    NoResponse,
+    NotSupported,
+    ReadingSuspended,
+    WrongLength,
+)
 from mikas.framing import Frame
 from mikas.tester.line import Line, damaged
 
@@ -30,7 +39,8 @@ class Stream:
 
     Iterating raises `NoResponse` after `silence` seconds without a response (2 s by strokes, else
     `response_timeout`), `LinkLost` if the adapter is gone. A damaged response, or one
-    of a wrong length, is passed to `on_error` and left out.
+    of a wrong length, is passed to `on_error` and left out; so is all that came while the program
+    did not run.
 
     `request`: the wire form of `command`, sent. `running`: not closed.
     """
@@ -62,7 +72,8 @@ class Stream:
     def read(self, deadline: float, *, raise_errors: bool = False) -> StreamItem | None:
         """Return the next response; None at `deadline` of the link's clock.
 
-        Raises `NotSupported` if the unit answers `01`: it does not know the command (D10).
+        Raises `NotSupported` if the unit answers `01`: it does not know the command (D10);
+        `ReadingSuspended`, after which the stream goes on.
         `raise_errors`: also raises the `LineError` of each response that is left out.
         """
         while self.running:
@@ -72,9 +83,14 @@ class Stream:
                     return item
                 if raise_errors:
                     raise item
-            events = self._line.next_frame(
-                self._decoder, deadline, min_length=self._min_length, heard=self._heard
-            )
+            try:
+                events = self._line.next_frame(
+                    self._decoder, deadline, min_length=self._min_length, heard=self._heard
+                )
+            except ReadingSuspended as error:  # what comes next begins in the middle
+                self._decoder, self._heard = self._line.decoder(), self._line.link.now()
+                self._on_error(error)
+                raise
             if not events:
                 return None
             for event, time in events:
@@ -118,12 +134,14 @@ class Stream:
         return self
 
     def __next__(self) -> StreamItem:
-        item = self.read(max(self._heard, self._line.link.now()) + self.silence)
-        if item is not None:
-            return item
-        if not self.running:
-            raise StopIteration
-        raise self.fallen_silent()
+        while self.running:
+            with suppress(ReadingSuspended):
+                item = self.read(max(self._heard, self._line.link.now()) + self.silence)
+                if item is not None:
+                    return item
+                if self.running:
+                    raise self.fallen_silent()
+        raise StopIteration
 
     def fallen_silent(self) -> NoResponse | NotSupported:
         """Return the error for `silence` seconds without a response."""

@@ -20,6 +20,7 @@ from mikas.errors import (
     MikasError,
     NoResponse,
     NotSupported,
+    ReadingSuspended,
     SyncLost,
     usage_error,
 )
@@ -206,7 +207,7 @@ class Tester:
                 return self._once(command, wire)
             except LineError as error:
                 failed.append(error)
-                if not attempts:
+                if not attempts or isinstance(error, ReadingSuspended):  # perhaps another unit
                     raise self._verdict(command, error) from error
                 self.statistics.repeated += 1
 
@@ -326,7 +327,11 @@ class Tester:
         while (now := self.link.now()) < until:
             with self._holding():
                 self._ahead.settle()
-                if self.link.read(min(until, now + _TURN)).data:
+                try:
+                    unasked = self.line.read(min(until, now + _TURN)).data
+                except ReadingSuspended as error:
+                    unasked = error.received or b""
+                if unasked:
                     self.sync.mark_lost()
 
     def _ensure_in_sync(self) -> None:

@@ -25,6 +25,7 @@ from mikas.link.base import LATENCY_TIMER
 
 from ..closing import close_at_each_line
 from ..contract import FAR, RealTimeContract, Rig, meanwhile, write_until_lost
+from ..rigs import port_of
 from ..test_closing import USES
 from ..test_contract import teed
 
@@ -173,7 +174,7 @@ def test_a_lost_port_is_let_go_so_that_the_adapter_can_come_back(rig):
     rig.peer.vanish()
     with pytest.raises(LinkLost):
         rig.link.read(rig.link.now() + FAR)
-    assert not rig.link.link.port.is_open
+    assert not port_of(rig.link).is_open
 
 
 def test_ctrl_c_interrupts_a_wait(rig, about_to_wait):
@@ -188,13 +189,13 @@ def test_ctrl_c_interrupts_a_wait(rig, about_to_wait):
 
 def test_ctrl_c_in_a_break_ends_the_break(rig, monkeypatch):
     def interrupted(seconds):
-        assert rig.link.link.port.break_condition
+        assert port_of(rig.link).break_condition
         raise KeyboardInterrupt
 
     monkeypatch.setattr(serial_link, "time", SimpleNamespace(sleep=interrupted))
     with pytest.raises(KeyboardInterrupt):
         rig.link.send_break(FAR)
-    assert not rig.link.link.port.break_condition
+    assert not port_of(rig.link).break_condition
 
 
 def test_a_port_without_a_break_says_so_and_stays_usable(rig, monkeypatch):

@@ -12,7 +12,7 @@ from mikas.cli.click_extensions import command, flag, option
 from mikas.cli.context import CommandContext
 from mikas.cli.options.parameter_types import any_file
 from mikas.errors import usage_error
-from mikas.link import WallClock
+from mikas.link.base import AwakeClock
 from mikas.virtual import serve
 from mikas.virtual.build import CAR_SETTINGS, MODELS, SETTINGS, build_bus
 from mikas.virtual.bus import Bus
@@ -111,7 +111,7 @@ def sim(
     wanted |= dict(_pair(word) for word in (*line_faults, *settings))
     if no_echo:
         wanted["echo"] = "0"
-    clock = WallClock()
+    clock = AwakeClock()
     if replay is None:
         bus = build_bus(wanted, start=clock.now(), watcher=_watcher(context))
     else:
@@ -167,7 +167,7 @@ def _reporting_the_end(
 
 
 async def _serve(
-    context: CommandContext, bus: Bus, clock: WallClock, tcp: tuple[str, int] | None
+    context: CommandContext, bus: Bus, clock: AwakeClock, tcp: tuple[str, int] | None
 ) -> None:
     if tcp is None:
         if os.name != "posix":

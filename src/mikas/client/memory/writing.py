@@ -131,6 +131,8 @@ class SpaceWriter:
         while True:
             try:
                 got = self._request(command)
+            except errors.ReadingSuspended:
+                raise  # perhaps another unit answers by now
             except (errors.LineError, errors.NotSupported) as error:
                 if isinstance(error, errors.NotSupported) and error.received:
                     raise  # refused by 01 (D10)

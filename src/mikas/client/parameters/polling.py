@@ -157,7 +157,8 @@ class StreamPoller(Poller):
                 if self._silent > 1:  # the request of the first may have been lost
                     raise self._not_supported(error) from error
             except errors.MikasError as error:
-                if isinstance(error, errors.LineError) and self._stream is not None:
+                suspended = isinstance(error, errors.ReadingSuspended)
+                if isinstance(error, errors.LineError) and self._stream and not suspended:
                     # Only one response was damaged: the unit sends.
                     self._heard, self._silent = self._tester.link.now(), 0
                 else:

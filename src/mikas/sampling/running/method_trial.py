@@ -15,7 +15,7 @@ from statistics import median
 
 from mikas.client import Ecu, Reading
 from mikas.client.parameters.polling import STREAMS
-from mikas.errors import EcuRefused, LineError, MikasError, NoConnection, SyncLost
+from mikas.errors import EcuRefused, LineError, MikasError, NoConnection, ReadingSuspended, SyncLost
 from mikas.sampling.events import CycleFailed, Event
 from mikas.sampling.plan import Plan, datum_of
 from mikas.sampling.running.context import SamplingContext
@@ -121,6 +121,8 @@ def run_trial(
             except LineError as error:
                 free = True
                 failures += 1
+                if isinstance(error, ReadingSuspended):
+                    before = None
                 if failures == _MOST_ERRORS:
                     refused = cycles.poller.is_refusal(error)
                     yield TrialResult(plan.method, 0.0, refused=refused)
@@ -147,8 +149,8 @@ def run_trial(
 def _ended(cycles: PlanCycles) -> bool:
     try:
         cycles.poller.close()
-    except LineError:
-        return False
+    except LineError as error:
+        return isinstance(error, ReadingSuspended)  # which says nothing of the unit
     return True
 
 

@@ -67,13 +67,30 @@ class PlanCycles:
         """
         then = self._of(number + 1).turns[:1] if goes_on else ()
         try:
-            fresh = self.poller.cycle(self._of(number).turns, *then)
+            fresh = self._read(self._of(number).turns, *then)
         except errors.NoResponse:
             if self._streams:
                 self._identity_check.suspect()
             raise
+        except errors.ReadingSuspended:
+            self._identity_check.suspect()
+            raise
         if fresh:
             self._identity_check.check(self.ecu, self.poller.close)
+        return fresh
+
+    def _read(self, turns: tuple[Turn, ...], then: Turn | None = None) -> dict[str, Reading]:
+        """Run a cycle. Raises `ReadingSuspended`, once, also for a time before this cycle.
+
+        Its readings could be of both sides of that time.
+        """
+        line = self.ecu.tester.line
+        try:
+            fresh = self.poller.cycle(turns, then)
+        finally:
+            suspension, line.suspension = line.suspension, None
+        if suspension is not None:
+            raise suspension
         return fresh
 
     def _of(self, number: int) -> _Turns:
