@@ -27,11 +27,11 @@ from typing import TYPE_CHECKING, Any, Final, ParamSpec, TypeVar
 
 from mikas.errors import BrokerLost, NoBroker, library
 from mikas.publish.broker import Broker
-from mikas.publish.failures import connecting_failed, connection_lost
+from mikas.publish.failures import connecting_failed, connection_lost, left
 from mikas.publish.outbox import Lost, Message, Outbox
 
 if TYPE_CHECKING:
-    from aiomqtt import Client
+    from mikas.publish.client import Client
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -188,23 +188,28 @@ class BrokerConnection:
         """Connect and send until the connection breaks off, or until `close`."""
         from aiomqtt import MqttError
 
-        reached = False
+        reached, url, client = False, self.broker.url, self._client()
         try:
-            async with self._client() as client:
+            async with client:
                 reached = True
                 await self._read_kept(client)
                 await self._serve(client)
         except (MqttError, OSError, UnicodeError) as error:
+            if client.has_left:
+                return left(url, reached=reached)
             if not reached:
-                return connecting_failed(self.broker.url, error)
-            return connection_lost(self.broker.url, error, again=self._short >= _OFTEN)
+                return connecting_failed(url, error)
+            return connection_lost(url, error, again=self._short >= _OFTEN)
         finally:
+            client.let_go()
             self.is_connected = False
             self.outbox.disconnected()
         return None
 
     def _client(self) -> Client:
-        from aiomqtt import Client, Will
+        from aiomqtt import Will
+
+        from mikas.publish.client import Client
 
         broker, last = self.broker, self.offline
         return Client(

@@ -63,6 +63,10 @@ _SAME_CLIENT: Final = Text(
     "Так каждый раз: не публикует ли в ту же тему другая программа? Клиента с одним именем брокер "
     "пускает только одного.",
 )
+_LEFT: Final = Text(
+    "it sends more than a broker has to send here, or what is no MQTT, and was disconnected",
+    "он шлёт больше, чем положено брокеру, или не MQTT, и потому отключён",
+)
 _CLOSED: Final = Text("the broker has closed it", "её закрыл брокер")
 
 
@@ -98,6 +102,12 @@ def connecting_failed(url: str, error: MqttError | OSError | UnicodeError) -> er
         case OSError():  # a time-out has no number
             return errors.BrokerUnreachable(url=url, problem=_NO_ANSWER)
     return errors.BrokerUnreachable(url=url, problem=_NOT_MQTT)
+
+
+def left(url: str, *, reached: bool) -> errors.NoBroker:
+    """Return the error of a broker that was left because of what it sent."""
+    kind = errors.BrokerLost if reached else errors.BrokerUnreachable
+    return kind(url=url, problem=_LEFT)
 
 
 def connection_lost(url: str, error: Exception, *, again: bool) -> errors.BrokerLost:

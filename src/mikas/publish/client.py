@@ -1,0 +1,116 @@
+"""The client library, with a bound on what a broker may send.
+
+aiomqtt and paho take packets of up to 256 MiB into memory, keep messages without number, and after
+a packet that they can't interpret ask the same socket again and again: the thread would take the
+sampling thread's time. This client is sent little: acknowledgements, and one retained message of
+the one topic that it subscribes to for a moment. A broker that sends more, or what is no MQTT, is
+left at once, as one whose connection broke off.
+
+This module imports the library, so it is imported when a connection is made.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Any, Final
+
+import aiomqtt
+from paho.mqtt import client as paho
+from paho.mqtt.enums import MQTTErrorCode
+
+LARGEST: Final = 1 << 20  # bytes of a packet; Home Assistant's discovery of 29 channels has 17 kB
+BURST: Final = 4 << 20  # bytes at once
+RATE: Final = 8 << 10  # bytes a second for ever: answers to pings
+ANSWER: Final = 1 << 10  # bytes for each published message: its acknowledgement
+PIECE: Final = 64  # bytes, as which a piece counts at least: a small packet costs time, too
+WAITING: Final = 16  # messages that were not read yet
+
+
+class BrokerTooLoud(ConnectionError):
+    """The broker sends more than a broker has to say to this client."""
+
+
+class Client(aiomqtt.Client):
+    """aiomqtt's client over a bounded one of paho; its options, without those of the queue."""
+
+    def __init__(self, *args: Any, **options: Any) -> None:
+        super().__init__(*args, max_queued_incoming_messages=WAITING, **options)
+        self._client.__class__ = _BoundedPaho  # aiomqtt makes its own one
+        self._allowance = self._client.allowance = Allowance()  # type: ignore[attr-defined]
+
+    @property
+    def has_left(self) -> bool:
+        """Whether the broker was left because of what it sent."""
+        return self._allowance.exceeded
+
+    async def publish(self, *args: Any, **options: Any) -> None:
+        """As aiomqtt's."""
+        self._allowance.more(ANSWER)
+        await super().publish(*args, **options)
+
+    def let_go(self) -> None:
+        """Close the socket, which the library leaves open after some errors.
+
+        A thread may still be connecting: what it opens later does not reach the event loop, which
+        may have ended.
+        """
+        self._client.on_socket_open = None
+        self._client._sock_close()  # noqa: SLF001  (nothing public does)
+        self._client.on_socket_close = None
+
+
+class Allowance:
+    """The bytes that a broker may still send."""
+
+    def __init__(self, now: Callable[[], float] = time.monotonic) -> None:
+        self.exceeded = False
+        self._now = now
+        self._left = float(BURST)
+        self._time = now()
+
+    def ask(self, size: int) -> None:
+        """Raise `BrokerTooLoud` if a packet's next piece of `size` bytes is too large."""
+        if size > LARGEST:
+            self.exceed()
+
+    def more(self, size: int) -> None:
+        """Allow `size` bytes more, for an answer; they do not add up for ever."""
+        self._left = min(self._left + size, 2 * BURST)
+
+    def took(self, size: int) -> None:
+        """Count a piece of `size` bytes; raise `BrokerTooLoud` if these are too many."""
+        now = self._now()
+        if self._left < BURST:
+            self._left = min(self._left + (now - self._time) * RATE, BURST)
+        self._left -= max(size, PIECE)
+        self._time = now
+        if self._left < 0:
+            self.exceed()
+
+    def exceed(self) -> None:
+        """Raise `BrokerTooLoud`."""
+        self.exceeded = True
+        raise BrokerTooLoud("the broker sends more than it has to say")
+
+
+class _BoundedPaho(paho.Client):
+    allowance: Allowance
+
+    def _sock_recv(self, bufsize: int) -> bytes:
+        """As paho's, which asks for all of a packet as soon as it knows its size."""
+        self.allowance.ask(bufsize)
+        if self._in_messages:  # QoS 2, which was not subscribed to, and is kept until released
+            self.allowance.exceed()
+        data = super()._sock_recv(bufsize)
+        self.allowance.took(len(data))
+        return data
+
+    def loop_read(self, max_packets: int = 1) -> MQTTErrorCode:
+        """As paho's. What it can't interpret it would find again at each call."""
+        try:
+            return super().loop_read(max_packets)
+        except Exception:
+            self.allowance.exceeded = True
+            self._sock_close()
+            raise
