@@ -30,6 +30,7 @@ from bench.themes import (
     stalls,
     startup,
     static_site,
+    viewers,
     wire,
 )
 
@@ -43,6 +44,7 @@ THEMES = {
     "startup": startup,
     "installed": installed,
     "dash": dash,
+    "viewers": viewers,
     "dissectors": dissectors,
     "site": static_site,
     "crash": crash,

@@ -58,6 +58,8 @@ _TOKENS = re.compile(
     r"|(?:[0-9][0-9_]*\.?[0-9_]*|\.[0-9][0-9_]*)(?:[eE][+-]?[0-9][0-9_]*)?[jJ]?)"
 )
 
+_TRIES = 4
+
 _SIGNS = {ast.Mod: "%", ast.FloorDiv: "//", ast.BitAnd: "&", ast.BitOr: "|", ast.BitXor: "^"}
 
 
@@ -119,13 +121,27 @@ def _wrong(en: str, ru: str, span: tuple[int, int] | None = None) -> FormulaErro
     return FormulaError(Text(en, ru), span)
 
 
+def tree_of(line: str) -> ast.expr:
+    """Return Python's tree of an expression. Raises as `ast.parse`.
+
+    Python 3.11 counts the depth of all threads' trees in one place, so two that parse at the same
+    time may fail (“AST constructor recursion depth mismatch”): then it is parsed again.
+    """
+    for _ in range(_TRIES):
+        try:
+            return ast.parse(line, mode="eval").body
+        except (SystemError, RecursionError):
+            continue
+    return ast.parse(line, mode="eval").body
+
+
 def _syntax(line: str) -> ast.expr:
     if "#" in line:  # a comment would hide the rest of the joined lines
         at = line.index("#")
         raise _wrong("has a “#” in it", "содержит «#»", (at, at + 1))
     _refuse_warned(line)
     try:
-        return ast.parse(line, mode="eval").body
+        return tree_of(line)
     except SyntaxError as error:
         if habit := _habit(line):
             raise habit from None
@@ -135,7 +151,7 @@ def _syntax(line: str) -> ast.expr:
             f"ошибка в записи (знак {place})",
             (place - 1, place),
         ) from None
-    except (ValueError, RecursionError, MemoryError) as error:
+    except (ValueError, RecursionError, MemoryError, SystemError) as error:
         raise _wrong(f"is not a formula: {error}", "ошибка в записи") from None
 
 

@@ -19,7 +19,7 @@ import numpy as np
 
 from mikas.catalog import Catalog, Derived
 from mikas.catalog.conversion import NO_TEXT
-from mikas.catalog.formula_syntax import LONGEST, parse
+from mikas.catalog.formula_syntax import LONGEST, parse, tree_of
 from mikas.catalog.model import in_order
 from mikas.errors import UsageError, usage_error
 from mikas.recording.exchanges.arrays import Floats, Mask
@@ -159,7 +159,7 @@ def _channel(name: str, formula: str) -> Derived:
 
 def _first_comparison(expression: str) -> tuple[str, bool]:
     """Return what the first comparison compares, and whether its lowest value is the extreme."""
-    for node in _in_order(ast.parse(expression, mode="eval").body):
+    for node in _in_order(tree_of(expression)):
         if not isinstance(node, ast.Compare):
             continue
         operator, (right,) = node.ops[0], node.comparators
