@@ -15,6 +15,7 @@ from sampling_harness import ecu_factory, of
 from mikas.client.parameters.polling import FIXED_METHODS
 from mikas.errors import ReadingSuspended
 from mikas.link.reconnecting import ReconnectingPort
+from mikas.link.suspension import SuspensionGuard
 from mikas.publish.outbox import MessageKind
 from mikas.publish.publication import Publication
 from mikas.publish.topics import Topics
@@ -50,7 +51,7 @@ class Session:
         self.recorder.start(file, url="sim:")
         self.port = ReconnectingPort(
             "sim:?clock=simulated",
-            open_port=lambda _: StoppingLink(self.bus, stops, where),
+            open_port=lambda _: SuspensionGuard(StoppingLink(self.bus, stops, where)),
             clock=lambda: 0.0,
             sink=self.recorder,
         )

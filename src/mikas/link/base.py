@@ -64,6 +64,9 @@ class Link(ABC):
     is_virtual: bool = False
     """Whether the unit is known to be a virtual or a replayed one."""
 
+    is_simulated: bool = False
+    """Whether its time passes only while it is used."""
+
     granularity: float = LATENCY_TIMER
     """Seconds by which bytes may come late and together (D14); that of a latency timer."""
 
@@ -146,6 +149,7 @@ class LinkWrapper(Link):
         self.baud = link.baud
         self.opened = link.opened
         self.is_virtual = link.is_virtual
+        self.is_simulated = link.is_simulated
         self.granularity = link.granularity
 
     @property

@@ -57,7 +57,7 @@ class ReconnectingPort:
             link = _AheadLink(link, lag)
         self._link = link
         self._ahead = link.now() - self._clock()
-        if link.is_virtual:  # `open_link` returns it as it is
+        if link.is_virtual and not link.is_simulated:  # `open_link` returns it as it is
             link = SuspensionGuard(link)
         return link if self.sink is None else CaptureTee(link, self.sink, self.wire)
 

@@ -61,6 +61,8 @@ class BusLink(Link):
 class VirtualLink(BusLink):
     """A virtual unit on simulated time, which passes only during `read`."""
 
+    is_simulated = True
+
     def __init__(self, bus: Bus, *, url: str = "sim:?clock=simulated", start: float = 0.0) -> None:
         super().__init__(bus, url)
         self._now = start
