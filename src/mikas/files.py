@@ -35,6 +35,8 @@ _ALWAYS: Final[int] = sum(
     for name in ("O_NONBLOCK", "O_CLOEXEC", "O_NOCTTY", "O_BINARY", "O_NOINHERIT")
 )
 
+_JUNCTION: Final = 0xA000_0003  # stat.IO_REPARSE_TAG_MOUNT_POINT, on Windows only
+
 _LINK: Final = Text(
     "this is a link to another file, which is not followed; put the file itself here",
     "это ссылка на другой файл, по ней не переходят; положите сюда сам файл",
@@ -100,12 +102,22 @@ def _check(status: os.stat_result, mode: Mode) -> None:
 
 def check_regular(status: os.stat_result) -> None:
     """Raise `UnfitFile` unless `status` is that of a regular file."""
-    if stat.S_ISLNK(status.st_mode):
-        raise UnfitFile(errno.ELOOP, _LINK)
+    check_unlinked(status)
     if stat.S_ISDIR(status.st_mode):
         raise UnfitFile(errno.EISDIR, _FOLDER)
     if not stat.S_ISREG(status.st_mode):
         raise UnfitFile(errno.EINVAL, _NO_FILE)
+
+
+def check_unlinked(status: os.stat_result) -> None:
+    """Raise `UnfitFile` if `status` is that of a link: on Windows also a junction of folders."""
+    if stat.S_ISLNK(status.st_mode) or getattr(status, "st_reparse_tag", 0) == _JUNCTION:
+        raise UnfitFile(errno.ELOOP, _LINK)
+
+
+def too_large(most: int) -> UnfitFile:
+    """Return the error of a file that has more than `most` bytes."""
+    return UnfitFile(errno.EFBIG, _TOO_LARGE.filled(most=most // 1024))
 
 
 def read_regular(path: Path, most: int, *, follow: bool = False) -> bytes:
@@ -114,7 +126,7 @@ def read_regular(path: Path, most: int, *, follow: bool = False) -> bytes:
         is_too_large = os.fstat(file.fileno()).st_size > most  # not read in vain at each request
         data = b"" if is_too_large else file.read(most + 1)
     if is_too_large or len(data) > most:
-        raise UnfitFile(errno.EFBIG, _TOO_LARGE.filled(most=most // 1024))
+        raise too_large(most)
     return data
 
 

@@ -74,7 +74,8 @@ def test_a_beginning_next_to_the_whole_recording_does_not_count(tmp_path) -> Non
     assert counts(add_here(tmp_path / "in", to=tmp_path / "set")) == (2, 1, 0, 0)
     one_drive(tmp_path / "set")
     (tmp_path / "later.pcapng").write_bytes(half[:-100])
-    assert counts(add_here(tmp_path / "later.pcapng", to=tmp_path / "set")) == (0, 0, 1, 0)
+    both = (tmp_path / "later.pcapng", tmp_path / "in")
+    assert counts(add_here(*both, to=tmp_path / "set")) == (0, 0, 3, 0)
     one_drive(tmp_path / "set")
     places = [str(tmp_path / "later.pcapng"), str(tmp_path / "in")]
     assert plan(places, str(tmp_path / "set"), SETTINGS).files == ()  # nothing is read again
@@ -286,8 +287,8 @@ def test_two_runs_may_begin_a_dataset_in_one_moment(tmp_path) -> None:
     """The other one writes the marker after this one has found none."""
 
     class Late(DiskStore):
-        def read(self, name: str) -> bytes | None:
-            content = super().read(name)
+        def read(self, name: str, most: int) -> bytes | None:
+            content = super().read(name, most)
             if content is None:
                 begin(store(self.place))
             return content

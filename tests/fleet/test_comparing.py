@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from random import Random
+from statistics import median
 
 from hypothesis import given
 from hypothesis import strategies as st
@@ -12,10 +13,16 @@ from mikas.fleet.report.comparing import (
     FEWEST_OF_TREND,
     FEWEST_OTHERS,
     LATEST,
-    outlier,
+    Outlier,
+    Peers,
     trend,
     value_of,
 )
+
+
+def outlier(value: float, others: list[float], least: float) -> Outlier | None:
+    return Peers([*others, value]).outlier(value, least)
+
 
 floats = st.floats(-1e6, 1e6)
 
@@ -52,6 +59,19 @@ def test_a_car_like_half_of_the_others_never_stands_out(others) -> None:
     middle = sorted(others)[len(others) // 2]
     found = outlier(middle, [middle, middle, *others, middle], 0.0)
     assert found is None
+
+
+@given(st.lists(floats, min_size=FEWEST_OTHERS + 1, max_size=12), st.floats(0, 100))
+def test_all_cars_together_are_compared_as_each_alone(values, least) -> None:
+    peers = Peers(values)
+    for at, value in enumerate(values):
+        others = values[:at] + values[at + 1 :]
+        middle = median(others)
+        spread = 1.4826 * median(abs(each - middle) for each in others)
+        found = peers.outlier(value, least)
+        assert (found is not None) == (abs(value - middle) > max(3.5 * spread, least))
+        if found is not None:
+            assert (found.others, found.low, found.high) == (middle, min(others), max(others))
 
 
 def test_a_lasting_change_is_found_and_noise_is_not() -> None:

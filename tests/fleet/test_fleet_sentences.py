@@ -20,7 +20,7 @@ from hypothesis import strategies as st
 import mikas.fleet.report.sentences as module
 from mikas.catalog import shipped
 from mikas.fleet.cars import KnownBy
-from mikas.fleet.report.comparing import FEWEST_DRIVES, FEWEST_OF_TREND, outlier, trend, value_of
+from mikas.fleet.report.comparing import FEWEST_DRIVES, FEWEST_OF_TREND, Peers, trend, value_of
 from mikas.fleet.report.figures import CarFigures, DatedFaults, FleetFigures
 from mikas.fleet.report.findings import FleetFindings, find
 from mikas.fleet.report.measures import MEASURES
@@ -46,8 +46,8 @@ def car(name: str = "A", readings=((),), known_by: str = "plate", **series) -> C
     )  # fmt: skip
 
 
-def fleet(*cars: CarFigures, unknown: int = 0) -> FleetFindings:
-    return find(FleetFigures(cars, unknown, NOW), CATALOG)
+def fleet(*cars: CarFigures, unknown: int = 0, refused: int = 0) -> FleetFindings:
+    return find(FleetFigures(cars, unknown, NOW, refused), CATALOG)
 
 
 # The rules, from the figures: the findings are not asked
@@ -60,8 +60,10 @@ def values(f: FleetFindings, key: str) -> dict[str, float]:
 
 def differs(f: FleetFindings, name: str, key: str) -> bool:
     every = values(f, key)
-    others = [value for other, value in every.items() if other != name]
-    return name in every and outlier(every[name], others, MEASURE[key].least) is not None
+    found = (
+        Peers(every.values()).outlier(every[name], MEASURE[key].least) if name in every else None
+    )
+    return found is not None
 
 
 def is_off(f: FleetFindings, name: str, key: str) -> bool:
@@ -143,6 +145,7 @@ RULES: dict[str, Callable[[FleetFindings], bool]] = {
     "Of which car: {} have neither a plate nor a name nor a unit's passport.": lambda f: (
         f.figures.unknown > 0
     ),
+    "Left out: {} of the dataset whose files can't be used.": lambda f: f.figures.refused > 0,
     "The cause. Cars with other equipment, other loads or another program differ too: a "
     "difference is a reason to check, not a proof.": lambda _: True,
 }
@@ -204,7 +207,7 @@ def cases() -> list[FleetFindings]:
         fleet(*five[:4], car("E", idle_voltage=[12.0] * 5)),
         fleet(car(idle_voltage=[12.0] * 3)), fleet(car(idle_voltage=[12.0] * 2)),
         fleet(car(idle_valve=[30.0 + 3 * n for n in range(10)])),
-        fleet(car(idle_voltage=long), unknown=3),
+        fleet(car(idle_voltage=long), unknown=3), fleet(car(), refused=2),
         fleet(*five, car("F", readings=((), (13,)))), fleet(car(readings=((13,), ()))),
         fleet(car(readings=((99, 13), (99,)))), fleet(car(readings=())),
         fleet(replace(car(readings=()), read=True, undated=1)),

@@ -18,10 +18,11 @@ from fleet_rig import BEGAN, DAY, add_here, ask, counts, make
 from mikas.errors import FleetError, UsageError
 from mikas.fleet.database import opened
 from mikas.fleet.places import as_local, recordings_in, shown
-from mikas.fleet.stores import store
+from mikas.fleet.stores import FolderContents, store
 from sql_attacks import READS, WRITES, attack
 
 pytest.importorskip("moto")
+MOST = 1 << 20
 SECRET = "wJalrXUtnFEMIK7MDENGbPxRfiCYEXAMPLEKEY"
 
 
@@ -73,13 +74,13 @@ def place(request, tmp_path) -> str:
 def test_every_store_keeps_the_contract(place, tmp_path) -> None:
     files = store(place)
     files.tidy()
-    assert files.read("a/b.txt") is None
+    assert files.read("a/b.txt", MOST) is None
     assert files.names("") == files.names("a") == []
-    assert files.contents("a") == {}
+    assert files.contents("a", ".txt", MOST) == FolderContents()
     files.remove("a/b.txt")
     files.write("a/b.txt", b"one")
     files.write("a/car=Волга 1%2F/c.txt", b"two")
-    assert files.read("a/b.txt") == b"one"
+    assert files.read("a/b.txt", MOST) == b"one"
     files.write("a/b.txt", b"three")
     with files.workshop("run") as folder:
         part = folder / "part"
@@ -87,12 +88,12 @@ def test_every_store_keeps_the_contract(place, tmp_path) -> None:
         files.put("a/d.txt", part)
     assert files.names("a") == ["b.txt", "car=Волга 1%2F", "d.txt"]
     assert files.names("") == ["a"] or files.names("") == [".parts", "a"]
-    assert files.contents("a/car=Волга 1%2F") == {"c.txt": b"two"}
+    assert files.contents("a/car=Волга 1%2F", ".txt", MOST).files == {"c.txt": b"two"}
     again = store(place)
-    assert again.read("a/d.txt") == b"four" * 5000
+    assert again.read("a/d.txt", MOST) == b"four" * 5000
     files.remove("a/b.txt")
     files.remove("a/b.txt")
-    assert again.read("a/b.txt") is None
+    assert again.read("a/b.txt", MOST) is None
     assert again.names("a") == ["car=Волга 1%2F", "d.txt"]
 
 
@@ -154,8 +155,9 @@ class OneConnection(LocalFileSystem):
         with self.alone():
             return Path(self._strip_protocol(path)).read_bytes()
 
-    def find(self, path: str, **_) -> list[str]:
-        return [name.encode().decode("latin-1") for name in super().find(path)]
+    def find(self, path: str, **_) -> dict[str, dict]:
+        found = super().find(path, detail=True)
+        return {name.encode().decode("latin-1"): info for name, info in found.items()}
 
     def makedirs(self, path: str, exist_ok: bool = False) -> None:
         if path not in self.tried:

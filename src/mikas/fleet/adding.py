@@ -9,7 +9,7 @@ counts but what it had finished; the same command continues. Several runs may ad
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Final
@@ -17,13 +17,14 @@ from uuid import uuid4
 
 from mikas.errors import FleetError, usage_error
 from mikas.fleet.cars import plate_key
+from mikas.fleet.entries import LedgerEntry
 from mikas.fleet.executors import Runner
-from mikas.fleet.growing import earlier, longer, settle
+from mikas.fleet.growing import States
 from mikas.fleet.interpreting import InterpretingSettings
 from mikas.fleet.job import FileOutcome, work
-from mikas.fleet.ledger import Ledger, LedgerEntry, begin
+from mikas.fleet.ledger import Ledger, begin
 from mikas.fleet.places import FoundFile, as_path, is_url, recordings_in, shown
-from mikas.fleet.stores import store
+from mikas.fleet.stores import is_of_file, store
 from mikas.fleet.tables import RESERVED
 from mikas.i18n import Text
 
@@ -58,12 +59,13 @@ class Added:
 @dataclass(frozen=True, slots=True)
 class AddingPlan:
     """The files to look at, the number of those that are as they were, and the entries that do not
-    count any more, as their tables are gone.
+    count any more, as their tables are gone. `found`: all files, by place as shown.
     """
 
     files: tuple[FoundFile, ...]
     skipped: int
     ledger: Ledger
+    found: Mapping[str, FoundFile]
     lost: tuple[LedgerEntry, ...] = ()
 
 
@@ -84,16 +86,18 @@ def plan(places: Iterable[str], dataset: str, settings: InterpretingSettings) ->
     ledger = begin(store(dataset))
     lost = ledger.drop_lost()
     files = []
+    version = settings.version
     known = {
         (url, stamp): entry for entry in ledger.entries.values() for url, stamp in
         entry.sources.items()
     }  # fmt: skip
     for file in found.values():
         entry = known.get((shown(file.url), file.stamp)) if file.stamp else None
-        if entry is None or not entry.is_current(settings.version, settings.car):
+        if entry is None or not entry.is_current(version, settings.car):
             files.append(file)
     files.sort(key=lambda file: (file.bytes, file.url))  # an earlier state before the later one
-    return AddingPlan(tuple(files), len(found) - len(files), ledger, tuple(lost))
+    by_place = {shown(url): file for url, file in found.items()}
+    return AddingPlan(tuple(files), len(found) - len(files), ledger, by_place, tuple(lost))
 
 
 def add(
@@ -108,31 +112,42 @@ def add(
     run = uuid4().hex
     lasting = dataset if is_url(dataset) else str(as_path(dataset))  # whatever a worker's folder
     files_of: dict[str, Sequence[FoundFile]] = {settings.car: planned.files}  # by the given car
+    states = States(planned.ledger, planned.found, planned.files)
     try:
-        settle(planned.ledger)
+        states.settle()
         while files_of:
             car, files = files_of.popitem()
             job = partial(work, dataset=lasting, settings=replace(settings, car=car), run=run)
             again: dict[str, list[FoundFile]] = defaultdict(list)
             for outcome in runner.outcomes(job, files):
-                if (known := _take(outcome, planned.ledger, result)) is not None:
+                try:
+                    known = _take(outcome, planned.ledger, states, result)
+                except FleetError as error:
+                    if not is_of_file(error):
+                        raise
+                    result.bad.append(BadFile(shown(outcome.file.url), error.problem))
+                    known = None
+                if known is not None:
                     again[known].append(outcome.file)
                 else:
                     on_file(outcome)
             files_of |= again
         if result.added:
             planned.ledger.refresh()
-            settle(planned.ledger)
+            states.settle()
         for entry in planned.lost:
             if entry.key not in planned.ledger.entries:
                 result.bad.append(BadFile(next(iter(entry.sources), entry.key), _LOST))
+        for name, reason in planned.ledger.refused.items():
+            result.bad.append(BadFile(f"{shown(lasting).rstrip('/')}/{name}", reason))
     finally:
         runner.close()
+        planned.ledger.write_noted()
         planned.ledger.files.clear(run)
     return result
 
 
-def _take(outcome: FileOutcome, ledger: Ledger, result: Added) -> str | None:
+def _take(outcome: FileOutcome, ledger: Ledger, states: States, result: Added) -> str | None:
     """Let a recording count. Return the car that was given for an earlier state of it, if its
     tables are to be made again for that car.
     """
@@ -153,11 +168,11 @@ def _take(outcome: FileOutcome, ledger: Ledger, result: Added) -> str | None:
         if (before := ledger.entries.get(entry.key)) is not None:
             _skip(file, before, ledger, result)
             return None
-    if (whole := longer(file, entry, ledger)) is not None:
+    if (whole := states.longer(outcome)) is not None:
         _remove_tables(entry, ledger)
         _skip(file, whole, ledger, result)
         return None
-    older = list(earlier(file, entry, ledger))
+    older = list(states.earlier(outcome))
     given = "" if entry.given else next((it.given for it, _ in older if it.given), "")
     if given:
         _remove_tables(entry, ledger)
@@ -170,6 +185,7 @@ def _take(outcome: FileOutcome, ledger: Ledger, result: Added) -> str | None:
     sources |= (before.sources if before else {}) | entry.sources
     entry = replace(entry, replaces=tuple(dict.fromkeys(replaces)), sources=sources)
     ledger.commit(entry, [each for each, _ in older])
+    states.note(entry)
     result.added += 1
     result.replaced += bool(older or before)
     result.seconds += entry.seconds

@@ -30,6 +30,12 @@ from mikas.fleet.memory import memory_limit, too_much_memory
 from mikas.fleet.places import is_utf_8, shown
 from mikas.fleet.questions import is_question
 from mikas.fleet.stores import Store, UrlStore, store
+from mikas.fleet.table_files import (
+    look_sound,
+    most_rows,
+    refuse_long_files,
+    refuse_other_files,
+)
 from mikas.fleet.tables import PARTITIONS, TABLES
 from mikas.i18n import Text
 from mikas.recording.parquet import quoted
@@ -43,7 +49,9 @@ _PROTOCOL: Final = "dataset"
 _ROOT: Final = f"{_PROTOCOL}://"
 _WAIT: Final = 0.2  # s
 _IN_PYTHON: Final = re.compile(r"Traceback \(most recent.*\b\w+Error: ", re.DOTALL)
-_FILE: Final = re.compile(rf"File '[^']+\.parquet'|{_IN_PYTHON.pattern}", re.DOTALL)  # unreadable
+_FILE: Final = re.compile(
+    rf"bytes outside file: |File '[^']+\.parquet'|{_IN_PYTHON.pattern}", re.DOTALL
+)  # unreadable
 _ZONE: Final = "'pytz'"  # which Python needs for a time with a zone
 _SPARE: Final = 200  # open files
 _AT_ONCE: Final = 10_000  # rows
@@ -60,13 +68,17 @@ _SETTINGS: Final = (
 
 
 class Database:
-    """The views of a dataset, read-only. Not for two threads at a time."""
+    """The views of a dataset, read-only. Not for two threads at a time.
+
+    `ledger.refused`: what of the dataset is left out, and why.
+    """
 
     def __init__(self, dataset: str) -> None:
         files = store(dataset)
         self._place = shown(files.place)
         while True:
             self.ledger: Ledger = open_ledger(files)
+            known = set(self.ledger.entries)  # before any of them is refused
             allow_open(_SPARE + sum(len(it.files) for it in self.ledger.entries.values()))
             self._connection = duckdb.connect(
                 config={
@@ -79,7 +91,7 @@ class Database:
                 self._run(lambda: self._prepare(files))
             except duckdb.Error as error:
                 self.close()
-                if open_ledger(files).entries.keys() == self.ledger.entries.keys():
+                if set(open_ledger(files).entries) == known:
                     raise _unreadable(self._place, error) from error
             except BaseException:
                 self.close()
@@ -107,23 +119,23 @@ class Database:
                 "набор можно только читать: один запрос SELECT, DESCRIBE, SUMMARIZE или EXPLAIN",
             )
         with self._errors_of(sql):
-            self._run(lambda: self._connection.execute(sql))
+            first = self._run(lambda: self._begin(sql, most=_AT_ONCE))
             names = [column[0] for column in self._connection.description or ()]
-        return QueryRows(names, self._answers(sql))
+        return QueryRows(names, self._answers(sql, first))
 
-    def _answers(self, sql: str) -> Iterator[tuple[Any, ...]]:
-        rows: list[tuple[Any, ...]] = [()]
+    def _answers(self, sql: str, rows: list[tuple[Any, ...]]) -> Iterator[tuple[Any, ...]]:
         while rows:
+            yield from rows
             with self._errors_of(sql):
                 rows = self._run(lambda: self._connection.fetchmany(_AT_ONCE))
-            yield from rows
 
     def rows(self, sql: str, *values: object) -> list[tuple[Any, ...]]:
         """Return all rows of a question of the program's own. Raises `FleetError`."""
         try:
-            rows: list[tuple[Any, ...]] = self._run(
-                lambda: self._connection.execute(sql, list(values)).fetchall()
-            )
+            most = most_rows(self.ledger) + 1
+            rows = self._run(lambda: self._begin(sql, *values, most=most))
+            if len(rows) == most and self._run(self._refuse_unsound):
+                rows = self._run(lambda: self._begin(sql, *values, most=most))
         except duckdb.Error as error:
             raise _unreadable(self._place, error) from error
         return rows
@@ -170,6 +182,41 @@ class Database:
         self._connection.register_filesystem(_file_system(files, listed_files))
         for setting in _SETTINGS:
             run(f"SET {setting}")
+        run("SET parquet_metadata_cache = true")  # each question would read the ends of all files
+        try:
+            self._make_views()
+            is_sound = look_sound(self._connection)
+        except duckdb.Error:
+            is_sound = False
+        if not is_sound:
+            self._refuse_unsound()
+        run("SET lock_configuration = true")
+
+    def _refuse_unsound(self) -> bool:
+        """Look at each file, and let no entry count with one that is not sound; return whether
+        there is one.
+        """
+        before = len(self.ledger.refused)
+        refuse_other_files(self._connection, _ROOT, self.ledger)
+        refuse_long_files(self._connection, _ROOT, self.ledger)
+        self._make_views()
+        return len(self.ledger.refused) > before
+
+    def _begin(self, sql: str, *values: object, most: int) -> list[tuple[Any, ...]]:
+        """Execute a question and return its first rows; once more without a file by which it fails.
+
+        Raises `duckdb.Error`.
+        """
+        try:
+            rows = self._connection.execute(sql, list(values)).fetchmany(most)
+        except duckdb.Error as error:
+            if _ROOT not in str(error) or not self._refuse_unsound():
+                raise
+            rows = self._connection.execute(sql, list(values)).fetchmany(most)
+        return rows
+
+    def _make_views(self) -> None:
+        run = self._connection.execute
         named: dict[str, list[str]] = {table: [] for table in TABLES}
         for entry in self.ledger.entries.values():
             for name in entry.files:
@@ -179,15 +226,14 @@ class Database:
             if names:
                 listed = ", ".join(map(quoted, sorted(names)))
                 run(
-                    f"CREATE VIEW {table} AS SELECT car, day, * EXCLUDE (car, day) FROM "
+                    f"CREATE OR REPLACE VIEW {table} AS SELECT car, day, * EXCLUDE (car, day) FROM "
                     f"read_parquet([{listed}], union_by_name = true, hive_partitioning = true, "
                     f"hive_types = {{{types}}})"
                 )
             else:
                 columns = {**PARTITIONS, **TABLES[table]}
                 nulls = ", ".join(f"NULL::{kind} AS {name}" for name, kind in columns.items())
-                run(f"CREATE VIEW {table} AS SELECT {nulls} WHERE false")
-        run("SET lock_configuration = true")
+                run(f"CREATE OR REPLACE VIEW {table} AS SELECT {nulls} WHERE false")
 
 
 class QueryRows(NamedTuple):

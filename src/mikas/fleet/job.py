@@ -7,6 +7,9 @@ comes of the file. The files that it writes count only when `adding` has entered
 from __future__ import annotations
 
 import errno
+from collections import deque
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from hashlib import sha256
 from pathlib import Path, PurePath
@@ -14,9 +17,10 @@ from typing import TYPE_CHECKING, Final
 
 from mikas.errors import CaptureError, FleetError, MikasError, UnfitFile, reason_of
 from mikas.files import open_regular
-from mikas.fleet.ledger import FOLDER, MARKER, LedgerEntry, read_entry
+from mikas.fleet.entries import FOLDER, HEADS, LONGEST, STEP, SUFFIX, LedgerEntry, parse_entry
+from mikas.fleet.ledger import MARKER
 from mikas.fleet.places import FoundFile, as_local, shown
-from mikas.fleet.stores import store
+from mikas.fleet.stores import Store, is_of_file, store
 from mikas.i18n import Text
 from mikas.recording.capture.reader import CaptureReader
 
@@ -24,8 +28,7 @@ if TYPE_CHECKING:
     from mikas.fleet.interpreting import InterpretingSettings
 
 _BLOCK: Final = 1 << 20
-STEP: Final = 512
-HEAD: Final = 8 * STEP
+HEAD: Final = HEADS * STEP
 """Bytes by which recordings are found that may be states of one, compared step by step."""
 
 _NO_ROOM: Final = (errno.ENOSPC, errno.EDQUOT, errno.EROFS)
@@ -52,7 +55,7 @@ _BUG: Final = Text(
 class FileOutcome:
     """What became of a file. `entry`: of its recording; `is_new`: its tables were written now;
     without an entry: `bad`, why nothing was read; `ends`: it would be the same for every other
-    file.
+    file; `opening`: its first `HEAD` bytes, if it is new.
     """
 
     file: FoundFile
@@ -60,6 +63,7 @@ class FileOutcome:
     is_new: bool = False
     bad: Text | None = None
     ends: bool = False
+    opening: bytes = b""
 
 
 def work(
@@ -78,7 +82,9 @@ def work(
     except CaptureError as error:
         return FileOutcome(file, bad=error.problem)
     except FleetError as error:
-        return FileOutcome(file, bad=error.problem, ends=error.place != shown(file.url))
+        return FileOutcome(
+            file, bad=error.problem, ends=error.place != shown(file.url) and not is_of_file(error)
+        )
     except MikasError as error:
         return FileOutcome(file, bad=error.reason)
     except (UnfitFile, OSError) as error:
@@ -91,13 +97,13 @@ def _work(file: FoundFile, dataset: str, settings: InterpretingSettings, run: st
     from mikas.fleet.interpreting import interpret
 
     target = store(dataset)
-    if target.read(MARKER) is None:
+    if target.read(MARKER, LONGEST) is None:
         raise FleetError(shown(dataset), _NOT_SEEN)
     with as_local(file.url) as path:
         CaptureReader(path)  # raises, if it is no capture
         digest, size, opening = digest_of(path)
         key = digest[:32]
-        if (known := target.read(f"{FOLDER}/{key}.json")) and (entry := read_entry(known)):
+        if (entry := _known(target, key)) is not None:
             if entry.is_current(settings.version, settings.car):
                 return FileOutcome(file, entry)
             settings = replace(settings, car=settings.car or entry.given)
@@ -111,7 +117,20 @@ def _work(file: FoundFile, dataset: str, settings: InterpretingSettings, run: st
         key, digest, size, _heads(opening), settings.version, settings.car, made.car, made.drives,
         made.rows, made.seconds, made.damaged, tuple(made.files), sources,
     )  # fmt: skip
-    return FileOutcome(file, entry, is_new=True)
+    return FileOutcome(file, entry, is_new=True, opening=opening)
+
+
+def _known(target: Store, key: str) -> LedgerEntry | None:
+    """Return the entry of a recording; None: there is none that is sound."""
+    try:
+        data = target.read(f"{FOLDER}/{key}{SUFFIX}", LONGEST)
+    except FleetError as error:
+        if is_of_file(error):
+            return None
+        raise
+    with suppress(ValueError):
+        return None if data is None else parse_entry(data, f"{key}{SUFFIX}")
+    return None
 
 
 def _heads(opening: bytes) -> tuple[str, ...]:
@@ -120,19 +139,42 @@ def _heads(opening: bytes) -> tuple[str, ...]:
     return tuple(sha256(opening[:end]).hexdigest()[:16] for end in ends)
 
 
-def digest_of(path: Path, most: int | None = None) -> tuple[str, int, bytes]:
-    """Return the SHA-256 of a file or of its first `most` bytes, their number, and `HEAD` bytes.
+def digest_of(path: Path) -> tuple[str, int, bytes]:
+    """Return the SHA-256 of a file, its size, and its first `HEAD` bytes.
 
     Raises `OSError`; `UnfitFile` for a link, a pipe or a device.
     """
     digest, size, opening = sha256(), 0, b""
-    with open_regular(path, follow=True, buffering=0) as file:
-        while most is None or size < most:
-            wanted = _BLOCK if most is None else min(_BLOCK, most - size)
-            if not (block := file.read(wanted)):
-                break
-            if len(opening) < HEAD:
-                opening = (opening + block)[:HEAD]
-            digest.update(block)
-            size += len(block)
+    for block in _blocks(path):
+        if len(opening) < HEAD:
+            opening = (opening + block)[:HEAD]
+        digest.update(block)
+        size += len(block)
     return digest.hexdigest(), size, opening
+
+
+def beginnings_of(path: Path, lengths: Sequence[int]) -> set[tuple[int, str]]:
+    """Return `beginnings` of a file, which is read once. Raises as `digest_of`."""
+    return beginnings(_blocks(path), lengths)
+
+
+def beginnings(blocks: Iterator[bytes], lengths: Sequence[int]) -> set[tuple[int, str]]:
+    """Return the SHA-256 of the first bytes for each of the lengths, which ascend."""
+    digest, size, found = sha256(), 0, set()
+    wanted = deque(lengths)
+    while wanted and (block := next(blocks, b"")):
+        begin = 0
+        while wanted and wanted[0] <= size + len(block):
+            end = wanted[0] - size
+            digest.update(block[begin:end])
+            found.add((wanted.popleft(), digest.hexdigest()))
+            begin = end
+        digest.update(block[begin:])
+        size += len(block)
+    return found
+
+
+def _blocks(path: Path) -> Iterator[bytes]:
+    with open_regular(path, follow=True, buffering=0) as file:
+        while block := file.read(_BLOCK):
+            yield block

@@ -8,31 +8,38 @@ A file of a table counts once an entry names it. So an entry, written at once, m
 recording count together, and what a killed program has left never does. An entry that replaces
 others names their files and entries as `obsolete`: from then on they do not count, and are removed,
 by the next program if this one is killed.
+
+A dataset may be a stranger's. An entry that is not sound (`fleet/entries.py`), or whose tables
+can't be used, does not count and is named in `refused`; the others do. Where an entry says its
+recording was found is only compared with the places that the user names: it opens none.
 """
 
 from __future__ import annotations
 
 import json
-import re
-from collections.abc import Iterable
-from dataclasses import asdict, dataclass, field, replace
-from typing import Any, Final
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Final
 
-from mikas.cleaning import clean_json
 from mikas.errors import FleetError
+from mikas.fleet.entries import (
+    FOLDER,
+    LARGEST_TABLE,
+    LONGEST,
+    SUFFIX,
+    LedgerEntry,
+    json_of,
+    parse_entry,
+    reason_not_sound,
+)
 from mikas.fleet.places import PARTS, shown
 from mikas.fleet.stores import Store
 from mikas.fleet.tables import TABLES
 from mikas.i18n import Text
 
 MARKER: Final = "mikas-fleet.json"
-FOLDER: Final = "_ledger"
 FORM: Final = 1
-_DATA: Final = re.compile(
-    rf"(?:{'|'.join(TABLES)})/car=[^/\\]+/day=[^/\\]+/[0-9a-f]+-[0-9a-f]+\.parquet"
-)
-_ENTRY: Final = re.compile(rf"{FOLDER}/[0-9a-f]+\.json")
-_KEY: Final = re.compile("[0-9a-f]{32}")
+_AT_ONCE: Final = 200  # entries that one write replaces: it names all their files
 _NO_DATASET: Final = Text(
     "this is no dataset of recordings (it has no {marker}); `mikas fleet add FOLDER --to DATASET` "
     "makes one",
@@ -48,87 +55,47 @@ _LATER: Final = Text(
 )
 
 
-@dataclass(frozen=True, slots=True)
-class LedgerEntry:
-    """One recording. `heads`: digests of its beginning; `version`: of what interpreted it; `given`:
-    the car given for it; `sources`: where it was found, each with its stamp then; `replaces`: its
-    beginnings, which count no more, whoever writes them.
-    """
-
-    key: str
-    sha256: str
-    bytes: int
-    heads: tuple[str, ...]
-    version: str
-    given: str = ""
-    car: str | None = None
-    drives: int = 0
-    rows: int = 0
-    seconds: float = 0.0
-    damaged: int = 0
-    files: tuple[str, ...] = ()
-    sources: dict[str, str] = field(default_factory=dict)
-    replaces: tuple[str, ...] = ()
-    obsolete: tuple[str, ...] = ()
-
-    @property
-    def name(self) -> str:
-        """The entry's own name in the dataset."""
-        return f"{FOLDER}/{self.key}.json"
-
-    def is_current(self, version: str, given: str) -> bool:
-        """Return whether it needs no new interpretation."""
-        return self.version == version and given in ("", self.given)
-
-
-def read_entry(data: bytes) -> LedgerEntry | None:
-    """Return an entry; None for a damaged one: its recording is added again."""
-    try:
-        value = clean_json(json.loads(data))
-        known = {name: value[name] for name in LedgerEntry.__dataclass_fields__ if name in value}
-        for name in ("heads", "files", "replaces", "obsolete"):
-            known[name] = tuple(map(str, known.get(name, ())))
-        entry = LedgerEntry(**known)
-    except (ValueError, TypeError, RecursionError):
-        return None
-    return entry if _is_sound(entry) else None
-
-
-def _is_sound(entry: LedgerEntry) -> bool:
-    """Return whether its names are those of a dataset: they are read and removed."""
-    gone = (_DATA.fullmatch(name) or _ENTRY.fullmatch(name) for name in entry.obsolete)
-    if not isinstance(entry.sources, dict):
-        return False
-    texts: tuple[Any, ...] = (entry.key, entry.sha256, entry.version, entry.given)
-    return (
-        all(isinstance(text, str) for text in (*texts, *entry.sources.values()))
-        and bool(_KEY.fullmatch(entry.key))
-        and entry.key not in entry.replaces
-        and isinstance(entry.bytes, int)
-        and all(map(_DATA.fullmatch, entry.files))
-        and all(gone)
-    )
-
-
 class Ledger:
-    """The entries of a dataset, all in memory. Raises `FleetError`."""
+    """The entries of a dataset, all in memory. Raises `FleetError`.
+
+    `refused`: by name of their file, the entries that do not count, and why; `readings`: how many
+    times the entries were read.
+    """
 
     def __init__(self, files: Store) -> None:
         self.files = files
         self.entries: dict[str, LedgerEntry] = {}
+        self.refused: dict[str, Text] = {}
+        self.readings = 0
+        self._noted: set[str] = set()
+        self.sizes: dict[str, int] = {}  # of the files, as last looked at
         self.refresh()
 
     def refresh(self) -> None:
         """Read the entries again: other runs may have changed them."""
-        read = map(read_entry, self.files.contents(FOLDER).values())
-        found = {entry.key: entry for entry in read if entry is not None}
+        self.write_noted()
+        self.readings += 1
+        read = self.files.contents(FOLDER, SUFFIX, LONGEST)
+        self.refused = {f"{FOLDER}/{name}": reason for name, reason in read.unfit.items()}
+        found = {}
+        for name, data in read.files.items():
+            try:
+                entry = parse_entry(data, name)
+            except ValueError as error:
+                self.refused[f"{FOLDER}/{name}"] = reason_not_sound(error)
+            else:
+                found[entry.key] = entry
         gone = {name for entry in found.values() for name in entry.obsolete}
         # Another run may write an entry back, with a source of it, that was just replaced.
         gone |= {f"{FOLDER}/{key}.json" for entry in found.values() for key in entry.replaces}
         self.entries = {key: entry for key, entry in found.items() if entry.name not in gone}
 
-    def commit(self, entry: LedgerEntry, older: Iterable[LedgerEntry] = ()) -> None:
+    def commit(self, entry: LedgerEntry, older: Sequence[LedgerEntry] = ()) -> None:
         """Let an entry count, and its former self and `older` ones no more."""
+        for at in range(0, max(1, len(older)), _AT_ONCE):
+            self._commit(entry, older[at : at + _AT_ONCE])
+
+    def _commit(self, entry: LedgerEntry, older: Sequence[LedgerEntry]) -> None:
         gone: list[str] = []
         before = self.entries.get(entry.key)
         for each in (*([before] if before else []), *older):
@@ -149,50 +116,78 @@ class Ledger:
             self._change(replace(entry, obsolete=()))
 
     def drop_lost(self) -> list[LedgerEntry]:
-        """Let no entry count whose files are gone; return those entries."""
+        """Let no entry count whose files can't be used; return those entries."""
+        lost = self._surely_lost()
+        for entry in lost:
+            self.files.remove(entry.name)
+            del self.entries[entry.key]
+        return [*lost]
+
+    def refuse_lost(self) -> None:
+        """Let no entry count whose files can't be used, and change nothing: `refused` names it."""
+        for entry, reason in self._surely_lost().items():
+            self.refuse(entry, reason)
+
+    def refuse(self, entry: LedgerEntry, reason: Text) -> None:
+        """Let an entry not count, for this reason."""
+        self.refused[entry.name] = reason
+        del self.entries[entry.key]
+
+    def _surely_lost(self) -> dict[LedgerEntry, Text]:
         lost = self._lost()
         if lost:  # or replaced by another run, while they were looked for
             self.refresh()
             lost = self._lost()
-        for entry in lost:
-            self.files.remove(entry.name)
-            del self.entries[entry.key]
         return lost
 
-    def _lost(self) -> list[LedgerEntry]:
+    def _lost(self) -> dict[LedgerEntry, Text]:
         every = self.entries.values()
-        gone = self.files.missing(name for entry in every for name in entry.files)
-        return [entry for entry in every if not gone.isdisjoint(entry.files)]
+        sizes = self.files.sizes((name for entry in every for name in entry.files), LARGEST_TABLE)
+        self.sizes = {name: size for name, size in sizes.items() if isinstance(size, int)}
+        lost = {}
+        for entry in every if len(self.sizes) < len(sizes) else ():
+            reasons = (sizes[name] for name in entry.files if name not in self.sizes)
+            if isinstance(reason := next(reasons, None), Text):
+                lost[entry] = reason
+        return lost
 
     def note_source(self, key: str, url: str, stamp: str) -> None:
-        """Note another place of a recording, so that it need not be read there again."""
+        """Note another place of a recording, so that it need not be read there again.
+
+        `write_noted` writes it: a recording may have thousands of copies.
+        """
         entry = self.entries[key]
         if stamp and entry.sources.get(shown(url)) != stamp:
-            sources = {**entry.sources, shown(url): stamp}
-            self._change(replace(entry, sources=sources))
+            entry.sources[shown(url)] = stamp
+            self._noted.add(key)
+
+    def write_noted(self) -> None:
+        """Write the entries with new places."""
+        while self._noted:
+            if (entry := self.entries.get(self._noted.pop())) is not None:
+                self._change(entry)
 
     def _change(self, entry: LedgerEntry) -> None:
         """Write an entry that is there, unless another run has replaced it meanwhile."""
-        if self.files.read(entry.name) is None:
+        if self.files.read(entry.name, LONGEST) is None:
             del self.entries[entry.key]
         else:
             self.entries[entry.key] = entry
             self._write(entry)
 
     def _write(self, entry: LedgerEntry) -> None:
-        text = json.dumps(asdict(entry), ensure_ascii=False, indent=1)
-        self.files.write(entry.name, text.encode())
+        self.files.write(entry.name, entry.as_json())
 
 
 def begin(files: Store) -> Ledger:
     """Return the ledger of a dataset, a new one in an empty place."""
-    if files.read(MARKER) is None:
+    if files.read(MARKER, LONGEST) is None:
         names = files.names("")
         if MARKER not in names:  # else another run has begun the dataset meanwhile
             if any(name not in (FOLDER, PARTS, *TABLES) for name in names):
                 raise FleetError(shown(files.place), _OTHER_FILES)
             files.write(MARKER, json.dumps({"form": FORM, "tables": list(TABLES)}).encode())
-    ledger = open_ledger(files)
+    ledger = _opened(files)
     files.tidy()
     for entry in list(ledger.entries.values()):
         ledger.clear(entry)
@@ -200,13 +195,22 @@ def begin(files: Store) -> Ledger:
 
 
 def open_ledger(files: Store) -> Ledger:
-    """Return the ledger of a dataset. Raises `FleetError` if there is none."""
-    marker = files.read(MARKER)
+    """Return the ledger of a dataset, to be read. Raises `FleetError` if there is none.
+
+    An entry whose files can't be used does not count.
+    """
+    ledger = _opened(files)
+    ledger.refuse_lost()
+    return ledger
+
+
+def _opened(files: Store) -> Ledger:
+    marker = files.read(MARKER, LONGEST)
     if marker is None:
         raise FleetError(shown(files.place), _NO_DATASET)
     try:
-        form = json.loads(marker)["form"]
-    except (ValueError, TypeError, KeyError, RecursionError):
+        form = json_of(marker)["form"]
+    except (ValueError, TypeError, KeyError):
         raise FleetError(shown(files.place), _NO_DATASET) from None
     if form != FORM:
         raise FleetError(shown(files.place), _LATER)

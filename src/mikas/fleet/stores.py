@@ -1,23 +1,28 @@
 """Whole files by name in a place: each is written at once, so no reader sees a part of one.
 
 On a disk that is a temporary name which is renamed, on an object store one put. What fails is a
-`FleetError` with the place.
+`FleetError` with the place. What lies in a place may be a stranger's: no link in it is followed,
+neither for reading nor for writing nor for removing, and no file is read beyond a size.
 """
 
 from __future__ import annotations
 
+import errno
 import os
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 from shutil import rmtree
+from stat import S_ISDIR
 from tempfile import TemporaryDirectory
 from time import time
-from typing import Final
+from typing import Any, Final
 from uuid import uuid4
 
-from mikas.errors import FleetError
+from mikas.errors import FleetError, UnfitFile, reason_of
+from mikas.files import check_regular, check_unlinked, read_regular, too_large
 from mikas.fleet.places import PARTS, as_path, errors_of, file_system, is_url, is_utf_8, shown
 from mikas.i18n import Text
 
@@ -25,11 +30,26 @@ _NOT_UTF_8: Final = Text(
     "the name of a dataset's folder must be UTF-8; choose another one",
     "имя папки набора должно быть в UTF-8; выберите другое",
 )
+_GONE: Final = Text("{name}: there is no such file", "{name}: такого файла нет")
+_NO_FILE: Final = Text("this is no file", "это не файл")
+_UNFIT: Final = Text("{name}: {reason}", "{name}: {reason}")
 _OLD: Final = 86_400.0  # s after which a part is a killed program's
 _TIMES: Final = 5  # that a folder is read or made which another process changes
 _OBJECT_STORES: Final = frozenset(
     ("s3", "s3a", "gs", "gcs", "abfs", "abfss", "az", "adl", "oci", "oss", "r2", "memory")
 )
+
+
+@dataclass(frozen=True, slots=True)
+class FolderContents:
+    """The files of a folder by name, and why others of it can't be used."""
+
+    files: dict[str, bytes] = field(default_factory=dict)
+    unfit: dict[str, Text] = field(default_factory=dict)
+
+    def add(self, name: str, data: bytes | None) -> None:
+        if data is not None:
+            self.files[name] = data
 
 
 class Store(ABC):
@@ -39,8 +59,8 @@ class Store(ABC):
         self.place = place
 
     @abstractmethod
-    def read(self, name: str) -> bytes | None:
-        """Return a file's content; None: there is no such file."""
+    def read(self, name: str, most: int) -> bytes | None:
+        """Return a file's content, at most `most` bytes; None: there is no such file."""
 
     @abstractmethod
     def write(self, name: str, data: bytes) -> None:
@@ -67,22 +87,31 @@ class Store(ABC):
         with TemporaryDirectory(prefix=f"mikas-{run}-", ignore_cleanup_errors=True) as folder:
             yield Path(folder)
 
-    def contents(self, folder: str) -> dict[str, bytes]:
-        """Return all files of a folder by name, as they were at one time."""
+    def contents(self, folder: str, suffix: str, most: int) -> FolderContents:
+        """Return the files of a folder with such names, as they were at one time."""
         for _ in range(_TIMES):
-            names = self.names(folder)
-            found = self._read_all(folder, names)
-            if len(found) == len(names):  # else one was replaced meanwhile, by a name not listed
-                break
+            names = [name for name in self.names(folder) if name.endswith(suffix)]
+            found = self._read_all(folder, names, most)
+            if len(found.files) + len(found.unfit) == len(names):
+                break  # else one was replaced meanwhile, by a name not listed
         return found
 
-    def _read_all(self, folder: str, names: list[str]) -> dict[str, bytes]:
-        found = {name: self.read(f"{folder}/{name}") for name in names}
-        return {name: data for name, data in found.items() if data is not None}
+    def _read_all(self, folder: str, names: list[str], most: int) -> FolderContents:
+        found = FolderContents()
+        for name in names:
+            try:
+                data = self.read(f"{folder}/{name}", most)
+            except FleetError as error:
+                if not is_of_file(error):
+                    raise
+                found.unfit[name] = error.problem
+            else:
+                found.add(name, data)
+        return found
 
     @abstractmethod
-    def missing(self, names: Iterable[str]) -> set[str]:
-        """Return those of the names that no file has."""
+    def sizes(self, names: Iterable[str], most: int) -> Mapping[str, int | Text]:
+        """Return the size of each file, or why it can't be used: none there, a link, too large."""
 
     def clear(self, run: str) -> None:  # noqa: B027  (those of a URL are in temporary folders)
         """Remove the unfinished files of a run, whose processes may have been ended."""
@@ -100,72 +129,118 @@ class DiskStore(Store):
         if not is_utf_8(str(self.root)):
             raise FleetError(shown(place), _NOT_UTF_8)
 
-    def read(self, name: str) -> bytes | None:
-        with errors_of(self.place), suppress(FileNotFoundError):
-            return (self.root / name).read_bytes()
+    def read(self, name: str, most: int) -> bytes | None:
+        with self._errors_of(name), suppress(FileNotFoundError):
+            return read_regular(self._at(name), most)
         return None
 
     def write(self, name: str, data: bytes) -> None:
-        with errors_of(self.place):
-            parts = self.root / PARTS
-            parts.mkdir(parents=True, exist_ok=True)
-            part = parts / uuid4().hex
+        with self._errors_of(name):
+            part = self._made(PARTS) / uuid4().hex
             try:
-                part.write_bytes(data)
+                with part.open("xb") as file:
+                    file.write(data)
                 self._rename(part, name)
             finally:
                 part.unlink(missing_ok=True)  # Ctrl-C may have come between
 
     def put(self, name: str, file: Path) -> None:
-        with errors_of(self.place):
+        with self._errors_of(name):
             self._rename(file, name)
 
     def remove(self, name: str) -> None:
-        with errors_of(self.place):
-            (self.root / name).unlink(missing_ok=True)
+        with self._errors_of(name), suppress(FileNotFoundError):
+            self._at(name).unlink()
             with suppress(OSError):  # the folder of a car or a day that has no other file
                 for folder in list(PurePosixPath(name).parents)[:-2]:
                     (self.root / folder).rmdir()
 
     def names(self, folder: str) -> list[str]:
-        with errors_of(self.place), suppress(FileNotFoundError):
-            return sorted(path.name for path in (self.root / folder).iterdir())
+        with self._errors_of(folder), suppress(FileNotFoundError):
+            return sorted(path.name for path in self._at(folder, is_folder=True).iterdir())
         return []
 
     @contextmanager
     def workshop(self, run: str) -> Iterator[Path]:
-        folder = self.root / PARTS / f"{run}-{uuid4().hex}"
-        with errors_of(self.place):
-            folder.mkdir(parents=True)
+        with self._errors_of(PARTS):
+            folder = self._made(PARTS) / f"{run}-{uuid4().hex}"
+            folder.mkdir()
         try:
             yield folder
         finally:
             rmtree(folder, ignore_errors=True)
 
-    def missing(self, names: Iterable[str]) -> set[str]:
-        with errors_of(self.place):
-            return {name for name in names if not (self.root / name).is_file()}
+    def sizes(self, names: Iterable[str], most: int) -> Mapping[str, int | Text]:
+        found: dict[str, int | Text] = {}
+        for name in names:
+            try:
+                status = self._at(name).lstat()
+                check_regular(status)
+                if status.st_size > most:
+                    raise too_large(most)
+                found[name] = status.st_size
+            except FileNotFoundError:
+                found[name] = _GONE.filled(name=name)
+            except OSError as error:
+                found[name] = _UNFIT.filled(name=name, reason=reason_of(error))
+        return found
 
     def clear(self, run: str) -> None:
-        for left in (self.root / PARTS).glob(f"{run}-*"):
+        for left in self._parts(f"{run}-*"):
             rmtree(left, ignore_errors=True)
 
     def tidy(self) -> None:
-        for left in (self.root / PARTS).glob("*"):
+        for left in self._parts("*"):
             with suppress(OSError):
-                if time() - left.stat().st_mtime > _OLD:
-                    rmtree(left, ignore_errors=True) if left.is_dir() else left.unlink()
+                status = left.lstat()
+                if time() - status.st_mtime > _OLD:
+                    rmtree(left, ignore_errors=True) if S_ISDIR(status.st_mode) else left.unlink()
+
+    def _parts(self, pattern: str) -> list[Path]:
+        with suppress(OSError):
+            return list(self._at(PARTS, is_folder=True).glob(pattern))
+        return []
+
+    @contextmanager
+    def _errors_of(self, name: str) -> Iterator[None]:
+        """Name the file, too, where the place is fine and the file is not what it should be."""
+        try:
+            with errors_of(self.place):
+                yield
+        except FleetError as error:
+            if is_of_file(error):
+                problem = _UNFIT.filled(name=name, reason=error.problem)
+                raise FleetError(error.place, problem) from error.__cause__
+            raise
+
+    def _at(self, name: str, *, is_folder: bool = False) -> Path:
+        """Return the path of a file. Raises `UnfitFile` if a folder of it is a link."""
+        path = self.root
+        for part in (steps := PurePosixPath(name).parts)[: len(steps) - (not is_folder)]:
+            path /= part
+            check_unlinked(path.lstat())
+        return self.root / name
+
+    def _made(self, name: str) -> Path:
+        """Make a folder and those above it, through no link below the place; return its path."""
+        self.root.mkdir(parents=True, exist_ok=True)
+        path = self.root
+        for part in PurePosixPath(name).parts:
+            path /= part
+            with suppress(FileExistsError):
+                path.mkdir()
+            check_unlinked(path.lstat())
+        return path
 
     def _rename(self, part: Path, name: str) -> None:
         with part.open("rb+") as file:
             os.fsync(file.fileno())
-        whole = self.root / name
+        folder, _, whole = name.rpartition("/")
         for _ in range(3):  # another add may just have removed an empty folder
-            whole.parent.mkdir(parents=True, exist_ok=True)
             with suppress(FileNotFoundError):
-                part.replace(whole)
+                part.replace(self._made(folder) / whole)
                 return
-        part.replace(whole)
+        part.replace(self._at(name))
 
 
 class UrlStore(Store):
@@ -178,9 +253,12 @@ class UrlStore(Store):
         known = {protocol} if isinstance(protocol, str) else set(protocol)
         self.is_object_store = bool(known & _OBJECT_STORES)
 
-    def read(self, name: str) -> bytes | None:
+    def read(self, name: str, most: int) -> bytes | None:
         with errors_of(self.place), suppress(FileNotFoundError):
-            data: bytes = self.system.cat_file(self._at(name))
+            self.system.invalidate_cache()
+            path = self._at(name)
+            _size_of(self.system.info(path), most)
+            data: bytes = self.system.cat_file(path)
             return data
         return None
 
@@ -204,26 +282,47 @@ class UrlStore(Store):
             return sorted(PurePosixPath(it).name for it in listed if it.rstrip("/") != mine)
         return []
 
-    def _read_all(self, folder: str, names: list[str]) -> dict[str, bytes]:
+    def _read_all(self, folder: str, names: list[str], most: int) -> FolderContents:
+        found = FolderContents()
         if not names:
-            return {}
+            return found
         with errors_of(self.place):  # many at a time where the store can
-            paths = [self._at(f"{folder}/{name}") for name in names]
-            found = self.system.cat(paths, on_error="return")
-            for each in found.values():
-                if isinstance(each, Exception) and not isinstance(each, FileNotFoundError):
-                    raise each
-            read = {PurePosixPath(path).name: data for path, data in found.items()}
-            return {name: data for name, data in read.items() if isinstance(data, bytes)}
+            listed = self.system.ls(self._at(folder), detail=True)
+            sizes = {PurePosixPath(info["name"]).name: info for info in listed}
+            paths = []
+            for name in names:
+                try:
+                    _size_of(sizes.get(name, {}), most)
+                except UnfitFile as error:
+                    found.unfit[name] = error.text
+                else:
+                    paths.append(self._at(f"{folder}/{name}"))
+            for path, data in (self.system.cat(paths, on_error="return") if paths else {}).items():
+                if isinstance(data, Exception):
+                    if not isinstance(data, FileNotFoundError):
+                        raise data
+                else:
+                    found.add(PurePosixPath(path).name, data)
+        return found
 
-    def missing(self, names: Iterable[str]) -> set[str]:
+    def sizes(self, names: Iterable[str], most: int) -> Mapping[str, int | Text]:
+        found: dict[str, int | Text] = {}
         with errors_of(self.place):
             self.system.invalidate_cache()
-            listed: set[str] = set()
+            listed: dict[str, dict[str, Any]] = {}
             with suppress(FileNotFoundError):
-                listed |= {it.removeprefix(f"{self.root}/") for it in self.system.find(self.root)}
-            # A list may have names in another encoding: what it does not have is read.
-            return {name for name in set(names) - listed if self.read(name) is None}
+                every = self.system.find(self.root, detail=True)
+                listed = {path.removeprefix(f"{self.root}/"): info for path, info in every.items()}
+            for name in set(names):
+                try:
+                    # A list may have names in another encoding: of what it lacks is asked.
+                    info = listed.get(name) or self.system.info(self._at(name))
+                    found[name] = _size_of(info, most)
+                except FileNotFoundError:
+                    found[name] = _GONE.filled(name=name)
+                except UnfitFile as error:
+                    found[name] = _UNFIT.filled(name=name, reason=error.text)
+        return found
 
     def _at(self, name: str) -> str:
         return f"{self.root}/{name}"
@@ -246,6 +345,21 @@ class UrlStore(Store):
             with suppress(Exception):  # another process made a part of it; a write says the rest
                 self.system.makedirs(path, exist_ok=True)
                 return
+
+
+def is_of_file(error: FleetError) -> bool:
+    """Return whether not the place has failed, but one file of it is not what it should be."""
+    return isinstance(error.__cause__, UnfitFile | IsADirectoryError | NotADirectoryError)
+
+
+def _size_of(info: Mapping[str, Any], most: int) -> int:
+    """Return the size of a store's file. Raises `UnfitFile` for more than `most` bytes."""
+    if info.get("type", "file") != "file":
+        raise UnfitFile(errno.EINVAL, _NO_FILE)
+    size = int(info.get("size") or 0)
+    if size > most:
+        raise too_large(most)
+    return size
 
 
 def store(place: str) -> Store:

@@ -5,7 +5,9 @@ All are robust: medians instead of means, so that one bad drive or one bad car d
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from bisect import bisect_left, bisect_right, insort
+from collections import Counter
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from math import sqrt
 from statistics import median
@@ -46,17 +48,35 @@ def value_of(series: Sequence[float]) -> float | None:
     return median(series[-LATEST:]) if len(series) >= FEWEST_DRIVES else None
 
 
-def outlier(value: float, others: Sequence[float], least: float) -> Outlier | None:
-    """Return how a value stands out from those of the other cars; None: it does not, or there are
-    too few of them.
-    """
-    if len(others) < FEWEST_OTHERS:
-        return None
-    middle = median(others)
-    spread = _NORMAL * median(abs(each - middle) for each in others)
-    if abs(value - middle) <= max(DEVIATIONS * spread, least):
-        return None
-    return Outlier(value, middle, min(others), max(others), len(others))
+class Peers:
+    """The values of all cars. Any number of them are compared, each with the others."""
+
+    def __init__(self, values: Iterable[float]) -> None:
+        self._values = sorted(values)
+        self._deviations: dict[float, list[float]] = {}  # by the others' median: few are different
+
+    def outlier(self, value: float, least: float) -> Outlier | None:
+        """Return how one of the values stands out from the others; None: it does not, or there are
+        too few of them.
+        """
+        values, count = self._values, len(self._values) - 1
+        if count < FEWEST_OTHERS:
+            return None
+        middle = _median_without(values, value)
+        if middle not in self._deviations:
+            self._deviations[middle] = sorted(abs(each - middle) for each in values)
+        spread = _NORMAL * _median_without(self._deviations[middle], abs(value - middle))
+        if abs(value - middle) <= max(DEVIATIONS * spread, least):
+            return None
+        low, high = values[value == values[0]], values[-2 if value == values[-1] else -1]
+        return Outlier(value, middle, low, high, count)
+
+
+def _median_without(values: Sequence[float], value: float) -> float:
+    """Return the median of sorted values without one of them."""
+    place, count = bisect_left(values, value), len(values) - 1
+    low, high = ((count - 1) // 2, count // 2)
+    return (values[low + (low >= place)] + values[high + (high >= place)]) / 2
 
 
 def trend(series: Sequence[float], least: float) -> Trend | None:
@@ -73,9 +93,11 @@ def trend(series: Sequence[float], least: float) -> Trend | None:
 def _mann_kendall(series: Sequence[float]) -> float:
     """Return Z of the test of Mann and Kendall, with its correction for equal values."""
     count = len(series)
-    pairs = [(a, b) for at, a in enumerate(series) for b in series[at + 1 :]]
-    score = sum((b > a) - (b < a) for a, b in pairs)
-    ties = [series.count(each) for each in set(series)]
+    score, before = 0, list[float]()  # sorted, so a car of many years takes no time
+    for value in series:
+        score += bisect_left(before, value) - (len(before) - bisect_right(before, value))
+        insort(before, value)
+    ties = Counter(series).values()
     variance = count * (count - 1) * (2 * count + 5)
     variance -= sum(each * (each - 1) * (2 * each + 5) for each in ties)
     if not score or variance <= 0:

@@ -9,6 +9,7 @@ from datetime import datetime, timedelta
 from typing import Final
 
 from mikas.catalog import Catalog
+from mikas.cleaning import clean_line
 from mikas.fleet.cars import KnownBy
 from mikas.fleet.database import Database
 from mikas.fleet.report.measures import MEASURES
@@ -18,16 +19,27 @@ from mikas.report.measurements.warm_idle import ENOUGH
 
 _AHEAD: Final = timedelta(days=1)  # that a right clock can be ahead of this computer's
 
-_DRIVES: Final = """
-SELECT car, drive, began, seconds, known_by, name, plate, warm_idle_seconds
-FROM drives ORDER BY car, began, drive
+# The tables may be a stranger's: what no recording can have is as if it were not there.
+_DATED: Final = (
+    "CASE WHEN {0} BETWEEN TIMESTAMP '1970-01-01' AND TIMESTAMP '9998-01-01' THEN {0} END"
+)
+_LENGTH: Final = "CASE WHEN {0} BETWEEN 0 AND 1e10 THEN {0} END"
+_LARGEST: Final = 1e9  # of a measure, in its unit
+_LONGEST: Final = 200  # characters of a name
+
+_DRIVES: Final = f"""
+SELECT car, drive, {_DATED.format("began")} AS day_and_time, {_LENGTH.format("seconds")}, known_by,
+    left(name, {_LONGEST}), left(plate, {_LONGEST}), {_LENGTH.format("warm_idle_seconds")}
+FROM drives ORDER BY car, day_and_time, drive
 """
-_STATISTICS: Final = """
-SELECT drive, channel, state, median FROM statistics WHERE state <> 'all' AND count >= ?
+_STATISTICS: Final = f"""
+SELECT drive, channel, state, median FROM statistics
+WHERE state <> 'all' AND count >= ? AND abs(median) <= {_LARGEST}
 """
-_FAULTS: Final = """
-SELECT drive, before, utc, list(code ORDER BY code) FILTER (code IS NOT NULL AND NOT message)
-FROM faults GROUP BY drive, reading, before, utc ORDER BY drive, reading
+_FAULTS: Final = f"""
+SELECT drive, before, {_DATED.format("utc")} AS read,
+    list(DISTINCT code ORDER BY code) FILTER (code BETWEEN 0 AND 255 AND NOT message)
+FROM faults GROUP BY drive, reading, before, read ORDER BY drive, reading
 """
 
 
@@ -66,11 +78,14 @@ class CarFigures:
 
 @dataclass(frozen=True, slots=True)
 class FleetFigures:
-    """All cars, by name. `unknown`: drives of a car that is not known; `now`: UTC."""
+    """All cars, by name. `unknown`: drives of a car that is not known; `now`: UTC; `refused`:
+    recordings that the dataset has, and that can't be used.
+    """
 
     cars: tuple[CarFigures, ...]
     unknown: int
     now: datetime
+    refused: int = 0
 
 
 @dataclass(slots=True)
@@ -98,7 +113,7 @@ def figures(database: Database, catalog: Catalog, now: datetime) -> FleetFigures
         it.seconds += seconds or 0.0
         it.known_by |= {KnownBy(known_by)} if known_by in tuple(KnownBy) else set()
         beside = plate if known_by != KnownBy.PLATE else None  # else it is the car's name here
-        it.name = " · ".join(filter(None, (name, beside))) or it.name
+        it.name = clean_line(" · ".join(filter(None, (name, beside)))) or it.name
         if began is None:
             it.undated += 1
         elif began > now + _AHEAD:
@@ -108,7 +123,7 @@ def figures(database: Database, catalog: Catalog, now: datetime) -> FleetFigures
             drives[drive].began = began
     _add_readings(database, drives)
     _add_series(database, catalog, drives)
-    return FleetFigures(tuple(cars.values()), unknown, now)
+    return FleetFigures(tuple(cars.values()), unknown, now, len(database.ledger.refused))
 
 
 def _add_readings(database: Database, drives: Mapping[str, _Drive]) -> None:
@@ -123,9 +138,9 @@ def _add_readings(database: Database, drives: Mapping[str, _Drive]) -> None:
         it.car.read = True
         if it.began is not None and time is not None:
             found[it.car.car].add(DatedFaults(time, tuple(codes or ())))
-    for it in drives.values():
-        readings = found[it.car.car]
-        it.car.readings = sorted(readings, key=lambda reading: (reading.time, reading.codes))
+    for car in {id(it.car): it.car for it in drives.values()}.values():
+        readings = found[car.car]
+        car.readings = sorted(readings, key=lambda reading: (reading.time, reading.codes))
 
 
 def _add_series(database: Database, catalog: Catalog, drives: Mapping[str, _Drive]) -> None:
@@ -139,6 +154,6 @@ def _add_series(database: Database, catalog: Catalog, drives: Mapping[str, _Driv
             continue
         if not any(channel in catalog.fault(code).sensor for code in it.stored):
             it.car.series.setdefault(key, []).append((it.began, value))
-    for it in drives.values():
-        for series in it.car.series.values():
+    for car in {id(it.car): it.car for it in drives.values()}.values():
+        for series in car.series.values():
             series.sort()

@@ -83,7 +83,8 @@ def find(figures: FleetFigures, catalog: Catalog) -> FleetFindings:
         }
         for measure in MEASURES
     }
-    cars = tuple(_car(car, values, catalog) for car in figures.cars)
+    peers = {measure: comparing.Peers(of_cars.values()) for measure, of_cars in values.items()}
+    cars = tuple(_car(car, values, peers, catalog) for car in figures.cars)
     return FleetFindings(
         catalog,
         figures,
@@ -98,14 +99,16 @@ def find(figures: FleetFigures, catalog: Catalog) -> FleetFindings:
 
 
 def _car(
-    car: CarFigures, values: Mapping[CarMeasure, Mapping[str, float]], catalog: Catalog
+    car: CarFigures,
+    values: Mapping[CarMeasure, Mapping[str, float]],
+    peers: Mapping[CarMeasure, comparing.Peers],
+    catalog: Catalog,
 ) -> CarFindings:
     stands_out, changes, out_of_range = {}, {}, {}
     for measure in MEASURES:
         mine = values[measure].get(car.car)
         if mine is not None:
-            others = [value for name, value in values[measure].items() if name != car.car]
-            if (found := comparing.outlier(mine, others, measure.least)) is not None:
+            if (found := peers[measure].outlier(mine, measure.least)) is not None:
                 stands_out[measure] = found
             reference = measure.channel(catalog).reference
             if reference is not None and not is_inside(mine, reference):

@@ -23,6 +23,7 @@ from mikas.recording.formatting import band, digits, quantity
 from mikas.report.findings import Outcome
 
 CARS = (("car", "cars"), ("машина", "машины", "машин"))
+RECORDINGS = (("recording", "recordings"), ("запись", "записи", "записей"))
 DRIVES = (("drive", "drives"), ("поездка", "поездки", "поездок"))
 
 
@@ -121,6 +122,12 @@ def unknowns(found: FleetFindings) -> Iterator[Text]:
         yield Text(
             f"Of which car: {drives.en} have neither a plate nor a name nor a unit's passport.",
             f"Чьи это поездки: {drives.ru} без номера, названия машины и паспорта блока.",
+        )
+    if found.figures.refused:
+        recordings = counted(found.figures.refused, *RECORDINGS)
+        yield Text(
+            f"Left out: {recordings.en} of the dataset whose files can't be used.",
+            f"Не учтено: {recordings.ru} набора, файлы которых непригодны.",
         )
     yield Text(
         "The cause. Cars with other equipment, other loads or another program differ too: a "

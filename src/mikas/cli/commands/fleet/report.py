@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from mikas.cli.click_extensions import OVERWRITE, command, output_option
+from mikas.cli.commands.fleet.refused import say_refused
 from mikas.cli.context import CommandContext
 from mikas.cli.language import current_language, localized
 from mikas.cli.render.terminal import cell_text
@@ -15,6 +17,7 @@ from mikas.json_values import picked
 
 if TYPE_CHECKING:
     from mikas.fleet.report.findings import CarFindings, FleetFindings
+    from mikas.i18n import Text
 
 
 @command(
@@ -52,12 +55,16 @@ def report(context: CommandContext, dataset: str, out: Path | None, *, overwrite
     catalog = context.options.catalog
     with opened(dataset) as database:
         found = find(figures(database, catalog, today()), catalog)
+        refused = database.ledger.refused
     if out is not None:
         write_page(out, render(found, current_language()), overwrite=overwrite)
-    _print(context, found, out)
+    say_refused(context, refused)
+    _print(context, found, out, refused)
 
 
-def _print(context: CommandContext, found: FleetFindings, out: Path | None) -> None:
+def _print(
+    context: CommandContext, found: FleetFindings, out: Path | None, refused: Mapping[str, Text]
+) -> None:
     from mikas.fleet.report.sentences import car_sentences, headline, unknowns
 
     if context.output.json:
@@ -68,6 +75,7 @@ def _print(context: CommandContext, found: FleetFindings, out: Path | None) -> N
                 "verdict": headline(found)._asdict(),
                 "cars": [_as_json(car, found) for car in found.cars],
                 "unknown": [text._asdict() for text in unknowns(found)],
+                "refused": [{"file": name, "reason": it._asdict()} for name, it in refused.items()],
             }
         )
         return

@@ -17,6 +17,7 @@ import click
 
 from mikas.cleaning import spreadsheet_text
 from mikas.cli.click_extensions import command, flag
+from mikas.cli.commands.fleet.refused import say_refused
 from mikas.cli.context import CommandContext
 from mikas.cli.language import decimal
 
@@ -56,6 +57,7 @@ def sql(context: CommandContext, dataset: str, sql: str, *, as_csv: bool) -> Non
     from mikas.fleet.memory import bounded_memory
 
     with opened(dataset) as database, bounded_memory():
+        say_refused(context, database.ledger.refused)
         answer = database.ask(sql)
         if context.output.json:
             rows = ([_json(value) for value in row] for row in answer.rows)
