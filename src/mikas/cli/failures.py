@@ -47,6 +47,9 @@ def failure_of(error: Exception) -> FailureReport:
         reason = localized(errors.reason_of(error))
         message = tr(f"The output can't be written: {reason}.", f"Вывод не записать: {reason}.")
         return FailureReport(USAGE, "OutputError", message, message)
+    if (refusal := errors.refusal_of(error)) is not None:
+        message = f"{capital(localized(refusal))}."
+        return FailureReport(USAGE, "SystemRefused", message, message)
     kind = f"{type(error).__name__}: {error}"
     message = tr(f"This is a bug in mikas ({kind}).", f"Это ошибка в программе mikas ({kind}).")
     advice = tr(

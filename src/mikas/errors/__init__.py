@@ -112,6 +112,8 @@ from mikas.errors.exchange import WrongAddress as WrongAddress
 from mikas.errors.exchange import WrongContent as WrongContent
 from mikas.errors.exchange import WrongEchoSetting as WrongEchoSetting
 from mikas.errors.exchange import WrongLength as WrongLength
+from mikas.errors.system import refusal_of as refusal_of
+from mikas.errors.system import refused_number as refused_number
 from mikas.errors.usage import AddressOutOfRange as AddressOutOfRange
 from mikas.errors.usage import BadPortUrl as BadPortUrl
 from mikas.errors.usage import CaptureError as CaptureError

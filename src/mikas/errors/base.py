@@ -9,6 +9,7 @@ from types import MappingProxyType
 from typing import ClassVar
 
 from mikas.cleaning import public_port, public_url, without_secrets
+from mikas.errors.system import REFUSALS
 from mikas.i18n import Language, Text
 
 
@@ -150,12 +151,9 @@ _IN_RUSSIAN = {
     errno.ENOENT: "нет такого файла или папки",
     errno.EACCES: "нет прав доступа",
     errno.EPERM: "нет прав доступа",
-    errno.EROFS: "только для чтения",
     errno.EISDIR: "это папка",
     errno.ENOTDIR: "часть пути — не папка",
     errno.EEXIST: "уже существует",
-    errno.ENOSPC: "диск заполнен",
-    errno.EDQUOT: "отведённое вам место на диске заполнено",
     errno.EADDRINUSE: "этот адрес уже занят",
     errno.EADDRNOTAVAIL: "у этого компьютера нет такого адреса",
 }
@@ -173,13 +171,10 @@ def reason_of(error: OSError) -> Text:
     """Return the system's reason; in Russian where a translation is known."""
     if isinstance(error, UnfitFile):
         return error.text
+    if error.errno in REFUSALS and error.errno != errno.EAGAIN:  # of a port it says other things
+        return REFUSALS[error.errno]
     words = error.strerror or str(error)
-    reason = Text(words, _IN_RUSSIAN.get(error.errno or 0, words))
-    if error.errno in (errno.ENOSPC, errno.EDQUOT):
-        return Text(
-            f"{reason.en}; make room, then repeat", f"{reason.ru}; освободите место и повторите"
-        )
-    return reason
+    return Text(words, _IN_RUSSIAN.get(error.errno or 0, words))
 
 
 def reason_at(file: Path, error: OSError) -> Text:

@@ -18,7 +18,7 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, Final, TypeAlias
 
 from mikas.cleaning import public_url
-from mikas.errors import FleetError, library, usage_error
+from mikas.errors import FleetError, library, refusal_of, usage_error
 from mikas.fleet.job import FileOutcome
 from mikas.fleet.places import FoundFile
 from mikas.i18n import Text
@@ -118,6 +118,9 @@ class ProcessRunner(Runner):
         self, work: Work, files: list[FoundFile], error: BaseException
     ) -> Iterator[FileOutcome]:
         """A worker has died, and which of the files was the cause is not known: each alone."""
+        if (refusal := refusal_of(error)) is not None and len(files) == 1:
+            yield FileOutcome(files[0], bad=refusal)  # as for an answer that has no room
+            return
         if not isinstance(error, BrokenProcessPool):
             raise error
         for file in files:

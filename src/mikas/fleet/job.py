@@ -6,7 +6,6 @@ comes of the file. The files that it writes count only when `adding` has entered
 
 from __future__ import annotations
 
-import errno
 from collections import deque
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
@@ -15,7 +14,16 @@ from hashlib import sha256
 from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Final
 
-from mikas.errors import CaptureError, FleetError, MikasError, UnfitFile, reason_of
+from mikas.errors import (
+    CaptureError,
+    FleetError,
+    MikasError,
+    UnfitFile,
+    reason_of,
+    refusal_of,
+    refused_number,
+)
+from mikas.errors.system import OF_PLACE
 from mikas.files import open_regular
 from mikas.fleet.entries import FOLDER, HEADS, LONGEST, STEP, SUFFIX, LedgerEntry, parse_entry
 from mikas.fleet.ledger import MARKER
@@ -31,7 +39,6 @@ _BLOCK: Final = 1 << 20
 HEAD: Final = HEADS * STEP
 """Bytes by which recordings are found that may be states of one, compared step by step."""
 
-_NO_ROOM: Final = (errno.ENOSPC, errno.EDQUOT, errno.EROFS)
 LARGEST: Final = 2 << 30
 """Bytes of a recording; a line at 9600 baud makes some 200 MB in a day and night."""
 
@@ -87,9 +94,13 @@ def work(
         )
     except MikasError as error:
         return FileOutcome(file, bad=error.reason)
-    except (UnfitFile, OSError) as error:
-        return FileOutcome(file, bad=reason_of(error), ends=error.errno in _NO_ROOM)
+    except UnfitFile as error:
+        return FileOutcome(file, bad=error.text)
     except Exception as error:  # one file must not end the work on all others
+        if (refusal := refusal_of(error)) is not None:
+            return FileOutcome(file, bad=refusal, ends=refused_number(error) in OF_PLACE)
+        if isinstance(error, OSError):
+            return FileOutcome(file, bad=reason_of(error))
         return FileOutcome(file, bad=_BUG.filled(kind=f"{type(error).__name__}: {error}"[:300]))
 
 

@@ -8,7 +8,6 @@ flag a BOOLEAN.
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -17,6 +16,7 @@ from typing import TYPE_CHECKING, Final, Self
 import duckdb
 import numpy as np
 
+from mikas.errors import refused_number
 from mikas.recording.table.channels import Channel
 
 if TYPE_CHECKING:
@@ -104,7 +104,6 @@ def _disk_errors() -> Iterator[None]:
     try:
         yield
     except (duckdb.OperationalError, duckdb.FatalException) as error:
-        if found := re.search(r'"errno":"(\d+)"', str(error)):
-            number = int(found[1])
+        if (number := refused_number(error)) is not None:
             raise OSError(number, os.strerror(number)) from error
         raise OSError(str(error).partition("\n")[0]) from error
