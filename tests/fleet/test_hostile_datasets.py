@@ -288,6 +288,8 @@ def test_a_table_of_far_more_rows_than_bytes_is_left_out(home) -> None:
         for name, kind in columns_of(path).items()
     )
     crafted(path, f"SELECT {columns} FROM range({rows})")
+    for entry in (home / FOLDER).iterdir():  # a stranger may have written a fitting one too
+        entry.write_text(json.dumps({**json.loads(entry.read_text()), "tables": {}}))
     assert path.stat().st_size < rows / 20
     with opened(str(home)) as database:
         assert len(database.rows("FROM alarms")) < 10

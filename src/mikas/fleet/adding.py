@@ -29,8 +29,9 @@ from mikas.fleet.tables import RESERVED
 from mikas.i18n import Text
 
 _LOST: Final = Text(
-    "its tables are no longer in the dataset; it does not count until it is added again",
-    "её таблиц в наборе больше нет; она не считается, пока её не добавят снова",
+    "its tables are no longer in the dataset as they were written; it does not count until it is "
+    "added again",
+    "её таблиц в наборе больше нет, или они изменены; она не считается, пока её не добавят снова",
 )
 
 
@@ -45,7 +46,8 @@ class BadFile:
 @dataclass(slots=True)
 class Added:
     """The files by what became of them. `replaced`: of those added, new states of known ones;
-    `seconds`: of the recordings added; `damaged`: added, with so many places that can't be read.
+    `seconds`: of the recordings added; `damaged`: added, with so many places that can't be read;
+    `remade`: added, as their tables were gone or changed.
     """
 
     added: int = 0
@@ -54,6 +56,7 @@ class Added:
     seconds: float = 0.0
     bad: list[BadFile] = field(default_factory=list)
     damaged: list[tuple[str, int]] = field(default_factory=list)
+    remade: list[str] = field(default_factory=list)
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,8 +72,11 @@ class AddingPlan:
     lost: tuple[LedgerEntry, ...] = ()
 
 
-def plan(places: Iterable[str], dataset: str, settings: InterpretingSettings) -> AddingPlan:
-    """Return what there is to do. Raises `FleetError`, `MissingExtra`, `UsageError`."""
+def plan(
+    places: Iterable[str], dataset: str, settings: InterpretingSettings, *, check: bool = False
+) -> AddingPlan:
+    """Return what there is to do. `check`: read the tables that are there, whether they are as they
+    were written. Raises `FleetError`, `MissingExtra`, `UsageError`."""
     for name in settings.catalog.channels:
         if name.casefold() in RESERVED:
             raise usage_error(
@@ -84,7 +90,7 @@ def plan(places: Iterable[str], dataset: str, settings: InterpretingSettings) ->
         )
     found = {file.url: file for place in places for file in recordings_in(place)}
     ledger = begin(store(dataset))
-    lost = ledger.drop_lost()
+    lost = ledger.drop_lost(check=check)
     files = []
     version = settings.version
     known = {
@@ -136,7 +142,9 @@ def add(
             planned.ledger.refresh()
             states.settle()
         for entry in planned.lost:
-            if entry.key not in planned.ledger.entries:
+            if entry.key in planned.ledger.entries:
+                result.remade.append(next(iter(entry.sources), entry.key))
+            else:
                 result.bad.append(BadFile(next(iter(entry.sources), entry.key), _LOST))
         for name, reason in planned.ledger.refused.items():
             result.bad.append(BadFile(f"{shown(lasting).rstrip('/')}/{name}", reason))

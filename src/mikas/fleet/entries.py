@@ -45,7 +45,8 @@ _NOT_SOUND: Final = Text(
 class LedgerEntry:
     """One recording. `heads`: digests of its beginning; `version`: of what interpreted it; `given`:
     the car given for it; `sources`: where it was found, each with its stamp then; `replaces`: its
-    beginnings, which count no more, whoever writes them.
+    beginnings, which count no more, whoever writes them; `tables`: of each file size and SHA-256,
+    none in an entry of an earlier version.
     """
 
     key: str
@@ -60,6 +61,7 @@ class LedgerEntry:
     seconds: float = 0.0
     damaged: int = 0
     files: tuple[str, ...] = ()
+    tables: dict[str, str] = field(default_factory=dict)
     sources: dict[str, str] = field(default_factory=dict)
     replaces: tuple[str, ...] = ()
     obsolete: tuple[str, ...] = ()
@@ -142,6 +144,21 @@ def _are_sources(value: object) -> bool:
     )
 
 
+def stamp_of(size: int, sha256: str) -> str:
+    """Return what `tables` has of a file."""
+    return f"{size}-{sha256}"
+
+
+def size_in(stamp: str) -> int:
+    """Return the size that `stamp_of` has written."""
+    return int(stamp.partition("-")[0])
+
+
+def _are_tables(value: object) -> bool:
+    is_stamp = _is(r"[0-9]{1,10}-[0-9a-f]{64}")
+    return value is None or (isinstance(value, dict) and all(map(is_stamp, value.values())))
+
+
 _LISTS: Final = ("heads", "files", "replaces", "obsolete")
 _FORMS: Final[Mapping[str, Callable[[object], bool]]] = {
     "key": _is(_KEY),
@@ -154,6 +171,7 @@ _FORMS: Final[Mapping[str, Callable[[object], bool]]] = {
     **dict.fromkeys(("drives", "rows", "damaged"), _is_count),
     "seconds": lambda value: value is None or type(value) in (int, float),
     "files": _is_list(_DATA),
+    "tables": _are_tables,
     "sources": _are_sources,
     "replaces": _is_list(_KEY),
     "obsolete": _is_list(rf"{_DATA}|{FOLDER}/{_KEY}\.json"),
@@ -171,6 +189,8 @@ def _check(entry: LedgerEntry, file: str) -> None:
         raise ValueError("heads")
     if len(set(entry.files)) < len(entry.files) or len(entry.files) > MOST_FILES:
         raise ValueError("files")
+    if entry.tables and entry.tables.keys() != set(entry.files):
+        raise ValueError("tables")
     for name in entry.files:
         _, _, of_day, file_name = name.split("/")
         day = of_day.removeprefix("day=")

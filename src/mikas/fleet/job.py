@@ -25,7 +25,16 @@ from mikas.errors import (
 )
 from mikas.errors.system import OF_PLACE
 from mikas.files import open_regular
-from mikas.fleet.entries import FOLDER, HEADS, LONGEST, STEP, SUFFIX, LedgerEntry, parse_entry
+from mikas.fleet.entries import (
+    FOLDER,
+    HEADS,
+    LONGEST,
+    STEP,
+    SUFFIX,
+    LedgerEntry,
+    parse_entry,
+    stamp_of,
+)
 from mikas.fleet.ledger import MARKER
 from mikas.fleet.places import FoundFile, as_local, shown
 from mikas.fleet.stores import Store, is_of_file, store
@@ -121,12 +130,15 @@ def _work(file: FoundFile, dataset: str, settings: InterpretingSettings, run: st
         name = PurePath(shown(file.url)).name
         with target.workshop(run) as folder:
             made = interpret(path, name, key, settings, folder)
+            tables = {}
             for each, part in made.files.items():
+                written, length, _ = digest_of(part)
+                tables[each] = stamp_of(length, written)
                 target.put(each, part)
     sources = {shown(file.url): file.stamp} if file.stamp else {}
     entry = LedgerEntry(
         key, digest, size, _heads(opening), settings.version, settings.car, made.car, made.drives,
-        made.rows, made.seconds, made.damaged, tuple(made.files), sources,
+        made.rows, made.seconds, made.damaged, tuple(made.files), tables, sources,
     )  # fmt: skip
     return FileOutcome(file, entry, is_new=True, opening=opening)
 

@@ -12,6 +12,9 @@ by the next program if this one is killed.
 A dataset may be a stranger's. An entry that is not sound (`fleet/entries.py`), or whose tables
 can't be used, does not count and is named in `refused`; the others do. Where an entry says its
 recording was found is only compared with the places that the user names: it opens none.
+
+An entry has size and SHA-256 of its tables. The sizes come with the list of the files, so they are
+always compared; the contents, which have to be read, if the user asks for it (`--check`).
 """
 
 from __future__ import annotations
@@ -19,6 +22,7 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from dataclasses import replace
+from hashlib import sha256
 from typing import Final
 
 from mikas.errors import FleetError
@@ -31,6 +35,8 @@ from mikas.fleet.entries import (
     json_of,
     parse_entry,
     reason_not_sound,
+    size_in,
+    stamp_of,
 )
 from mikas.fleet.places import PARTS, shown
 from mikas.fleet.stores import Store
@@ -48,6 +54,10 @@ _NO_DATASET: Final = Text(
 _OTHER_FILES: Final = Text(
     "this folder has other files in it; name a new or an empty folder for the dataset",
     "в этой папке лежат другие файлы; назовите для набора новую или пустую папку",
+)
+_CHANGED: Final = Text(
+    "{name}: the file is not as it was written; `mikas fleet add` makes it anew from its recording",
+    "{name}: файл не такой, каким был записан; `mikas fleet add` создаст его заново из записи",
 )
 _LATER: Final = Text(
     "this dataset was made by a later version of mikas; update this one",
@@ -115,9 +125,10 @@ class Ledger:
                 self.files.remove(name)
             self._change(replace(entry, obsolete=()))
 
-    def drop_lost(self) -> list[LedgerEntry]:
-        """Let no entry count whose files can't be used; return those entries."""
+    def drop_lost(self, *, check: bool = False) -> list[LedgerEntry]:
+        """Let no entry count whose files can't be used; return those entries. `check`: read all."""
         lost = self._surely_lost()
+        lost |= self._changed() if check else {}
         for entry in lost:
             self.files.remove(entry.name)
             del self.entries[entry.key]
@@ -145,11 +156,26 @@ class Ledger:
         sizes = self.files.sizes((name for entry in every for name in entry.files), LARGEST_TABLE)
         self.sizes = {name: size for name, size in sizes.items() if isinstance(size, int)}
         lost = {}
-        for entry in every if len(self.sizes) < len(sizes) else ():
+        for entry in every:
             reasons = (sizes[name] for name in entry.files if name not in self.sizes)
             if isinstance(reason := next(reasons, None), Text):
                 lost[entry] = reason
+                continue
+            for name, stamp in entry.tables.items():
+                if self.sizes[name] != size_in(stamp):
+                    lost[entry] = _CHANGED.filled(name=name)
         return lost
+
+    def _changed(self) -> dict[LedgerEntry, Text]:
+        """Return the entries with a file that has other bytes than were written."""
+        changed = {}
+        for entry in self.entries.values():
+            for name, stamp in entry.tables.items():
+                data = self.files.read(name, LARGEST_TABLE) or b""
+                if stamp_of(len(data), sha256(data).hexdigest()) != stamp:
+                    changed[entry] = _CHANGED.filled(name=name)
+                    break
+        return changed
 
     def note_source(self, key: str, url: str, stamp: str) -> None:
         """Note another place of a recording, so that it need not be read there again.

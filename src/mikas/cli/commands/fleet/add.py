@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from mikas.cli.click_extensions import command, option
+from mikas.cli.click_extensions import command, flag, option
 from mikas.cli.context import CommandContext
 from mikas.cli.failures import DONE, USAGE
 from mikas.cli.language import decimal, localized, tr
@@ -69,6 +69,13 @@ MOST_WORKERS = 61  # that a pool may have on Windows
     en="the car of all these recordings; otherwise each says itself which car it is of",
     ru="машина всех этих записей; иначе её называет каждая запись",
 )
+@flag(
+    "--check",
+    en="read all tables of DATASET first: those that another program has changed are made again "
+    "(their size is compared always)",
+    ru="сначала прочитать все таблицы набора: изменённые другой программой создаются заново "
+    "(размер сверяется всегда)",
+)
 def add(
     context: CommandContext,
     folders: tuple[str, ...],
@@ -76,6 +83,8 @@ def add(
     executor: str,
     workers: int | None,
     car: str,
+    *,
+    check: bool,
 ) -> int:
     from mikas.cleaning import clean_line
     from mikas.fleet.places import require_database
@@ -92,7 +101,7 @@ def add(
     )
     runner = runner_of(executor, workers or min(os.cpu_count() or 1, MOST_WORKERS))
     try:
-        planned = plan(folders, dataset, settings)
+        planned = plan(folders, dataset, settings, check=check)
         count = len(planned.files)
         if not count + planned.skipped:
             context.say("There are no recordings (.pcapng).", "Записей (.pcapng) там нет.")
@@ -120,6 +129,7 @@ def _tell(context: CommandContext, added: Added, dataset: str) -> None:
                 "bad": [picked(it, "file", "reason") for it in added.bad],
                 "replaced": added.replaced,
                 "damaged": [{"file": file, "places": count} for file, count in added.damaged],
+                "remade": added.remade,
                 "seconds": round(added.seconds, 3),
                 "dataset": shown(dataset),
             }
@@ -129,6 +139,11 @@ def _tell(context: CommandContext, added: Added, dataset: str) -> None:
         context.say(
             f"{file}: damaged places: {count}; the readable rest was added.",
             f"{file}: повреждённых мест: {count}; всё остальное добавлено.",
+        )
+    for file in added.remade:
+        context.say(
+            f"{file}: its tables in the dataset were gone or changed; they were made again.",
+            f"{file}: её таблиц в наборе не было, или они были изменены; созданы заново.",
         )
     for bad in added.bad:
         context.output.print_note(cell_text(f"{bad.file}: {localized(bad.reason)}"))
