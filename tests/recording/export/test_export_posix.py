@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import errno
+import gc
+import os
 import resource
 from contextlib import contextmanager
 
@@ -38,3 +41,40 @@ def test_a_full_disk_is_an_error_and_leaves_no_file(tmp_path, suffix):
         export(out, CHANNELS, pieces)
     assert str(out) in str(caught.value)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_disk_without_any_room_prints_no_traceback_of_a_library(tmp_path, capfd):
+    """asammdf printed its own where the rest of a buffer could not be written."""
+    rows = [Rows(np.arange(3.0), {c.name: np.arange(3.0) for c in CHANNELS})]
+    for size in (0, 1, 331, 1500):
+        with disk_of(size), pytest.raises(ExportError, match="can't be written"):
+            export(tmp_path / "log.mf4", CHANNELS, rows)
+        gc.collect()
+        assert list(tmp_path.iterdir()) == []
+    assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("number", [errno.ENOSPC, errno.EDQUOT, errno.EMFILE])
+@pytest.mark.parametrize("suffix", [".mf4", ".parquet"])
+def test_a_file_beside_the_export_that_cannot_be_made_prints_none(
+    tmp_path, monkeypatch, capfd, suffix, number
+):
+    """A disk without a free inode: a destructor of asammdf fails then."""
+    original = os.open
+
+    def refuse(path, flags, *rest, **named):
+        if flags & os.O_CREAT and str(path).startswith(f"{tmp_path}/log{suffix}."):
+            raise OSError(number, os.strerror(number))
+        return original(path, flags, *rest, **named)
+
+    rows = [Rows(np.arange(3.0), {c.name: np.arange(3.0) for c in CHANNELS})]
+    if suffix == ".mf4":
+        monkeypatch.setattr(os, "open", refuse)
+    else:  # duckdb opens its own; the folder is what Python makes
+        monkeypatch.setattr(os, "mkdir", lambda path, *_, **__: refuse(path, os.O_CREAT))
+    with pytest.raises(ExportError, match="can't be written"):
+        export(tmp_path / f"log{suffix}", CHANNELS, rows)
+    gc.collect()
+    monkeypatch.undo()
+    assert list(tmp_path.iterdir()) == []
+    assert capfd.readouterr() == ("", "")

@@ -8,9 +8,11 @@ Records are collected in a file next to OUT and packed (transposed, deflate) at 
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from datetime import UTC, datetime
 from pathlib import Path
-from tempfile import TemporaryDirectory
+from tempfile import NamedTemporaryFile, TemporaryDirectory
 from typing import Final
 
 import numpy as np
@@ -37,7 +39,7 @@ def write(path: Path, sheet: Sheet) -> None:
     with (
         path.open("wb+") as file,
         TemporaryDirectory(dir=path.parent, prefix=f"{path.name}.") as folder,
-        MDF(version="4.10", temporary_folder=folder) as mdf,
+        _collecting(folder) as mdf,
     ):
         started = sheet.started or _UNKNOWN
         mdf.start_time = started if started < _BEYOND else _UNKNOWN
@@ -50,6 +52,22 @@ def write(path: Path, sheet: Sheet) -> None:
             mdf.extend(0, [(times, None), *((column, None) for column in columns)])
         _add_events(mdf, sheet)
         mdf.save(file, compression=_PACKED)
+
+
+@contextmanager
+def _collecting(folder: str) -> Iterator[MDF]:
+    """Give an empty MDF that collects its records in a file in `folder`.
+
+    asammdf prints a traceback itself where its file can't be made (in a destructor), and where its
+    own `with` can't write the rest of a buffer. Neither happens so.
+    """
+    NamedTemporaryFile(dir=folder).close()  # raises where asammdf's could not be made
+    mdf = MDF(version="4.10", temporary_folder=folder)
+    try:
+        yield mdf
+    finally:
+        with suppress(OSError):  # all is saved by then, or a write has failed before
+            mdf.close()
 
 
 def _signals(sheet: Sheet, times: Column, columns: list[Column]) -> list[Signal]:
