@@ -17,7 +17,7 @@ import mikas
 from bench.recorded import recorded
 from bench.rows import Row, Scope, Theme, timed
 from mikas.framing import Decoder, encode
-from mikas.recording.exchanges.frames import BulkDecoder
+from mikas.recording.exchanges.columns.frames import BulkDecoder
 from mikas.replay import load
 
 PIECE = 1 << 18

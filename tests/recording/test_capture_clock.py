@@ -12,7 +12,7 @@ from mikas.catalog import shipped
 from mikas.recording.capture import blocks as pcapng
 from mikas.recording.capture.clock import LONGEST, RecordingClock
 from mikas.recording.capture.reader import CaptureReader, Packet, Problem
-from mikas.recording.exchanges.columnar import column_exchanges
+from mikas.recording.exchanges.columns.matcher import column_exchanges
 from mikas.recording.exchanges.turns import quick_exchanges
 from mikas.recording.export import SUFFIXES, export
 from mikas.recording.inspect import decode, to_text
@@ -70,7 +70,9 @@ def test_a_packet_with_an_impossible_time_is_a_problem_that_shows_its_bytes(tmp_
     times = [item.time for item in items if isinstance(item, Packet)]
     assert (len(times), min(times), max(times)) == (10, TODAY, TODAY + 0.41)
 
-    turns, columns = (list(each(path)) for each in (quick_exchanges, column_exchanges))
+    turns, columns = (
+        list(each(path, shipped().size_of)) for each in (quick_exchanges, column_exchanges)
+    )
     assert [it for it in turns if isinstance(it, Problem)] == problems
     assert [it for it in columns if isinstance(it, Problem)] == problems
     assert sum(len(it.responses.times) for it in columns if not isinstance(it, Problem)) == 5

@@ -40,7 +40,7 @@ def packets(*lines, source=None):
 
 
 def brief(items):
-    """`> 01`, `= 01` for an echo, `< 0A to 01`, `<! 0A` for damage."""
+    """`> 01`, `= 01` for an echo, `< 0A to 01`, `<? 0A late`, `<! 0A` for damage."""
     lines = []
     for item in items:
         sign = "=" if item.echo else ">" if item.direction is SENT else "<"
@@ -50,6 +50,8 @@ def brief(items):
         line = f"{sign} {item.frame.body.hex().upper()}"
         if item.request is not None:
             line += f" to {item.request.hex().upper()}"
+        if item.doubt is not None:
+            line = line.replace("<", "<?") + f" {item.doubt.name}"
         lines.append(line)
     return lines
 
@@ -76,15 +78,20 @@ def test_without_echo_the_answer_follows_its_request():
 def test_an_answer_that_looks_like_its_request():
     ask = frame("1111")
     assert described(f"> {ask}", f"< {ask}{ask}") == ["> 1111", "= 1111", "< 1111 to 1111"]
-    assert described("> 01FF0D", "< 0AF60D", f"> {ask}", f"< {ask}")[2:] == [
-        "> 1111",
-        "< 1111 to 1111",
-    ]
+
+
+def test_what_repeats_its_request_is_an_echo_also_where_the_line_has_none():
+    """It may be the response; but where `01` was misjudged, it would give a value to `61 3F`."""
+    ask, other = frame("1111"), frame("613F")
+    lines = described("> 01FF0D", "< 0AF60D", f"> {ask}", f"< {ask}", f"> {other}", "< 7A13730D")
+    assert lines[3:] == ["= 1111", "> 613F", "< 7A13 to 613F"]
+    lines = described("> 01FF0D", "< 0AF60D", f"> {other}", f"< {other}", "< 7A13730D")
+    assert lines[3:] == ["= 613F", "< 7A13 to 613F"]
 
 
 def test_the_echo_that_was_found_late_is_believed():
     lines = described("> 01FF0D", "< 09F70D", "< 01FF0D", "< 0AF60D", "> 60A00D", "< 60A00D")
-    assert lines[2:] == ["= 01", "< 0A to 01", "> 60", "= 60"]
+    assert lines[2:] == ["= 01", "<? 0A FAILED", "> 60", "= 60"]
 
 
 def test_a_missing_echo_is_not_found_later():
@@ -92,7 +99,7 @@ def test_a_missing_echo_is_not_found_later():
     assert described(f"> {ask}", "< 0D", "> 60A00D", f"< {ask}") == [
         "> 1111",
         "> 60",
-        "< 1111 to 60",
+        "<? 1111 NOT_IN_SYNC",
     ]
 
 
@@ -108,28 +115,28 @@ def test_damage_comes_back_too():
     assert described("> 01FE0D", "< 01FE0D") == [">! 01FE checksum", "=! 01FE checksum"]
 
 
-def test_several_requests_in_a_row_have_their_echoes_and_answers():
+def test_several_requests_in_a_row_have_their_echoes():
     assert described("> 01FF0D", "> 60A00D", "< 01FF0D", "< 60A00D", "< 15EB0D") == [
         "> 01",
         "> 60",
         "= 01",
         "= 60",
-        "< 15 to 60",
+        "<? 15 FAILED",
     ]
 
 
-def test_an_answer_that_overtakes_the_echo_belongs_to_the_request_before():
+def test_what_comes_in_place_of_the_echo_is_nobodys():
     data = frame("7D")
     lines = described(
         "> 01FF0D", "< 01FF0D", "< 0AF60D", f"> {frame('711A')}", f"< {frame('711A')}",
         f"< {data}", "> 01FF0D", f"< {data}", "< 01FF0D", "< 0AF60D",
     )  # fmt: skip
-    assert lines[5:] == ["< 7D to 711A", "> 01", "< 7D to 711A", "= 01", "< 0A to 01"]
+    assert lines[5:] == ["< 7D to 711A", "> 01", "<? 7D NO_ECHO", "= 01", "<? 0A FAILED"]
 
 
-def test_a_spoilt_echo_does_not_keep_the_answer_away():
+def test_behind_a_spoilt_echo_nothing_counts():
     lines = described("> 01FF0D", "< 01FF0D", "< 0AF60D", "> 60A00D", "< 60A10D", "< 15EB0D")
-    assert lines[4:] == ["<! 60A1 checksum", "< 15 to 60"]
+    assert lines[4:] == ["<! 60A1 checksum", "<? 15 FAILED"]
 
 
 # Unfinished frames
@@ -150,7 +157,7 @@ def test_a_frame_in_two_lumps_over_what_was_sent_stays_whole():
 
 
 def test_silence_alone_ends_a_frame_too():
-    assert described("< 7D", "+0.2", "< 830D") == ["< 7D"]
+    assert described("< 7D", "+0.2", "< 830D") == ["<? 7D NO_REQUEST"]
     assert described("< 7D", "+0.3", "< 830D") == ["<! 7D unfinished", "<! 83 checksum"]
 
 
@@ -165,7 +172,11 @@ def test_a_raw_checksum_at_the_end_of_the_file_is_damage():
 def test_a_new_recording_begins_afresh():
     first = packets("> 01FF0D", "< 0A")
     second = packets("< 0AF60D", source=Source(1))
-    assert brief(decode(first + second)) == ["> 01", "<! 0A unfinished", "< 0A"]
+    assert brief(decode(first + second)) == [
+        "> 01",
+        "<! 0A unfinished",
+        "<? 0A NO_REQUEST",
+    ]
 
 
 def test_two_ports_do_not_mix():
@@ -249,6 +260,7 @@ def test_each_item_has_its_time_place_and_port_in_json():
     common = {"schema": 1, "recording": 0, "port": "sim:"}
     later = common | {"time": 0.02, "end": 0.02, "direction": "received", "offset": 100}
     plain = {"type": "frame", "raw_checksum": False, "irregular": False, "meaning": None}
+    plain["doubt"] = None
     asked = plain | {"body": "01", "wire": "01FF0D", "name": "availability", "request": None}
     assert lines == [
         common
@@ -271,12 +283,12 @@ def test_each_item_is_a_line_with_its_time_and_direction():
         "    0.010000 < 01  echo",
         "    0.010000 < 0A",
         "    0.020000 < ! 0A F7  wrong checksum",
-        "    0.030000 < F3  raw checksum",
-        "    0.040000 < 41 1F",
+        "    0.030000 < F3  not trusted: the exchange has failed; raw checksum",
+        "    0.040000 < 41 1F  not trusted: the exchange has failed",
     ]
     irregular = next(decode(packets("< 4001BF0D")))
     assert irregular.frame.irregular
-    assert to_text(irregular, "ru").endswith("< 41  необычная замена байта")
+    assert to_text(irregular, "ru").endswith("запрос к нему неизвестен; необычная замена байта")
 
 
 # Whatever the line brought

@@ -12,7 +12,7 @@ import mikas
 from mikas.catalog import shipped
 from mikas.errors import CaptureError
 from mikas.recording.capture.reader import CaptureReader
-from mikas.recording.exchanges.packets import read
+from mikas.recording.exchanges.columns.packets import read
 from mikas.recording.inspect import Describer, decode
 from mikas.recording.summary import summarise
 from mikas.replay import load

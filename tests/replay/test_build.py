@@ -15,7 +15,7 @@ from mikas.catalog import shipped
 from mikas.errors import MikasError
 from mikas.framing import encode
 from mikas.recording import CaptureWriter
-from mikas.recording.exchanges.columnar import column_exchanges
+from mikas.recording.exchanges.columns.matcher import column_exchanges
 from mikas.recording.exchanges.turns import quick_exchanges
 from mikas.replay import behaviour as replay_habits
 from mikas.replay import build as building
@@ -43,10 +43,10 @@ def plain(value):
 
 
 def same(path):
-    by_runs = build(column_exchanges(path), shipped())
+    by_runs = build(column_exchanges(path, shipped().size_of), shipped())
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(building, "has_whole_numpy", lambda: False)
-        one_by_one = build(quick_exchanges(path), shipped())
+        one_by_one = build(quick_exchanges(path, shipped().size_of), shipped())
     for each in fields(one_by_one):
         name = each.name
         assert plain(getattr(by_runs, name)) == plain(getattr(one_by_one, name)), name
@@ -103,7 +103,7 @@ def test_most_of_a_long_session_is_not_looked_at_one_by_one(few, tmp_path, monke
 
     hear = ReplayBuilder.take_response
     monkeypatch.setattr(ReplayBuilder, "take_response", counted)
-    found = build(column_exchanges(path), shipped())
+    found = build(column_exchanges(path, shipped().size_of), shipped())
     assert found.frames > 200
     assert len(heard) < found.frames / 3
 
@@ -144,6 +144,8 @@ def test_a_clock_set_back_and_a_changed_list_are_the_same_by_runs(few, tmp_path)
             time -= 30.0
             for number in range(20):
                 ask(b"\x63", bytes([number + 60]) * (size if number != 11 else size + 1))
+                if number == 11:
+                    ask(b"\x01", b"\x0a")  # D13
     same(path)
-    indexed = build(column_exchanges(path), shipped())
-    assert indexed.frames == 3 * 41
+    indexed = build(column_exchanges(path, shipped().size_of), shipped())
+    assert indexed.frames == 3 * 42

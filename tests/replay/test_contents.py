@@ -20,7 +20,7 @@ from mikas.i18n import Text
 from mikas.recording import CaptureWriter
 from mikas.recording.annotations.events import note_of
 from mikas.recording.capture.notes import Kind, Note
-from mikas.recording.exchanges.columnar import column_exchanges
+from mikas.recording.exchanges.columns.matcher import column_exchanges
 from mikas.recording.recording import Recording
 from mikas.replay import behaviour as replay_habits
 from mikas.replay import load, playing
@@ -74,7 +74,10 @@ def test_a_parameter_that_was_refused_is_not_known(tmp_path):
         ([("6120", "14"), ("6120", "01")], ["14"]),
         ([("6120", "14"), ("6120", "01"), ("612020", "0101"), ("6120", "01")], "14 01 01 01"),
         ([("612029", "0115"), ("6120", "01")], ["01", "01"]),
-        ([("6120", "14"), ("6120", "01"), ("612020", None), ("6120", "01")], ["14", "01", "01"]),
+        (
+            [("6120", "14"), ("6120", "01"), ("612020", None), ("01", "0A"), ("6120", "01")],
+            ["14", "01", "01"],
+        ),
         ([("6120", "01"), ("612020", "01"), ("6120", "01"), ("6120", "15")], ["15"]),
     ],
 )
@@ -218,7 +221,7 @@ def test_a_hole_among_what_is_taken_by_runs_is_found(tmp_path, monkeypatch):
     path = tmp_path / "a.pcapng"
     steady(path)
     same(path)
-    assert len(build(column_exchanges(path), shipped()).holes) == 1
+    assert len(build(column_exchanges(path, shipped().size_of), shipped()).holes) == 1
 
 
 # Odd notes

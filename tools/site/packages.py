@@ -51,9 +51,11 @@ _OWN_LINKS = {"webserial": "mikas.browser.web_serial:open_web_serial"}
 _NOT_HERE = (
     "cli", "__main__.py", "py.typed", "dashboard/page", "dashboard/running.py",
     "dashboard/server.py", "dissectors", "fleet", "link/failures.py", "link/network.py",
-    "link/serial.py", "publish", "recording/exchanges/columnar.py",
-    "recording/exchanges/frames.py", "recording/exchanges/packets.py", "recording/export/mdf.py",
-    "recording/export/parquet.py", "recording/parquet.py", "replay/routine.py",
+    "link/serial.py", "publish", "recording/export/mdf.py", "recording/export/parquet.py",
+    "recording/parquet.py", "replay/routine.py",
+    *(f"recording/exchanges/columns/{each}.py" for each in (
+        "directions", "frames", "matcher", "packets", "turn_runs",
+    )),
     *(f"notebook/{each}.py" for each in (
         "drawing", "html", "interruptions", "overview", "panes", "picture", "text", "time_axis",
         "value_axes", "wording",
@@ -61,7 +63,7 @@ _NOT_HERE = (
 )  # fmt: skip
 
 # Asks for numpy, and is asked whether it can be had.
-ASKS_FOR_NUMPY = "mikas.recording.exchanges.pieces"
+ASKS_FOR_NUMPY = "mikas.recording.exchanges.columns.pieces"
 
 
 class Changed(Exception):

@@ -14,13 +14,14 @@ from dataclasses import replace
 from typing import Any, Final
 
 from mikas import commands as c
-from mikas.catalog import Catalog
-from mikas.commands.base import ERROR
+from mikas.catalog import Catalog, shipped
+from mikas.commands.base import ERROR, SizeOf
 from mikas.errors import MikasError, NotSupported, WrongLength
 from mikas.i18n import Language, Text
 from mikas.json_values import json_of
 from mikas.link.base import Direction
 from mikas.recording.capture.reader import Packet, Problem, Source
+from mikas.recording.exchanges.fitting import Fitting
 from mikas.recording.exchanges.layouts import DATA, READ_LIST, WRITE_LIST
 from mikas.recording.exchanges.scalar import UNFINISHED, DecodedDamage, DecodedFrame, PortDecoder
 
@@ -36,6 +37,7 @@ _REASONS: Final = {
     UNFINISHED: Text("unfinished", "не закончено"),
 }
 _ECHO = Text("echo", "эхо")
+_NOT_TRUSTED = Text("not trusted: {why}", "не в счёт: {why}")
 _RAW_CHECKSUM = Text("raw checksum", "контрольная сумма без замены")
 _IRREGULAR = _REASONS["irregular escape"]
 
@@ -43,12 +45,17 @@ Item = DecodedFrame | DecodedDamage | Problem
 
 
 def decode(
-    items: Iterable[Packet | Problem], describer: Callable[[], Describe] | None = None
+    items: Iterable[Packet | Problem],
+    describer: Callable[[], Describe] | None = None,
+    size_of: SizeOf | None = None,
 ) -> Iterator[Item]:
     """Yield the frames of `items` as soon as each is whole; pass problems through. Never raise.
 
     `describer` makes the `Describe` of one line: a list that 64 sets belongs to it alone.
+    `size_of`: bytes of a parameter's datum by its code (None: not known); by default those of the
+    shipped catalog. A response has to fit its request (D13).
     """
+    fitting = Fitting(size_of or shipped().size_of)
     lines: dict[Source, tuple[PortDecoder, Describe | None]] = {}
     recording = 0
     for item in items:
@@ -63,7 +70,7 @@ def decode(
                 yield from port.finish()
             lines.clear()
         if item.source not in lines:
-            lines[item.source] = PortDecoder(item.source), describer and describer()
+            lines[item.source] = PortDecoder(item.source, fitting), describer and describer()
         port, describe = lines[item.source]
         for part in port.feed(item):
             yield part if describe is None else _described(part, describe)
@@ -108,6 +115,7 @@ def to_json(item: Item) -> dict[str, object]:
         "name": item.name,
         "request": None if item.request is None else _hex(item.request),
         "meaning": json_of(item.meaning),
+        "doubt": json_of(item.doubt.value if item.doubt else None),
     }
 
 
@@ -137,6 +145,8 @@ def _notes(item: DecodedFrame) -> list[Text]:
         notes.append(Text(item.name, item.name))
     if item.meaning is not None:
         notes.append(item.meaning)
+    if item.doubt is not None:
+        notes.append(_NOT_TRUSTED.filled(why=item.doubt.value))
     if item.frame.raw_checksum:
         notes.append(_RAW_CHECKSUM)
     if item.frame.irregular:

@@ -249,7 +249,7 @@ def _faults(sections: _Sections) -> tuple[int, ...] | None:
 def _samples(path: Path, sections: _Sections, catalog: Catalog) -> tuple[int | None, bool]:
     """Return the number of responses with data, and whether it was counted."""
     if sections.index.size > _COUNTED or len(sections.index.sections) > _MOST_SECTIONS:
-        return _estimated(sections), False
+        return _estimated(sections, catalog), False
     from mikas.recording.recording import Recording
 
     with suppress(MikasError):
@@ -257,7 +257,7 @@ def _samples(path: Path, sections: _Sections, catalog: Catalog) -> tuple[int | N
     return None, True
 
 
-def _estimated(sections: _Sections) -> int:
+def _estimated(sections: _Sections, catalog: Catalog) -> int:
     """Count responses in pieces of the file, and assume the same density elsewhere."""
     size = sections.index.size
     read = responses = 0
@@ -268,6 +268,7 @@ def _estimated(sections: _Sections) -> int:
         item = next(scan(sections.file, offset & -4, order), None)
         begin = item.end if item is not None else size
         piece = range(begin, min(size, begin + _PIECE))
-        more, length = count_responses(sections.file, piece, order, copy(blocks))
+        file, size_of = sections.file, catalog.size_of
+        more, length = count_responses(file, piece, order, copy(blocks), size_of)
         responses, read = responses + more, read + length
     return round(responses * size / read) if read else 0

@@ -52,7 +52,8 @@ def load(path: str | os.PathLike[str], catalog: Catalog | None = None) -> Replay
 
     Damaged parts are skipped; `problems` counts them.
     """
-    data = build(read_exchanges(path), catalog or shipped())
+    catalog = catalog or shipped()
+    data = build(read_exchanges(path, catalog.size_of), catalog)
     if not data.frames:
         raise CaptureError(str(Path(path)), _NOTHING)
     return data

@@ -14,9 +14,9 @@ import numpy as np
 
 from mikas import commands as c
 from mikas.recording.exchanges.arrays import Floats, Index, Mask, present
+from mikas.recording.exchanges.columns.pieces import joined
 from mikas.recording.exchanges.groups import ResponseGroup
 from mikas.recording.exchanges.layouts import STREAMS
-from mikas.recording.exchanges.pieces import joined
 from mikas.recording.exchanges.result import Exchanges
 from mikas.replay.contents import ROUNDING, RecordedPort, Request
 from mikas.replay.model import Series

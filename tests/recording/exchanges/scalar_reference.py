@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 
+from mikas.catalog import shipped
 from mikas.recording.capture.reader import CaptureReader, Packet, Problem, Source
+from mikas.recording.exchanges.fitting import Fitting
 from mikas.recording.exchanges.result import JUMP, LONGEST_PAUSE, Exchanges
 from mikas.recording.exchanges.scalar import PortDecoder
 from mikas.recording.exchanges.turns import FoundExchanges
 
 MOST_PACKETS = 1024
+FITTING = Fitting(shipped().size_of)
 
 
 class ScalarMatcher:
@@ -17,7 +20,7 @@ class ScalarMatcher:
 
     def __init__(self, source: Source) -> None:
         self._source = source
-        self._port = PortDecoder(source)
+        self._port = PortDecoder(source, FITTING)
         self.matching = self._port.matching
         self._last: float | None = None
 

@@ -6,14 +6,14 @@ import numpy as np
 from exchanges_reference import answers
 from hypothesis import given
 from hypothesis import strategies as st
-from scalar_reference import ScalarMatcher
+from scalar_reference import FITTING, ScalarMatcher
 
 from mikas.framing import encode
 from mikas.i18n import Text
 from mikas.link.base import Direction
 from mikas.recording.capture.reader import Packet, Problem, Source
-from mikas.recording.exchanges.columnar import ColumnarMatcher
-from mikas.recording.exchanges.packets import Packets
+from mikas.recording.exchanges.columns.matcher import ColumnarMatcher
+from mikas.recording.exchanges.columns.packets import Packets
 
 SENT, RECEIVED = Direction.SENT, Direction.RECEIVED
 LINE = Source(0, "sim:", baud=9600)
@@ -124,7 +124,7 @@ def plain(found):
 
 
 def columnar(items, sizes):
-    return [plain(it) for it in results(items, sizes, ColumnarMatcher(LINE), as_arrays)]
+    return [plain(it) for it in results(items, sizes, ColumnarMatcher(LINE, FITTING), as_arrays)]
 
 
 def scalar(items, sizes):

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mikas.framing import Damage, DamageReason, Decoder, Frame, encode
-from mikas.recording.exchanges.frames import (
+from mikas.recording.exchanges.columns.frames import (
     CHECKSUM,
     GIVEN_UP,
     SOUND,

@@ -14,7 +14,7 @@ from mikas.errors import CaptureError
 from mikas.link.base import Direction
 from mikas.recording.capture import blocks as pcapng
 from mikas.recording.capture.reader import CaptureReader, Packet, Problem
-from mikas.recording.exchanges.packets import read, seconds
+from mikas.recording.exchanges.columns.packets import read, seconds
 
 SECTION = pcapng.Section(application="mikas test")
 LINE = pcapng.Interface(name="sim:", speed=9600)

@@ -15,7 +15,7 @@ from test_table_sessions import adapters, record, steps
 
 from mikas.catalog import shipped
 from mikas.recording.capture.reader import Problem
-from mikas.recording.exchanges.columnar import column_exchanges
+from mikas.recording.exchanges.columns.matcher import column_exchanges
 from mikas.recording.exchanges.groups import ResponseClassifier
 from mikas.recording.exchanges.layouts import READ_LIST, Layouts
 from mikas.recording.exchanges.refusals import RefusalColumns
@@ -48,8 +48,8 @@ def joined(items):
 
 def same(path):
     reference = joined(scalar_exchanges(path))
-    assert joined(column_exchanges(path)) == reference
-    assert joined(quick_exchanges(path)) == reference
+    assert joined(column_exchanges(path, shipped().size_of)) == reference
+    assert joined(quick_exchanges(path, shipped().size_of)) == reference
 
 
 @settings(max_examples=15)
@@ -78,7 +78,7 @@ def test_columns_and_the_reference_agree_on_sessions_with_a_virtual_unit(
 def refused_by_columns(path):
     """Times of the doubtful responses that do not count."""
     classifier, refusals, times = ResponseClassifier(LAYOUTS), None, []
-    for item in column_exchanges(path):
+    for item in column_exchanges(path, shipped().size_of):
         refusals = refusals or RefusalColumns(item.bodies)
         refusals.add_responses(list(classifier.groups(item)), item.responses)
         times += item.responses.times.tolist()
@@ -101,6 +101,8 @@ def refused_in_order(path):
                 if request[:1] == b"\x64":
                     listed, setting = None, request
                 sent += 1
+            if responses.numbers[row] < 0:
+                continue
             request = item.bodies[responses.numbers[row]]
             body = responses.body(row)
             if request == setting and body == b"\x00":
@@ -128,13 +130,14 @@ import sys
 from mikas.browser.arrays import install
 
 install()
+from mikas.catalog import shipped
 from mikas.recording.exchanges import read_exchanges
 from mikas.recording.inspect import decode
 from mikas.recording.capture.reader import CaptureReader
 from mikas.replay import load
 
 path = sys.argv[1]
-assert sum(len(item.responses.times) for item in read_exchanges(path)) > 0
+assert sum(len(item.responses.times) for item in read_exchanges(path, shipped().size_of)) > 0
 assert any(True for _ in decode(CaptureReader(path)))
 print(load(path).frames)
 """

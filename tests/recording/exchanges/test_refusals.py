@@ -16,7 +16,7 @@ from mikas.framing import encode
 from mikas.link.base import Direction
 from mikas.recording.capture.reader import CaptureReader
 from mikas.recording.capture.writer import CaptureWriter
-from mikas.recording.exchanges import columnar as capture
+from mikas.recording.exchanges.columns import matcher as capture
 from mikas.recording.table import raw_recording
 
 CATALOG = shipped()
@@ -126,7 +126,8 @@ def test_a_01_among_others_confirms_what_follows(tmp_path):
 
 def test_a_unit_that_takes_one_at_a_time_and_goes_on_is_believed(tmp_path):
     """What asked twice did not get two, and took the 01 for a datum: it asks on."""
-    exchanges = [("6120", "14"), ("6120", "01"), ("612020",), ("6120", "01"), ("6120", "01")]
+    exchanges = [("6120", "14"), ("6120", "01"), ("612020",), ("01", "0A")]
+    exchanges += [("6120", "01"), ("6120", "01")]
     rows = values_of(tmp_path / "a.pcapng", exchanges)
     assert [row.get("THR") for row in rows] == [20.0, 1.0, 1.0, 1.0]
 

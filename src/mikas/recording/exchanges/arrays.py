@@ -1,7 +1,7 @@
 """The types of arrays of exchanges.
 
 Whatever works with such arrays imports this. The stages that make them from the bytes of a
-file (`exchanges.columnar`) need more of numpy than there is in a browser (`exchanges.pieces`).
+file (`exchanges.columns`) need more of numpy than there is in a browser (`columns.pieces`).
 """
 
 from __future__ import annotations

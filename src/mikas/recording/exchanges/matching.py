@@ -1,29 +1,37 @@
 """The rules of matching: which received frame is an echo, which request a response answers.
 
-On a line with echo, the first received frame that repeats a sent frame byte for byte is its echo
-(D1). A response can look like an echo too (`11 11` may be answered `11 11`), so the availability
-request, whose response never repeats it, decides whether the line echoes at all. A response carries
-neither its command nor an identifier: a frame that is no echo counts as the response to the last
-request before it (D13).
+A response carries neither its command nor an identifier, so a file is judged as the tester judges
+the line (D1, D13): no value comes out of a file that the tester would have refused.
 
-`exchanges.scalar` applies these rules to every frame, `exchanges.columnar` and `exchanges.turns`
+- The echo is the first thing received after a request, byte for byte; a frame that repeats a sent
+  one is an echo, never a response. What comes in its place voids the exchange.
+- A request that is no stream has one response: the first frame after the echo, if it fits (length,
+  address, content), comes in time, and nothing comes with it. A second one answers nothing.
+- With the first byte of the next request, the one before has had all its responses. A damaged one
+  is not known: nothing answers it, nor the one before.
+- After a failed exchange, and after a stream, nothing counts until `01` has been answered by
+  exactly one response, the unit's version, with nothing behind it.
+
+Whether the line echoes is decided by `01`, whose response never repeats it, or by a request that
+came back before its response. The begin of a recording, and what follows a missing part, count as
+trusted: the tester asks for no value on a line that it does not trust.
+
+`exchanges.scalar` applies these rules to every frame, `exchanges.columns` and `exchanges.turns`
 only to irregular traffic: for regular traffic they compute their outcome in one step.
 """
 
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator
-from typing import TYPE_CHECKING, Final, NamedTuple, Protocol, TypeVar
+from enum import Enum, auto
+from math import inf
+from typing import Final, NamedTuple
 
 from mikas.commands import COMMANDS_BY_CODE, Availability
-from mikas.recording.capture.notes import Note
-from mikas.recording.capture.reader import Problem, Source
-from mikas.recording.exchanges.result import Exchanges
-
-if TYPE_CHECKING:
-    from mikas.recording.exchanges.packets import Packets
-    from mikas.recording.exchanges.runs import PacketRun
+from mikas.commands.base import ERROR, OK
+from mikas.i18n import Text
+from mikas.recording.exchanges.fitting import Fitting
+from mikas.recording.exchanges.layouts import WRITE_LIST
 
 # s; an unfinished frame is abandoned after such a silence: longer than D14's pause inside a
 # response and a latency timer. If a request was sent in between, the tester has abandoned it.
@@ -32,6 +40,17 @@ SILENCE_AFTER_SENDING: Final = 0.02
 
 AVAILABILITY: Final = Availability().body()
 _MOST_UNECHOED: Final = 64
+_MODELS: Final = frozenset([b"\x09", b"\x0a"])  # versions that need no second `01` (D13)
+
+# s from the end of a request to its response: D14's 500 ms, as seen through a latency timer. A
+# tester that waits longer shows it by what it sends next: one that gave up waits for as long again
+# (`Timing.late`), then synchronizes.
+PATIENCE: Final = 0.51
+_GIVEN_UP: Final = 0.9
+_SURELY_GIVEN_UP: Final = 1.1
+_SOON: Final = 0.5
+_MARGIN: Final = 1.25
+_AT_ONCE: Final = 10  # as the tester's
 
 
 class SentRequest(NamedTuple):
@@ -47,20 +66,96 @@ NO_REQUEST: Final = -1
 UNKNOWN: Final = SentRequest(NO_REQUEST, None)
 
 
+class Doubt(Enum):
+    """Why a received frame answers no request."""
+
+    NO_REQUEST = Text("its request is not known", "запрос к нему неизвестен")
+    NO_ECHO = Text("it came in place of the echo", "он пришёл вместо эха")
+    FAILED = Text("the exchange has failed", "обмен не удался")
+    SECOND = Text("the request has its response already", "на запрос уже был ответ")
+    TOGETHER = Text("more than one response came", "пришло больше одного ответа")
+    TOO_SOON = Text(
+        "it began while the request was being sent", "он начался, пока посылался запрос"
+    )
+    LATE = Text("later than the tester waits", "позже, чем ждёт тестер")
+    NOT_IN_SYNC = Text(
+        "after a failed exchange nothing counts until 01 is answered",
+        "после сбоя обмена ничто не в счёт до ответа на 01",
+    )
+
+
+class Received(NamedTuple):
+    """A received frame, or damage, which has no `body`.
+
+    `start`, `end`: its bytes in the direction's stream. `began`, `ended`: times of the packets with
+    its first and last byte. `followed`: more than bare terminators comes in the packet behind it.
+    """
+
+    wire: bytes
+    body: bytes | None
+    start: int
+    end: int
+    began: float
+    ended: float
+    followed: bool
+
+
+class Verdict(NamedTuple):
+    """On a received frame: an echo, or the request that it answers, or why it answers none."""
+
+    echo: bool
+    answers: SentRequest
+    doubt: Doubt | None
+
+
+_ECHO: Final = Verdict(True, UNKNOWN, None)
+_DAMAGE: Final = Verdict(False, UNKNOWN, None)
+_REFUSED: Final = {doubt: Verdict(False, UNKNOWN, doubt) for doubt in Doubt}
+
+
+class Phase(Enum):
+    """How far an exchange has come."""
+
+    NONE = auto()  # no request is known
+    ASKED = auto()
+    ECHOED = auto()
+    STREAMING = auto()  # every further frame is a response
+    ANSWERED = auto()
+    LATE = auto()  # by a response that came too late
+    VOID = auto()
+
+
 class Matching:
     """The state of one port. `request`: the last one; `count`: how many were sent.
 
-    `echoes`: whether the line returns the sent bytes; None: not known yet.
+    `echoes`: whether the line returns the sent bytes; None: not known yet. `trusted`: whether a
+    response counts. `patience`: s that the tester waits for one. `listed`: length of the responses
+    to 63. `unechoed`: sent frames whose echo may follow.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, fitting: Fitting, byte_time: float) -> None:
+        self.fitting = fitting
         self.request = UNKNOWN
         self.count = 0
         self.echoes: bool | None = None
+        self.trusted = True
+        self.patience = PATIENCE
+        self.listed: int | None = None
         self.bodies: list[bytes] = []
+        self.phase = Phase.NONE
+        self._byte_time = byte_time
         self._numbers: dict[bytes, int] = {}
-        self._before = UNKNOWN
-        self._unechoed: deque[bytes] = deque(maxlen=_MOST_UNECHOED)
+        self.unechoed: deque[bytes] = deque(maxlen=_MOST_UNECHOED)
+        self._wire = b""
+        self._from = 0  # where in the received stream the request's echo begins
+        self._sent_until = -inf
+        self._due = -inf  # when the last byte of the request or of its echo was on the line
+        self._at_once: int | None = None  # responses before an emulator counts as a wire
+        self._delay = 0.0  # of a late response
+        self._answered_at = -inf
+        self._answer = b""  # to the present `01`
+        self._version: bytes | None = None
+        self._last_version: bytes | None = None  # the response to the last clean `01`
 
     def number(self, body: bytes | None) -> int:
         """Return the number of a request body, its place in `bodies`; NO_REQUEST for None."""
@@ -72,97 +167,192 @@ class Matching:
         return number
 
     @property
-    def settled(self) -> bool:
-        """Whether, until something is sent, no frame can be an echo or change this state."""
-        if self.echoes or self.request.body != AVAILABILITY:
-            return self.echoes is False or not self._unechoed
-        return False
+    def is_stream(self) -> bool:
+        """Whether the last request is a stream's, with its echo, if the line has one."""
+        return self.phase is Phase.STREAMING
 
     @property
-    def answered(self) -> SentRequest:
-        """The request that a response at this point answers."""
-        # Before its echo, a frame can't be the response to the request that was just sent.
-        return self._before if self.echoes and self._unechoed else self.request
-
-    def turn(self) -> None:
-        """Begin to send after receiving: missing echoes will not follow any more."""
-        self._unechoed.clear()
+    def _is_availability(self) -> bool:
+        return self.request.body == AVAILABILITY
 
     def interrupt(self) -> None:
-        """Drop the requests: a part of the file is missing, perhaps with a request in it.
+        """Drop the request: a part of the file is missing, perhaps with a request in it.
 
         A stream continues: its next response is one of many.
         """
-        body = self.request.body
-        command = COMMANDS_BY_CODE.get(body[0]) if body else None
-        if command is None or not command.STREAM:
-            self.request = UNKNOWN
-        self._before = UNKNOWN
+        if self.phase is not Phase.STREAMING:
+            self.request, self.phase = UNKNOWN, Phase.NONE
+            self.trusted = True
 
-    def sent(self, wire: bytes, body: bytes | None) -> None:
-        """Take a sent frame, or damage, which has no `body`."""
-        self._before, self.request = self.request, SentRequest(self.count, body)
+    # Sending
+
+    def turn(self) -> None:
+        """Begin to send after receiving: missing echoes will not follow any more."""
+        self.unechoed.clear()
+
+    def begin_sending(self, time: float) -> None:
+        """End the exchange before: a byte of the next request was sent at `time`."""
+        phase, self.phase = self.phase, Phase.NONE
+        if phase is Phase.LATE and self.trusted and self._has_waited(time):
+            self.patience = max(self.patience, _MARGIN * self._delay)
+            phase = Phase.ANSWERED
+        if phase is Phase.NONE:
+            return
+        if phase is Phase.STREAMING:
+            self.trusted = False
+        elif phase is not Phase.ANSWERED:
+            # Without an echo, a response may look like its request.
+            self.trusted &= phase is Phase.ECHOED and self.echoes is False
+        elif self._is_availability:
+            self._confirm()
+
+    def _has_waited(self, time: float) -> bool:
+        """Return whether the tester, which sends again at `time`, has taken a late response."""
+        is_quick = time < self._sent_until + _GIVEN_UP
+        is_patient = self._delay > _SURELY_GIVEN_UP and time < self._answered_at + _SOON
+        return is_quick or is_patient
+
+    def _confirm(self) -> None:
+        """Judge a clean answer to `01` (D13)."""
+        version, before = self._answer, self._last_version
+        self._last_version = version
+        is_own = version == self._version or (self._version is None and version in _MODELS)
+        if is_own or version == before:
+            self._version = version
+            self.trusted = True
+        elif self._version is not None:
+            self.trusted = False
+
+    def sent(self, wire: bytes, body: bytes | None, time: float, received: int) -> None:
+        """Take a sent frame, or damage, which has no `body`.
+
+        `time`: of the packet with its first byte. `received`: bytes received before it.
+        """
+        if self.phase is not Phase.NONE:  # more than one in a packet
+            self.begin_sending(time)
+        self.request = SentRequest(self.count, body)
         self.count += 1
-        self._unechoed.append(wire)
+        self.unechoed.append(wire)
+        if body is None:
+            return
+        self.phase = Phase.ASKED
+        self._wire, self._from = wire, received
+        self._sent_until = self._due = time + len(wire) * self._byte_time
+        if body[:1] == WRITE_LIST:
+            self.listed = None
 
-    def follow(self, count: int, before: bytes | None, body: bytes, wire: bytes) -> None:
-        """Follow `count` requests, each one with its echo, if the line echoes, and no other frames
-        but responses. `before`, `body`, `wire`: of the last two, and of the last one on the wire.
+    def follow(self, count: int, body: bytes, wire: bytes, *, streams: bool = False) -> None:
+        """Follow `count` requests, each with its echo, if the line echoes, and one response that
+        fits and comes in time. `body`, `wire`: of the last one, which `streams`.
         """
         self.count += count
-        self._before = SentRequest(self.count - 2, before) if count > 1 else self.request
         self.request = SentRequest(self.count - 1, body)
-        self._unechoed.clear()
+        self.phase = Phase.STREAMING if streams else Phase.ANSWERED
+        self.unechoed.clear()
         if not self.echoes:
-            self._unechoed.append(wire)
+            self.unechoed.append(wire)
+            self._at_once = max(0, (self._at_once or 0) - count)
 
-    def received(self, wire: bytes, body: bytes | None) -> bool:
-        """Take a received frame, or damage; return whether it is an echo."""
-        if body is None:
-            self._before = self.request  # the damage may have been the echo
-        came_back = wire in self._unechoed
-        if self.request.body == AVAILABILITY and body is not None and len(body) == 1:
-            if came_back:
+    # Receiving
+
+    def received(self, it: Received) -> Verdict:
+        """Take a received frame, or damage."""
+        was_sent = it.wire in self.unechoed
+        if self.phase is Phase.NONE or it.end <= self._from:
+            return self._apart(it, Doubt.NO_REQUEST, was_sent=was_sent)
+        if self.phase is Phase.ASKED:
+            if was_sent and it.wire == self._wire and it.start == self._from:
+                return self._echo(it)
+            if self.echoes or was_sent:
+                self.phase = Phase.VOID
+                return self._apart(it, Doubt.NO_ECHO, was_sent=was_sent)
+        if was_sent or self.phase in (Phase.ANSWERED, Phase.LATE, Phase.VOID):
+            doubt = Doubt.SECOND if self.phase is Phase.ANSWERED else Doubt.FAILED
+            self.phase = Phase.VOID if self.phase is not Phase.STREAMING else self.phase
+            return self._apart(it, doubt, was_sent=was_sent)
+        return self._response(it)
+
+    def _apart(self, it: Received, doubt: Doubt, *, was_sent: bool) -> Verdict:
+        """Return the verdict on what is no response."""
+        if was_sent:
+            while self.unechoed.popleft() != it.wire:
+                pass
+            if self._is_availability and it.wire == self._wire:
                 self.echoes = True
-            elif self.echoes is None:
-                self.echoes = False
-        if self.echoes is False or not came_back:
-            return False
-        while self._unechoed.popleft() != wire:
+            return _ECHO
+        return _DAMAGE if it.body is None else _REFUSED[doubt]
+
+    def _echo(self, it: Received) -> Verdict:
+        while self.unechoed.popleft() != it.wire:
             pass
-        return True
+        self._due = max(self._due, it.ended)
+        is_stream = self._asks_stream()
+        self.phase = Phase.STREAMING if is_stream else Phase.ECHOED
+        if self._is_availability:
+            self.echoes = True
+        return _ECHO
 
+    def _asks_stream(self) -> bool:
+        body = self.request.body
+        command = COMMANDS_BY_CODE.get(body[0]) if body else None
+        return command is not None and command.STREAM
 
-P = TypeVar("P", bound="Packets | PacketRun")
-P_contra = TypeVar("P_contra", contravariant=True)
+    def _response(self, it: Received) -> Verdict:
+        """Judge the first thing behind a request and its echo, or any of a stream."""
+        if self._asks_stream():
+            self.phase = Phase.STREAMING
+            if it.body is None:
+                return _DAMAGE
+            return self._answered()
+        was_echoed, self.phase = self.phase is Phase.ECHOED, Phase.VOID
+        if it.body is None:
+            return _DAMAGE
+        if it.followed:
+            return _REFUSED[Doubt.TOGETHER]
+        if not was_echoed and not self.echoes and self._is_too_soon(it.began):
+            return _REFUSED[Doubt.TOO_SOON]
+        if (delay := it.began - self._due) > self.patience:
+            self.phase, self._delay, self._answered_at = Phase.LATE, delay, it.ended
+            self._answer = it.body
+            return _REFUSED[Doubt.LATE]
+        request = self.request.body
+        assert request is not None
+        if not self.fitting.fits(request, it.body, self.listed):
+            return self._answered()  # shown as what it is; no value comes of it
+        self.phase = Phase.ANSWERED
+        if self._is_availability:
+            return self._version_answered(it.body, is_first=it.start == self._from)
+        self.echoes = self.echoes or was_echoed
+        if self.trusted and request[:1] == WRITE_LIST and it.body == OK:
+            self.listed = self.fitting.list_length(request)
+        return self._answered()
 
+    def _is_too_soon(self, began: float) -> bool:
+        """Return whether a response without an echo began before its request was out (D2).
 
-class Matcher(Protocol[P_contra]):
-    """One port of one recording."""
+        An emulator without a wire may answer so, as its answer to `01` shows, or to a recording's
+        first request (`Line.receive`).
+        """
+        if began >= self._due + self._byte_time / 2:
+            self._at_once = max(0, (self._at_once or 0) - 1)
+        elif self._at_once is None or self._at_once or self._is_availability:
+            self._at_once = _AT_ONCE
+        else:
+            return True
+        return False
 
-    matching: Matching
+    def _version_answered(self, version: bytes, *, is_first: bool) -> Verdict:
+        if version == ERROR:
+            self.phase = Phase.VOID
+            return _REFUSED[Doubt.FAILED]
+        if self.echoes is None and is_first:
+            self.echoes = False
+        self._answer = version
+        if not self.trusted and self._version not in (None, version, self._last_version):
+            return _REFUSED[Doubt.NOT_IN_SYNC]
+        return Verdict(False, self.request, None)
 
-    def feed(self, packets: P_contra, /) -> Exchanges:
-        """Return the exchanges that these packets complete."""
-
-
-def matched(
-    items: Iterable[P | Problem | Note], matcher: Callable[[Source], Matcher[P]]
-) -> Iterator[Exchanges | Problem | Note]:
-    """Yield the exchanges of stretches of packets; each port of a recording has a matcher."""
-    ports: dict[Source, Matcher[P]] = {}
-    for item in items:
-        if isinstance(item, Note):
-            yield item
-            continue
-        if isinstance(item, Problem):
-            for port in ports.values():
-                port.matching.interrupt()
-            yield item
-            continue
-        source = item.source
-        if source not in ports:
-            if any(other.recording != source.recording for other in ports):
-                ports.clear()
-            ports[source] = matcher(source)
-        yield ports[source].feed(item)
+    def _answered(self) -> Verdict:
+        if not self.trusted:
+            return _REFUSED[Doubt.NOT_IN_SYNC]
+        return Verdict(False, self.request, None)

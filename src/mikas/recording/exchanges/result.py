@@ -1,6 +1,6 @@
 """The interpretation of recorded traffic: requests, and which of them each response answers.
 
-`exchanges.columnar` and, in a browser, `exchanges.turns` yield the same result, a stretch of
+`exchanges.columns.matcher` and, in a browser, `exchanges.turns` yield the same result, a stretch of
 packets at a time, for tables, exports, replay, summary and report. All columns are arrays.
 """
 

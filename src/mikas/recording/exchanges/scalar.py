@@ -1,7 +1,7 @@
 """The line frame by frame: what its frames are, and which request each one answers.
 
 Each direction has a decoder of its own (§2); `exchanges.matching` has the rules. It is the
-reference for `exchanges.columnar` and `exchanges.turns`, which take irregular frames from here.
+reference for `exchanges.columns` and `exchanges.turns`, which take irregular frames from here.
 """
 
 from __future__ import annotations
@@ -12,16 +12,20 @@ from dataclasses import dataclass
 from typing import Final, NamedTuple
 
 from mikas.commands import COMMANDS_BY_CODE
-from mikas.framing import DamageReason, Decoder, Event, Frame
+from mikas.framing import TERMINATOR, DamageReason, Decoder, Event, Frame
 from mikas.i18n import Text
 from mikas.link.base import Direction
 from mikas.recording.capture.reader import Packet, Source
+from mikas.recording.exchanges.fitting import Fitting
 from mikas.recording.exchanges.matching import (
     SILENCE,
     SILENCE_AFTER_SENDING,
     UNKNOWN,
+    Doubt,
     Matching,
+    Received,
     SentRequest,
+    Verdict,
 )
 
 UNFINISHED: Final = "unfinished"
@@ -48,10 +52,11 @@ class DecodedPart:
 
 @dataclass(frozen=True, slots=True)
 class DecodedFrame(DecodedPart):
-    """A sound frame. `answers`: the request that a received frame answers."""
+    """A sound frame. `answers`: the request that a received frame answers; `doubt`: why none."""
 
     frame: Frame
     answers: SentRequest
+    doubt: Doubt | None = None
     meaning: Text | None = None
 
     @property
@@ -87,6 +92,7 @@ class _PacketEnd(NamedTuple):
     offset: int
 
 
+_TERMINATORS: Final = bytes([TERMINATOR])
 _Place = tuple[float, float, int, float]  # `begin`, `end`, `offset`, `wire_time` of a part
 
 
@@ -104,16 +110,27 @@ class _Direction:
         """Whether the next byte begins a frame."""
         return self._decoder.is_between_frames
 
-    def feed(self, packet: Packet) -> Iterator[tuple[Event, _Place]]:
+    @property
+    def offset(self) -> int:
+        """The number of bytes so far."""
+        return self._decoder.offset
+
+    def feed(self, packet: Packet) -> Iterator[tuple[Event, _Place, Received]]:
         """Yield the events that the packet completes."""
         self.last_time = packet.time
         if not packet.data:
             return
-        end = self._decoder.offset + len(packet.data)
-        self._packets.append(_PacketEnd(end, packet.time, packet.offset))
+        begin = self._decoder.offset
+        self._packets.append(_PacketEnd(begin + len(packet.data), packet.time, packet.offset))
         for event in self._decoder.feed(packet.data):
-            data = event.wire if isinstance(event, Frame) else event.data
-            yield event, self._place(event.offset, len(data))
+            wire, body = (
+                (event.wire, event.body) if isinstance(event, Frame) else (event.data, None)
+            )
+            start, end = event.offset, event.offset + len(wire)
+            place = self._place(start, len(wire))
+            rest = packet.data[max(0, end - begin) :]
+            followed = bool(rest.strip(_TERMINATORS))
+            yield event, place, Received(wire, body, start, end, place[0], place[1], followed)
         self._drop_before(self._decoder.offset - len(self._decoder.pending))
 
     def abandon(self) -> tuple[bytes, _Place] | None:
@@ -139,11 +156,14 @@ class _Direction:
             self._packets.popleft()
 
 
+_SENT: Final = Verdict(False, UNKNOWN, None)
+
+
 class PortDecoder:
     """One port: both directions, and the state of the matching."""
 
-    def __init__(self, source: Source) -> None:
-        self.matching = Matching()
+    def __init__(self, source: Source, fitting: Fitting) -> None:
+        self.matching = Matching(fitting, source.byte_time)
         self._source = source
         self._directions = {direction: _Direction(source.byte_time) for direction in Direction}
         self._sent_last = False
@@ -154,21 +174,21 @@ class PortDecoder:
         is_sent = packet.direction is Direction.SENT
         if self._is_late(packet, decoder.last_time):
             yield from self._abandon(packet.direction)
-        if is_sent and not self._sent_last:
-            matching.turn()
-        for event, place in decoder.feed(packet):
-            wire, body = (
-                (event.wire, event.body) if isinstance(event, Frame) else (event.data, None)
-            )
-            echo, answers = False, UNKNOWN
+        if is_sent:
+            if not self._sent_last:
+                matching.turn()
+            if packet.data:
+                matching.begin_sending(packet.time)
+        received = self._directions[Direction.RECEIVED].offset
+        for event, place, it in decoder.feed(packet):
+            verdict = _SENT
             if is_sent:
-                matching.sent(wire, body)
+                matching.sent(it.wire, it.body, place[0], received)
             else:
-                echo = matching.received(wire, body)
-                answers = UNKNOWN if echo else matching.answered
-            where = (self._source, packet.direction, *place, echo, matching.count - 1)
+                verdict = matching.received(it)
+            where = (self._source, packet.direction, *place, verdict.echo, matching.count - 1)
             if isinstance(event, Frame):
-                yield DecodedFrame(*where, event, answers)
+                yield DecodedFrame(*where, event, verdict.answers, verdict.doubt)
             else:
                 yield DecodedDamage(*where, event.data, event.reason.value)
         self._sent_last = is_sent

@@ -1,8 +1,9 @@
-"""Recorded exchanges where numpy has not all that `exchanges.columnar` needs: in a browser (D13).
+"""Recorded exchanges where numpy has not all that `exchanges.columns` needs: in a browser (D13).
 
-A turn is regular if it is one request of one frame in one packet, then its echo, if the line has
-one, and nothing but sound frames. Of such turns a loop takes the exchanges itself, several times
-faster than `exchanges.scalar`; all others go frame by frame through `PortDecoder`.
+A turn is regular if it is one request for data in one packet, its echo, if the line has one, one
+response that fits and comes in time, and not a byte besides; or if a stream begins in it, with
+nothing but sound frames. Of such turns a loop takes the exchanges itself, several times faster than
+`exchanges.scalar`; all others go frame by frame through `PortDecoder`.
 """
 
 from __future__ import annotations
@@ -11,41 +12,44 @@ import os
 from array import array
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Iterator, Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
 from itertools import accumulate
+from math import inf
 from typing import Any, BinaryIO, Final
 
 import numpy as np
 
+from mikas.commands.base import SizeOf
 from mikas.framing import ESCAPE, TERMINATOR, Decoder, Frame, unstuff
 from mikas.link.base import Direction
 from mikas.recording.capture.blocks import Order
 from mikas.recording.capture.notes import Note
 from mikas.recording.capture.reader import Blocks, Packet, Problem, Source
-from mikas.recording.exchanges.matching import (
-    AVAILABILITY,
-    NO_REQUEST,
-    SILENCE,
-    Matching,
-    matched,
-)
+from mikas.recording.exchanges.fitting import Fitting
+from mikas.recording.exchanges.layouts import READ_LIST, STREAMS
+from mikas.recording.exchanges.matching import NO_REQUEST, SILENCE, Matching
+from mikas.recording.exchanges.ports import matched
 from mikas.recording.exchanges.result import GAP, Exchanges, Requests, Responses
 from mikas.recording.exchanges.runs import PacketRun, read, stretches, walk
 from mikas.recording.exchanges.scalar import DecodedDamage, DecodedFrame, PortDecoder
 
 _LONGEST: Final = 4096  # bytes of a frame: the decoder's limit
-_Frames = list[tuple[float, bytes, int]]
+_Frames = list[tuple[float, bytes, int, float]]
 
 
-def quick_exchanges(path: str | os.PathLike[str]) -> Iterator[Exchanges | Problem | Note]:
+def quick_exchanges(
+    path: str | os.PathLike[str], size_of: SizeOf
+) -> Iterator[Exchanges | Problem | Note]:
     """Yield the exchanges of a capture. Raise as `CaptureReader` does."""
-    return matched(read(path), TurnMatcher)
+    return matched(read(path), partial(TurnMatcher, fitting=Fitting(size_of)))
 
 
-def responses_in(file: BinaryIO, piece: range, order: Order, blocks: Blocks) -> tuple[int, int]:
-    """Return what `columnar.responses_in` does; here the run is the piece."""
+def responses_in(
+    file: BinaryIO, piece: range, order: Order, blocks: Blocks, size_of: SizeOf
+) -> tuple[int, int]:
+    """Return what `columns.matcher.responses_in` does; here the run is the piece."""
     runs = stretches(walk(file, piece.start, order, piece.stop, blocks))
-    found = matched(runs, TurnMatcher)
+    found = matched(runs, partial(TurnMatcher, fitting=Fitting(size_of)))
     count = sum(len(each.responses.times) for each in found if isinstance(each, Exchanges))
     return count, len(piece)
 
@@ -111,9 +115,10 @@ class FoundExchanges:
 class TurnMatcher:
     """The exchanges of one port of one recording."""
 
-    def __init__(self, source: Source) -> None:
+    def __init__(self, source: Source, fitting: Fitting) -> None:
         self._source = source
-        self._port = PortDecoder(source)
+        self._fitting = fitting
+        self._port = PortDecoder(source, fitting)
         self.matching = self._port.matching
         self._last: float | None = None
 
@@ -143,31 +148,36 @@ class TurnMatcher:
 
     def _regular(self, run: PacketRun, sent: bytes, start: int, found: FoundExchanges) -> int:
         """Take the regular turns from the packet `start` on; return the packet after them."""
-        times, data = run.times, run.data
-        bodies, number_of = found.bodies, self.matching.number
-        echoes = bool(self.matching.echoes)
+        times, data, matching = run.times, run.data, self.matching
+        matching.begin_sending(times[start])
+        if not matching.trusted:
+            return start
+        bodies, number_of = found.bodies, matching.number
+        echoes = bool(matching.echoes)
         numbers, asked, lengths = (column.append for column in found.requests)
         began, serials, answered, after, begins, sizes, wires = (
             column.append for column in found.responses
         )
-        first = serial = self.matching.count
-        before: bytes | None = None
+        first = serial = matching.count
         body: bytes | None = None
+        streams = False
         at, count = start, len(times)
-        while at < count:
+        while at < count and not streams:
             wire = data[at]
             request = _request(wire)
             stop = sent.find(1, at + 1)
             stop = count if stop < 0 else stop
             if request is None or stop == at + 1:
                 break
-            if (frames := self._received(run, at + 1, stop, wire if echoes else b"")) is None:
+            frames = self._received(run, at, stop, wire if echoes else b"")
+            streams = request[0] in STREAMS
+            if frames is None or not (streams or self._is_answer(request, frames)):
                 break
             number = number_of(request)
             numbers(number)
             asked(times[at])
             lengths(len(wire))
-            for time, sound, length in frames:
+            for time, sound, length, _ in frames:
                 plain = unstuff(sound)[0][:-1] if ESCAPE in sound else sound[:-1]
                 began(time)
                 serials(serial)
@@ -178,36 +188,61 @@ class TurnMatcher:
                 wires(length)
                 bodies += plain
             serial += 1
-            before, body = body, request
+            body = request
             at = stop
         if body is not None:
             found.echoes += (serial - first) * echoes
             last = sent.rfind(1, start, at)
-            self.matching.follow(serial - first, before, body, data[last])
+            matching.follow(serial - first, body, data[last], streams=body[0] in STREAMS)
             self._port.pass_over(times[last], times[at - 1])
         return at
 
-    def _received(self, run: PacketRun, start: int, stop: int, echo: bytes) -> _Frames | None:
-        """Return the frames after the echo in the packets of a turn, as `_frames` does."""
-        data = run.data
+    def _is_answer(self, request: bytes, frames: _Frames) -> bool:
+        """Return whether this is the one response to a request for data."""
+        if len(frames) != 1:
+            return False
+        _, sound, _, delay = frames[0]
+        length = len(unstuff(sound)[0] if ESCAPE in sound else sound) - 1
+        listed = self.matching.listed
+        fits = request == READ_LIST and listed is None
+        fits = fits or length == self._fitting.length(request, listed)
+        soonest = -inf if self.matching.echoes else self._source.byte_time / 2
+        return fits and soonest <= delay <= self.matching.patience
+
+    def _received(self, run: PacketRun, asked: int, stop: int, echo: bytes) -> _Frames | None:
+        """Return the frames after the echo in the packets of a turn: time, bytes without the
+        terminator, length, and s after the request and its echo.
+
+        None if there is anything else, or a frame that repeats the request.
+        """
+        data, times, byte_time = run.data, run.times, self._source.byte_time
+        due = times[asked] + len(data[asked]) * byte_time
+        start = asked + 1
         if echo and stop == start + 2 and data[start] == echo:
+            due = max(due, times[start])
             start, echo = start + 1, b""  # the usual packets: the echo, the response
-        got = b"".join(data[start:stop]) if stop > start + 1 else data[start]
+        if stop == start + 1:
+            got = data[start]
+            frame = got[len(echo) : -1]
+            is_one = TERMINATOR not in frame and _is_sound(frame) and got[-1] == TERMINATOR
+            if is_one and got.startswith(echo) and got != data[asked]:
+                length, time = len(frame) + 1, times[start]
+                due = max(due, time) if echo else due
+                return [(time - length * byte_time, frame, length, time - due)]
+        got = b"".join(data[start:stop])
         if not got.startswith(echo):
             return None
-        frame = got[len(echo) : -1]
-        is_one = stop == start + 1 and TERMINATOR not in frame
-        if is_one and _is_sound(frame) and got[-1] == TERMINATOR:
-            length = len(frame) + 1
-            return [(run.times[start] - length * self._source.byte_time, frame, length)]
-        return self._frames(got, len(echo), run.times[start:stop], data[start:stop])
+        frames = self._frames(got, len(echo), (due, times[start:stop]), data[start:stop])
+        repeats = not echo and frames and any(it[1] == data[asked][:-1] for it in frames)
+        return None if repeats else frames
 
     def _frames(
-        self, got: bytes, start: int, times: Sequence[float], data: Sequence[bytes]
+        self, got: bytes, start: int, timed: tuple[float, Sequence[float]], data: Sequence[bytes]
     ) -> _Frames | None:
-        """Return time, bytes without the terminator, and length of the frames after `start`, with
-        their packets; None if there is anything else.
+        """Return what `_received` does of the bytes behind `start`. `timed`: when the request was
+        sent, and the times of the packets.
         """
+        due, times = timed
         byte_time = self._source.byte_time
         lengths = list(map(len, data))
         ends = list(accumulate(lengths))
@@ -215,6 +250,8 @@ class TurnMatcher:
         silent = any(one - size * byte_time - other > SILENCE for one, other, size in steps)
         if silent or not all(lengths) or (len(got) > start and got[-1] != TERMINATOR):
             return None
+        if start:
+            due = max(due, times[bisect_left(ends, start)])
         frames: _Frames = []
         for frame in got[start:-1].split(b"\x0d") if len(got) > start else ():
             if not _is_sound(frame):
@@ -222,7 +259,8 @@ class TurnMatcher:
             stop = start + len(frame) + 1
             packets = range(bisect_right(ends, start), bisect_left(ends, stop) + 1)
             begun = (times[at] - (ends[at] - start) * byte_time for at in packets)
-            frames.append((min(times[packets[0]], *begun), frame, len(frame) + 1))
+            first = times[packets[0]]
+            frames.append((min(first, *begun), frame, len(frame) + 1, first - due))
             start = stop
         return frames
 
@@ -233,7 +271,7 @@ def _request(wire: bytes) -> bytes | None:
     events = Decoder().feed(wire)
     if len(events) != 1 or not isinstance(event := events[0], Frame) or event.raw_checksum:
         return None
-    return event.body if event.wire == wire and event.body != AVAILABILITY else None
+    return event.body if event.wire == wire and event.body else None
 
 
 def _append(columns: Iterable[array[Any]], *row: float) -> None:

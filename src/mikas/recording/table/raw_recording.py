@@ -118,6 +118,7 @@ class RawRecording:
         self.row_counts: Counter[Source] = Counter()
         self.fault_readings: defaultdict[Source, list[FaultReading]] = defaultdict(list)
         self.codes: set[int] = set()
+        self._size_of = size_of
         self._layouts = Layouts(size_of)
         self._refused: dict[Source, Index] = {}
         self._held: list[RawRows] | None = []
@@ -177,7 +178,7 @@ class RawRecording:
         """Yield the exchanges, with their responses with data and these as rows."""
         ports: dict[Source, ResponseClassifier] = {}
         taken: Counter[Source] = Counter()
-        for item in read_exchanges(self.path):
+        for item in read_exchanges(self.path, self._size_of):
             check_cancelled()
             if isinstance(item, Problem | Note):
                 note(item)

@@ -150,9 +150,10 @@ def _watched(context: CommandContext, stretches: Iterable[Rows]) -> Iterator[Row
 )
 @click.argument("file", metavar="FILE", type=existing_file)
 def decode(context: CommandContext, file: Path) -> None:
-    describer = partial(Describer, context.options.catalog, context.options.interpretation)
+    catalog = context.options.catalog
+    describer = partial(Describer, catalog, context.options.interpretation)
     zero: float | None = None
-    for item in decode_frames(CaptureReader(file), describer):
+    for item in decode_frames(CaptureReader(file), describer, catalog.size_of):
         if context.output.json:
             line = to_json(item)
             line.pop("schema", None)

@@ -30,7 +30,7 @@ from mikas.recording.capture.reader import (
 )
 from mikas.recording.capture.scan import LARGEST, RawBlock, Scanner, read_whole
 from mikas.recording.exchanges.arrays import Bytes, Floats, Index, Mask
-from mikas.recording.exchanges.pieces import joined
+from mikas.recording.exchanges.columns.pieces import joined
 from mikas.recording.exchanges.result import JUMP, LONGEST_PAUSE
 
 WINDOW: Final = 1 << 20

@@ -1,0 +1,1 @@
+"""The exchanges of a recording array by array, where numpy is whole."""
