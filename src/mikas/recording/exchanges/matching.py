@@ -47,7 +47,6 @@ _MODELS: Final = frozenset([b"\x09", b"\x0a"])  # versions that need no second `
 # (`Timing.late`), then synchronizes.
 PATIENCE: Final = 0.51
 _GIVEN_UP: Final = 0.9
-_SURELY_GIVEN_UP: Final = 1.1
 _SOON: Final = 0.5
 _MARGIN: Final = 1.25
 _AT_ONCE: Final = 10  # as the tester's
@@ -209,7 +208,7 @@ class Matching:
     def _has_waited(self, time: float) -> bool:
         """Return whether the tester, which sends again at `time`, has taken a late response."""
         is_quick = time < self._sent_until + _GIVEN_UP
-        is_patient = self._delay > _SURELY_GIVEN_UP and time < self._answered_at + _SOON
+        is_patient = self._delay > _GIVEN_UP and time < self._answered_at + _SOON
         return is_quick or is_patient
 
     def _confirm(self) -> None:
