@@ -31,26 +31,32 @@ if arg[2] == "fields" then
 end
 mikas.prefs = { interpretation = 1, baud = 9600 }
 mikas.init()
+local count = 0
 for line in io.lines() do
   local name, way, time, digits = line:match("^(%S+) (%d) (%S+) (%x*)$")
   if name then
-    local port = ports[name] or new_port(completed)
-    ports[name] = port
+    ports[name] = ports[name] or new_port(completed)
     local bytes = digits:gsub("..", function(pair) return string.char(tonumber(pair, 16)) end)
-    local packet = { number = #packets + 1, time = tonumber(time), bytes = bytes }
-    packets[packet.number] = {}
-    for _, item in ipairs(port:feed(tonumber(way), packet)) do
-      follow(port, item, packet)
-      if item.reason then
-        print(item.reason, hex(item.wire))
+    count = count + 1
+    take(ports[name], tonumber(way), count, tonumber(time), bytes, function(item)
+      if arg[2] == "memory" then
+        return
+      elseif item.reason then
+        print(item.reason, hex(item.wire), "", item.echo_of and "echo" or "")
       else
         local body = body_of(item.wire, item.is_double)
-        print(hex(body), meaning_of(item, body) or "")
+        local role = item.echo_of and "echo" or item.doubt and DOUBTS[item.doubt]
+          or item.answers and hex(item.answers.body) or ""
+        print(hex(body), meaning_of(item, body) or "", role)
       end
-    end
+    end)
   else
     interrupt()
   end
+end
+if arg[2] == "memory" then
+  collectgarbage()
+  print(string.format("%d", collectgarbage("count") * 1024))
 end
 ]]
 

@@ -28,8 +28,9 @@ def line(part: Part) -> dict:
     del line["schema"], line["offset"]
     if line["recording"]:
         line["port"] = ""  # as `tshark_harness.Shown`
-    if line.get("meaning"):
-        line["meaning"] = line["meaning"]["en"]
+    for name in ("meaning", "doubt"):
+        if line.get(name):
+            line[name] = line[name]["en"]
     return line
 
 

@@ -64,6 +64,7 @@ class Line:
         self.echo = random.random() < 0.6
         self.chunk = random.choice(["bytes", "whole", "any"])
         self.trouble = random.choice([0.0, 0.0, 0.05, 0.3])
+        self.at_once = random.random() < 0.2  # responses begin while their request is sent (D2)
         self.listed: bytes = b""
         self.exchanges = vector_exchanges()
 
@@ -75,6 +76,10 @@ class Line:
 
     def step(self) -> None:
         random, choice = self.random, self.random.random()
+        for _ in range(random.choices([0, 1, 2], [8, 1, 2])[0]):
+            self.exchange(
+                b"\x01", random.choices([b"\x0a", b"\x09", b"\x01", None], [9, 1, 1, 1])[0]
+            )
         codes = bytes(random.choices(CODES, k=random.choice([1, 1, 2, 5])))
         if choice < 0.25:
             request, answer = random.choice(self.exchanges)
@@ -127,19 +132,27 @@ class Line:
         )
 
     def exchange(self, request: bytes, answer: bytes | None) -> None:
-        wire = self.wire(request)
+        random, wire = self.random, self.wire(request)
         self.feed(OUTBOUND, wire)
+        if not self.at_once:
+            self.time += len(wire) / 960
         got = wire if self.echo else b""
-        if self.random.random() < self.trouble:
-            got = self.spoilt(got)
-        if answer is not None and self.random.random() < 0.95:
+        if random.random() < self.trouble:
+            got = random.choice([self.spoilt(got), b"\x00" + got, got + b"\xff"])
+        if answer is not None and random.random() < 0.95:
             response = self.wire(answer)
-            if self.random.random() < 0.5:
+            if random.random() < 0.05:
+                response += self.wire(random.choice([answer, b"\x7d"]))
+            if random.random() < 0.5:
                 got += response
             else:
                 self.feed(INBOUND, got)
                 got = response
+                if random.random() < 0.06:
+                    self.time += random.choice([0.3, 0.53, 0.7, 1.15])
         self.feed(INBOUND, got)
+        if answer is not None and random.random() < 0.03:
+            self.receive(self.wire(answer))
 
     def receive(self, wire: bytes) -> None:
         self.feed(INBOUND, wire)
@@ -244,6 +257,8 @@ SETTINGS = (
     "",
     "&model=5.4&faults=13,53,99&raw_checksum=1&latency_ms=16&counted_blocks=1",
     "&echo=0&damaged=0.1&noise=0.1&unknown=01&missing=bytes",
+    "&echo=0&late=0.05&doubled=0.05&noise=0.03",
+    "&late=0.1&latency_ms=16&noise=0.05",
     "&missing-byte=0.1&cut=0.1&doubled=0.1&foreign=0.1&bad-echo=0.05&lost=0.05&late=0.05",
 )
 METHODS = ("single", "batch", "list", "stream", "stroke0", "stroke3")
@@ -256,6 +271,7 @@ def sessions_of_program(folder: Path) -> bytes:
     for number, settings in enumerate(SETTINGS):
         path = folder / f"{number}.pcapng"
         with (
+            suppress(MikasError),  # on the worst lines it may not even connect
             CaptureWriter(path, url="sim:") as writer,
             connect(f"sim:?clock=simulated&seed={number}{settings}", retries=1, sink=writer,
                     confirm=lambda change: True) as ecu,

@@ -11,7 +11,7 @@ from mikas.catalog import INTERPRETATIONS, shipped
 from mikas.dissectors import wireshark
 from mikas.dissectors.wireshark.generator import MARK, lua, source
 from mikas.dissectors.wireshark.labels import LABELS
-from mikas.recording.exchanges.matching import SILENCE, SILENCE_AFTER_SENDING
+from mikas.recording.exchanges import matching
 
 PARTS = sorted(Path(wireshark.__file__).parent.glob("*.lua"))
 
@@ -41,10 +41,23 @@ def test_the_interpretation_of_the_command_is_the_default(interpretation):
     )
 
 
-def test_the_silences_are_those_of_decode():
+def test_the_limits_are_those_of_decode():
     text = "".join(part.read_text("utf-8") for part in PARTS)
-    assert f"local SILENCE = {SILENCE} " in text
-    assert f"local SILENCE_AFTER_SENDING = {SILENCE_AFTER_SENDING} " in text
+    limits = {
+        name.lstrip("_"): value
+        for name, value in vars(matching).items()
+        if name.isupper() and isinstance(value, int | float) and name != "NO_REQUEST"
+    }
+    found = {
+        name: float(number)
+        for name, number in re.findall(r"^local ([A-Z_]+) = ([\d.]+)", text, re.MULTILINE)
+        if name in limits
+    }
+    assert found == {
+        name: it
+        for name, it in limits.items()
+        if isinstance(it, int | float) and name != "NO_REQUEST"
+    }
 
 
 @pytest.mark.parametrize(

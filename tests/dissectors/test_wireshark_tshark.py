@@ -63,7 +63,7 @@ def capture(tmp_path_factory):
 @pytest.fixture(scope="module")
 def small(tmp_path_factory):
     path = tmp_path_factory.mktemp("captures") / "small.pcapng"
-    path.write_bytes(crafted() + hostile(range(1000, 1006)))
+    path.write_bytes(crafted() + hostile(range(1000, 1030)))
     return path
 
 

@@ -115,6 +115,7 @@ def as_decoded(packet: Shown, item: list[tuple[str, str]], times: dict[int, floa
         "name": known.get("name"),
         "request": known.get("request"),
         "meaning": known.get("meaning"),
+        "doubt": known.get("doubt"),
     }
 
 

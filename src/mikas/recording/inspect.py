@@ -37,7 +37,7 @@ _REASONS: Final = {
     UNFINISHED: Text("unfinished", "не закончено"),
 }
 _ECHO = Text("echo", "эхо")
-_NOT_TRUSTED = Text("not trusted: {why}", "не в счёт: {why}")
+NOT_TRUSTED: Final = Text("not trusted: {why}", "не в счёт: {why}")
 _RAW_CHECKSUM = Text("raw checksum", "контрольная сумма без замены")
 _IRREGULAR = _REASONS["irregular escape"]
 
@@ -146,7 +146,7 @@ def _notes(item: DecodedFrame) -> list[Text]:
     if item.meaning is not None:
         notes.append(item.meaning)
     if item.doubt is not None:
-        notes.append(_NOT_TRUSTED.filled(why=item.doubt.value))
+        notes.append(NOT_TRUSTED.filled(why=item.doubt.value))
     if item.frame.raw_checksum:
         notes.append(_RAW_CHECKSUM)
     if item.frame.irregular:

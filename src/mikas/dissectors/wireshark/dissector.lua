@@ -14,15 +14,18 @@ local interface_id = optional_field("frame.interface_id")
 local interface_name = optional_field("frame.interface_name")
 local interface_description = optional_field("frame.interface_description")
 
-local KEPT = {
-  "reason", "sent", "echo_of", "answers", "listed", "is_first", "since", "raw", "irregular",
-  "is_double",
-}
+local MOST_INFO = 4096 -- bytes of the column, in Wireshark
 
-local packets, ports, section -- by number; by name; the present one
+-- By the packet's number: its frames, as `Kept` writes them; the first response to its request; the
+-- packet that completes its last frame; a frame that its recording has ended in.
+local kept, responses, continued, left
+-- Of the present recording: ports by name; directions inside a frame, by their last packet.
+local section, ports, unfinished
 
 function mikas.init()
-  packets, ports, section = {}, {}, nil
+  kept, responses, continued, left = {}, {}, {}, {}
+  section, ports, unfinished = nil, {}, {}
+  forget_texts()
 end
 
 local function text_of(field)
@@ -31,7 +34,21 @@ local function text_of(field)
 end
 
 local function completed(number, by)
-  packets[number].continued = by
+  continued[number] = by
+end
+
+-- Returns, as it is kept, the frame that a direction is inside of.
+local function open_frame(direction, number)
+  local writer = new_kept(number)
+  writer:take(direction:unfinished(direction.packets[direction.last], function() end))
+  return writer:text(0)
+end
+
+local function begin_section(number)
+  for last, direction in pairs(unfinished) do
+    left[last] = open_frame(direction, last)
+  end
+  section, ports, unfinished = number, {}, {}
 end
 
 -- Returns the port of the present packet. Two interfaces of one name and description are one port:
@@ -40,7 +57,7 @@ end
 local function present_port()
   local number = text_of(section_number)
   if number ~= section then
-    section, ports = number, {}
+    begin_section(number)
   end
   local is_first = number == "1" or number == ""
   local name = is_first and text_of(interface_name) .. "\n" .. text_of(interface_description)
@@ -55,119 +72,126 @@ local function interrupt()
   end
 end
 
--- Completes an item of the first pass by what its meaning needs.
-local function follow(port, item, packet)
-  if item.reason or item.echo_of then
-    return
-  elseif item.sent then
-    item.listed = port.following:take(item.body)
-    return
+-- Feeds a packet to its port, keeps what it completes, and gives `see` each frame and damage. Returns
+-- the number of its bytes of a frame that goes on.
+local function take(port, way, number, time, bytes, see)
+  local writer, direction = new_kept(number), port.directions[way]
+  local before = direction.packets[direction.last]
+  if before then
+    unfinished[before.number] = nil
   end
-  local request = item.answers
-  if request.body then
-    item.listed, item.is_first = port.following:take(request.body, item.body)
-    local row = TABLES.commands[request.body:byte()]
-    if row and row.stream and request.latest then
-      item.since = packet.time - request.latest
+  responses[number], continued[number] = nil, nil -- of a refused packet
+  port:feed(way, number, time, bytes, function(item)
+    writer:take(item)
+    local request = item.answers
+    if request then
+      responses[request.number] = responses[request.number] or number
     end
-  end
-  if request.number then
-    request.response = request.response or packet.number
-    request.latest = packet.time
+    see(item)
+  end)
+  local open = #direction.decoder.buffer
+  unfinished[number] = open > 0 and direction or nil
+  open = math.min(open, #bytes)
+  kept[number] = writer:text(open)
+  return open
+end
+
+-- What a packet shows: its tree, and the texts for Info.
+local View = {}
+View.__index = View
+
+function View:add(text)
+  if self.length < MOST_INFO then
+    self.texts[#self.texts + 1] = text
+    self.length = self.length + #text + 3
   end
 end
 
--- Returns the item as it is kept: without what is in the packet, or can be computed again.
-local function kept(item, number)
-  local small = { way = item.way, at = item.at, length = #item.wire }
-  for _, name in ipairs(KEPT) do
-    small[name] = item[name] or nil
+function View:show(item)
+  if item.echo_of then
+    self.has_echo = true
+  else
+    self.has_other = true
   end
-  small.wire = not item.at and item.wire or nil
-  small.first = item.first ~= number and item.first or nil
-  small.last = item.last ~= number and item.last or nil
-  return small
+  self:add(show(self.tree, self.tvb, item, self.number))
 end
 
-local function first_pass(tvb, pinfo, time)
-  local port, way = present_port(), FROM_SYSTEM[pinfo.p2p_dir]
-  local found = { port = port, way = way, items = {} }
-  packets[pinfo.number] = found
+-- Shows the bytes of a frame that goes on in other packets.
+function View:show_open(count)
+  local tvb = self.tvb
+  local bytes = tvb(tvb:len() - count, count)
+  add(self.tree, F.part, bytes)
+  if continued[self.number] then
+    computed(self.tree, F.continued, continued[self.number])
+  end
+  self:add(hex(bytes:raw()) .. " …")
+end
+
+-- Shows what is kept of the packet. Its last request is the one that responses may be to.
+function View:show_kept(way)
+  local reader, open = new_reader(kept[self.number], self.number, way)
+  local item = reader:next()
+  while item do
+    local following = reader:next()
+    item.response = not following and responses[self.number] or nil
+    self:show(item)
+    item = following
+  end
+  local ended = left[self.number]
+  if unfinished[self.number] then
+    ended = open_frame(unfinished[self.number], self.number)
+  end
+  if ended then
+    self:show(new_reader(ended, self.number, way):next())
+  elseif open > 0 then
+    self:show_open(open)
+  end
+end
+
+function View:show_new(pinfo, way)
+  local tvb, port = self.tvb, present_port()
   if not way or tvb:len() < tvb:reported_len() then
     interrupt()
   end
   if way then
-    local packet = { number = pinfo.number, time = time, bytes = tvb:raw() }
-    for index, item in ipairs(port:feed(way, packet)) do
-      follow(port, item, packet)
-      found.items[index] = kept(item, packet.number)
-    end
-    local decoder = port.directions[way].decoder
-    found.open = math.min(#decoder.buffer, #packet.bytes)
-  end
-  return found
-end
-
--- Returns a frame that the recording ends in, if this packet has the last of its bytes.
-local function left_open(found, number)
-  local direction = found.way and found.port.directions[found.way]
-  local last = direction and direction.packets[direction.last]
-  if last and last.number == number then
-    local item = direction:unfinished(last, function() end)
-    return item and kept(item, number)
-  end
-end
-
--- Shows the bytes of a frame that goes on in other packets; returns the text for Info.
-local function show_open(tree, tvb, found)
-  local bytes = tvb(tvb:len() - found.open, found.open)
-  add(tree, F.part, bytes)
-  if found.continued then
-    computed(tree, F.continued, found.continued)
-  end
-  return hex(bytes:raw()) .. " …"
-end
-
-local function columns(pinfo, found, texts)
-  local echoes, others = 0, 0
-  for _, item in ipairs(found.items) do
-    if item.echo_of then
-      echoes = echoes + 1
-    else
-      others = others + 1
+    -- Microseconds, as recorded: the exact times decide over a silence.
+    local time = microseconds(pinfo.abs_ts) / 1e6
+    local open = take(port, way, self.number, time, tvb:raw(), function(item)
+      self:show(item)
+    end)
+    if open > 0 then
+      self:show_open(open)
     end
   end
-  local sent = found.way == SENT
-  local only_echo = echoes > 0 and others == 0
-  pinfo.cols.protocol = "Mikas"
-  pinfo.cols.src = sent and LABELS.tester or only_echo and LABELS.echo or LABELS.unit
-  pinfo.cols.dst = sent and LABELS.unit or LABELS.tester
-  pinfo.cols.info = #texts > 0 and table.concat(texts, " | ") or LABELS.noise
+end
+
+function View:fill(pinfo, way)
+  local columns, sent = pinfo.cols, way == SENT
+  local only_echo = self.has_echo and not self.has_other
+  columns.protocol = "Mikas"
+  columns.src = sent and LABELS.tester or only_echo and LABELS.echo or LABELS.unit
+  columns.dst = sent and LABELS.unit or LABELS.tester
+  columns.info = self.length > 0 and table.concat(self.texts, " | ") or LABELS.noise
 end
 
 function mikas.dissector(tvb, pinfo, root)
-  -- Microseconds, as recorded: the exact times decide over a silence.
-  local time = math.floor(pinfo.abs_ts * 1e6 + 0.5) / 1e6
-  -- A read filter gives the number of a packet that it refuses to the next one.
-  local found = pinfo.visited and packets[pinfo.number] or first_pass(tvb, pinfo, time)
-  local tree, texts = root:add(mikas, tvb()), {}
+  local tree, way = root:add(mikas, tvb()), FROM_SYSTEM[pinfo.p2p_dir]
+  local view = setmetatable(
+    { tree = tree, tvb = tvb, number = pinfo.number, texts = {}, length = 0 }, View)
   visible = root.visible
-  for _, item in ipairs(found.items) do
-    texts[#texts + 1] = show(tree, tvb, item, pinfo.number, time)
+  -- A read filter gives the number of a packet that it refuses to the next one.
+  if not (pinfo.visited and kept[pinfo.number]) then
+    view:show_new(pinfo, way)
+  else
+    view:show_kept(way)
   end
-  local left = pinfo.visited and left_open(found, pinfo.number)
-  if left then
-    texts[#texts + 1] = show(tree, tvb, left, pinfo.number, time)
-  elseif found.open and found.open > 0 then
-    texts[#texts + 1] = show_open(tree, tvb, found)
-  end
-  if not found.way then
+  if not way then
     tree:add_proto_expert_info(E.no_direction)
-    texts[1] = LABELS.expert_no_direction
+    view:add(LABELS.expert_no_direction)
   elseif tvb:len() < tvb:reported_len() then
     tree:add_proto_expert_info(E.cut)
   end
-  columns(pinfo, found, texts)
+  view:fill(pinfo, way)
   return tvb:len()
 end
 

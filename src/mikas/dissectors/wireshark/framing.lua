@@ -47,13 +47,16 @@ local Decoder = {}
 Decoder.__index = Decoder
 
 local function new_decoder()
-  -- `searched`: where to look for the next terminator. `offset`: of the buffer in the stream.
-  return setmetatable({ buffer = "", searched = 1, offset = 0, overflowed = false }, Decoder)
+  -- `start`: of the next frame in the buffer; `searched`: where to look for its terminator.
+  -- `offset`: of the buffer in the stream.
+  return setmetatable(
+    { buffer = "", start = 1, searched = 1, offset = 0, overflowed = false }, Decoder)
 end
 
 function Decoder:drop(count)
   self.buffer = self.buffer:sub(count + 1)
   self.offset = self.offset + count
+  self.start = math.max(1, self.start - count)
   self.searched = math.max(1, self.searched - count)
 end
 
@@ -88,47 +91,57 @@ local function damaged(reason, bytes, offset)
   return { reason = reason, wire = bytes, offset = offset }
 end
 
--- Returns the frames and the damage that these bytes complete, in order.
-function Decoder:feed(bytes)
+function Decoder:add(bytes)
   self.buffer = self.buffer .. bytes
-  local buffer, events, start = self.buffer, {}, 1
+end
+
+-- Returns the next frame or damage that the bytes so far complete, or nil.
+function Decoder:next()
+  local buffer = self.buffer
   while true do
     local stop = buffer:find("\r", self.searched, true)
     if not stop then
       self.searched = #buffer + 1
-      break
+      return self:rest()
     end
-    local next_start = stop + 1
+    local event, next_start = nil, stop + 1
     if self.overflowed then
       self.overflowed = false
     else
-      local part, offset = buffer:sub(start, stop - 1), self.offset + start - 1
+      local part, offset = buffer:sub(self.start, stop - 1), self.offset + self.start - 1
       local sum = sum_of(part)
       if #part > LIMIT then
-        events[#events + 1] = damaged("too long", part:sub(1, LIMIT), offset)
+        event = damaged("too long", part:sub(1, LIMIT), offset)
       elseif part == "" then
         -- A bare terminator is line noise (D5).
       elseif sum == 0 then
-        events[#events + 1] = sound_frame(part .. "\r", offset)
+        event = sound_frame(part .. "\r", offset)
       elseif sum == RAW_TERMINATOR_SUM and next_start > #buffer then
         self.searched = stop -- the next byte decides
-        break
+        return self:rest()
       elseif sum == RAW_TERMINATOR_SUM and buffer:byte(next_start) == TERMINATOR then
-        events[#events + 1] = sound_frame(part .. "\r\r", offset, true)
+        event = sound_frame(part .. "\r\r", offset, true)
         next_start = next_start + 1
       else
-        events[#events + 1] = damaged("checksum", part, offset)
+        event = damaged("checksum", part, offset)
       end
     end
-    start, self.searched = next_start, next_start
+    self.start, self.searched = next_start, next_start
+    if event then
+      return event
+    end
   end
-  self:drop(start - 1)
+end
+
+-- Drops what has been returned; returns an unfinished frame that is too long.
+function Decoder:rest()
+  self:drop(self.start - 1)
   if self.overflowed then
     self:drop(#self.buffer)
   elseif self.searched > LIMIT + 1 then
-    events[#events + 1] = damaged("too long", self.buffer:sub(1, LIMIT), self.offset)
+    local event = damaged("too long", self.buffer:sub(1, LIMIT), self.offset)
     self:drop(#self.buffer)
     self.overflowed = true
+    return event
   end
-  return events
 end

@@ -10,11 +10,15 @@ from mikas.commands.unit import passport_text
 from mikas.dissectors.tables import tables_of
 from mikas.dissectors.wireshark.labels import LABELS
 from mikas.i18n import Language
+from mikas.recording.exchanges.matching import Doubt
+from mikas.recording.inspect import NOT_TRUSTED
 
 MARK: Final = "-- Mikas K-Line dissector for Wireshark, written by `mikas wireshark`"
 """The beginning of the first line, by which the file is known as its own."""
 
-_PARTS: Final = ("fields", "framing", "meaning", "matching", "words", "tree", "dissector")
+_PARTS: Final = (
+    "fields", "framing", "meaning", "matching", "line", "words", "tree", "keeping", "dissector",
+)  # fmt: skip
 _HEAD: Final = """\
 {mark}
 -- (version {version}, catalog {catalog}). Do not edit: run the command again, also after a change
@@ -28,6 +32,8 @@ def source(catalog: Catalog, language: Language, interpretation: str, version: s
     given = {
         "INTERPRETATION": interpretation,
         "LABELS": {key: text.to(language) for key, text in LABELS.items()},
+        "DOUBTS": {doubt.name: doubt.value.to(language) for doubt in Doubt},
+        "NOT_TRUSTED": NOT_TRUSTED.to(language),
         "CODE_PAGE": [passport_text(bytes([code])) for code in range(256)],
         "TABLES": tables,
     }

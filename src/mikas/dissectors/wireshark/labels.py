@@ -37,6 +37,7 @@ LABELS: Final[dict[str, Text]] = {
     "name": Text("Name in the source", "Имя в источнике"),
     "meaning": Text("Meaning", "Значение"),
     "request": Text("Answers the request", "Ответ на запрос"),
+    "doubt": Text("Answers no request", "Не ответ на запрос"),
     "request_in": Text("Request in packet", "Запрос в пакете"),
     "response_in": Text("Response in packet", "Ответ в пакете"),
     "response_time": Text("Time since the request", "Время от запроса"),
@@ -63,6 +64,7 @@ LABELS: Final[dict[str, Text]] = {
     "expert_irregular": Text("irregular escape", "необычная замена байта"),
     "expert_unfit": Text("the response does not fit", "ответ не подходит к запросу"),
     "expert_refused": Text("refused", "отказ"),
+    "expert_doubt": Text("not trusted", "не в счёт"),
     "expert_unknown": Text("unknown request", "неизвестный запрос"),
     "expert_fault": Text("stored fault", "запомненная ошибка"),
     "expert_no_direction": Text(

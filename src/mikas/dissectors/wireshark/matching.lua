@@ -1,186 +1,247 @@
--- Which frame is an echo, and which request a response answers (protocol.md D1, D13).
---
--- On a line with echo the first received frame that repeats a sent one is its echo; whether a line
--- echoes at all is decided by the availability request (01), whose response never repeats it. A
--- frame that is no echo answers the last request before it.
+-- Which frame is an echo, and which request a response answers (protocol.md D1, D13): the rules of
+-- mikas.recording.exchanges.matching, which explains them, in the same order.
 
-local SILENCE = 0.25 -- s; an unfinished frame is abandoned after it
-local SILENCE_AFTER_SENDING = 0.02 -- s; the same, if a request was sent in between
+local PATIENCE = 0.51
+local GIVEN_UP = 0.9
+local SURELY_GIVEN_UP = 1.1
+local SOON = 0.5
+local MARGIN = 1.25
+local AT_ONCE = 10
 local MOST_UNECHOED = 64
 local AVAILABILITY = "\1"
-local SENT, RECEIVED = 1, 2
+local MODELS = { ["\9"] = true, ["\10"] = true }
 
--- A request: `body` (nil: not known, or damaged), `number` of its packet, `time`, and, once known,
--- `response`, the packet of the first one.
+-- A request: `body` (nil: not known, or damaged), `number` and `time` of its packet, and `latest`,
+-- the time of its last response.
 local UNKNOWN = {}
+-- How far an exchange has come.
+local ASKED, ECHOED, STREAMING, ANSWERED, LATE, VOID = 1, 2, 3, 4, 5, 6
 
 local Matching = {}
 Matching.__index = Matching
 
+-- `listed`: the codes of the unit's list; nil: not known. `phase`: nil without a known request.
 local function new_matching()
-  return setmetatable({ request = UNKNOWN, before = UNKNOWN, unechoed = {} }, Matching)
+  return setmetatable({
+    request = UNKNOWN, trusted = true, patience = PATIENCE, unechoed = {}, wire = "", from = 0,
+    sent_until = -math.huge, due = -math.huge, delay = 0, answered_at = -math.huge, answer = "",
+  }, Matching)
 end
 
-function Matching:answered()
-  -- Before its echo, a frame can't be the response to the request that was just sent.
-  return self.echoes and #self.unechoed > 0 and self.before or self.request
+local function asks_stream(body)
+  local row = body and TABLES.commands[body:byte()]
+  return row and row.stream or false
 end
 
 -- A part of the recording is missing, perhaps with a request in it. A stream continues.
 function Matching:interrupt()
-  local row = self.request.body and TABLES.commands[self.request.body:byte()]
-  if not (row and row.stream) then
-    self.request = UNKNOWN
+  if self.phase ~= STREAMING then
+    self.request, self.phase, self.trusted = UNKNOWN, nil, true
   end
-  self.before = UNKNOWN
 end
 
-function Matching:sent(event, packet)
-  self.before = self.request
-  self.request = { body = event.body, number = packet.number, time = packet.time }
-  self.unechoed[#self.unechoed + 1] = { wire = event.wire, request = self.request }
+-- The exchange before is over: a byte of the next request was sent at `time`.
+function Matching:begin_sending(time)
+  local phase = self.phase
+  self.phase = nil
+  if phase == LATE and self.trusted and self:has_waited(time) then
+    self.patience = math.max(self.patience, MARGIN * self.delay)
+    phase = ANSWERED
+  end
+  if not phase then
+    return
+  elseif phase == STREAMING then
+    self.trusted = false
+  elseif phase ~= ANSWERED then
+    -- Without an echo, a response may look like its request.
+    self.trusted = self.trusted and phase == ECHOED and self.echoes == false
+  elseif self.request.body == AVAILABILITY then
+    self:confirm()
+  end
+end
+
+-- Returns whether the tester, which sends again at `time`, has taken a late response.
+function Matching:has_waited(time)
+  local is_quick = time < self.sent_until + GIVEN_UP
+  local is_patient = self.delay > SURELY_GIVEN_UP and time < self.answered_at + SOON
+  return is_quick or is_patient
+end
+
+-- Judges a clean answer to 01.
+function Matching:confirm()
+  local version, before = self.answer, self.last_version
+  self.last_version = version
+  local is_own = version == self.version or (not self.version and MODELS[version])
+  if is_own or version == before then
+    self.version = version
+    self.trusted = true
+  elseif self.version then
+    self.trusted = false
+  end
+end
+
+-- Takes a sent frame, or damage, of a packet. `received`: bytes received before it.
+function Matching:sent(it, packet, received)
+  if self.phase then -- more than one in a packet
+    self:begin_sending(it.began)
+  end
+  it.sent = true
+  self.request = { body = it.body, number = packet.number, time = packet.time }
+  table.insert(self.unechoed, { wire = it.wire, number = packet.number })
   if #self.unechoed > MOST_UNECHOED then
     table.remove(self.unechoed, 1)
   end
-  return self.request
+  if not it.body then
+    return
+  end
+  self.phase = ASKED
+  self.wire, self.from = it.wire, received
+  self.sent_until = it.began + #it.wire * byte_time()
+  self.due = self.sent_until
+  if it.body:byte() == WRITE_LIST then
+    self.listed = nil
+  end
 end
 
--- Returns the request of which a received frame, or damage, is the echo; else nil.
-function Matching:received(event)
-  if not event.body then
-    self.before = self.request -- the damage may have been the echo
+-- Gives a received frame, or damage, one of `echo_of`, the packet of what it repeats, `answers`, a
+-- request, and, if it is a frame, `doubt`: why it answers none.
+function Matching:received(it)
+  local was_sent = self:place_of(it.wire)
+  if not self.phase or it.offset + #it.wire <= self.from then
+    return self:apart(it, "NO_REQUEST", was_sent)
   end
-  local at
-  for index, sent in ipairs(self.unechoed) do
-    if sent.wire == event.wire then
-      at = index
-      break
+  if self.phase == ASKED then
+    if was_sent and it.wire == self.wire and it.offset == self.from then
+      return self:echo(it, was_sent)
+    end
+    if self.echoes or was_sent then
+      self.phase = VOID
+      return self:apart(it, "NO_ECHO", was_sent)
     end
   end
-  if self.request.body == AVAILABILITY and event.body and #event.body == 1 then
-    if at then
-      self.echoes = true
-    elseif self.echoes == nil then
-      self.echoes = false
+  if was_sent or self.phase >= ANSWERED then
+    local doubt = self.phase == ANSWERED and "SECOND" or "FAILED"
+    self.phase = self.phase == STREAMING and STREAMING or VOID
+    return self:apart(it, doubt, was_sent)
+  end
+  self:response(it)
+end
+
+function Matching:place_of(wire)
+  for place, sent in ipairs(self.unechoed) do
+    if sent.wire == wire then
+      return place
     end
   end
-  if self.echoes == false or not at then
-    return nil
-  end
-  local request = self.unechoed[at].request
-  for _ = 1, at do
+end
+
+-- Returns the packet of a sent frame whose echo has come; those before it have none.
+function Matching:echoed(place)
+  local number = self.unechoed[place].number
+  for _ = 1, place do
     table.remove(self.unechoed, 1)
   end
-  return request
+  return number
 end
 
--- One direction: a decoder, and the latest packets, by which of its bytes they brought.
-local Direction = {}
-Direction.__index = Direction
-
-local function new_direction(way)
-  return setmetatable(
-    { way = way, decoder = new_decoder(), packets = {}, first = 1, last = 0 }, Direction)
-end
-
-function Direction:add(packet)
-  packet.start = self.decoder.offset + #self.decoder.buffer
-  packet.stop = packet.start + #packet.bytes
-  self.last = self.last + 1
-  self.packets[self.last] = packet
-end
-
-function Direction:drop_before(start)
-  while self.first <= self.last and self.packets[self.first].stop <= start do
-    self.packets[self.first] = nil
-    self.first = self.first + 1
-  end
-end
-
--- Completes an event: its `way`, `first` and `last` number of the packets with its bytes, and `at`,
--- its place in the present packet if it lies in it whole. `completed` gets the number of every
--- other packet.
-function Direction:locate(item, present, completed)
-  self:drop_before(item.offset)
-  item.way = self.way
-  local stop, at = item.offset + #item.wire, self.first
-  item.first = self.packets[at].number
-  while self.packets[at].stop < stop do
-    completed(self.packets[at].number, present.number)
-    at = at + 1
-  end
-  item.last = self.packets[at].number
-  if self.packets[at] ~= present then
-    completed(item.last, present.number)
-  end
-  if present.start and item.offset >= present.start then
-    item.at = item.offset - present.start
-  end
-  return item
-end
-
--- Returns the unfinished frame as damage, or nil.
-function Direction:unfinished(present, completed)
-  local left = self.decoder.buffer
-  if left == "" then
-    return nil
-  end
-  local item = { reason = "unfinished", wire = left, offset = self.decoder.offset }
-  self:locate(item, present, completed)
-  if left:sub(-1) == "\r" then -- the decoder was waiting for a raw checksum 0D (D3)
-    item.wire, item.reason = left:sub(1, -2), "checksum"
-  end
-  return item
-end
-
--- One port of one recording. `completed(number, by)`: the bytes of a packet belong to a frame that
--- another packet completes.
-local Port = {}
-Port.__index = Port
-
-local function new_port(completed)
-  return setmetatable({
-    matching = new_matching(), following = new_following(), completed = completed,
-    directions = { [SENT] = new_direction(SENT), [RECEIVED] = new_direction(RECEIVED) },
-    sent_last = false,
-  }, Port)
-end
-
-function Port:is_late(direction, packet, way)
-  if not direction.last_time then
-    return false
-  end
-  local silence = packet.time - #packet.bytes * byte_time() - direction.last_time
-  local answered = way == RECEIVED and self.sent_last
-  return silence > (answered and SILENCE_AFTER_SENDING or SILENCE)
-end
-
--- Returns the frames and the damage that a packet (`number`, `time`, `bytes`) completes. Each has
--- what the decoder and `locate` give it, and `sent`, `echo_of` or `answers`: a request.
-function Port:feed(way, packet)
-  local direction, matching, items = self.directions[way], self.matching, {}
-  if self:is_late(direction, packet, way) then
-    items[1] = direction:unfinished(packet, self.completed)
-    direction.decoder:reset()
-  end
-  if way == SENT and not self.sent_last then
-    matching.unechoed = {} -- missing echoes will not follow any more
-  end
-  direction.last_time = packet.time
-  if packet.bytes ~= "" then
-    direction:add(packet)
-    for _, item in ipairs(direction.decoder:feed(packet.bytes)) do
-      direction:locate(item, packet, self.completed)
-      if way == SENT then
-        item.sent = matching:sent(item, packet)
-      else
-        item.echo_of = matching:received(item)
-        item.answers = not item.echo_of and matching:answered() or nil
-      end
-      items[#items + 1] = item
+function Matching:apart(it, doubt, was_sent)
+  if was_sent then
+    it.echo_of = self:echoed(was_sent)
+    if self.request.body == AVAILABILITY and it.wire == self.wire then
+      self.echoes = true
     end
-    direction:drop_before(direction.decoder.offset)
+  else
+    it.doubt = it.body and doubt
   end
-  self.sent_last = way == SENT
-  return items
+end
+
+function Matching:echo(it, was_sent)
+  it.echo_of = self:echoed(was_sent)
+  self.due = math.max(self.due, it.ended)
+  self.phase = asks_stream(self.request.body) and STREAMING or ECHOED
+  if self.request.body == AVAILABILITY then
+    self.echoes = true
+  end
+end
+
+-- Judges the first thing behind a request and its echo, or any of a stream.
+function Matching:response(it)
+  local request = self.request.body
+  if asks_stream(request) then
+    self.phase = STREAMING
+    return it.body and self:answered(it)
+  end
+  local was_echoed = self.phase == ECHOED
+  self.phase = VOID
+  if not it.body then
+    return
+  end
+  if it.followed then
+    it.doubt = "TOGETHER"
+    return
+  end
+  if not was_echoed and not self.echoes and self:is_too_soon(it.began) then
+    it.doubt = "TOO_SOON"
+    return
+  end
+  local delay = it.began - self.due
+  if delay > self.patience then
+    self.phase, self.delay, self.answered_at, self.answer = LATE, delay, it.ended, it.body
+    it.doubt = "LATE"
+    return
+  end
+  if not may_answer(request, it.body, self.listed) then
+    return self:answered(it) -- shown as what it is; no value comes of it
+  end
+  self.phase = ANSWERED
+  if request == AVAILABILITY then
+    return self:version_answered(it)
+  end
+  self.echoes = self.echoes or was_echoed
+  if self.trusted and request:byte() == WRITE_LIST and it.body == "\0" then
+    local asked = asked_by(request)
+    self.listed = asked and asked.codes
+  end
+  self:answered(it)
+end
+
+-- Returns whether a response without an echo began before its request was out (D2). An emulator
+-- without a wire may answer so, as its answer to 01 shows, or to a recording's first request.
+function Matching:is_too_soon(began)
+  if began >= self.due + byte_time() / 2 then
+    self.at_once = math.max(0, (self.at_once or 0) - 1)
+  elseif self.at_once ~= 0 or self.request.body == AVAILABILITY then
+    self.at_once = AT_ONCE
+  else
+    return true
+  end
+  return false
+end
+
+function Matching:version_answered(it)
+  local version = it.body
+  if version == REFUSAL then
+    self.phase = VOID
+    it.doubt = "FAILED"
+    return
+  end
+  if self.echoes == nil and it.offset == self.from then
+    self.echoes = false
+  end
+  self.answer = version
+  local own = self.version
+  local is_other = own and own ~= version and own ~= self.last_version
+  if not self.trusted and is_other then
+    it.doubt = "NOT_IN_SYNC"
+  else
+    it.answers = self.request
+  end
+end
+
+function Matching:answered(it)
+  if self.trusted then
+    it.answers = self.request
+  else
+    it.doubt = "NOT_IN_SYNC"
+  end
 end

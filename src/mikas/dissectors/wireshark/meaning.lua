@@ -50,6 +50,10 @@ local function has_bit_of(number, mask)
   return false
 end
 
+local function microseconds(seconds)
+  return math.floor(seconds * 1e6 + 0.5)
+end
+
 -- Returns the value of a parameter: a number, exact as the catalog's, or a boolean.
 local function value_of(conversion, bytes)
   local number = number_of(bytes, conversion.signed)
@@ -235,8 +239,23 @@ local function may_be_refusal(asked, body, first)
   return names_codes and (first or not row.stream) and #asked.codes == 1 and body == REFUSAL
 end
 
--- The state of a line that its frames' meaning needs: the unit's list (nil: not known), and the
--- stream that was requested last and has not been answered.
+local REFUSALS = { refused = true, not_supported = true, value_or_refusal = true }
+
+-- Returns whether `body` fits a request: by length, address and content, or as a refusal; all fits
+-- one that is not known. `listed`: the codes of the unit's list, as in `asked_by`.
+local function may_answer(request, body, listed)
+  local asked = asked_by(request, listed)
+  if not asked then
+    return true
+  elseif asked.row.responses[1][1] == "values" then
+    return body == REFUSAL or #body == sizes_of(asked.codes)
+  end
+  local parts, message = parsed_response(asked, body)
+  return parts ~= nil or REFUSALS[message] == true
+end
+
+-- What a line's frames need to be read later: `started`, the request that was sent last and has not
+-- been answered.
 local Following = {}
 Following.__index = Following
 
@@ -244,23 +263,25 @@ local function new_following()
   return setmetatable({}, Following)
 end
 
--- Takes the next request, or response to it; returns what is needed to read it later: the list, and
--- whether it is the first response.
-function Following:take(request, response)
-  if not response and request:byte() == WRITE_LIST then
-    self.listed = nil -- until its 00 comes, the unit may have either list
+-- Completes a frame of a packet: `listed`, the unit's list where 63 needs it; of a response, whether
+-- it `is_first`, its `delay` behind the request and, in a stream, the time `since` the one before.
+function Following:take(item, listed, packet)
+  local answers = item.answers
+  local request = item.sent and item.body or answers and answers.body
+  if not request then
+    return
   end
-  local listed = self.listed
-  local asked = asked_by(request, listed)
-  if not asked then
-    return listed, false
+  item.listed = request:byte() == READ_LIST and listed or nil
+  if answers then
+    local row = TABLES.commands[request:byte()]
+    item.delay = microseconds(packet.time - answers.time)
+    if row and row.stream and answers.latest then
+      item.since = microseconds(packet.time - answers.latest)
+    end
+    answers.latest = packet.time
   end
-  local first = self.started == request
-  self.started = nil
-  if not response then
-    self.started = request
-  elseif asked.row.code == WRITE_LIST and response == "\0" then
-    self.listed = asked.codes
+  if asked_by(request, listed) then
+    item.is_first = self.started == request
+    self.started = item.sent and request or nil
   end
-  return listed, first
 end

@@ -9,7 +9,6 @@ local DAMAGES = {
   ["too long"] = { E.too_long, LABELS.expert_too_long },
   unfinished = { E.unfinished, LABELS.expert_unfinished },
 }
-local REFUSALS = { refused = true, not_supported = true, value_or_refusal = true }
 local OTHER_RESULTS = { refused = true, no_completion_code = true } -- than 00
 
 local visible = true -- of the present packet
@@ -30,11 +29,10 @@ local function computed(tree, field, value)
   end
 end
 
-local function seconds(field, tree, duration)
-  local sign = duration < 0 and -1 or 1 -- a clock may have been set back
-  local microseconds = math.floor(duration * sign * 1e6 + 0.5)
-  local rest = microseconds % 1000000
-  computed(tree, field, NSTime.new(sign * (microseconds - rest) / 1000000, sign * rest * 1000))
+local function duration(field, tree, count) -- of microseconds
+  local sign = count < 0 and -1 or 1
+  local rest = count * sign % 1000000
+  computed(tree, field, NSTime.new(sign * (count * sign - rest) / 1000000, sign * rest * 1000))
 end
 
 -- Returns a function that gives the range of body bytes, counted from 1, stuffing included.
@@ -60,13 +58,7 @@ end
 local function show_echo(tree, item)
   if item.echo_of then
     computed(tree, F.echo, true)
-    computed(tree, F.echo_of, item.echo_of.number)
-  end
-end
-
-local function show_answer_of(tree, item)
-  if item.sent and item.sent.response then
-    computed(tree, F.response_in, item.sent.response)
+    computed(tree, F.echo_of, item.echo_of)
   end
 end
 
@@ -146,19 +138,19 @@ local function show_request(tree, range, item, body, asked)
   if item.sent and not asked then
     tree:add_proto_expert_info(E.unknown)
   end
-  show_answer_of(tree, item)
+  if item.response then
+    computed(tree, F.response_in, item.response)
+  end
 end
 
-local function show_response(tree, range, item, said, time)
+local function show_response(tree, range, item, said)
   local request = item.answers
-  if request.body then
-    if wants(tree, F.request) then -- as text: other bytes would have a view of their own
-      computed(tree, F.request, hex(request.body))
-    end
-    local row = TABLES.commands[request.body:byte()]
-    if row then
-      computed(tree, F.command, row.code)
-    end
+  if wants(tree, F.request) then -- as text: other bytes would have a view of their own
+    computed(tree, F.request, hex(request.body))
+  end
+  local row = TABLES.commands[request.body:byte()]
+  if row then
+    computed(tree, F.command, row.code)
   end
   if said.parts then
     show_parts(tree, range, said.parts)
@@ -168,12 +160,10 @@ local function show_response(tree, range, item, said, time)
     end
     tree:add_proto_expert_info(REFUSALS[said.message] and E.refused or E.unfit, said.words)
   end
-  if request.number then
-    computed(tree, F.request_in, request.number)
-    seconds(F.response_time, tree, time - request.time)
-  end
+  computed(tree, F.request_in, request.number)
+  duration(F.response_time, tree, item.delay)
   if item.since then
-    seconds(F.interval, tree, item.since)
+    duration(F.interval, tree, item.since)
   end
 end
 
@@ -181,8 +171,8 @@ end
 -- their own if several packets brought them.
 local function bytes_of(item, tvb)
   if item.at then
-    local range = tvb(item.at, item.length)
-    return range:raw(), range
+    local range = tvb(item.at, item.length or #item.wire)
+    return item.wire or range:raw(), range
   end
   return item.wire, ByteArray.new(item.wire, true):tvb(LABELS.reassembled)()
 end
@@ -196,7 +186,6 @@ local function show_damage(tree, item, wire, bytes)
   add(branch, F.damage_data, bytes)
   branch:add_proto_expert_info(info, words)
   show_echo(branch, item)
-  show_answer_of(branch, item)
   return branch, "! " .. words
 end
 
@@ -211,10 +200,12 @@ local function show_body(tree, range, body)
   end
 end
 
--- Returns the text of a frame for Info.
+-- Returns what a frame says, for Info.
 local function text_of_frame(item, body, words)
   local row = (item.sent or item.echo_of) and TABLES.commands[body:byte()]
-  if item.echo_of then
+  if item.doubt then
+    return filled(NOT_TRUSTED, { why = DOUBTS[item.doubt] })
+  elseif item.echo_of then
     return LABELS.echo .. (row and ": " .. row.name or "")
   elseif row and words and words:sub(1, #row.name) ~= row.name then
     return row.name .. ": " .. words
@@ -222,19 +213,22 @@ local function text_of_frame(item, body, words)
   return words or row and row.name
 end
 
-local function show_frame(tree, item, wire, bytes, time)
+local function show_frame(tree, item, wire, bytes)
   local body, checksum = body_of(wire, item.is_double)
   local words, asked, parts, message = meaning_of(item, body)
   local text = text_of_frame(item, body, words)
-  local digits = (visible or not text) and hex(body) or ""
-  local branch = tree:add(F.frame, bytes, digits, digits .. (text and "  " .. text or ""))
+  local digits = (visible or item.doubt or not text) and hex(body) or ""
+  local line = digits .. (text and "  " .. text or "")
+  local branch = tree:add(F.frame, bytes, digits, line)
   local range = ranges_of(bytes, wire, #body)
   show_direction(branch, item.way)
   add(branch, F.wire, bytes)
   show_body(branch, range, body)
   if item.answers then
-    local said = { body = body, parts = parts, message = message, words = words }
-    show_response(branch, range, item, said, time)
+    show_response(branch, range, item, { body = body, parts = parts, message = message, words = words })
+  elseif item.doubt then
+    computed(branch, F.doubt, DOUBTS[item.doubt])
+    branch:add_proto_expert_info(E.doubt, text)
   else
     show_request(branch, range, item, body, asked)
   end
@@ -250,22 +244,22 @@ local function show_frame(tree, item, wire, bytes, time)
     computed(branch, F.irregular, true)
     branch:add_proto_expert_info(E.irregular)
   end
-  return branch, text or digits
+  return branch, item.doubt and line or text or digits
 end
 
 -- Shows an item in the tree of its packet; returns its text for the column Info.
-local function show(tree, tvb, item, number, time)
+local function show(tree, tvb, item, number)
   local wire, bytes = bytes_of(item, tvb)
   local branch, text
   if item.reason then
     branch, text = show_damage(tree, item, wire, bytes)
   else
-    branch, text = show_frame(tree, item, wire, bytes, time)
+    branch, text = show_frame(tree, item, wire, bytes)
   end
-  if item.first then
+  if item.first ~= number then
     computed(branch, F.begin, item.first)
   end
-  if item.last then
+  if item.last ~= number then
     computed(branch, F.finish, item.last)
   end
   return text
