@@ -158,7 +158,7 @@ class Decoder(srd.Decoder):
                 pause = max(0, ss - self._ends[channel]) / float(rate)
             self._ends[channel] = es
             if self._wires is None and self._ends[1 - channel] is not None:
-                self._wires = TwoWires()
+                self._wires = TwoWires(self._commands, self.samplerate or (es - ss) * WIRE_BYTES)
                 for message in self._line.held:
                     self._take_of_two(message, channel != TX)
             for message in self._framers[channel].feed(Byte(value[0], ss, es, value[1], pause)):

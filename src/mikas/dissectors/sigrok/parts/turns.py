@@ -6,6 +6,8 @@ message gets its role as soon as all courses agree about it; one about which the
 unclear, and so is what it says. So a value is shown under a parameter only if it can be no other's.
 """
 
+LATEST = 0.51  # s: no tester waits longer for a response (D14), but one that is set to
+KNOWN_VERSIONS = (b"\x09", b"\x0a")  # versions that need no second 01
 PATIENCE = 0.1  # s: no tester gives a request up earlier, and sends another one
 MOST_HELD = 12  # messages
 
@@ -21,6 +23,7 @@ STREAM, DOUBTED = STREAMS[0], STREAMS[1:]
 
 REQUEST = ("request", None, None)
 UNCLEAR = ("unclear", None, None)
+NO_ANSWER = ("response", None, None)
 
 
 def response(request, listed):
@@ -193,32 +196,91 @@ def merged(courses):
 
 
 class TwoWires(object):
-    """The channels of an adapter: what it sends, and what it receives, perhaps with its echo."""
+    """The channels of an adapter: what it sends, and what it receives, perhaps with its echo.
 
-    def __init__(self):
+    The rules are those of `mikas decode`: the echo is the first thing behind a request, and one
+    response comes behind it; after anything else no response counts until 01 has been answered by
+    one byte, the unit's version, twice or as it was before.
+    """
+
+    def __init__(self, commands, rate):
+        self._commands = commands
+        self._late = LATEST * rate
         self._sent = None
         self._request = None
         self._listed = None
+        self._echoes = None
+        self._phase = None  # "asked", "echoed", "answered", "stream" or "void"
+        self._trusted = True
+        self._answer = None  # to the present 01
+        self._version = None
+        self._last_version = None
 
     def assign_role(self, message, is_sent):
         """Return the message with its role."""
         if is_sent:
-            self._sent = message
-            self._request = message.body
-            # Damage may have been a 64.
-            if message.body is None or message.body[:1] == bytes([WRITE_LIST]):
-                self._listed = None
+            self._begin(message)
             return [] if message.body is None else [(message, REQUEST)]
-        if message.body is None:
-            return []
-        if self.is_echo(message):
-            return [(message, ("echo", self._sent.body, None))]
-        request = self._request
-        if request and request[0] == WRITE_LIST and message.body == LIST_IS_SET:
-            self._listed = request[1:]
-        return [(message, response(request, self._listed))]
+        role = self._role(message)
+        return [] if message.body is None else [(message, role)]
 
     def is_echo(self, message):
         """Return whether the message was received while another one was sent (D1)."""
         sent = self._sent
         return sent is not None and message.ss < sent.es and sent.ss < message.es
+
+    def _begin(self, message):
+        """End the exchange before, and begin that of a sent message."""
+        if self._phase == "answered" and self._request == STOP:
+            self._confirm()
+        elif self._phase not in (None, "answered"):
+            self._trusted = False
+        self._sent, self._request = message, message.body
+        self._phase = "asked" if message.body else None
+        # Damage may have been a 64.
+        if message.body is None or message.body[:1] == bytes([WRITE_LIST]):
+            self._listed = None
+
+    def _confirm(self):
+        before, self._last_version = self._last_version, self._answer
+        is_own = self._version is None and self._answer in KNOWN_VERSIONS
+        if is_own or self._answer in (self._version, before):
+            self._version, self._trusted = self._answer, True
+        elif self._version is not None:
+            self._trusted = False
+
+    def _role(self, message):
+        """Return the role of what was received."""
+        if self.is_echo(message):
+            is_first, is_same = self._phase == "asked", message.body == self._sent.body
+            if is_same:
+                self._echoes = True
+            self._phase = "echoed" if is_first and is_same else "void"
+            return ("echo", self._sent.body, None)
+        if is_noise(message) or self._phase is None:
+            return NO_ANSWER
+        if (self._phase == "asked" and self._echoes) or self._phase in ("answered", "void"):
+            self._phase = "void"
+            return NO_ANSWER
+        if self._commands.is_known(self._request) and self._commands.is_stream(self._request):
+            self._phase = "stream"
+            return self._answered()
+        self._phase = "void"
+        if message.body is None or message.ss - self._sent.es > self._late:
+            return NO_ANSWER
+        if self._commands.is_known(self._request) and not self._commands.fits(
+            self._request, self._listed, message.body
+        ):
+            return self._answered()  # shown as what it is; no value comes of it
+        self._phase = "answered"
+        if self._request == STOP:
+            self._answer = message.body
+            if self._echoes is None:
+                self._echoes = False
+            return response(STOP, None)
+        if self._trusted and self._request[0] == WRITE_LIST and message.body == LIST_IS_SET:
+            self._listed = self._request[1:]
+        return self._answered()
+
+    def _answered(self):
+        return response(self._request, self._listed) if self._trusted else NO_ANSWER
