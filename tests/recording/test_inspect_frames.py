@@ -230,6 +230,33 @@ def test_requests_and_responses_are_described_and_echo_is_not():
     assert to_json(items[-1])["meaning"] == {"en": "Mikas 7.1", "ru": "Микас 7.1"}
 
 
+@pytest.mark.parametrize(
+    ("between", "is_known"),
+    [
+        (["> 6429730C"], False),  # a damaged 64, and no echo that says so
+        ([f"> {frame('6429')[:-2]}0C", f"< {frame('6429')}"], False),
+        (["> 639C0D", f"< {frame('63')}", f"< {frame('7D')}"], True),  # too short for a 64
+        (["> 639D0C", f"< {frame('63')}", f"< {frame('7D')}"], True),  # its echo is that of a 63
+        (["> 6429720D", f"< {frame('6429')}", f"< {frame('00')}"], False),
+        ([None], False),  # a part is missing
+    ],
+)
+def test_a_list_is_not_known_behind_what_may_have_been_another_one(between, is_known):
+    ask = [f"> {frame('63')}", f"< {frame('63')}", f"< {frame('7D')}"]
+    begin = [
+        *("> 01FF0D", "< 01FF0D", "< 0AF60D"),
+        *(f"> {frame('641A')}", f"< {frame('641A')}", f"< {frame('00')}"),
+    ]
+    lines = [*begin, *ask, *(line or "" for line in between), "+0.3", *ask]
+    made = packets(*filter(None, lines))
+    if None in between:
+        made.insert(len(begin) + len(ask), Problem(7, Text("broken", "сломано")))
+    items = list(decode(made, lambda: Describer(shipped())))
+    meanings = [getattr(item, "meaning", None) for item in items]
+    assert meanings[8].en == "TWAT=85°C"
+    assert (meanings[-1] is not None) == is_known
+
+
 @pytest.mark.parametrize("other", [Source(1), Source(0, "b")], ids=["recording", "port"])
 def test_a_list_belongs_to_the_line_on_which_it_was_set(other):
     one = packets(f"> {frame('641A')}", f"< {frame('00')}", f"> {frame('63')}", f"< {frame('7D')}")

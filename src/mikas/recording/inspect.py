@@ -83,9 +83,12 @@ def _described(
 ) -> DecodedFrame | DecodedDamage:
     if isinstance(item, DecodedDamage) or item.echo:
         return item
-    request, response = item.request, item.frame.body
-    if item.direction is Direction.SENT:
-        return replace(item, meaning=describe(item.frame.body, None))
+    is_sent = item.direction is Direction.SENT
+    request, response = item.frame.body if is_sent else item.request, item.frame.body
+    if request == READ_LIST and not item.knows_list:
+        return item
+    if is_sent:
+        return replace(item, meaning=describe(response, None))
     return item if request is None else replace(item, meaning=describe(request, response))
 
 

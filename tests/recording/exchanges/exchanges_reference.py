@@ -43,7 +43,8 @@ def answers(items):
         brought = [it for it in ends[item.source] if it[1] > start and it[0] < stop]
         began = min(time - (end - start) * byte_time for _, end, time in brought)
         times = sent[item.source, item.request]
-        yield item.source, began, body, item.request, listed.get(item.source), times
+        codes = listed.get(item.source) if item.knows_list else None
+        yield item.source, began, body, item.request, codes, times
 
 
 def rows(items, catalog, interpretation="corrected"):

@@ -106,12 +106,14 @@ function Port:feed(way, number, time, bytes, take)
     end
   end
   direction.last_time = time
+  local other = self.directions[RECEIVED].decoder
+  local received = other.offset + #other.buffer
   if way == SENT then
     if not self.sent_last then
-      matching.unechoed = {} -- missing echoes will not follow any more
+      matching:turn()
     end
     if bytes ~= "" then
-      matching:begin_sending(time)
+      matching:begin_sending(time, received)
     end
   end
   self.sent_last = way == SENT
@@ -119,8 +121,7 @@ function Port:feed(way, number, time, bytes, take)
     return
   end
   direction:add(packet, bytes)
-  local decoder, other = direction.decoder, self.directions[RECEIVED].decoder
-  local received = other.offset + #other.buffer
+  local decoder = direction.decoder
   for item in decoder.next, decoder do
     direction:locate(item, packet, self.completed)
     if way == SENT then

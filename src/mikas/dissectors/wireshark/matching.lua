@@ -3,12 +3,12 @@
 
 local PATIENCE = 0.51
 local GIVEN_UP = 0.9
-local SURELY_GIVEN_UP = 1.1
 local SOON = 0.5
 local MARGIN = 1.25
 local AT_ONCE = 10
 local MOST_UNECHOED = 64
 local AVAILABILITY = "\1"
+local SHORT = 2 -- bytes of a damaged 63; a 64 has more
 local MODELS = { ["\9"] = true, ["\10"] = true }
 
 -- A request: `body` (nil: not known, or damaged), `number` and `time` of its packet, and `latest`,
@@ -20,7 +20,8 @@ local ASKED, ECHOED, STREAMING, ANSWERED, LATE, VOID = 1, 2, 3, 4, 5, 6
 local Matching = {}
 Matching.__index = Matching
 
--- `listed`: the codes of the unit's list; nil: not known. `phase`: nil without a known request.
+-- `listed`: the codes of the unit's list; nil: not known. `is_partial`, `is_damaged`: what was sent
+-- may be a 64. `phase`: nil without a known request.
 local function new_matching()
   return setmetatable({
     request = UNKNOWN, trusted = true, patience = PATIENCE, unechoed = {}, wire = "", from = 0,
@@ -35,15 +36,31 @@ end
 
 -- A part of the recording is missing, perhaps with a request in it. A stream continues.
 function Matching:interrupt()
+  self:lose_list()
   if self.phase ~= STREAMING then
     self.request, self.phase, self.trusted = UNKNOWN, nil, true
   end
 end
 
--- The exchange before is over: a byte of the next request was sent at `time`.
-function Matching:begin_sending(time)
+function Matching:lose_list()
+  self.listed, self.is_partial, self.is_damaged = nil, false, false
+end
+
+-- Sending begins after receiving: missing echoes will not follow any more.
+function Matching:turn()
+  self.unechoed = {}
+  if self.is_partial or self.is_damaged then
+    self:lose_list()
+  end
+end
+
+-- The exchange before is over: a byte of the next request was sent at `time`, behind so many
+-- received ones.
+function Matching:begin_sending(time, received)
   local phase = self.phase
-  self.phase = nil
+  self.phase, self.from = nil, received
+  self.is_damaged = self.is_damaged or self.is_partial
+  self.is_partial = true
   if phase == LATE and self.trusted and self:has_waited(time) then
     self.patience = math.max(self.patience, MARGIN * self.delay)
     phase = ANSWERED
@@ -63,7 +80,7 @@ end
 -- Returns whether the tester, which sends again at `time`, has taken a late response.
 function Matching:has_waited(time)
   local is_quick = time < self.sent_until + GIVEN_UP
-  local is_patient = self.delay > SURELY_GIVEN_UP and time < self.answered_at + SOON
+  local is_patient = self.delay > GIVEN_UP and time < self.answered_at + SOON
   return is_quick or is_patient
 end
 
@@ -83,7 +100,11 @@ end
 -- Takes a sent frame, or damage, of a packet. `received`: bytes received before it.
 function Matching:sent(it, packet, received)
   if self.phase then -- more than one in a packet
-    self:begin_sending(it.began)
+    self.is_partial = false
+    self:begin_sending(it.began, received)
+  end
+  if it.body and self.is_damaged then
+    self:lose_list()
   end
   it.sent = true
   self.request = { body = it.body, number = packet.number, time = packet.time }
@@ -91,7 +112,9 @@ function Matching:sent(it, packet, received)
   if #self.unechoed > MOST_UNECHOED then
     table.remove(self.unechoed, 1)
   end
+  self.is_partial = false
   if not it.body then
+    self.is_damaged = self.is_damaged or #it.wire > SHORT
     return
   end
   self.phase = ASKED
@@ -108,6 +131,7 @@ end
 function Matching:received(it)
   local was_sent = self:place_of(it.wire)
   if not self.phase or it.offset + #it.wire <= self.from then
+    self:judge_list(it)
     return self:apart(it, "NO_REQUEST", was_sent)
   end
   if self.phase == ASKED then
@@ -125,6 +149,16 @@ function Matching:received(it)
     return self:apart(it, doubt, was_sent)
   end
   self:response(it)
+end
+
+-- Learns from the echo of a request that is not known whether it was a 64.
+function Matching:judge_list(it)
+  if self.echoes and it.offset == self.from and (self.is_partial or self.is_damaged) then
+    if not it.body or it.body:byte() == WRITE_LIST then
+      self:lose_list()
+    end
+    self.is_partial, self.is_damaged = false, false
+  end
 end
 
 function Matching:place_of(wire)
@@ -229,8 +263,7 @@ function Matching:version_answered(it)
     self.echoes = false
   end
   self.answer = version
-  local own = self.version
-  local is_other = own and own ~= version and own ~= self.last_version
+  local is_other = self.version and version ~= self.version and version ~= self.last_version
   if not self.trusted and is_other then
     it.doubt = "NOT_IN_SYNC"
   else

@@ -61,7 +61,7 @@ class ResponseClassifier:
     def _lists(self, exchanges: Exchanges) -> list[tuple[int, Layout | None]]:
         """Return the lists with the response from which each holds."""
         requests, responses, bodies = exchanges.requests, exchanges.responses, exchanges.bodies
-        lists = [(0, self._list)]
+        lists: list[tuple[int, Layout | None]] = []
         for new in range(self._known, len(bodies)):
             if bodies[new].startswith(WRITE_LIST):
                 self._set_lists.add(new)
@@ -83,6 +83,12 @@ class ResponseClassifier:
                 (start + row, self._layouts.layout_of(bodies[number]))
                 for row in done.nonzero()[0].tolist()
             ]
+        lists += [
+            (int(responses.after.searchsorted(serial, "right")), None)
+            for serial in exchanges.lists_lost
+        ]
+        lists.sort(key=lambda each: (each[0], each[1] is not None))
+        lists.insert(0, (0, self._list))
         self._settings = settings[-1:]
         self._list = lists[-1][1]
         return lists

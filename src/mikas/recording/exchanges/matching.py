@@ -8,7 +8,8 @@ the line (D1, D13): no value comes out of a file that the tester would have refu
 - A request that is no stream has one response: the first frame after the echo, if it fits (length,
   address, content), comes in time, and nothing comes with it. A second one answers nothing.
 - With the first byte of the next request, the one before has had all its responses. A damaged one
-  is not known: nothing answers it, nor the one before.
+  is not known: nothing answers it, nor the one before. Unless its echo shows that it was no 64, the
+  unit's list (63) is not known any more either; nor is it behind a missing part.
 - After a failed exchange, and after a stream, nothing counts until `01` has been answered by
   exactly one response, the unit's version, with nothing behind it.
 
@@ -50,6 +51,7 @@ _GIVEN_UP: Final = 0.9
 _SOON: Final = 0.5
 _MARGIN: Final = 1.25
 _AT_ONCE: Final = 10  # as the tester's
+_SHORT: Final = 2  # bytes of a damaged 63; a 64 has more
 
 
 class SentRequest(NamedTuple):
@@ -129,7 +131,8 @@ class Matching:
 
     `echoes`: whether the line returns the sent bytes; None: not known yet. `trusted`: whether a
     response counts. `patience`: s that the tester waits for one. `listed`: length of the responses
-    to 63. `unechoed`: sent frames whose echo may follow.
+    to 63. `lists_lost`: serials of the requests behind which the unit's list is not known any more,
+    until they are taken. `unechoed`: sent frames whose echo may follow.
     """
 
     def __init__(self, fitting: Fitting, byte_time: float) -> None:
@@ -152,6 +155,8 @@ class Matching:
         self._at_once: int | None = None  # responses before an emulator counts as a wire
         self._delay = 0.0  # of a late response
         self._answered_at = -inf
+        self.lists_lost: list[int] = []
+        self._is_partial = self._is_damaged = False  # what was sent may be a 64
         self._answer = b""  # to the present `01`
         self._version: bytes | None = None
         self._last_version: bytes | None = None  # the response to the last clean `01`
@@ -179,18 +184,38 @@ class Matching:
 
         A stream continues: its next response is one of many.
         """
+        self._lose_list()
         if self.phase is not Phase.STREAMING:
             self.request, self.phase = UNKNOWN, Phase.NONE
             self.trusted = True
+
+    def _lose_list(self) -> None:
+        self.listed = None
+        self._is_partial = self._is_damaged = False
+        if self.lists_lost[-1:] != [self.count - 1]:
+            self.lists_lost.append(self.count - 1)
+
+    def take_lists_lost(self) -> list[int]:
+        """Return `lists_lost`, and begin a new one."""
+        lost, self.lists_lost = self.lists_lost, []
+        return lost
 
     # Sending
 
     def turn(self) -> None:
         """Begin to send after receiving: missing echoes will not follow any more."""
         self.unechoed.clear()
+        if self._is_partial or self._is_damaged:
+            self._lose_list()
 
-    def begin_sending(self, time: float) -> None:
-        """End the exchange before: a byte of the next request was sent at `time`."""
+    def begin_sending(self, time: float, received: int) -> None:
+        """Begin a request, or go on with it, at `time`, behind so many received bytes."""
+        self.end_exchange(time)
+        self._is_damaged |= self._is_partial
+        self._is_partial, self._from = True, received
+
+    def end_exchange(self, time: float) -> None:
+        """End the exchange before: a byte of the next request is sent at `time`."""
         phase, self.phase = self.phase, Phase.NONE
         if phase is Phase.LATE and self.trusted and self._has_waited(time):
             self.patience = max(self.patience, _MARGIN * self._delay)
@@ -228,11 +253,15 @@ class Matching:
         `time`: of the packet with its first byte. `received`: bytes received before it.
         """
         if self.phase is not Phase.NONE:  # more than one in a packet
-            self.begin_sending(time)
+            self.end_exchange(time)
+        if body is not None and self._is_damaged:
+            self._lose_list()
         self.request = SentRequest(self.count, body)
         self.count += 1
         self.unechoed.append(wire)
+        self._is_partial = False
         if body is None:
+            self._is_damaged |= len(wire) > _SHORT
             return
         self.phase = Phase.ASKED
         self._wire, self._from = wire, received
@@ -258,6 +287,7 @@ class Matching:
         """Take a received frame, or damage."""
         was_sent = it.wire in self.unechoed
         if self.phase is Phase.NONE or it.end <= self._from:
+            self._judge_list(it)
             return self._apart(it, Doubt.NO_REQUEST, was_sent=was_sent)
         if self.phase is Phase.ASKED:
             if was_sent and it.wire == self._wire and it.start == self._from:
@@ -270,6 +300,13 @@ class Matching:
             self.phase = Phase.VOID if self.phase is not Phase.STREAMING else self.phase
             return self._apart(it, doubt, was_sent=was_sent)
         return self._response(it)
+
+    def _judge_list(self, it: Received) -> None:
+        """Learn from the echo of a request that is not known whether it was a 64."""
+        if self.echoes and it.start == self._from and (self._is_partial or self._is_damaged):
+            if it.body is None or it.body[:1] == WRITE_LIST:
+                self._lose_list()
+            self._is_partial = self._is_damaged = False
 
     def _apart(self, it: Received, doubt: Doubt, *, was_sent: bool) -> Verdict:
         """Return the verdict on what is no response."""
@@ -347,7 +384,11 @@ class Matching:
         if self.echoes is None and is_first:
             self.echoes = False
         self._answer = version
-        if not self.trusted and self._version not in (None, version, self._last_version):
+        if (
+            not self.trusted
+            and self._version
+            and version not in (self._version, self._last_version)
+        ):
             return _REFUSED[Doubt.NOT_IN_SYNC]
         return Verdict(False, self.request, None)
 

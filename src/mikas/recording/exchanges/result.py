@@ -67,7 +67,8 @@ class Exchanges:
     """A stretch of one port's traffic.
 
     `bodies`: all request bodies of the port so far, by number; grows. `damaged`: for every damaged
-    received frame that is no echo, the serial of the last request before it. `echoes`: number of
+    received frame that is no echo, the serial of the last request before it. `lists_lost`: the same
+    for where the unit's list (63) is not known any more, of a missing part too. `echoes`: number of
     echoes. `raw_checksum`: whether a response had one (D3). `gaps`: (begin, end) of times longer
     than `GAP` without a packet. `begin`, `end`: times of the first and last packet.
     """
@@ -77,6 +78,7 @@ class Exchanges:
     requests: Requests
     responses: Responses
     damaged: Index
+    lists_lost: Sequence[int]
     echoes: int
     raw_checksum: bool
     gaps: Sequence[tuple[float, float]]

@@ -52,11 +52,15 @@ class DecodedPart:
 
 @dataclass(frozen=True, slots=True)
 class DecodedFrame(DecodedPart):
-    """A sound frame. `answers`: the request that a received frame answers; `doubt`: why none."""
+    """A sound frame. `answers`: the request that a received frame answers; `doubt`: why none.
+
+    `knows_list`: whether the unit's list (63) is known.
+    """
 
     frame: Frame
     answers: SentRequest
     doubt: Doubt | None = None
+    knows_list: bool = False
     meaning: Text | None = None
 
     @property
@@ -160,13 +164,16 @@ _SENT: Final = Verdict(False, UNKNOWN, None)
 
 
 class PortDecoder:
-    """One port: both directions, and the state of the matching."""
+    """One port: both directions, and the state of the matching.
+
+    `sent_last`: whether the last packet was a sent one.
+    """
 
     def __init__(self, source: Source, fitting: Fitting) -> None:
         self.matching = Matching(fitting, source.byte_time)
         self._source = source
         self._directions = {direction: _Direction(source.byte_time) for direction in Direction}
-        self._sent_last = False
+        self.sent_last = False
 
     def feed(self, packet: Packet) -> Iterator[DecodedFrame | DecodedDamage]:
         """Yield the parts that this packet completes."""
@@ -174,12 +181,12 @@ class PortDecoder:
         is_sent = packet.direction is Direction.SENT
         if self._is_late(packet, decoder.last_time):
             yield from self._abandon(packet.direction)
+        received = self._directions[Direction.RECEIVED].offset
         if is_sent:
-            if not self._sent_last:
+            if not self.sent_last:
                 matching.turn()
             if packet.data:
-                matching.begin_sending(packet.time)
-        received = self._directions[Direction.RECEIVED].offset
+                matching.begin_sending(packet.time, received)
         for event, place, it in decoder.feed(packet):
             verdict = _SENT
             if is_sent:
@@ -188,10 +195,11 @@ class PortDecoder:
                 verdict = matching.received(it)
             where = (self._source, packet.direction, *place, verdict.echo, matching.count - 1)
             if isinstance(event, Frame):
-                yield DecodedFrame(*where, event, verdict.answers, verdict.doubt)
+                knows_list = matching.listed is not None
+                yield DecodedFrame(*where, event, verdict.answers, verdict.doubt, knows_list)
             else:
                 yield DecodedDamage(*where, event.data, event.reason.value)
-        self._sent_last = is_sent
+        self.sent_last = is_sent
 
     @property
     def is_between_frames(self) -> bool:
@@ -203,7 +211,7 @@ class PortDecoder:
         for direction, time in ((Direction.SENT, sent), (Direction.RECEIVED, received)):
             if time is not None:
                 self._directions[direction].last_time = time
-        self._sent_last = received is None
+        self.sent_last = received is None
 
     def finish(self) -> Iterator[DecodedDamage]:
         """Yield the unfinished frames."""
@@ -214,7 +222,7 @@ class PortDecoder:
         if last_time is None:
             return False
         silence = packet.time - len(packet.data) * self._source.byte_time - last_time
-        answered = packet.direction is Direction.RECEIVED and self._sent_last
+        answered = packet.direction is Direction.RECEIVED and self.sent_last
         return silence > (SILENCE_AFTER_SENDING if answered else SILENCE)
 
     def _abandon(self, direction: Direction) -> Iterator[DecodedDamage]:

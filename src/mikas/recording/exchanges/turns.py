@@ -104,6 +104,7 @@ class FoundExchanges:
                 np.frombuffer(bytes(self.bodies), np.uint8), *map(np.asarray, self.responses)
             ),
             damaged=np.asarray(self._damaged),
+            lists_lost=self._matching.take_lists_lost(),
             echoes=self.echoes,
             raw_checksum=self._raw_checksum,
             gaps=[(begin, end) for begin, end in pairs if end - begin > GAP],
@@ -128,7 +129,8 @@ class TurnMatcher:
         sent, count, at = bytes(run.sent), len(run.times), 0
         while at < count:
             done = at
-            if sent[at] and self.matching.echoes is not None and self._port.is_between_frames:
+            known = self.matching.echoes is not None and self._port.is_between_frames
+            if known and sent[at] and not self._port.sent_last:
                 done = self._regular(run, sent, at, found)
             if done == at:
                 done = sent.find(1, at + 1)
@@ -149,7 +151,8 @@ class TurnMatcher:
     def _regular(self, run: PacketRun, sent: bytes, start: int, found: FoundExchanges) -> int:
         """Take the regular turns from the packet `start` on; return the packet after them."""
         times, data, matching = run.times, run.data, self.matching
-        matching.begin_sending(times[start])
+        matching.turn()
+        matching.end_exchange(times[start])
         if not matching.trusted:
             return start
         bodies, number_of = found.bodies, matching.number

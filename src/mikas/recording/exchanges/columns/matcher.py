@@ -88,6 +88,7 @@ class ColumnarMatcher:
             requests=Requests(first, requests.numbers, sent_times, requests.lengths),
             responses=self._responses(requests, responses, chosen, answers, after),
             damaged=after[answers == DAMAGE],
+            lists_lost=self.matching.take_lists_lost(),
             echoes=int(np.count_nonzero(answers == ECHO)),
             raw_checksum=bool(responses.block.raw_checksum[responses.index[chosen]].any()),
             gaps=self._gaps(packets.times),

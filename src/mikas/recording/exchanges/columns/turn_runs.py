@@ -81,7 +81,7 @@ class Turns:
             if not packets.sent[packet]:
                 break
             if packets.lengths[packet]:
-                matching.begin_sending(float(packets.times[packet]))
+                matching.begin_sending(float(packets.times[packet]), came)
             while event < events.stop and sent.packets[event] == packet:
                 begin = float(sent.begins[event])
                 matching.sent(sent.wire(event), sent.body(event), begin, came)
@@ -135,10 +135,11 @@ class Turns:
         stop = min(last, int(self._irregular[at])) if at < self._irregular.size else last
         if stop <= first:
             return first
+        matching.turn()
         stop = self._before_other_list(first, stop)
         if stop <= first:
             return first
-        matching.begin_sending(float(self._packets.times[self._begins[first]]))
+        matching.end_exchange(float(self._packets.times[self._begins[first]]))
         asked = int(sent.turns.searchsorted(first))
         events = slice(*received.turns.searchsorted([first, stop]))
         each = 1 + matching.echoes
