@@ -1,15 +1,16 @@
 """Fuzzes the parsers, two at a time: `make fuzz`. Exit status 1 on a finding.
 
-python -m fuzz                       all targets: `recordings` 270 s, the others 45 s each
+python -m fuzz                       all targets: `recordings` 270 s, `exchanges` 60 s, the others 45 s
 python -m fuzz notes --seconds 5     this one
 python -m fuzz notes --input FILE    repeats one input, with its traceback
 python -m fuzz notes --base64 TEXT   the same; a finding prints this line
-python -m fuzz recordings --seed 2   other cases, as of `clients`
+python -m fuzz recordings --seed 2   other cases, as of `clients`, `exchanges`
 python -m fuzz --keep                moves what was reached since into fuzz/corpus, minimized
 
 A target is a module or a package of this folder with `check(data)`, which raises on a finding.
 libFuzzer mutates the inputs of fuzz/corpus; those that reach new code are kept in build/fuzz.
-`recordings` makes its inputs itself (fuzz/recordings/), and so does `clients` (fuzz/clients/).
+`recordings` makes its inputs itself (fuzz/recordings/), and so do `clients` and `exchanges`
+(folders here).
 """
 
 from __future__ import annotations
@@ -31,10 +32,12 @@ from typing import Final
 TARGETS: Final = ("framing", "capture", "catalog", "guided", "notes")  # libFuzzer's
 RECORDINGS: Final = "recordings"
 CLIENTS: Final = "clients"
+EXCHANGES: Final = "exchanges"
 CORPUS: Final = Path(__file__).parent / "corpus"
 BUILD: Final = Path("build/fuzz")
 
 EACH: Final = 45  # seconds
+OF_EXCHANGES: Final = 60
 CASES: Final = 4000
 
 # Of one input. More is a finding: the inputs are small.
@@ -74,7 +77,7 @@ Work = dict[str, Callable[[], Run]]
 
 def main() -> int:
     given = _arguments()
-    if given.target and (given.input or given.base64 is not None):
+    if given.target and given.target != EXCHANGES and (given.input or given.base64 is not None):
         data = given.input.read_bytes() if given.input else base64.b64decode(given.base64)
         import_module(f"fuzz.{given.target}").check(data)
         print(f"{given.target}: nothing found in these {len(data)} bytes")
@@ -95,6 +98,8 @@ def _campaigns(given: argparse.Namespace) -> Work:
     seconds = given.seconds or EACH
     long = given.seconds if given.target and given.seconds else seconds * (len(TARGETS) + 1)
     campaigns: Work = {RECORDINGS: partial(_fuzz_recordings, long, given.seed, given.cases)}
+    short = given.seconds or OF_EXCHANGES
+    campaigns[EXCHANGES] = partial(_fuzz_exchanges, short, given.seed, given.cases)
     campaigns[CLIENTS] = partial(_fuzz_clients, seconds, given.seed)
     campaigns |= {target: partial(_fuzz, target, seconds) for target in TARGETS}
     return {given.target: campaigns[given.target]} if given.target else campaigns
@@ -102,9 +107,9 @@ def _campaigns(given: argparse.Namespace) -> Work:
 
 def _arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m fuzz", description="Fuzz the parsers.")
-    parser.add_argument("target", nargs="?", choices=(*TARGETS, RECORDINGS, CLIENTS))
+    parser.add_argument("target", nargs="?", choices=(*TARGETS, RECORDINGS, CLIENTS, EXCHANGES))
     parser.add_argument("--seconds", type=int, help=f"for each target ({EACH})")
-    parser.add_argument("--seed", type=int, default=1, help="of recordings and clients")
+    parser.add_argument("--seed", type=int, default=1, help="of recordings, clients, exchanges")
     parser.add_argument("--cases", type=int, default=CASES, help="at most so many recordings")
     parser.add_argument("--jobs", type=int, default=2, help="targets at a time")
     parser.add_argument("--keep", action="store_true", help="move what is new into fuzz/corpus")
@@ -127,6 +132,14 @@ def _fuzz_clients(seconds: int, seed: int) -> Run:
     command = [sys.executable, "-m", "fuzz.clients.campaign", *options]
     done = subprocess.run(command, stdin=subprocess.DEVNULL, check=False)
     return Run(CLIENTS, done.returncode, "", [])
+
+
+def _fuzz_exchanges(seconds: int, seed: int, cases: int) -> Run:
+    """Run the campaign, which reports by itself."""
+    options = ("--seconds", str(seconds), "--seed", str(seed), "--cases", str(cases))
+    command = [sys.executable, "-m", "fuzz.exchanges.campaign", *options]
+    done = subprocess.run(command, stdin=subprocess.DEVNULL, check=False)
+    return Run(EXCHANGES, done.returncode, "", [])
 
 
 def _fuzz(target: str, seconds: int) -> Run:

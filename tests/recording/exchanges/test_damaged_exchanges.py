@@ -1,0 +1,109 @@
+"""What a damaged line or file shows is right or absent: named after what was once invented (D13).
+
+`make fuzz` has the same sessions, checks and many more changes (fuzz/exchanges).
+"""
+
+from __future__ import annotations
+
+import pytest
+from fuzz.exchanges import inventions
+from fuzz.exchanges.campaign import findings
+from fuzz.exchanges.cases import Case, case
+from fuzz.exchanges.lines import file_of
+from fuzz.exchanges.readers import READERS, expected
+from fuzz.exchanges.sessions import METHODS, session
+
+from mikas.virtual.bus import AdapterKind
+
+FEW = ("TWAT", "UACC", "INJ")
+OTHERS = ("UACC", "TWAT", "INJ")  # data of the same sizes
+COLUMNS = [it for it in READERS if it.name in ("columns", "turns", "table")]
+
+
+def rows_of(path, made, line, *, every=True):
+    """The rows with values; none is invented, and all readers have the same."""
+    one = Case(0, (tuple(line),), (made.packets,), {(0, 0): made.truth}, ())
+    path.write_bytes(file_of(one.sections))
+    found = expected(path)
+    inventions.check(one, found)
+    for reader in COLUMNS if every else ():
+        reader.compare(path, found)
+    return [row for _, row in found.rows if row]
+
+
+def flips(line, *, sent):
+    """The line with each bit of each packet of a direction flipped, one at a time."""
+    for at, it in enumerate(line):
+        for bit in range(8 * len(it.data)) if it.sent is sent else ():
+            data = bytearray(it.data)
+            data[bit // 8] ^= 1 << bit % 8
+            yield [*line[:at], it._replace(data=bytes(data)), *line[at + 1 :]]
+
+
+def places(line, begin):
+    return [at for at, it in enumerate(line) if it.sent and it.data.startswith(begin)]
+
+
+def test_noise_in_an_echo_gives_no_value_to_the_request_before(tmp_path):
+    made = session((("single", FEW, 2),))
+    line = list(made.packets)
+    sound = len(rows_of(tmp_path / "it.pcapng", made, line))
+    for at in places(line, b"\x02"):
+        echo = line[at + 1]
+        for noise in (b"\x00", b"\x00\x0d", b"\x00\x00\x0d", b"\x7d\x83\x0d"):
+            for place in range(len(line[at].data)):
+                spoilt = echo._replace(data=echo.data[:place] + noise + echo.data[place:])
+                rows = rows_of(
+                    tmp_path / "it.pcapng", made, [*line[: at + 1], spoilt, *line[at + 2 :]]
+                )
+                assert len(rows) <= sound
+
+
+@pytest.mark.parametrize("sent", [True, False])
+@pytest.mark.parametrize("echo", [True, False])
+@pytest.mark.parametrize("method", METHODS)
+def test_a_flipped_bit_of_a_packet_invents_nothing(tmp_path, method, echo, sent):
+    made = session(((method, FEW[:2], 2),), AdapterKind(echo=echo))
+    assert rows_of(tmp_path / "it.pcapng", made, made.packets)
+    for number, line in enumerate(flips(list(made.packets), sent=sent)):
+        if number % 21 == 0:  # every bit of a byte, in turn
+            rows_of(tmp_path / "it.pcapng", made, line, every=number % 210 == 0)
+
+
+def test_a_lone_01_with_a_damaged_echo_does_not_make_a_line_one_without_echo(tmp_path):
+    made = session((("batch", FEW, 3),))
+    line = list(made.packets)
+    line = line[places(line, b"\x01")[-1] :]
+    assert rows_of(tmp_path / "it.pcapng", made, line)
+    for damaged in (b"\x01\xff", b"\x01\xfe\x0d", b"\x01\xff\x0c", b"\x0d", b""):
+        spoilt = line[1]._replace(data=damaged + line[1].data[3:])
+        rows_of(tmp_path / "it.pcapng", made, [line[0], spoilt, *line[2:]])
+
+
+def test_a_list_whose_setting_lost_its_echo_names_nothing(tmp_path):
+    made = session((("list", FEW, 3),))
+    line = list(made.packets)
+    (at,) = places(line, b"\x64")
+    assert rows_of(tmp_path / "it.pcapng", made, line)
+    assert not rows_of(tmp_path / "it.pcapng", made, [*line[: at + 1], *line[at + 2 :]])
+
+
+@pytest.mark.parametrize("echo", [True, False])
+def test_a_list_is_not_known_behind_a_damaged_or_missing_request(tmp_path, echo):
+    made = session((("list", FEW, 2), ("list", OTHERS, 2)), AdapterKind(echo=echo))
+    line = list(made.packets)
+    _, second = places(line, b"\x64")
+    half = len(rows_of(tmp_path / "it.pcapng", made, line)) // 2
+    damaged = line[second]._replace(data=line[second].data[:1] + b"\x1b" + line[second].data[2:])
+    gone = line[second]._replace(data=b"", missing=True)
+    behind = places(line, b"\x63")[-2]
+    for changed in (
+        [*line[:second], damaged, *line[second + 1 :]],
+        [*line[:second], gone, *line[behind:]],
+    ):
+        assert len(rows_of(tmp_path / "it.pcapng", made, changed)) == half
+
+
+@pytest.mark.parametrize("number", range(12))
+def test_the_fuzzers_first_cases_have_no_finding(number):
+    assert not list(findings(case(1, number)))
