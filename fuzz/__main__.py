@@ -1,6 +1,6 @@
 """Fuzzes the parsers, two at a time: `make fuzz`. Exit status 1 on a finding.
 
-python -m fuzz                       all targets: `recordings` 270 s, `exchanges` 60 s, the others 45 s
+python -m fuzz                       all targets: recordings 270 s, exchanges 60 s, the others 45 s
 python -m fuzz notes --seconds 5     this one
 python -m fuzz notes --input FILE    repeats one input, with its traceback
 python -m fuzz notes --base64 TEXT   the same; a finding prints this line
