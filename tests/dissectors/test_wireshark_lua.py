@@ -28,8 +28,8 @@ from mikas.dissectors.wireshark.generator import in_ascii, source
 from mikas.framing import encode
 from mikas.link.base import Direction
 from mikas.recording.capture.reader import CaptureReader, Packet
-from mikas.recording.exchanges.matching import Doubt
 from mikas.recording.exchanges.scalar import DecodedFrame
+from mikas.recording.exchanges.verdicts import Doubt
 
 LUA = "lua5.4"
 HOSTILE = 400 if os.environ.get("HYPOTHESIS_PROFILE") == "ci" else 40  # lines

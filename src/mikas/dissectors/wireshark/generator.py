@@ -10,7 +10,7 @@ from mikas.commands.unit import passport_text
 from mikas.dissectors.tables import tables_of
 from mikas.dissectors.wireshark.labels import LABELS
 from mikas.i18n import Language
-from mikas.recording.exchanges.matching import Doubt
+from mikas.recording.exchanges.verdicts import Doubt
 from mikas.recording.inspect import NOT_TRUSTED
 
 MARK: Final = "-- Mikas K-Line dissector for Wireshark, written by `mikas wireshark`"

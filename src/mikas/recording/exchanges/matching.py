@@ -26,13 +26,23 @@ from __future__ import annotations
 from collections import deque
 from enum import Enum, auto
 from math import inf
-from typing import Final, NamedTuple
+from typing import Final
 
 from mikas.commands import COMMANDS_BY_CODE, Availability
 from mikas.commands.base import ERROR, OK
-from mikas.i18n import Text
 from mikas.recording.exchanges.fitting import Fitting
 from mikas.recording.exchanges.layouts import WRITE_LIST
+from mikas.recording.exchanges.verdicts import (
+    DAMAGE,
+    ECHO,
+    NO_REQUEST,
+    REFUSED,
+    UNKNOWN,
+    Doubt,
+    Received,
+    SentRequest,
+    Verdict,
+)
 
 # s; an unfinished frame is abandoned after such a silence: longer than D14's pause inside a
 # response and a latency timer. If a request was sent in between, the tester has abandoned it.
@@ -52,66 +62,6 @@ _SOON: Final = 0.5
 _MARGIN: Final = 1.25
 _AT_ONCE: Final = 10  # as the tester's
 _SHORT: Final = 2  # bytes of a damaged 63; a 64 has more
-
-
-class SentRequest(NamedTuple):
-    """A request frame. `serial`: counts all frames sent on the port from 0; -1: not known.
-    `body`: None if not known, or damaged.
-    """
-
-    serial: int
-    body: bytes | None
-
-
-NO_REQUEST: Final = -1
-UNKNOWN: Final = SentRequest(NO_REQUEST, None)
-
-
-class Doubt(Enum):
-    """Why a received frame answers no request."""
-
-    NO_REQUEST = Text("its request is not known", "запрос к нему неизвестен")
-    NO_ECHO = Text("it came in place of the echo", "он пришёл вместо эха")
-    FAILED = Text("the exchange has failed", "обмен не удался")
-    SECOND = Text("the request has its response already", "на запрос уже был ответ")
-    TOGETHER = Text("more than one response came", "пришло больше одного ответа")
-    TOO_SOON = Text(
-        "it began while the request was being sent", "он начался, пока посылался запрос"
-    )
-    LATE = Text("later than the tester waits", "позже, чем ждёт тестер")
-    NOT_IN_SYNC = Text(
-        "after a failed exchange nothing counts until 01 is answered",
-        "после сбоя обмена ничто не в счёт до ответа на 01",
-    )
-
-
-class Received(NamedTuple):
-    """A received frame, or damage, which has no `body`.
-
-    `start`, `end`: its bytes in the direction's stream. `began`, `ended`: times of the packets with
-    its first and last byte. `followed`: more than bare terminators comes in the packet behind it.
-    """
-
-    wire: bytes
-    body: bytes | None
-    start: int
-    end: int
-    began: float
-    ended: float
-    followed: bool
-
-
-class Verdict(NamedTuple):
-    """On a received frame: an echo, or the request that it answers, or why it answers none."""
-
-    echo: bool
-    answers: SentRequest
-    doubt: Doubt | None
-
-
-_ECHO: Final = Verdict(True, UNKNOWN, None)
-_DAMAGE: Final = Verdict(False, UNKNOWN, None)
-_REFUSED: Final = {doubt: Verdict(False, UNKNOWN, doubt) for doubt in Doubt}
 
 
 class Phase(Enum):
@@ -179,6 +129,11 @@ class Matching:
     def _is_availability(self) -> bool:
         return self.request.body == AVAILABILITY
 
+    @property
+    def doubts_list(self) -> bool:
+        """Whether what was sent may be a 64, until its echo has come."""
+        return self._is_partial or self._is_damaged
+
     def interrupt(self) -> None:
         """Drop the request: a part of the file is missing, perhaps with a request in it.
 
@@ -205,7 +160,7 @@ class Matching:
     def turn(self) -> None:
         """Begin to send after receiving: missing echoes will not follow any more."""
         self.unechoed.clear()
-        if self._is_partial or self._is_damaged:
+        if self.doubts_list:
             self._lose_list()
 
     def begin_sending(self, time: float, received: int) -> None:
@@ -303,7 +258,7 @@ class Matching:
 
     def _judge_list(self, it: Received) -> None:
         """Learn from the echo of a request that is not known whether it was a 64."""
-        if self.echoes and it.start == self._from and (self._is_partial or self._is_damaged):
+        if self.echoes and it.start == self._from and self.doubts_list:
             if it.body is None or it.body[:1] == WRITE_LIST:
                 self._lose_list()
             self._is_partial = self._is_damaged = False
@@ -315,8 +270,8 @@ class Matching:
                 pass
             if self._is_availability and it.wire == self._wire:
                 self.echoes = True
-            return _ECHO
-        return _DAMAGE if it.body is None else _REFUSED[doubt]
+            return ECHO
+        return DAMAGE if it.body is None else REFUSED[doubt]
 
     def _echo(self, it: Received) -> Verdict:
         while self.unechoed.popleft() != it.wire:
@@ -326,7 +281,7 @@ class Matching:
         self.phase = Phase.STREAMING if is_stream else Phase.ECHOED
         if self._is_availability:
             self.echoes = True
-        return _ECHO
+        return ECHO
 
     def _asks_stream(self) -> bool:
         body = self.request.body
@@ -338,19 +293,19 @@ class Matching:
         if self._asks_stream():
             self.phase = Phase.STREAMING
             if it.body is None:
-                return _DAMAGE
+                return DAMAGE
             return self._answered()
         was_echoed, self.phase = self.phase is Phase.ECHOED, Phase.VOID
         if it.body is None:
-            return _DAMAGE
+            return DAMAGE
         if it.followed:
-            return _REFUSED[Doubt.TOGETHER]
+            return REFUSED[Doubt.TOGETHER]
         if not was_echoed and not self.echoes and self._is_too_soon(it.began):
-            return _REFUSED[Doubt.TOO_SOON]
+            return REFUSED[Doubt.TOO_SOON]
         if (delay := it.began - self._due) > self.patience:
             self.phase, self._delay, self._answered_at = Phase.LATE, delay, it.ended
             self._answer = it.body
-            return _REFUSED[Doubt.LATE]
+            return REFUSED[Doubt.LATE]
         request = self.request.body
         assert request is not None
         if not self.fitting.fits(request, it.body, self.listed):
@@ -380,7 +335,7 @@ class Matching:
     def _version_answered(self, version: bytes, *, is_first: bool) -> Verdict:
         if version == ERROR:
             self.phase = Phase.VOID
-            return _REFUSED[Doubt.FAILED]
+            return REFUSED[Doubt.FAILED]
         if self.echoes is None and is_first:
             self.echoes = False
         self._answer = version
@@ -389,10 +344,10 @@ class Matching:
             and self._version
             and version not in (self._version, self._last_version)
         ):
-            return _REFUSED[Doubt.NOT_IN_SYNC]
+            return REFUSED[Doubt.NOT_IN_SYNC]
         return Verdict(False, self.request, None)
 
     def _answered(self) -> Verdict:
         if not self.trusted:
-            return _REFUSED[Doubt.NOT_IN_SYNC]
+            return REFUSED[Doubt.NOT_IN_SYNC]
         return Verdict(False, self.request, None)

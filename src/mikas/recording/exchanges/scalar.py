@@ -17,16 +17,8 @@ from mikas.i18n import Text
 from mikas.link.base import Direction
 from mikas.recording.capture.reader import Packet, Source
 from mikas.recording.exchanges.fitting import Fitting
-from mikas.recording.exchanges.matching import (
-    SILENCE,
-    SILENCE_AFTER_SENDING,
-    UNKNOWN,
-    Doubt,
-    Matching,
-    Received,
-    SentRequest,
-    Verdict,
-)
+from mikas.recording.exchanges.matching import SILENCE, SILENCE_AFTER_SENDING, Matching
+from mikas.recording.exchanges.verdicts import UNKNOWN, Doubt, Received, SentRequest, Verdict
 
 UNFINISHED: Final = "unfinished"
 """Why an abandoned frame is damage, beside the values of `DamageReason`."""

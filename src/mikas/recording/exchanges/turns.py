@@ -27,11 +27,12 @@ from mikas.recording.capture.notes import Note
 from mikas.recording.capture.reader import Blocks, Packet, Problem, Source
 from mikas.recording.exchanges.fitting import Fitting
 from mikas.recording.exchanges.layouts import READ_LIST, STREAMS
-from mikas.recording.exchanges.matching import NO_REQUEST, SILENCE, Matching
+from mikas.recording.exchanges.matching import SILENCE, Matching
 from mikas.recording.exchanges.ports import matched
 from mikas.recording.exchanges.result import GAP, Exchanges, Requests, Responses
 from mikas.recording.exchanges.runs import PacketRun, read, stretches, walk
 from mikas.recording.exchanges.scalar import DecodedDamage, DecodedFrame, PortDecoder
+from mikas.recording.exchanges.verdicts import NO_REQUEST
 
 _LONGEST: Final = 4096  # bytes of a frame: the decoder's limit
 _Frames = list[tuple[float, bytes, int, float]]

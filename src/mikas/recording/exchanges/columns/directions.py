@@ -9,7 +9,8 @@ import numpy as np
 from mikas.recording.exchanges.arrays import Floats, Index, Mask
 from mikas.recording.exchanges.columns.frames import SOUND, BulkDecoder, FrameBlock
 from mikas.recording.exchanges.columns.packets import Packets
-from mikas.recording.exchanges.matching import NO_REQUEST, SILENCE, SILENCE_AFTER_SENDING
+from mikas.recording.exchanges.matching import SILENCE, SILENCE_AFTER_SENDING
+from mikas.recording.exchanges.verdicts import NO_REQUEST
 
 
 @dataclass(slots=True)

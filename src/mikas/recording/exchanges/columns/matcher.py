@@ -23,9 +23,10 @@ from mikas.recording.exchanges.columns.pieces import equal
 from mikas.recording.exchanges.columns.turn_runs import DAMAGE, ECHO, LISTED, Turns
 from mikas.recording.exchanges.fitting import Fitting
 from mikas.recording.exchanges.layouts import READ_LIST
-from mikas.recording.exchanges.matching import NO_REQUEST, Matching
+from mikas.recording.exchanges.matching import Matching
 from mikas.recording.exchanges.ports import matched
 from mikas.recording.exchanges.result import GAP, Exchanges, Requests, Responses
+from mikas.recording.exchanges.verdicts import NO_REQUEST
 
 
 def column_exchanges(

@@ -17,7 +17,8 @@ from mikas.recording.exchanges.arrays import Index, Mask
 from mikas.recording.exchanges.columns.directions import Events
 from mikas.recording.exchanges.columns.packets import Packets
 from mikas.recording.exchanges.columns.pieces import equal, side_by_side
-from mikas.recording.exchanges.matching import NO_REQUEST, Matching, Phase, Received
+from mikas.recording.exchanges.matching import Matching, Phase
+from mikas.recording.exchanges.verdicts import NO_REQUEST, Received
 
 ECHO: Final = -2
 """Marker for echoes; they answer no request."""
@@ -88,7 +89,8 @@ class Turns:
                 event += 1
         events, at = received.of_turn(turn), received.of_turn(turn).start
         while at < events.stop:
-            if matching.phase in _FIXED and (rest := self._next_sent(at, events.stop)) > at:
+            fixed = matching.phase in _FIXED and not matching.doubts_list
+            if fixed and (rest := self._next_sent(at, events.stop)) > at:
                 answered = matching.is_stream and matching.trusted
                 serial = matching.request.serial if answered else NO_REQUEST
                 self._answers[at:rest] = np.where(received.sound[at:rest], serial, DAMAGE)
@@ -177,6 +179,8 @@ class Turns:
         regular = (np.bincount(sent.turns, minlength=self._count) == 1) & (
             np.bincount(received.turns, minlength=self._count) == each
         )
+        sends = self._packets.sent & (self._packets.lengths > 0)
+        regular &= np.bincount(self._turns[sends], minlength=self._count) == 1
         turns = numbers[regular]
         asked = sent.turns.searchsorted(turns)
         whole = sent.starts[asked] + sent.block.origin == sent.begun[turns]
