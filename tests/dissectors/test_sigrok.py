@@ -137,6 +137,16 @@ def test_a_damaged_64_leaves_no_list():
         ]  # fmt: skip
 
 
+def test_what_repeats_its_request_gives_no_value_on_one_wire():
+    """It may be an echo, behind a 01 whose echo was damaged (D1): `61 3F` is no INJ of 129.8 ms."""
+    sigrok = conversed([START])
+    ask = encode(b"\x61\x3f")
+    for wire in (b"\x01\xfe\x0d", encode(b"\x0a"), ask, ask, encode(b"\x10\x02"), ask, ask):
+        sigrok.wait(TURN)
+        sigrok.feed(wire)
+    assert not any("129.8" in text for text in sigrok.texts("value"))
+
+
 SILENCE = 0.5
 
 

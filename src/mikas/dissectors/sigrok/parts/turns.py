@@ -75,9 +75,11 @@ class OneWire(object):
         if mode == FREE:
             return [asked(body, listed)] if asks else []
         if mode == ASKED:
+            again = body == request  # or an echo of it (D1): no value comes of that
             if self._commands.fits(request, listed, body):
-                found += self._answered(before, body)
-            if asks and (gave_up or self._commands.is_unanswered(request)):
+                answered = self._answered(before, body)
+                found += [(it, UNCLEAR) for it, _ in answered] if again else answered
+            if asks and (gave_up or again or self._commands.is_unanswered(request)):
                 found.append(self._asked_again(before, body))
             return found
         if mode == ENDING and len(body) == 1:
