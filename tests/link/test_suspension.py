@@ -270,6 +270,20 @@ def test_a_virtual_unit_is_guarded_where_it_is_sampled():
         assert isinstance(link, SuspensionGuard)
 
 
+def test_a_virtual_unit_on_a_busy_computer_loses_nothing_as_its_bytes_keep_their_times():
+    port = Port((0.1, b"x"))
+    with ReconnectingPort("sim:", open_port=lambda _: port).open() as link:
+        assert not isinstance(link, SuspensionGuard)
+    port.is_virtual = True
+    with ReconnectingPort("sim:", open_port=lambda _: port).open() as link:
+        link.read(port.time)
+        port.late = 1.5
+        assert link.read(port.time + 0.5).data == b"x"
+        port.late = 2.5
+        with pytest.raises(ReadingSuspended):
+            link.read(port.time + 0.5)
+
+
 def test_a_frozen_tab_leaves_out_what_the_browser_kept(monkeypatch):
     port = FrozenPage((10.0, b"old"), (32.0, b"new"))
     monkeypatch.setattr(web_serial, "_host", lambda: (SimpleNamespace(now=port.now), port.suspend))

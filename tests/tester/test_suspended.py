@@ -62,6 +62,21 @@ def test_no_command_is_repeated_after_it(command):
     right(tester)
 
 
+@pytest.mark.parametrize("command", READS[1:], ids=lambda command: command.name.en)
+@pytest.mark.parametrize("seconds", [0.6, 0.9])
+def test_a_busy_computer_costs_one_repetition(command, seconds):
+    """No plug is moved in so short a time: a dump of half an hour does not end for it."""
+    unit = Watched()
+    tester, link = stopping(unit)
+    expected = tester.request(command)
+    link.stops = [(link.now() + 0.004, seconds)]
+    heard = unit.heard(command.body())
+    assert tester.request(command) == expected
+    assert unit.heard(command.body()) == heard + 2
+    assert tester.statistics.repeated == 1
+    assert tester.line.suspension is None
+
+
 def test_a_pause_of_the_caller_alone_costs_nothing():
     unit = Watched()
     tester, link = stopping(unit)

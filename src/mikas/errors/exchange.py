@@ -129,6 +129,8 @@ class SyncLost(LineError):
 class ReadingSuspended(LineError):
     """The program did not run for a while; what came meanwhile has no time and is dropped."""
 
+    _MOVED = 1.0  # s that it takes to move the plug to another car, at least
+
     what = Text(
         "The program did not run for {seconds:.1f} s; what came meanwhile is left out, its time is "
         "unknown",
@@ -141,6 +143,15 @@ class ReadingSuspended(LineError):
         "Её приостановили (Ctrl-Z, отладчик), либо компьютер спал или был перегружен. Прерванную "
         "команду повторите.",
     )
+
+    @property
+    def is_short(self) -> bool:
+        """Whether the same unit must still be there, as when a computer is only busy.
+
+        Such an exchange is repeated as after a damaged response.
+        """
+        seconds = self.fields["seconds"]
+        return isinstance(seconds, int | float) and seconds < self._MOVED
 
 
 class EcuRefused(MikasError):

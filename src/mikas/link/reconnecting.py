@@ -19,7 +19,7 @@ from mikas.i18n import Text
 from mikas.link.base import CaptureTee, Chunk, Link, LinkWrapper, Sink, WallClock, WireCount
 from mikas.link.identity import KnownAdapter, identity_of, is_same
 from mikas.link.ports import Port, find_ports, listed, named
-from mikas.link.suspension import SuspensionGuard
+from mikas.link.suspension import LATE_IN_PROGRAM, SuspensionGuard
 from mikas.link.urls import open_link, parse, with_name
 
 
@@ -58,7 +58,7 @@ class ReconnectingPort:
         self._link = link
         self._ahead = link.now() - self._clock()
         if link.is_virtual and not link.is_simulated:  # `open_link` returns it as it is
-            link = SuspensionGuard(link)
+            link = SuspensionGuard(link, LATE_IN_PROGRAM)
         return link if self.sink is None else CaptureTee(link, self.sink, self.wire)
 
     def _open_adapter(self) -> Link:

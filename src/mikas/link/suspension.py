@@ -22,6 +22,7 @@ from mikas.link.base import Chunk, Link, LinkWrapper
 # D14: a response takes half a second at most, so what is older is none of the present request. A
 # busy computer stops a thread for 0.2 s. A byte can be as old as a wait and the lateness together.
 LATE: Final = 0.4  # s
+LATE_IN_PROGRAM: Final = 2.0  # s, of a unit in this program: its bytes keep their own times
 WAIT: Final = 0.1  # s of one wait; else a stop during a long wait would pass for silence
 
 _ROUND: Final = 0.05  # s in which more of what waited may follow (threads, USB)
@@ -36,11 +37,12 @@ class SuspensionGuard(LinkWrapper):
 
     `read` and `write` then raise `ReadingSuspended`, once: `read` after it has dropped what
     waited, `write` before it sends. The time before the first use is none of it: a port may be
-    opened ahead. A wait without end is one wait.
+    opened ahead. A wait without end is one wait. `late`: seconds of lateness that are none of it.
     """
 
-    def __init__(self, link: Link) -> None:
+    def __init__(self, link: Link, late: float = LATE) -> None:
         super().__init__(link)
+        self._late = late
         self._due = inf  # until when the program has run, or need not
         self._paused = 0.0  # seconds of the latest suspension; 0: none to report
 
@@ -79,7 +81,7 @@ class SuspensionGuard(LinkWrapper):
     def _look(self) -> float:
         """Return the time, after a comparison with the one that was due."""
         now = self.link.now()
-        if now - self._due > LATE:
+        if now - self._due > self._late:
             self._paused += now - self._due
         self._due = now
         return now

@@ -94,7 +94,7 @@ class Line:
         self.silences = 0  # how often two requests in a row got no byte: the unit was off
         self._unanswered = 0  # requests in a row
         self.suspension: ReadingSuspended | None = None
-        """The latest time without reading that nobody has reported."""
+        """The latest time without reading that is still to be reported; no short one."""
         self._ahead = _NOTHING  # received together with the end of an echo
         self._log = _logger()
 
@@ -245,8 +245,9 @@ class Line:
         try:
             yield
         except ReadingSuspended as error:
-            self.suspension = error
-            self.silences += bool(error.received)  # another unit may answer, as after silence
+            if not error.is_short:
+                self.suspension = error
+                self.silences += bool(error.received)  # another unit may answer, as after silence
             raise
 
     def _gather(self, since: float, count: int, *, most: float = inf) -> None:

@@ -66,6 +66,7 @@ class Stream:
         self._items: deque[StreamItem | LineError] = deque()
         self._held: StreamItem | None = None
         self._count = 0
+        self._cut = False  # what comes next may begin in the middle of a response
         self._request = request
         self._heard = line.sent_until
 
@@ -87,8 +88,9 @@ class Stream:
                 events = self._line.next_frame(
                     self._decoder, deadline, min_length=self._min_length, heard=self._heard
                 )
-            except ReadingSuspended as error:  # what comes next begins in the middle
+            except ReadingSuspended as error:
                 self._decoder, self._heard = self._line.decoder(), self._line.link.now()
+                self._cut = True
                 self._on_error(error)
                 raise
             if not events:
@@ -99,9 +101,12 @@ class Stream:
                     self._take(event.body, time)
                 else:
                     self._leave_out(damaged(self._request, event.data, time, event.reason))
+                self._cut = False
         return None
 
     def _leave_out(self, error: LineError) -> None:
+        if self._cut:
+            return
         self._on_error(error)
         self._items.append(error)
 

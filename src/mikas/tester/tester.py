@@ -207,7 +207,8 @@ class Tester:
                 return self._once(command, wire)
             except LineError as error:
                 failed.append(error)
-                if not attempts or isinstance(error, ReadingSuspended):  # perhaps another unit
+                moved = isinstance(error, ReadingSuspended) and not error.is_short
+                if not attempts or moved:  # perhaps another unit
                     raise self._verdict(command, error) from error
                 self.statistics.repeated += 1
 

@@ -131,9 +131,9 @@ class SpaceWriter:
         while True:
             try:
                 got = self._request(command)
-            except errors.ReadingSuspended:
-                raise  # perhaps another unit answers by now
             except (errors.LineError, errors.NotSupported) as error:
+                if isinstance(error, errors.ReadingSuspended) and not error.is_short:
+                    raise  # perhaps another unit answers by now
                 if isinstance(error, errors.NotSupported) and error.received:
                     raise  # refused by 01 (D10)
                 known = self.tester.has_answered(command.code)

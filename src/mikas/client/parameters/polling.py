@@ -156,9 +156,14 @@ class StreamPoller(Poller):
                     raise reason from error
                 if self._silent > 1:  # the request of the first may have been lost
                     raise self._not_supported(error) from error
+            except errors.ReadingSuspended as error:
+                if error.is_short and self._stream is not None:  # it goes on
+                    self._heard = self._tester.link.now()
+                    return {}
+                self._end()
+                raise
             except errors.MikasError as error:
-                suspended = isinstance(error, errors.ReadingSuspended)
-                if isinstance(error, errors.LineError) and self._stream and not suspended:
+                if isinstance(error, errors.LineError) and self._stream is not None:
                     # Only one response was damaged: the unit sends.
                     self._heard, self._silent = self._tester.link.now(), 0
                 else:
