@@ -208,6 +208,23 @@ def test_a_bug_in_one_message_does_not_end_the_others(idle, monkeypatch, caplog)
     assert "the bug of this test" in caplog.text
 
 
+def test_a_bug_while_waiting_for_news_does_not_end_the_live_data(idle, monkeypatch, caplog):
+    met, wait = threading.Event(), ConnectionMonitor.wait
+
+    def broken_once(monitor, wake):
+        if not met.is_set():
+            met.set()
+            raise ValueError("the bug of this test")
+        return wait(monitor, wake)
+
+    with idle.live() as live:
+        live.until(lambda it: "data" in it)
+        monkeypatch.setattr(ConnectionMonitor, "wait", broken_once)
+        assert met.wait(60)
+        live.until(lambda it: "data" in it)
+    assert "the bug of this test" in caplog.text
+
+
 def test_one_client_too_many_gets_try_later(shared_off, monkeypatch):
     with shared_off.live() as live:
         live.next()

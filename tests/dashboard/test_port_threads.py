@@ -10,6 +10,7 @@ import pytest
 
 from mikas.dashboard.api.state import shared_state
 from mikas.dashboard.dashboard import Dashboard
+from mikas.dashboard.errors import InternalError
 from mikas.dashboard.security.control import Client
 from mikas.dashboard.session.history import StoredFaults
 from mikas.dashboard.session.port_threads import Diagnosis, SamplingThread
@@ -136,3 +137,22 @@ def test_faults_that_are_forgotten_while_they_are_looked_at_are_counted_or_not(t
     dashboard = dashboard_of(tmp_path)
     dashboard.fault_history = Forgetful()
     assert shared_state(dashboard).fault_count == 0
+
+
+def test_a_bug_at_the_end_of_sampling_leaves_its_reason_and_a_free_port(tmp_path, caplog):
+    def broken(thread, error):
+        raise ValueError("the bug of this test")
+
+    thread = SamplingThread(
+        PortSettings("sim:"),
+        Settings(tmp_path, state=tmp_path, open_port=open_link),
+        PlanSettings({"FREQ": 1}),
+        sink=Recorder(),
+        confirm=lambda _: False,
+        on_event=broken,
+        on_end=broken,
+    )
+    thread.run()
+    assert thread.ended
+    assert isinstance(thread.failure, InternalError)
+    assert "the bug of this test" in caplog.text

@@ -169,13 +169,13 @@ class Broadcaster:
         monitor = self._dashboard.monitor
         while True:
             await asyncio.sleep(PERIOD)
-            news.clear()
-            if monitor.wait(lambda: loop.call_soon_threadsafe(news.set)):
-                with suppress(TimeoutError):
-                    # Not wait_for: before Python 3.12 it may swallow a cancellation.
-                    async with asyncio.timeout(STATE_EVERY):
-                        await news.wait()
             try:
+                news.clear()
+                if monitor.wait(lambda: loop.call_soon_threadsafe(news.set)):
+                    with suppress(TimeoutError):
+                        # Not wait_for: before Python 3.12 it may swallow a cancellation.
+                        async with asyncio.timeout(STATE_EVERY):
+                            await news.wait()
                 self.tick()
                 failed = False
             except Exception as bug:  # any: the next messages are sent all the same

@@ -160,7 +160,10 @@ class SamplingThread(threading.Thread):
             self._stoppable.close()
             if not self._stoppable.stopping.is_set():
                 self.ended, self.failure = True, error
-                self._on_end(self, error)
+                try:
+                    self._on_end(self, error)
+                except Exception as bug:  # any: `failure` says why sampling ended
+                    _log.error("a bug at the end of sampling", exc_info=bug)
 
 
 class Diagnosis(StoppablePort):
