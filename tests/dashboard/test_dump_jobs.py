@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import json
+import threading
+from types import SimpleNamespace
 
 import pytest
 
 from dashboard.dumps_rig import XRAM, ended, hold, let_go, until_read, when
 from dashboard.rig import ME, OTHER, rig
+from mikas.client.memory.dumps import Dump
 
 
 @pytest.fixture
@@ -164,6 +167,33 @@ def test_a_dump_that_is_being_read_is_not_deleted(held, idle):
     assert idle.post(f"/changes/{nonce}", status=409)["code"] == "Busy"
     let_go(held, idle, name)
     ended(idle, name, "done")
+
+
+def test_a_paused_dump_is_free_at_once_also_in_the_middle_of_a_piece(idle, monkeypatch):
+    reading, go_on, advance = threading.Event(), threading.Event(), Dump.advance
+
+    def slow(self, **more):
+        def progress(count):
+            reading.set()
+            assert go_on.wait(60)
+            more["progress"](count)
+
+        advance(self, **{**more, "progress": progress})
+
+    monkeypatch.setattr(Dump, "advance", slow)
+    name = idle.post("/dumps", XRAM)["id"]
+    assert reading.wait(60)
+    job = idle.dashboard.dump_jobs.one(name)
+    piece = job.piece
+
+    def acquire(timeout):
+        go_on.set()  # not before it is waited for
+        return piece.acquire(timeout=timeout)
+
+    job.piece = SimpleNamespace(acquire=acquire, release=piece.release)
+    idle.post(f"/dumps/{name}/pause")
+    idle.post(f"/changes/{delete(idle, name)['nonce']}")
+    assert not any(idle.dashboard.settings.dumps.iterdir())
 
 
 def test_a_dump_that_is_no_longer_as_it_was_shown_is_not_deleted(held, idle):

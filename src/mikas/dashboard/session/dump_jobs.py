@@ -12,6 +12,7 @@ import asyncio
 import logging
 import os
 import re
+import threading
 from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
@@ -40,6 +41,7 @@ PIECE = 384  # bytes: 0.4 s on the line
 TURN = 0.2  # s for sampling between two pieces
 _RETRY = 1.0  # s until a lost line is tried again
 _WAIT = 60.0
+_PIECE_END = 10.0  # s to wait for a piece in progress; it takes longer only on a bad line
 _TRIES = 5  # failed pieces in a row; the tester has repeated each request by then
 _SPEED_OVER = 10.0  # s
 CELLS = 256
@@ -71,6 +73,8 @@ class DumpJob:
     retried: set[int] = field(default_factory=set)
     task: asyncio.Task[None] | None = None
     pace: deque[tuple[float, int]] = field(default_factory=deque)
+    piece: threading.Lock = field(default_factory=threading.Lock)
+    """Held while a piece is read: the file is open, and its manifest will be written."""
 
     @property
     def started(self) -> tuple[str, int]:
@@ -149,12 +153,14 @@ class DumpJobs:
             job.task = asyncio.create_task(self._run(job))
 
     async def pause(self, job: DumpJob) -> None:
-        """Pause `job`; the piece in progress is kept."""
+        """Pause `job`; the piece in progress is waited for, and kept."""
         if job.task is not None:
             job.task.cancel()
             with suppress(asyncio.CancelledError):
                 await job.task
             job.task = None
+            if await asyncio.to_thread(job.piece.acquire, timeout=_PIECE_END):
+                job.piece.release()
         if job.phase == "running":
             job.phase = "paused"
 
@@ -236,6 +242,10 @@ class DumpJobs:
 
     def _piece(self, ecu: Ecu, job: DumpJob) -> bool:
         """Read one piece, in the sampling thread; return whether there is more to read."""
+        with job.piece:
+            return self._read_piece(ecu, job)
+
+    def _read_piece(self, ecu: Ecu, job: DumpJob) -> bool:
         wanted, failed = job.manifest, ecu.tester.statistics.failed
         if wanted.finished:
             return False
