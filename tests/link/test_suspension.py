@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import socket
+import time
 from contextlib import closing
 from math import inf
 from types import SimpleNamespace
@@ -15,7 +16,7 @@ from mikas.browser.web_serial import WebSerialLink
 from mikas.errors import LinkLost, ReadingSuspended
 from mikas.i18n import Text
 from mikas.link import CaptureTee, Chunk, Link, open_link
-from mikas.link.base import NETWORK, WallClock
+from mikas.link.base import NETWORK, WallClock, _steady
 from mikas.link.flood import FloodGuard
 from mikas.link.reconnecting import ReconnectingPort
 from mikas.link.suspension import LATE, WAIT, SuspensionGuard
@@ -311,3 +312,16 @@ def test_the_clock_of_real_links_goes_on_while_the_computer_sleeps():
     clock = WallClock(lambda: next(steady))
     began = clock.now()
     assert clock.now() - began == pytest.approx(28800)
+
+
+@pytest.mark.parametrize(
+    ("system", "clock"), [("linux", "CLOCK_BOOTTIME"), ("darwin", "CLOCK_MONOTONIC_RAW")]
+)
+def test_that_clock_is_none_of_the_calendar(system, clock, monkeypatch):
+    monkeypatch.setattr(time, clock, 77, raising=False)
+    monkeypatch.setattr(time, "CLOCK_MONOTONIC", 1, raising=False)
+    monkeypatch.setattr(time, "clock_gettime", lambda number: number, raising=False)
+    assert _steady(system)() == 77
+    monkeypatch.delattr(time, clock)
+    assert _steady(system) is time.perf_counter
+    assert _steady("win32") is _steady("emscripten") is time.perf_counter

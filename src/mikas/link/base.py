@@ -245,9 +245,10 @@ class CaptureTee(LinkWrapper):
 def _steady(system: str = sys.platform) -> Callable[[], float]:
     """Return a steady clock that goes on while the computer sleeps.
 
-    On Windows that is `perf_counter`; `monotonic` has steps of 15.6 ms there up to Python 3.12.
+    On macOS CLOCK_MONOTONIC is of the calendar, in whole µs, and may step back with it. On Windows
+    it is `perf_counter`; `monotonic` has steps of 15.6 ms there up to Python 3.12.
     """
-    name = {"linux": "CLOCK_BOOTTIME", "darwin": "CLOCK_MONOTONIC"}.get(system, "")
+    name = {"linux": "CLOCK_BOOTTIME", "darwin": "CLOCK_MONOTONIC_RAW"}.get(system, "")
     number = getattr(time, name, None)
     return time.perf_counter if number is None else partial(time.clock_gettime, number)
 
