@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from mikas.cleaning import public_port, public_url, without_secrets
@@ -48,6 +48,7 @@ def test_no_part_of_a_password_is_in_what_is_shown_of_a_place(pieces, scheme, si
 
 
 @settings(max_examples=25)
+@example([("zq0000000", "?"), ("zq0000000", "")], "socket", "zq0000001")
 @given(PASSWORDS, st.sampled_from(PORTS), WORDS)
 def test_no_part_of_a_password_is_in_what_is_said_of_a_port(pieces, scheme, token) -> None:
     password = "".join(word + sign for word, sign in pieces)
@@ -117,3 +118,8 @@ def test_a_recording_has_no_token_of_its_port(tmp_path) -> None:
         writer.record(Direction.SENT, b"\x0a", 1.0)
     assert b"own://\xe2\x80\xa6@host:9?token=" in (data := (tmp_path / "drive.pcapng").read_bytes())
     assert b"zq000" not in data
+
+
+def test_options_that_have_an_at_sign_are_no_password() -> None:
+    """The error about a scenario's file named another one."""
+    assert public_port("sim:?scenario=/me@home/x.toml") == "sim:?scenario=/me@home/x.toml"

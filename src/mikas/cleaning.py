@@ -137,10 +137,10 @@ def public_port(url: str) -> str:
 
 def without_secrets(text: str, *, place: str = "", port: str = "") -> str:
     """Return a text about an address with `…` for each part that its public form leaves out."""
-    found = [*_pieces(_parted(port).user), *(it[1] for it in _SECRET_OPTION.findall(port))]
+    found = [*_pieces(_parted(port)), *(it[1] for it in _SECRET_OPTION.findall(port))]
     for parts in map(_parted, place.split(_CHAIN)):
         query = parts.query[1:]
-        found += [*_pieces(parts.user), query, *re.split("[&;=]", query)]
+        found += [*_pieces(parts), query, *re.split("[&;=]", query)]
     secrets = {each for it in found for each in (it, unquote(it)) if len(each) >= _SHORTEST}
     for secret in sorted(secrets, key=len, reverse=True):
         text = text.replace(secret, "…")
@@ -168,6 +168,7 @@ def _parted(url: str) -> _Parts:
     if found and not scheme.startswith(_PATHS):
         host = re.split("[/?#]", rest)[0]
         has_password = ":" in host or not scheme.endswith("//")
+        has_password &= not rest.startswith("?")  # options, as of sim:?scenario=…
         user = "".join((rest if has_password else host).rpartition("@")[:2])
     place = rest[len(user) :]
     end = re.search("[?#]" if scheme.endswith("//") and scheme != "file://" else r"(?!)", place)
@@ -175,7 +176,9 @@ def _parted(url: str) -> _Parts:
     return _Parts(scheme, user, place[:at], place[at:])
 
 
-def _pieces(user: str) -> list[str]:
-    name, _, password = user.removesuffix("@").partition(":")
+def _pieces(parts: _Parts) -> list[str]:
+    name, _, password = parts.user.removesuffix("@").partition(":")
+    if not parts.scheme.endswith("//"):  # the name is in the scheme: me:password@host
+        password = f"{name}:{password}"
     names = [name] if len(name) >= _LONG else []  # a token stands there too, others are words
     return [*names, password, *re.split("[@/#?:]", password)]
