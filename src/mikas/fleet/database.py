@@ -2,51 +2,40 @@
 
     database ──► views drives, samples … ──► the files that the ledger counts, and no other file
 
-duckdb reads through a file system of ours, which has those files alone and can't write: what duckdb
-reads by itself it may also write (`allowed_paths`, and its folder for spilt rows). A URL needs no
-extension of duckdb so. After the views are made the configuration is locked: no other file, no
-network, no extension, no change of a setting. `questions` says what is asked at all. The database
-itself is in memory, and is dropped; nothing is spilt to a disk.
+duckdb reads through a file system of ours (`table_system`): what it reads by itself it may also
+write (`allowed_paths`, and its folder for spilt rows). A URL needs no extension of duckdb so. After
+the views are made the configuration is locked: no other file, no network, no extension, no change
+of a setting. `questions` says what is asked at all. The database itself is in memory, and is
+dropped; nothing is spilt to a disk.
 """
 
 from __future__ import annotations
 
 import re
 import threading
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import Future, wait
-from contextlib import AbstractContextManager, closing, contextmanager, nullcontext, suppress
-from datetime import UTC, datetime
-from io import BytesIO
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO, Final, NamedTuple, TypeVar
+from contextlib import AbstractContextManager, closing, contextmanager, suppress
+from typing import Any, Final, NamedTuple, TypeVar
 
 import duckdb
 
 from mikas.errors import FleetError, UsageError, usage_error
-from mikas.files import allow_open, open_regular
+from mikas.files import allow_open
 from mikas.fleet.ledger import Ledger, open_ledger
 from mikas.fleet.memory import memory_limit, too_much_memory
 from mikas.fleet.places import is_utf_8, shown
 from mikas.fleet.questions import is_question
-from mikas.fleet.stores import Store, UrlStore, store
-from mikas.fleet.table_files import (
-    look_sound,
-    most_rows,
-    refuse_long_files,
-    refuse_other_files,
-)
+from mikas.fleet.stores import Store, store
+from mikas.fleet.table_files import long_files, look_sound, most_rows, other_files, refuse_files
+from mikas.fleet.table_system import PROTOCOL, DatasetFileSystem
 from mikas.fleet.tables import PARTITIONS, TABLES
 from mikas.i18n import Text
 from mikas.recording.parquet import quoted
 
-if TYPE_CHECKING:
-    from fsspec import AbstractFileSystem
-
 T = TypeVar("T")
 
-_PROTOCOL: Final = "dataset"
-_ROOT: Final = f"{_PROTOCOL}://"
+_ROOT: Final = f"{PROTOCOL}://"
 _WAIT: Final = 0.2  # s
 _IN_PYTHON: Final = re.compile(r"Traceback \(most recent.*\b\w+Error: ", re.DOTALL)
 _FILE: Final = re.compile(
@@ -102,7 +91,7 @@ class Database:
     def close(self) -> None:
         """Drop the database."""
         with suppress(duckdb.Error):
-            self._connection.unregister_filesystem(_PROTOCOL)
+            self._connection.unregister_filesystem(PROTOCOL)
         self._connection.close()
 
     def ask(self, sql: str) -> QueryRows:
@@ -179,7 +168,8 @@ class Database:
     def _prepare(self, files: Store) -> None:
         run = self._connection.execute
         listed_files = {name for entry in self.ledger.entries.values() for name in entry.files}
-        self._connection.register_filesystem(_file_system(files, listed_files))
+        self._tables = DatasetFileSystem(files, listed_files)
+        self._connection.register_filesystem(self._tables)
         for setting in _SETTINGS:
             run(f"SET {setting}")
         run("SET parquet_metadata_cache = true")  # each question would read the ends of all files
@@ -194,18 +184,21 @@ class Database:
 
     def _refuse_unsound(self) -> bool:
         """Look at each file, and let no entry count with one that is not sound; return whether
-        there is one.
+        there is one. Raises `FleetError` if the place fails: that says nothing of a file.
         """
         before = len(self.ledger.refused)
-        refuse_other_files(self._connection, _ROOT, self.ledger)
-        refuse_long_files(self._connection, _ROOT, self.ledger)
+        for look in (other_files, long_files):
+            self._tables.failures.clear()
+            found = look(self._connection, _ROOT, self.ledger)
+            self._tables.raise_failure()
+            refuse_files(self.ledger, found)
         self._make_views()
         return len(self.ledger.refused) > before
 
     def _begin(self, sql: str, *values: object, most: int) -> list[tuple[Any, ...]]:
         """Execute a question and return its first rows; once more without a file by which it fails.
 
-        Raises `duckdb.Error`.
+        Raises `duckdb.Error`, `FleetError`.
         """
         try:
             rows = self._connection.execute(sql, list(values)).fetchmany(most)
@@ -303,63 +296,3 @@ def _place(text: str, sql: str) -> tuple[int, int] | None:
         part = shown.strip(".")
         column += whole.find(part) - 3
     return (number, column + 1) if 0 <= column <= len(whole) else None
-
-
-class _TableFile:
-    """A file that is closed when duckdb drops it: duckdb does not close all that it opens."""
-
-    def __init__(self, file: BinaryIO) -> None:
-        self._file = file
-
-    def __getattr__(self, name: str) -> Any:  # noqa: ANN401  (as the file's)
-        return getattr(self._file, name)
-
-    def __del__(self) -> None:
-        self._file.close()
-
-
-def _file_system(files: Store, names: Collection[str]) -> AbstractFileSystem:
-    """Return a file system with those files of the dataset alone, for reading."""
-    from fsspec import AbstractFileSystem
-
-    at_a_time: AbstractContextManager[Any] = nullcontext()
-    if isinstance(files, UrlStore) and not files.is_object_store:
-        at_a_time = threading.Lock()  # one connection, as of FTP, and duckdb has many threads
-
-    class DatasetFileSystem(AbstractFileSystem):  # type: ignore[misc]  # fsspec has no types
-        """The dataset as duckdb sees it, `dataset://samples/…`."""
-
-        protocol = _PROTOCOL
-        cachable = False
-
-        def _at(self, path: str) -> str:
-            name = str(self._strip_protocol(path))
-            if name not in names:
-                raise FileNotFoundError(name)
-            return f"{files.root}/{name}"  # type: ignore[attr-defined]  # of both stores
-
-        def info(self, path: str, **_: object) -> dict[str, Any]:
-            at = self._at(path)
-            if not isinstance(files, UrlStore):
-                return {"name": path, "type": "file", "size": Path(at).stat().st_size}
-            with at_a_time:
-                return {**files.system.info(at), "name": path}
-
-        def glob(self, path: str, **_: object) -> list[str]:
-            return [str(self._strip_protocol(path))]
-
-        def modified(self, _: str) -> datetime:
-            return datetime(2000, 1, 1, tzinfo=UTC)  # a file is never changed
-
-        def _open(self, path: str, mode: str = "rb", **_: object) -> object:
-            if mode != "rb":
-                raise PermissionError(path)
-            at = self._at(path)
-            if not isinstance(files, UrlStore):
-                return _TableFile(open_regular(Path(at), buffering=0))
-            if isinstance(at_a_time, nullcontext):
-                return files.system.open(at, "rb")
-            with at_a_time:
-                return BytesIO(files.system.cat_file(at))
-
-    return DatasetFileSystem()

@@ -1,7 +1,7 @@
 """Places of recordings and of the dataset: a folder of this computer, or a URL of fsspec (`s3://…`).
 
 What fails is a `FleetError` with the place, without the user's name and password that a URL may
-hold. fsspec is imported for a URL only.
+hold. fsspec is imported for a URL and for questions only.
 """
 
 from __future__ import annotations
@@ -39,9 +39,12 @@ class FoundFile(NamedTuple):
     bad: Text | None = None
 
 
-def require_database() -> None:
-    """Raise `MissingExtra` if the library that reads and writes a dataset is not installed."""
-    library("duckdb", feature="fleet", extra="fleet")
+def require_database(*, asked: bool = False) -> None:
+    """Raise `MissingExtra` if a library that reads and writes a dataset is not installed. `asked`:
+    there will be questions to it.
+    """
+    for name in ("duckdb", "fsspec") if asked else ("duckdb",):
+        library(name, feature="fleet", extra="fleet")
 
 
 def shown(place: str) -> str:
@@ -73,13 +76,18 @@ def errors_of(place: str) -> Iterator[None]:
         yield
     except (MikasError, KeyboardInterrupt):
         raise
-    except OSError as error:
-        raise FleetError(place, _scrubbed(reason_of(error))) from error
     except Exception as error:  # each store's client has errors of its own
-        if not is_url(place):
+        if not isinstance(error, OSError) and not is_url(place):
             raise
-        words = str(error).partition("\n")[0] or type(error).__name__
-        raise FleetError(place, _scrubbed(Text(words, words))) from error
+        raise FleetError(place, reason_in_store(error)) from error
+
+
+def reason_in_store(error: Exception) -> Text:
+    """Return in words why a store has failed."""
+    if isinstance(error, OSError):
+        return _scrubbed(reason_of(error))
+    words = str(error).partition("\n")[0] or type(error).__name__
+    return _scrubbed(Text(words, words))
 
 
 def _scrubbed(text: Text) -> Text:

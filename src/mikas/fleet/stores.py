@@ -21,7 +21,7 @@ from time import time
 from typing import Any, Final
 from uuid import uuid4
 
-from mikas.errors import FleetError, UnfitFile, reason_of
+from mikas.errors import FleetError, UnfitFile
 from mikas.files import check_regular, check_unlinked, read_regular, too_large
 from mikas.fleet.places import PARTS, as_path, errors_of, file_system, is_url, is_utf_8, shown
 from mikas.i18n import Text
@@ -33,6 +33,7 @@ _NOT_UTF_8: Final = Text(
 _GONE: Final = Text("{name}: there is no such file", "{name}: такого файла нет")
 _NO_FILE: Final = Text("this is no file", "это не файл")
 _UNFIT: Final = Text("{name}: {reason}", "{name}: {reason}")
+_NO_NAME: Final = (errno.ENAMETOOLONG, errno.ELOOP, errno.EINVAL)  # no file can have such a name
 _OLD: Final = 86_400.0  # s after which a part is a killed program's
 _TIMES: Final = 5  # that a folder is read or made which another process changes
 _OBJECT_STORES: Final = frozenset(
@@ -174,15 +175,19 @@ class DiskStore(Store):
         found: dict[str, int | Text] = {}
         for name in names:
             try:
-                status = self._at(name).lstat()
-                check_regular(status)
-                if status.st_size > most:
-                    raise too_large(most)
-                found[name] = status.st_size
-            except FileNotFoundError:
-                found[name] = _GONE.filled(name=name)
-            except OSError as error:
-                found[name] = _UNFIT.filled(name=name, reason=reason_of(error))
+                with self._errors_of(name):
+                    status = self._at(name).lstat()
+                    check_regular(status)
+                    if status.st_size > most:
+                        raise too_large(most)
+                    found[name] = status.st_size
+            except FleetError as error:
+                if isinstance(error.__cause__, FileNotFoundError):
+                    found[name] = _GONE.filled(name=name)
+                elif is_of_file(error):
+                    found[name] = error.problem
+                else:  # the place fails, which says nothing of the file
+                    raise
         return found
 
     def clear(self, run: str) -> None:
@@ -292,7 +297,9 @@ class UrlStore(Store):
             paths = []
             for name in names:
                 try:
-                    _size_of(sizes.get(name, {}), most)
+                    self._size(f"{folder}/{name}", sizes.get(name), most)
+                except FileNotFoundError:  # replaced meanwhile
+                    pass
                 except UnfitFile as error:
                     found.unfit[name] = error.text
                 else:
@@ -315,9 +322,7 @@ class UrlStore(Store):
                 listed = {path.removeprefix(f"{self.root}/"): info for path, info in every.items()}
             for name in set(names):
                 try:
-                    # A list may have names in another encoding: of what it lacks is asked.
-                    info = listed.get(name) or self.system.info(self._at(name))
-                    found[name] = _size_of(info, most)
+                    found[name] = self._size(name, listed.get(name), most)
                 except FileNotFoundError:
                     found[name] = _GONE.filled(name=name)
                 except UnfitFile as error:
@@ -326,6 +331,14 @@ class UrlStore(Store):
 
     def _at(self, name: str) -> str:
         return f"{self.root}/{name}"
+
+    def _size(self, name: str, listed: Mapping[str, Any] | None, most: int) -> int:
+        """Return the size of a file: of a list of files, which may have names in another encoding,
+        or no sizes, as a web server's; what it lacks is asked for.
+        """
+        if listed is None or listed.get("size") is None:
+            listed = self.system.info(self._at(name))
+        return _size_of(listed, most)
 
     @contextmanager
     def _target(self, name: str) -> Iterator[str]:
@@ -349,7 +362,10 @@ class UrlStore(Store):
 
 def is_of_file(error: FleetError) -> bool:
     """Return whether not the place has failed, but one file of it is not what it should be."""
-    return isinstance(error.__cause__, UnfitFile | IsADirectoryError | NotADirectoryError)
+    cause = error.__cause__
+    return isinstance(cause, UnfitFile | IsADirectoryError | NotADirectoryError) or (
+        isinstance(cause, OSError) and cause.errno in _NO_NAME
+    )
 
 
 def _size_of(info: Mapping[str, Any], most: int) -> int:

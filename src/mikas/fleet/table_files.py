@@ -41,8 +41,9 @@ ORDER BY table_name, column_index
 _SCHEMAS: Final = """
 SELECT columns, list(file_name) FROM (
     SELECT file_name,
-        list(row(name, duckdb_type, repetition_type, num_children) ORDER BY column_id) AS columns
-    FROM parquet_schema([{files}]) GROUP BY file_name
+        list(row(name, duckdb_type, repetition_type, num_children) ORDER BY number) AS columns
+    FROM (FROM parquet_schema([{files}]) SELECT *, row_number() OVER () AS number)
+    GROUP BY file_name
 ) GROUP BY columns
 """
 _LONG: Final = """
@@ -51,9 +52,11 @@ WHERE num_rows NOT BETWEEN 0 AND {each} * file_size_bytes
 """
 
 
-def refuse_other_files(connection: duckdb.DuckDBPyConnection, root: str, ledger: Ledger) -> None:
-    """Let no entry count that names a file which is none of our tables. `root`: before names."""
-    _refuse(ledger, _others(connection, root, [*ledger.entries.values()]))
+def other_files(
+    connection: duckdb.DuckDBPyConnection, root: str, ledger: Ledger
+) -> dict[str, Text]:
+    """Return the names of files that are none of our tables, and why. `root`: before names."""
+    return _others(connection, root, [*ledger.entries.values()])
 
 
 def look_sound(connection: duckdb.DuckDBPyConnection) -> bool:
@@ -71,20 +74,19 @@ def most_rows(ledger: Ledger) -> int:
     return _MOST_ROWS * sum(ledger.sizes[it] for e in ledger.entries.values() for it in e.files)
 
 
-def refuse_long_files(connection: duckdb.DuckDBPyConnection, root: str, ledger: Ledger) -> None:
-    """Let no entry count that names a file of more rows than its size allows."""
-    files = _listed(root, ledger.entries.values())
-    if not files:
-        return
-    question = _LONG.format(files=files, each=_MOST_ROWS)
-    found = {}
-    for file, rows, size in connection.execute(question).fetchall():
-        name = file.removeprefix(root)
-        found[name] = _NOT_OURS.filled(name=name, what=_ROWS.filled(rows=rows, bytes=size))
-    _refuse(ledger, found)
+def long_files(connection: duckdb.DuckDBPyConnection, root: str, ledger: Ledger) -> dict[str, Text]:
+    """Return the names of files of more rows than their size allows, and why not."""
+    found: dict[str, Text] = {}
+    if files := _listed(root, ledger.entries.values()):
+        question = _LONG.format(files=files, each=_MOST_ROWS)
+        for file, rows, size in connection.execute(question).fetchall():
+            name = file.removeprefix(root)
+            found[name] = _NOT_OURS.filled(name=name, what=_ROWS.filled(rows=rows, bytes=size))
+    return found
 
 
-def _refuse(ledger: Ledger, files: Mapping[str, Text]) -> None:
+def refuse_files(ledger: Ledger, files: Mapping[str, Text]) -> None:
+    """Let no entry count that names one of these files."""
     for entry in list(ledger.entries.values()) if files else ():
         if (name := next((it for it in entry.files if it in files), None)) is not None:
             ledger.refuse(entry, files[name])

@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 def report(context: CommandContext, dataset: str, out: Path | None, *, overwrite: bool) -> None:
     from mikas.fleet.places import require_database
 
-    require_database()
+    require_database(asked=True)
     from mikas.fleet.database import opened
     from mikas.fleet.report.figures import figures
     from mikas.fleet.report.findings import find

@@ -52,13 +52,15 @@ MOST = 1000
 def sql(context: CommandContext, dataset: str, sql: str, *, as_csv: bool) -> None:
     from mikas.fleet.places import require_database
 
-    require_database()
+    require_database(asked=True)
     from mikas.fleet.database import opened
     from mikas.fleet.memory import bounded_memory
 
     with opened(dataset) as database, bounded_memory():
-        say_refused(context, database.ledger.refused)
-        answer = database.ask(sql)
+        try:
+            answer = database.ask(sql)
+        finally:  # the question may be what has found a file that can't be used
+            say_refused(context, database.ledger.refused)
         if context.output.json:
             rows = ([_json(value) for value in row] for row in answer.rows)
             context.output.long_data({"columns": answer.columns}, "rows", rows)

@@ -1,0 +1,123 @@
+"""A disk, a network or a system that fails says nothing of the files: none is dropped for it, and
+none is called damaged.
+"""
+
+from __future__ import annotations
+
+import errno
+import os
+import sys
+from pathlib import Path
+
+import fsspec
+import pytest
+from fsspec.implementations.local import LocalFileSystem
+
+from fleet_rig import BEGAN, DAY, add_here, ask, counts, make
+from mikas.cli.main import run
+from mikas.errors import FleetError
+from mikas.fleet import table_system
+from mikas.fleet.database import Database, opened
+from mikas.i18n import Text
+
+ROWS = "SELECT count(*), count(DISTINCT drive) FROM samples"
+FAILURES = (errno.EIO, errno.EACCES, errno.EMFILE, errno.ETIMEDOUT)
+
+
+@pytest.fixture
+def home(tmp_path) -> Path:
+    make(tmp_path / "in" / "one.pcapng")
+    make(tmp_path / "in" / "other.pcapng", began=BEGAN + DAY, plate="Е777КХ99")
+    add_here(tmp_path / "in", to=tmp_path / "set")
+    return tmp_path / "set"
+
+
+@pytest.mark.parametrize("number", FAILURES)
+def test_no_entry_is_dropped_for_a_failure_of_the_disk(home, tmp_path, monkeypatch, number) -> None:
+    """One error of a network disk let `fleet add` remove every entry of the ledger."""
+    entries = sorted((home / "_ledger").iterdir())
+    status = Path.lstat
+
+    def failing(path: Path) -> os.stat_result:
+        if path.suffix == ".parquet":
+            raise OSError(number, os.strerror(number), str(path))
+        return status(path)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Path, "lstat", failing)
+        for use in (lambda: ask(home, ROWS), lambda: add_here(tmp_path / "in", to=home)):
+            with pytest.raises(FleetError):
+                use()
+    assert sorted((home / "_ledger").iterdir()) == entries
+    assert counts(add_here(tmp_path / "in", to=home)) == (0, 0, 2, 0)
+
+
+@pytest.mark.parametrize("number", FAILURES)
+@pytest.mark.parametrize("when", ["open", "read"])
+def test_a_table_that_the_system_does_not_give_is_not_called_damaged(
+    home, monkeypatch, number, when
+) -> None:
+    """An answer without its rows came, and the advice to remove the file."""
+    whole = table_system.open_regular
+
+    class Failing:
+        def __init__(self, file) -> None:
+            self.file = file
+
+        def read(self, _: int = -1) -> bytes:
+            raise OSError(number, os.strerror(number))
+
+        def __getattr__(self, name: str):
+            return getattr(self.file, name)
+
+    def failing(path: Path, **given):
+        if "A101MP52" not in str(path):
+            return whole(path, **given)
+        if when == "open":
+            raise OSError(number, os.strerror(number), str(path))
+        return Failing(whole(path, **given))
+
+    with monkeypatch.context() as patch:
+        patch.setattr(table_system, "open_regular", failing)
+        with pytest.raises(FleetError, match="A101MP52") as failed:
+            ask(home, ROWS)
+    assert "amaged" not in str(failed.value)
+    assert ask(home, ROWS) == [(2 * 239, 2)]
+
+
+class NoSizes(LocalFileSystem):
+    """A file system like a web server's: the lists of its folders have no sizes."""
+
+    protocol = "nosizes"
+
+    def ls(self, path: str, detail: bool = False, **given):
+        found = super().ls(path, detail=detail, **given)
+        return [{**it, "size": None} for it in found] if detail else found
+
+
+def test_a_list_of_files_without_sizes_costs_no_recording(home, tmp_path) -> None:
+    """Over HTTP every recording was left out as changed."""
+    fsspec.register_implementation("nosizes", NoSizes, clobber=True)
+    with opened(f"nosizes://{home}") as database:
+        assert list(database.ask(ROWS).rows) == [(2 * 239, 2)]
+        assert database.ledger.refused == {}
+
+
+def test_what_a_question_has_left_out_is_named(home, monkeypatch, capsys) -> None:
+    asked = Database.ask
+
+    def finding(database: Database, sql: str):
+        entry = next(iter(database.ledger.entries.values()))
+        database.ledger.refuse(entry, Text("it is odd", "она странная"))
+        return asked(database, sql)
+
+    monkeypatch.setattr(Database, "ask", finding)
+    assert run(["fleet", "sql", str(home), ROWS]) == 0
+    assert "it is odd" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("command", [["sql", "x", "SELECT 1"], ["report", "x"]])
+def test_without_fsspec_the_extra_to_install_is_named(command, monkeypatch, capsys) -> None:
+    monkeypatch.setitem(sys.modules, "fsspec", None)
+    assert run(["fleet", *command]) == 2
+    assert "mikas[fleet]" in capsys.readouterr().err
