@@ -7,6 +7,7 @@ from __future__ import annotations
 import errno
 import os
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import fsspec
@@ -18,6 +19,7 @@ from mikas.cli.main import run
 from mikas.errors import FleetError
 from mikas.fleet import table_system
 from mikas.fleet.database import Database, opened
+from mikas.fleet.stores import store
 from mikas.i18n import Text
 
 ROWS = "SELECT count(*), count(DISTINCT drive) FROM samples"
@@ -121,3 +123,19 @@ def test_without_fsspec_the_extra_to_install_is_named(command, monkeypatch, caps
     monkeypatch.setitem(sys.modules, "fsspec", None)
     assert run(["fleet", *command]) == 2
     assert "mikas[fleet]" in capsys.readouterr().err
+
+
+def test_threads_that_read_one_table_each_get_their_own_part(home) -> None:
+    """A seek came between another thread's seek and read: intact files were called damaged."""
+    (path, *_) = home.rglob("samples/**/*.parquet")
+    whole, name = path.read_bytes(), path.relative_to(home).as_posix()
+    files = table_system.DatasetFileSystem(store(str(home)), {name})
+    with ThreadPoolExecutor(1) as other:
+        file = files.open(f"dataset://{name}")
+        file.seek(100)
+        other.submit(file.seek, 7).result()
+        assert file.read(20) == whole[100:120]
+        assert other.submit(file.read, 5).result() == whole[7:12]
+        assert (file.read(5), file.tell()) == (whole[120:125], 125)
+        assert file.seek(-3, os.SEEK_END) == len(whole) - 3
+        del file

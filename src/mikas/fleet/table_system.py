@@ -6,6 +6,7 @@ duckdb reports it like a damaged file.
 
 from __future__ import annotations
 
+import os
 import threading
 from collections.abc import Callable, Collection, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
@@ -28,14 +29,32 @@ _FAILED: Final = Text("{name}: {reason}", "{name}: {reason}")
 
 
 class _TableFile:
-    """A file that is closed when duckdb drops it: duckdb does not close all that it opens."""
+    """A file that is closed when duckdb drops it: duckdb does not close all that it opens.
+
+    Its threads share a file, and seek and read are two calls: so each thread has its own place.
+    """
 
     def __init__(self, file: Any, noted: Callable[[], AbstractContextManager[None]]) -> None:  # noqa: ANN401
         self._file, self._noted = file, noted
+        self._alone, self._of_thread = threading.Lock(), threading.local()
+
+    def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
+        if whence != os.SEEK_SET:
+            with self._alone:
+                size = self._file.seek(0, os.SEEK_END)
+            offset += size if whence == os.SEEK_END else self.tell()
+        self._of_thread.place = offset
+        return offset
+
+    def tell(self) -> int:
+        place: int = getattr(self._of_thread, "place", 0)
+        return place
 
     def read(self, size: int = -1) -> bytes:
-        with self._noted():
+        with self._noted(), self._alone:
+            self._file.seek(self.tell())
             data: bytes = self._file.read(size)
+        self._of_thread.place = self.tell() + len(data)
         return data
 
     def __getattr__(self, name: str) -> Any:  # noqa: ANN401  (as the file's)
