@@ -4,13 +4,13 @@ python -m fuzz                       all targets: recordings 270 s, exchanges 60
 python -m fuzz notes --seconds 5     this one
 python -m fuzz notes --input FILE    repeats one input, with its traceback
 python -m fuzz notes --base64 TEXT   the same; a finding prints this line
-python -m fuzz recordings --seed 2   other cases, as of `clients`, `exchanges`
+python -m fuzz recordings --seed 2   other cases, as of `clients`, `exchanges`, `datasets`
 python -m fuzz --keep                moves what was reached since into fuzz/corpus, minimized
 
 A target is a module or a package of this folder with `check(data)`, which raises on a finding.
 libFuzzer mutates the inputs of fuzz/corpus; those that reach new code are kept in build/fuzz.
-`recordings` makes its inputs itself (fuzz/recordings/), and so do `clients` and `exchanges`
-(folders here).
+`recordings` makes its inputs itself (fuzz/recordings/), and so do `clients`, `exchanges`
+and `datasets` (folders here).
 """
 
 from __future__ import annotations
@@ -33,6 +33,7 @@ TARGETS: Final = ("framing", "capture", "catalog", "guided", "notes")  # libFuzz
 RECORDINGS: Final = "recordings"
 CLIENTS: Final = "clients"
 EXCHANGES: Final = "exchanges"
+DATASETS: Final = "datasets"
 CORPUS: Final = Path(__file__).parent / "corpus"
 BUILD: Final = Path("build/fuzz")
 
@@ -101,15 +102,18 @@ def _campaigns(given: argparse.Namespace) -> Work:
     short = given.seconds or OF_EXCHANGES
     campaigns[EXCHANGES] = partial(_fuzz_exchanges, short, given.seed, given.cases)
     campaigns[CLIENTS] = partial(_fuzz_clients, seconds, given.seed)
+    campaigns[DATASETS] = partial(_fuzz_datasets, seconds, given.seed)
     campaigns |= {target: partial(_fuzz, target, seconds) for target in TARGETS}
     return {given.target: campaigns[given.target]} if given.target else campaigns
 
 
 def _arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m fuzz", description="Fuzz the parsers.")
-    parser.add_argument("target", nargs="?", choices=(*TARGETS, RECORDINGS, CLIENTS, EXCHANGES))
+    parser.add_argument(
+        "target", nargs="?", choices=(*TARGETS, RECORDINGS, CLIENTS, EXCHANGES, DATASETS)
+    )
     parser.add_argument("--seconds", type=int, help=f"for each target ({EACH})")
-    parser.add_argument("--seed", type=int, default=1, help="of recordings, clients, exchanges")
+    parser.add_argument("--seed", type=int, default=1, help="of all but libFuzzer's")
     parser.add_argument("--cases", type=int, default=CASES, help="at most so many recordings")
     parser.add_argument("--jobs", type=int, default=2, help="targets at a time")
     parser.add_argument("--keep", action="store_true", help="move what is new into fuzz/corpus")
@@ -140,6 +144,14 @@ def _fuzz_exchanges(seconds: int, seed: int, cases: int) -> Run:
     command = [sys.executable, "-m", "fuzz.exchanges.campaign", *options]
     done = subprocess.run(command, stdin=subprocess.DEVNULL, check=False)
     return Run(EXCHANGES, done.returncode, "", [])
+
+
+def _fuzz_datasets(seconds: int, seed: int) -> Run:
+    """Run the campaign, which reports by itself."""
+    options = ("--seconds", str(seconds), "--seed", str(seed))
+    command = [sys.executable, "-m", "fuzz.datasets.campaign", *options]
+    done = subprocess.run(command, stdin=subprocess.DEVNULL, check=False)
+    return Run(DATASETS, done.returncode, "", [])
 
 
 def _fuzz(target: str, seconds: int) -> Run:
