@@ -3,7 +3,7 @@
 aiomqtt and paho take packets of up to 256 MiB into memory, keep messages without number, and after
 a packet that they can't interpret ask the same socket again and again: the thread would take the
 sampling thread's time. This client is sent little: acknowledgements, and one retained message of
-the one topic that it subscribes to for a moment. A broker that sends more, or what is no MQTT, is
+the one topic that it subscribes to for a moment. A broker that sends more, or anything but MQTT, is
 left at once, as one whose connection broke off.
 
 This module imports the library, so it is imported when a connection is made.

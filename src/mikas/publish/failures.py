@@ -64,7 +64,7 @@ _SAME_CLIENT: Final = Text(
     "пускает только одного.",
 )
 _LEFT: Final = Text(
-    "it sends more than a broker has to send here, or what is no MQTT, and was disconnected",
+    "it sends more than a broker has to send here, or anything but MQTT, and was disconnected",
     "он шлёт больше, чем положено брокеру, или не MQTT, и потому отключён",
 )
 _CLOSED: Final = Text("the broker has closed it", "её закрыл брокер")

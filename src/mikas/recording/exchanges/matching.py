@@ -264,7 +264,7 @@ class Matching:
             self._is_partial = self._is_damaged = False
 
     def _apart(self, it: Received, doubt: Doubt, *, was_sent: bool) -> Verdict:
-        """Return the verdict on what is no response."""
+        """Return the verdict on an echo, or on bytes that answer no request."""
         if was_sent:
             while self.unechoed.popleft() != it.wire:
                 pass
