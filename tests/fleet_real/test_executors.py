@@ -17,6 +17,7 @@ import pytest
 
 from fleet_rig import BEGAN, DAY, SETTINGS, ask, counts, files_of, make
 from mikas.errors import FleetError, MissingExtra, UsageError
+from mikas.fleet import executors
 from mikas.fleet.adding import add, plan
 from mikas.fleet.executors import DaskRunner, ProcessRunner, runner_of
 from mikas.fleet.job import work
@@ -64,6 +65,20 @@ def test_a_process_that_dies_takes_at_most_its_own_file_with_it(tmp_path) -> Non
     bad = {Path(it.file.url).name for it in outcomes if it.entry is None}
     assert bad == {"3.pcapng", "bad.pcapng"}
     assert len(outcomes) == 7
+
+
+def test_a_worker_that_may_start_no_thread_ends_without_a_traceback(monkeypatch) -> None:
+    """The pool printed “Exception in initializer” for each."""
+
+    def refuse(_: object) -> None:
+        raise RuntimeError("can't start new thread")
+
+    ended = []
+    monkeypatch.setattr(threading.Thread, "start", refuse)
+    monkeypatch.setattr(signal, "signal", lambda *_: None)
+    monkeypatch.setattr(os, "_exit", ended.append)
+    executors.begin_worker(None)
+    assert ended == [1]
 
 
 def test_there_is_no_other_executor() -> None:

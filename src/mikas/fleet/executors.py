@@ -7,6 +7,7 @@ a time. A worker that dies takes only its own file with it, which is tried once 
 from __future__ import annotations
 
 import logging
+import os
 import re
 import signal
 import threading
@@ -142,19 +143,20 @@ class ProcessRunner(Runner):
 
         spawn = get_context("spawn")
         far, near = spawn.Pipe(duplex=False)
-        pool = ProcessPoolExecutor(workers, spawn, initializer=_begin, initargs=(far,))
+        pool = ProcessPoolExecutor(workers, spawn, initializer=begin_worker, initargs=(far,))
         return pool, near
 
 
-def _begin(lifeline: Connection) -> None:
+def begin_worker(lifeline: Connection) -> None:
     """Prepare a worker: Ctrl-C is its parent's, with which it ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threading.Thread(target=_end_with, args=(lifeline,), daemon=True).start()
+    try:
+        threading.Thread(target=_end_with, args=(lifeline,), daemon=True).start()
+    except RuntimeError:  # no further thread is allowed; the pool would print a traceback
+        os._exit(1)
 
 
 def _end_with(lifeline: Connection) -> None:
-    import os
-
     with suppress(EOFError, OSError):
         lifeline.recv_bytes()
     os._exit(1)
