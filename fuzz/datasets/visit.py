@@ -15,8 +15,7 @@ import signal
 import socket
 import sys
 import traceback
-from collections.abc import Iterator
-from concurrent.futures import Executor, Future
+from collections.abc import Iterable, Iterator
 from contextlib import redirect_stderr, redirect_stdout
 from importlib import import_module
 from pathlib import Path
@@ -53,23 +52,13 @@ class Finding(Exception):
     """What must not be."""
 
 
-class _Here(Executor):
-    def submit(self, work: Work, file: FoundFile) -> Future[FileOutcome]:  # type: ignore[override]
-        done: Future[FileOutcome] = Future()
-        done.set_result(work(file))
-        return done
-
-
 class _HereRunner(Runner):
     """This process: a case shall take half a second."""
 
-    window = 1
-    _executor = _Here()
-
     def close(self) -> None: ...
 
-    def failed(self, _: Work, __: list[FoundFile], error: BaseException) -> Iterator[FileOutcome]:
-        raise error
+    def outcomes(self, work: Work, files: Iterable[FoundFile]) -> Iterator[FileOutcome]:
+        return map(work, files)
 
 
 def prepare() -> None:

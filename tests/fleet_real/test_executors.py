@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import logging
 import os
 import signal
@@ -11,12 +12,13 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from functools import partial
+from multiprocessing.process import BaseProcess
 from pathlib import Path
 
 import pytest
 
 from fleet_rig import BEGAN, DAY, SETTINGS, ask, counts, files_of, make
-from mikas.errors import FleetError, MissingExtra, UsageError
+from mikas.errors import FleetError, MissingExtra, UsageError, refusal_of
 from mikas.fleet import executors
 from mikas.fleet.adding import add, plan
 from mikas.fleet.executors import DaskRunner, ProcessRunner, runner_of
@@ -67,18 +69,71 @@ def test_a_process_that_dies_takes_at_most_its_own_file_with_it(tmp_path) -> Non
     assert len(outcomes) == 7
 
 
-def test_a_worker_that_may_start_no_thread_ends_without_a_traceback(monkeypatch) -> None:
-    """The pool printed “Exception in initializer” for each."""
+def test_where_no_further_process_can_be_started_the_work_goes_on_with_those_there_are(
+    tmp_path, monkeypatch
+) -> None:
+    start, started = BaseProcess.start, []
+
+    def refuse(process) -> None:
+        if started:
+            raise BlockingIOError(errno.EAGAIN, os.strerror(errno.EAGAIN))
+        started.append(process)
+        start(process)
+
+    monkeypatch.setattr(BaseProcess, "start", refuse)
+    result = add_by(ProcessRunner(4), some(tmp_path / "in"), tmp_path / "set")
+    assert counts(result) == (6, 0, 0, 1)
+    assert len(started) == 1
+
+
+@pytest.mark.parametrize(
+    "error",
+    [
+        BlockingIOError(errno.EAGAIN, os.strerror(errno.EAGAIN)),
+        RuntimeError("can't start new thread"),
+        MemoryError(),
+    ],
+    ids=["process", "thread", "memory"],
+)
+def test_where_no_process_can_be_started_the_refusal_is_raised(
+    tmp_path, monkeypatch, error
+) -> None:
+    def refuse(_: object) -> None:
+        raise error
+
+    monkeypatch.setattr(BaseProcess, "start", refuse)
+    with pytest.raises(type(error)) as caught:
+        add_by(ProcessRunner(2), some(tmp_path / "in"), tmp_path / "set")
+    assert refusal_of(caught.value) is not None
+
+
+class OneEnd:
+    """A worker's end of its pipe: jobs, and the answers given."""
+
+    def __init__(self, *jobs) -> None:
+        self.jobs, self.answers = list(jobs), []
+
+    def recv(self):
+        if not self.jobs:
+            raise EOFError
+        return self.jobs.pop(0)
+
+    def send(self, answer) -> None:
+        self.answers.append(answer)
+
+
+def test_a_worker_that_may_start_no_thread_does_its_jobs(monkeypatch) -> None:
+    """It does not notice the end of the program before the end of its job then."""
 
     def refuse(_: object) -> None:
         raise RuntimeError("can't start new thread")
 
-    ended = []
     monkeypatch.setattr(threading.Thread, "start", refuse)
     monkeypatch.setattr(signal, "signal", lambda *_: None)
-    monkeypatch.setattr(os, "_exit", ended.append)
-    executors.begin_worker(None)
-    assert ended == [1]
+    end = OneEnd((str.upper, "a"), (str.upper, 7))
+    executors.serve_jobs(end, None)
+    (done, none), (nothing, error) = end.answers
+    assert (done, none, nothing, type(error)) == ("A", None, None, TypeError)
 
 
 def test_there_is_no_other_executor() -> None:

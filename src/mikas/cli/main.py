@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import gc
 import itertools
+import os
 import sys
 from collections.abc import Sequence
 
@@ -57,6 +58,9 @@ cli = LocalizedGroup(
 def main(argv: Sequence[str] | None = None) -> None:
     """Run the `mikas` command and end the process with the status of docs/reference/cli.md."""
     gc.set_threshold(_OBJECTS_BEFORE_COLLECTION)
+    # numpy's linear algebra is not used here. Its threads would be started all the same, here and in
+    # each worker, and where the system allows no further ones it writes to the terminal.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     terminal.make_writable()
     sys.exit(run(sys.argv[1:] if argv is None else list(argv)))
 

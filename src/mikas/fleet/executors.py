@@ -1,7 +1,7 @@
 """Where the work on the files is done: in processes of this computer, or by a Dask cluster.
 
-Both are executors of `concurrent.futures`; a few more jobs than there are workers are under way at
-a time. A worker that dies takes only its own file with it, which is tried once more, alone.
+A worker that dies takes only its own file with it; a process of this computer is tried once more,
+alone.
 """
 
 from __future__ import annotations
@@ -13,9 +13,10 @@ import signal
 import threading
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, wait
-from concurrent.futures.process import BrokenProcessPool
+from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
 from contextlib import suppress
+from dataclasses import dataclass
+from pickle import PicklingError
 from typing import TYPE_CHECKING, Final, TypeAlias
 
 from mikas.cleaning import public_url
@@ -26,9 +27,11 @@ from mikas.i18n import Text
 
 if TYPE_CHECKING:
     from multiprocessing.connection import Connection
+    from multiprocessing.process import BaseProcess
 
 Work: TypeAlias = Callable[[FoundFile], FileOutcome]
-_EACH: Final = 2  # jobs under way for each worker
+_EACH: Final = 2  # jobs under way for each worker of a cluster
+_LAST: Final = 1.0  # s for a worker to end by itself
 _PORT: Final = 8786  # of a Dask scheduler, if none is named
 _LOOK: Final = 0.5  # s; a wait without an end can't be interrupted everywhere
 _DIED: Final = Text(
@@ -61,99 +64,146 @@ _UNFIT: Final = Text(
 class Runner(ABC):
     """Does the jobs; `close` ends it, at once unless all is done."""
 
-    window: int
-    _executor: Executor
-
     @abstractmethod
     def close(self) -> None:
         """End; a job under way is dropped."""
 
     @abstractmethod
-    def failed(
-        self, work: Work, files: list[FoundFile], error: BaseException
-    ) -> Iterator[FileOutcome]:
-        """Yield the outcomes of jobs that failed by `error`; raise it if all would."""
-
     def outcomes(self, work: Work, files: Iterable[FoundFile]) -> Iterator[FileOutcome]:
         """Yield the outcomes as they come."""
-        waiting: dict[Future[FileOutcome], FoundFile] = {}
-        for file in files:
-            waiting[self._executor.submit(work, file)] = file
-            while len(waiting) >= self.window:
-                yield from self._some(work, waiting)
-        while waiting:
-            yield from self._some(work, waiting)
 
-    def _some(
-        self, work: Work, waiting: dict[Future[FileOutcome], FoundFile]
-    ) -> Iterator[FileOutcome]:
-        done, _ = wait(waiting, timeout=_LOOK, return_when=FIRST_COMPLETED)
-        for future in done:
-            file = waiting.pop(future, None)
-            if file is None:  # one of the failed
-                continue
-            error = None if future.cancelled() else future.exception()
-            if error is None and not future.cancelled():
-                yield future.result()
-                continue
-            files = [file]
-            if isinstance(error, BrokenProcessPool):
-                files += waiting.values()
-                waiting.clear()
-            yield from self.failed(work, files, error or CancelledError())
+
+@dataclass(slots=True)
+class _Worker:
+    """A process, and our ends of its pipes: jobs and answers; what it ends with."""
+
+    process: BaseProcess
+    pipe: Connection
+    lifeline: Connection
+
+    def end(self) -> None:
+        self.pipe.close()
+        self.lifeline.close()
+        self.process.join(_LAST)
+        if self.process.is_alive():
+            self.process.kill()
+            self.process.join()
 
 
 class ProcessRunner(Runner):
-    """`workers` new processes (spawn). They end with this one, however it ends."""
+    """Up to `workers` new processes (spawn). They end with this one, however it ends.
+
+    Nothing of it needs a thread of this process: where the system allows no further one, or no
+    further process, the work goes on with those that there are.
+    """
 
     def __init__(self, workers: int) -> None:
-        self._workers = workers
-        self.window = workers * _EACH
-        self._executor, self._lifeline = self._start(workers)
+        self._limit = workers
+        self._idle: list[_Worker] = []
+        self._busy: dict[Connection, tuple[_Worker, FoundFile]] = {}
 
     def close(self) -> None:
-        self._lifeline.close()
-        self._executor.shutdown(wait=True, cancel_futures=True)
+        for worker in [*self._idle, *(worker for worker, _ in self._busy.values())]:
+            worker.end()
+        self._idle.clear()
+        self._busy.clear()
 
-    def failed(
-        self, work: Work, files: list[FoundFile], error: BaseException
-    ) -> Iterator[FileOutcome]:
-        """A worker has died, and which of the files was the cause is not known: each alone."""
-        if (refusal := refusal_of(error)) is not None and len(files) == 1:
-            yield FileOutcome(files[0], bad=refusal)  # as for an answer that has no room
-            return
-        if not isinstance(error, BrokenProcessPool):
-            raise error
+    def outcomes(self, work: Work, files: Iterable[FoundFile]) -> Iterator[FileOutcome]:
+        """Yield the outcomes as they come. Raise `OSError` if no process can be started."""
+        died: list[FoundFile] = []
         for file in files:
-            self.close()
-            self._executor, self._lifeline = self._start(1)
-            future = self._executor.submit(work, file)
+            while not self._give(work, file):
+                yield from self._some(died)
+        while self._busy:
+            yield from self._some(died)
+        for file in died:  # alone, with all of the memory
+            while self._idle:
+                self._idle.pop().end()
+            self._give(work, file)
+            again: list[FoundFile] = []
+            while self._busy:
+                yield from self._some(again)
+            yield from (FileOutcome(each, bad=_DIED) for each in again)
+
+    def _give(self, work: Work, file: FoundFile) -> bool:
+        """Give a worker a job; return False if all have one."""
+        if not self._idle:
+            if len(self._busy) >= self._limit:
+                return False
             try:
-                while not future.done():
-                    wait([future], timeout=_LOOK)
-                yield future.result()
-            except BrokenProcessPool:
-                yield FileOutcome(file, bad=_DIED)
-        self.close()
-        self._executor, self._lifeline = self._start(self._workers)
+                self._idle.append(_started())
+            except (OSError, RuntimeError, MemoryError) as error:
+                if not self._busy or refusal_of(error) is None:
+                    raise
+                self._limit = len(self._busy)
+                return False
+        worker = self._idle.pop()
+        with suppress(OSError):  # it has died: its end is read as that of its job
+            worker.pipe.send((work, file))
+        self._busy[worker.pipe] = worker, file
+        return True
 
-    def _start(self, workers: int) -> tuple[Executor, Connection]:
-        from concurrent.futures import ProcessPoolExecutor
-        from multiprocessing import get_context
+    def _some(self, died: list[FoundFile]) -> Iterator[FileOutcome]:
+        """Yield what has come; add the files whose worker has died to `died`."""
+        from multiprocessing.connection import wait
 
-        spawn = get_context("spawn")
-        far, near = spawn.Pipe(duplex=False)
-        pool = ProcessPoolExecutor(workers, spawn, initializer=begin_worker, initargs=(far,))
-        return pool, near
+        # A wait without an end can't be interrupted everywhere.
+        for pipe in wait(list(self._busy), timeout=_LOOK):
+            worker, file = self._busy.pop(pipe)  # type: ignore[call-overload]
+            try:
+                outcome, error = worker.pipe.recv()
+            except (EOFError, OSError):
+                worker.end()
+                died.append(file)
+                continue
+            self._idle.append(worker)
+            if error is None:
+                yield outcome
+            elif (refusal := refusal_of(error)) is not None:
+                yield FileOutcome(file, bad=refusal)  # as for an answer that has no room
+            else:
+                raise error
 
 
-def begin_worker(lifeline: Connection) -> None:
-    """Prepare a worker: Ctrl-C is its parent's, with which it ends."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+def _started() -> _Worker:
+    from multiprocessing import get_context
+
+    spawn = get_context("spawn")
+    near, far = spawn.Pipe()
+    far_end, lifeline = spawn.Pipe(duplex=False)
     try:
+        process = spawn.Process(target=serve_jobs, args=(far, far_end), daemon=True)
+        process.start()
+    except BaseException:
+        near.close()
+        lifeline.close()
+        raise
+    finally:
+        far.close()
+        far_end.close()
+    return _Worker(process, near, lifeline)
+
+
+def serve_jobs(pipe: Connection, lifeline: Connection) -> None:
+    """Do the jobs that come by `pipe`, until its other end is closed."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's
+    with suppress(RuntimeError):  # no further thread is allowed: it ends with its job
         threading.Thread(target=_end_with, args=(lifeline,), daemon=True).start()
-    except RuntimeError:  # no further thread is allowed; the pool would print a traceback
-        os._exit(1)
+    with suppress(EOFError, OSError):
+        while True:
+            work, file = pipe.recv()
+            answer = _answer(work, file)
+            try:
+                pipe.send(answer)
+            except (TypeError, AttributeError, PicklingError):
+                pipe.send((None, RuntimeError(f"{answer[1]!r}")))
+
+
+def _answer(work: Work, file: FoundFile) -> tuple[FileOutcome | None, BaseException | None]:
+    try:
+        return work(file), None
+    except Exception as error:
+        return None, error
 
 
 def _end_with(lifeline: Connection) -> None:
@@ -182,21 +232,34 @@ class DaskRunner(Runner):
         if not threads:
             self.close()
             raise FleetError(place, _NO_WORKERS.filled(host=host))
-        self.window = threads * _EACH
+        self._window = threads * _EACH
         self._executor = self._client.get_executor(pure=False)
 
     def close(self) -> None:
         with suppress(Exception):  # the scheduler may be gone
             self._client.close(timeout=2)
 
-    def failed(
-        self, _: Work, files: list[FoundFile], error: BaseException
-    ) -> Iterator[FileOutcome]:
+    def outcomes(self, work: Work, files: Iterable[FoundFile]) -> Iterator[FileOutcome]:
+        """Yield the outcomes as they come. Raise `FleetError` if the scheduler is lost."""
+        waiting: dict[Future[FileOutcome], FoundFile] = {}
+        for file in files:
+            waiting[self._executor.submit(work, file)] = file
+            while len(waiting) >= self._window:
+                yield from self._some(waiting)
+        while waiting:
+            yield from self._some(waiting)
+
+    def _some(self, waiting: dict[Future[FileOutcome], FoundFile]) -> Iterator[FileOutcome]:
+        done, _ = wait(waiting, timeout=_LOOK, return_when=FIRST_COMPLETED)
+        for future in done:
+            file = waiting.pop(future)
+            error = CancelledError() if future.cancelled() else future.exception()
+            yield future.result() if error is None else self._failed(file, error)
+
+    def _failed(self, file: FoundFile, error: BaseException) -> FileOutcome:
         kind = type(error).__name__
         if kind == "KilledWorker":
-            for file in files:
-                yield FileOutcome(file, bad=_DIED)
-            return
+            return FileOutcome(file, bad=_DIED)
         is_lost = isinstance(error, OSError | CancelledError) or "Cancelled" in kind
         raise FleetError(self._place, _LOST if is_lost else _UNFIT) from error
 
