@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from concurrent.futures import Executor, Future
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -23,23 +22,13 @@ MINUTE = Drive(BEGAN, seconds=60.0, rate=4.0, plate="а 101 мр 52", car="ГА�
 SETTINGS = InterpretingSettings(shipped())
 
 
-class HereExecutor(Executor):
-    def submit(self, work: Work, file: FoundFile) -> Future[FileOutcome]:
-        done: Future[FileOutcome] = Future()
-        done.set_result(work(file))
-        return done
-
-
 class HereRunner(Runner):
     """This process itself."""
 
-    window = 1
-    _executor = HereExecutor()
-
     def close(self) -> None: ...
 
-    def failed(self, _: Work, __: list[FoundFile], error: BaseException) -> Iterator[FileOutcome]:
-        raise error
+    def outcomes(self, work: Work, files: Iterable[FoundFile]) -> Iterator[FileOutcome]:
+        return map(work, files)
 
 
 @cache

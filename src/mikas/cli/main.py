@@ -58,8 +58,8 @@ cli = LocalizedGroup(
 def main(argv: Sequence[str] | None = None) -> None:
     """Run the `mikas` command and end the process with the status of docs/reference/cli.md."""
     gc.set_threshold(_OBJECTS_BEFORE_COLLECTION)
-    # numpy's linear algebra is not used here. Its threads would be started all the same, here and in
-    # each worker, and where the system allows no further ones it writes to the terminal.
+    # numpy's linear algebra is not used. Its threads would be started all the same, in each worker
+    # too, and where the system allows no further ones it writes to the terminal.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     terminal.make_writable()
     sys.exit(run(sys.argv[1:] if argv is None else list(argv)))
