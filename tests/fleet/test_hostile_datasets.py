@@ -18,6 +18,7 @@ from fleet_rig import BEGAN, DAY, add_here, ask, counts, make
 from mikas.cleaning import terminal_text
 from mikas.cli.main import run
 from mikas.errors import FleetError
+from mikas.fleet import entries
 from mikas.fleet.database import opened
 from mikas.fleet.ledger import FOLDER, MARKER
 
@@ -356,3 +357,15 @@ def test_a_report_on_a_car_of_many_years_is_linear() -> None:
     from mikas.fleet.report.comparing import trend
 
     assert trend([float(number % 7) for number in range(20_000)], 0.5) is None
+
+
+def test_an_entry_that_is_too_long_is_cut_however_its_length_is_spread() -> None:
+    long = "x" * (entries.LONGEST + 1)
+    for fields in (
+        {"sources": {"one": long}},
+        {"replaces": (long,)},
+        {"obsolete": (long, "b"), "replaces": ("c",)},
+        {"files": (long,)},  # nothing of which may go
+    ):
+        written = entries.LedgerEntry("key", "sha", 0, (), "1", **fields).as_json()
+        assert (len(written) > entries.LONGEST) == ("files" in fields)

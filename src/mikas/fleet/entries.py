@@ -9,15 +9,17 @@ from __future__ import annotations
 import builtins
 import json
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from datetime import date
-from typing import Any, Final
+from typing import Any, Final, TypeVar
 
 from mikas.cleaning import clean_json
 from mikas.fleet.cars import UNKNOWN, partition
 from mikas.fleet.tables import TABLES
 from mikas.i18n import Text
+
+T = TypeVar("T")
 
 FOLDER: Final = "_ledger"
 SUFFIX: Final = ".json"
@@ -29,6 +31,7 @@ HEADS: Final = 8
 LARGEST_TABLE: Final = 2 << 30
 """Bytes of a file of a table, which is smaller than its recording."""
 MOST_FILES: Final = 1000  # of a recording: six tables of a hundred days
+_FEWER: Final = ("sources", "replaces", "obsolete")  # of an entry that is too long
 
 _KEY: Final = "[0-9a-f]{32}"
 _DATA: Final = rf"(?:{'|'.join(TABLES)})/car=[^/]+/day=[^/]+/{_KEY}-[0-9a-f]{{8}}\.parquet"
@@ -81,11 +84,21 @@ class LedgerEntry:
     def as_json(self) -> builtins.bytes:
         """Return the entry as it is written. Of very many places and states the latest remain."""
         value = asdict(self)
-        while len(text := json.dumps(value, ensure_ascii=False, indent=1).encode()) > LONGEST:
-            half = len(value["sources"]) // 2
-            value["sources"] = dict([*value["sources"].items()][half:])
-            value["replaces"] = value["replaces"][len(value["replaces"]) // 2 :]
+        text = _written(value)
+        while len(text) > LONGEST and any(value[name] for name in _FEWER):
+            value["sources"] = dict(_latest_half([*value["sources"].items()]))
+            for name in _FEWER[1:]:
+                value[name] = _latest_half(value[name])
+            text = _written(value)
         return text
+
+
+def _written(value: Mapping[str, Any]) -> bytes:
+    return json.dumps(value, ensure_ascii=False, indent=1).encode()
+
+
+def _latest_half(items: Sequence[T]) -> Sequence[T]:
+    return items[(len(items) + 1) // 2 :]
 
 
 def json_of(data: bytes) -> Any:  # noqa: ANN401  (any JSON)
