@@ -69,6 +69,8 @@ def _values(part: Part, lists: dict, catalog: Catalog, interpretation: str) -> l
         if request[:1] == b"\x64":
             lists[port] = ()
         return []
+    if request == b"\x63" and not part.knows_list:
+        return []
     command = _command(request, lists.get(port, ()), catalog)
     if command is None:
         return []

@@ -26,21 +26,27 @@ _SOCKET = "is about a socket of the desktop's server"
 _HEADERS = "sends headers that a page can't send, or reads the status of a refused WebSocket"
 _TABLES = "compares with numpy and pandas, or reads MDF4 and Parquet"
 _NO_PAUSE = "its thread computes without a wait, and on Pyodide nothing else runs meanwhile"
+_PROGRAMS = "is about two programs on one disk"
 _HYPOTHESIS = "needs Hypothesis, which has no wheel for Pyodide"
 
 LEFT_OUT = {
+    "test_another_program.py": _PROGRAMS,
     "test_certificate.py": _SOCKET,
+    "test_client_manners.py": _SOCKET,
     "test_connections.py": _SOCKET,
     "test_ending.py": "ends a program of the desktop",
     "test_entrance.py": _SOCKET,
+    "test_memory_given_back.py": "counts what the desktop's process holds",
     "test_running.py": _SOCKET,
     "test_server.py": _SOCKET,
+    "test_server_loops.py": _SOCKET,
     "test_history.py": _TABLES,
     "test_hostile_folders.py": "is about the files of a real disk",
     "test_names.py": _HYPOTHESIS,
     "test_openapi.py": _HYPOTHESIS,
     "test_sharing.py": _SOCKET,
     "test_settings.py": "is about the command line",
+    "test_work_of_routes.py": _NO_PAUSE,
     "test_access.py::test_a_foreign_socket_gets_403": _HEADERS,
     "test_access.py::test_a_socket_without_a_name_is_refused": _HEADERS,
     "test_access.py::test_a_viewer_from_the_network_sees_everything_and_touches_nothing": _HEADERS,
@@ -57,9 +63,7 @@ LEFT_OUT = {
     "test_api_recordings.py::test_nothing_else_can_be_reached": _SOCKET,
     "test_api_recordings.py::test_a_recording_has_its_channels_its_time_and_its_problems": _TABLES,
     "test_api_recordings.py::test_spikes_stay_when_there_are_too_many_rows": _TABLES,
-    "test_dump_jobs_kept.py::test_a_dump_that_another_program_reads_is_not_deleted": (
-        "is about two programs on one disk"
-    ),
+    "test_dump_jobs_kept.py::test_a_dump_that_another_program_reads_is_not_deleted": _PROGRAMS,
     "test_lanes.py::test_a_loop_without_a_check_is_interrupted": _NO_PAUSE,
     "test_long_work.py::test_a_crafted_recording_holds_up_nothing_and_ends_with_its_client": (
         _SOCKET
