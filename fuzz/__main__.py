@@ -98,11 +98,16 @@ def _campaigns(given: argparse.Namespace) -> Work:
     """Return the campaigns: that of recordings lasts as long as all others, one after another."""
     seconds = given.seconds or EACH
     long = given.seconds if given.target and given.seconds else seconds * (len(TARGETS) + 1)
-    campaigns: Work = {RECORDINGS: partial(_fuzz_recordings, long, given.seed, given.cases)}
-    short = given.seconds or OF_EXCHANGES
-    campaigns[EXCHANGES] = partial(_fuzz_exchanges, short, given.seed, given.cases)
-    campaigns[CLIENTS] = partial(_fuzz_clients, seconds, given.seed)
-    campaigns[DATASETS] = partial(_fuzz_datasets, seconds, given.seed)
+    lasting = {
+        RECORDINGS: long,
+        EXCHANGES: given.seconds or OF_EXCHANGES,
+        CLIENTS: seconds,
+        DATASETS: seconds,
+    }
+    campaigns: Work = {
+        target: partial(_fuzz_campaign, target, seconds=time, seed=given.seed, cases=given.cases)
+        for target, time in lasting.items()
+    }
     campaigns |= {target: partial(_fuzz, target, seconds) for target in TARGETS}
     return {given.target: campaigns[given.target]} if given.target else campaigns
 
@@ -122,36 +127,12 @@ def _arguments() -> argparse.Namespace:
     return parser.parse_args()
 
 
-def _fuzz_recordings(seconds: int, seed: int, cases: int) -> Run:
-    """Run the campaign, which reports by itself."""
-    options = ("--seconds", str(seconds), "--seed", str(seed), "--cases", str(cases))
-    command = [sys.executable, "-m", "fuzz.recordings.campaign", *options]
+def _fuzz_campaign(target: str, **options: int) -> Run:
+    """Run the campaign of a target that makes its cases; it reports by itself."""
+    words = [word for name, value in options.items() for word in (f"--{name}", str(value))]
+    command = [sys.executable, "-m", f"fuzz.{target}.campaign", *words]
     done = subprocess.run(command, stdin=subprocess.DEVNULL, check=False)
-    return Run(RECORDINGS, done.returncode, "", [])
-
-
-def _fuzz_clients(seconds: int, seed: int) -> Run:
-    """Run the campaign, which reports by itself."""
-    options = ("--seconds", str(seconds), "--seed", str(seed))
-    command = [sys.executable, "-m", "fuzz.clients.campaign", *options]
-    done = subprocess.run(command, stdin=subprocess.DEVNULL, check=False)
-    return Run(CLIENTS, done.returncode, "", [])
-
-
-def _fuzz_exchanges(seconds: int, seed: int, cases: int) -> Run:
-    """Run the campaign, which reports by itself."""
-    options = ("--seconds", str(seconds), "--seed", str(seed), "--cases", str(cases))
-    command = [sys.executable, "-m", "fuzz.exchanges.campaign", *options]
-    done = subprocess.run(command, stdin=subprocess.DEVNULL, check=False)
-    return Run(EXCHANGES, done.returncode, "", [])
-
-
-def _fuzz_datasets(seconds: int, seed: int) -> Run:
-    """Run the campaign, which reports by itself."""
-    options = ("--seconds", str(seconds), "--seed", str(seed))
-    command = [sys.executable, "-m", "fuzz.datasets.campaign", *options]
-    done = subprocess.run(command, stdin=subprocess.DEVNULL, check=False)
-    return Run(DATASETS, done.returncode, "", [])
+    return Run(target, done.returncode, "", [])
 
 
 def _fuzz(target: str, seconds: int) -> Run:

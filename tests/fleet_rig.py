@@ -12,11 +12,11 @@ from bench.virtual_fleet import BEGAN, DAY, Drive, record
 
 from mikas.catalog import shipped
 from mikas.fleet.adding import Added, add, plan
-from mikas.fleet.database import opened
 from mikas.fleet.executors import Runner, Work
 from mikas.fleet.interpreting import InterpretingSettings
 from mikas.fleet.job import FileOutcome
 from mikas.fleet.places import FoundFile
+from mikas.fleet.query.database import opened
 
 MINUTE = Drive(BEGAN, seconds=60.0, rate=4.0, plate="а 101 мр 52", car="ГАЗ-3110")
 SETTINGS = InterpretingSettings(shipped())

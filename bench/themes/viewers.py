@@ -72,11 +72,11 @@ def _rows(process: int, output: Iterator[str]) -> Iterator[Row]:
             asking = [threading.Thread(target=ask) for _ in range(_AT_ONCE)]
             for thread in asking:
                 thread.start()
-            time.sleep(1)
+            time.sleep(1)  # until they are in the lanes: real time is what is measured
             yield Row(f"the state during {what}", _states(owner), "s", 3, at_most=1)
             for thread in asking:
                 thread.join()
-            time.sleep(_QUIET)
+            time.sleep(_QUIET)  # until the lanes have given their memory back
             left = _resident(process) - before
             yield Row(f"memory after {what}", [left], "MB", 0, at_most=200)
 

@@ -18,6 +18,7 @@ from random import Random
 from time import monotonic
 from typing import Final
 
+from fuzz.campaigns import campaign_parser
 from fuzz.clients.manners import MANNERS, Crowd, Network, network_of, run
 from fuzz.clients.world import Finding, clients_context, world
 
@@ -42,10 +43,7 @@ def main() -> int:
 
 
 def _arguments() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(prog="python -m fuzz.clients.campaign")
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--seconds", type=float, default=45)
-    parser.add_argument("--cases", type=int, default=1 << 40, help="at most so many")
+    parser = campaign_parser("clients", 45)
     parser.add_argument("--first", type=int, default=0, help="the number of the first case")
     return parser.parse_args()
 

@@ -141,7 +141,7 @@ class World:
             if len(self.server.guard) <= 2 and len(self.server.server_state.connections) <= 2:
                 return  # the owner's two
             self.sweep(1)
-        left = list(self.server.guard._open.values())  # noqa: SLF001
+        left = list(self.server.guard._open.values())  # noqa: SLF001  (to name them)
         raise Finding(f"{len(left)} places are not given back: {left}")
 
     def state(self) -> dict[str, Any]:
@@ -261,7 +261,7 @@ def _count_sweeps(it: World) -> None:
             it.sweeps += 1
             it.swept.notify_all()
 
-    it.server.guard.sweep = counted  # type: ignore[method-assign]
+    it.server.guard.sweep = counted  # type: ignore[method-assign]  # counts the turns of the clock
 
 
 @contextmanager

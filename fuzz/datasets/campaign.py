@@ -20,6 +20,7 @@ from typing import Final
 
 from bench.virtual_fleet import BEGAN, DAY, Drive, record
 
+from fuzz.campaigns import campaign_parser
 from fuzz.datasets.changes import change
 from fuzz.datasets.visit import apart, prepare
 
@@ -50,10 +51,7 @@ def main() -> int:
 
 
 def _arguments() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(prog="python -m fuzz.datasets.campaign")
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--seconds", type=float, default=45)
-    parser.add_argument("--cases", type=int, default=1 << 40, help="at most so many")
+    parser = campaign_parser("datasets", 45)
     parser.add_argument("--first", type=int, default=0, help="the number of the first case")
     return parser.parse_args()
 

@@ -35,10 +35,10 @@ _MEMORY: Final = 600 << 10  # KiB of a process; that of a sound dataset has 250
 _BEFORE: Final = (
     *(
         "adding",
-        "database",
+        "query.database",
         "interpreting",
         "ledger",
-        "memory",
+        "query.memory",
         "report.figures",
         "report.findings",
     ),

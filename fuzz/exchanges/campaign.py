@@ -17,6 +17,7 @@ from pathlib import Path
 from time import monotonic
 from typing import Final
 
+from fuzz.campaigns import campaign_parser
 from fuzz.exchanges import inventions, wireshark
 from fuzz.exchanges.cases import Case, case
 from fuzz.exchanges.readers import READERS, Disagreement, expected
@@ -51,10 +52,7 @@ def main() -> int:
 
 
 def _arguments() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(prog="python -m fuzz.exchanges.campaign")
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--seconds", type=float, default=60)
-    parser.add_argument("--cases", type=int, default=1 << 40, help="at most so many")
+    parser = campaign_parser("exchanges", 60)
     parser.add_argument("--case", type=int, help="this one only, before every reader")
     parser.add_argument("--keep", type=Path, help="where its file is written")
     return parser.parse_args()

@@ -20,6 +20,7 @@ from pathlib import Path
 from time import monotonic
 from typing import Final, TextIO
 
+from fuzz.campaigns import campaign_parser
 from fuzz.recordings.cases import Cases
 from fuzz.recordings.limits import TooMuch, arm, bound_addresses, place
 from fuzz.recordings.minimizing import minimized
@@ -69,10 +70,7 @@ def main() -> int:
 
 
 def _arguments() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(prog="python -m fuzz.recordings.campaign")
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--seconds", type=float, default=180)
-    parser.add_argument("--cases", type=int, default=1 << 40, help="at most so many")
+    parser = campaign_parser("recordings", 180)
     parser.add_argument("--first", type=int, default=0, help="the number of the first case")
     parser.add_argument("--worker", type=int, help=argparse.SUPPRESS)
     parser.add_argument("--last", type=int, help=argparse.SUPPRESS)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 import pickle
 import re
 import subprocess
@@ -14,8 +13,6 @@ import pytest
 from catalog_harness import FREE, Write, assert_refused, refused
 
 from mikas.catalog import Confidence, Derived, Level, Parameter, load, shipped
-from mikas.catalog.formula_syntax import parse, tree_of
-from mikas.catalog.formulas import POWER, Calculation
 from mikas.catalog.model import in_order
 from mikas.errors import UnknownParameter
 from mikas.i18n import Text
@@ -195,32 +192,6 @@ def test_a_catalog_knows_what_each_channel_needs_of_the_unit(write: Write) -> No
     assert catalog.required_by(["A", "UACC"]) == ("TWAT", "FREQ", "UACC")
     assert catalog.required_by(["TWAT"]) == ("TWAT",)
     assert catalog.required_by([]) == ()
-
-
-@pytest.mark.parametrize(
-    ("formula", "cost"),
-    [("x", 0), ("x + 1", 1), ("min(x, y, 1)", 2), ("-x", 1), ("x ** 2 + y", POWER + 1)],
-)
-def test_a_formula_has_a_cost(formula: str, cost: int) -> None:
-    assert Calculation(parse(formula, {})).cost == cost
-
-
-def test_a_tree_that_python_could_not_parse_beside_others_is_parsed_again(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    failures = [SystemError("AST constructor recursion depth mismatch")] * 10
-    original = ast.parse
-
-    def parsed(line: str, mode: str) -> ast.AST:
-        if failures:
-            raise failures.pop()
-        return original(line, mode=mode)
-
-    monkeypatch.setattr(ast, "parse", parsed)
-    with pytest.raises(SystemError):
-        tree_of("1 + 1")
-    failures[2:] = []
-    assert isinstance(tree_of("1 + 1"), ast.BinOp)
 
 
 # --- wrong files

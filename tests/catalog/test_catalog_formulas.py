@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 import math
 import pickle
 import warnings
@@ -387,20 +386,6 @@ def test_the_plain_form_is_no_longer_than_its_text(formula: str) -> None:
     except UsageError:
         return
     assert operations(plain) <= len(formula)
-
-
-def test_threads_that_parse_at_the_same_time_do_not_disturb_each_other(monkeypatch) -> None:
-    """Python 3.11 raises so now and then."""
-    found, failures = ast.parse, [SystemError("recursion depth mismatch"), RecursionError()]
-
-    def disturbed(*args: str, **more: str) -> ast.AST:
-        if failures:
-            raise failures.pop()
-        return found(*args, **more)
-
-    monkeypatch.setattr(ast, "parse", disturbed)
-    assert parse("FREQ + 1", {}).inputs == ("FREQ",)
-    assert not failures
 
 
 def test_a_parsed_formula_can_be_pickled() -> None:

@@ -9,7 +9,7 @@ import pytest
 
 from fleet_rig import BEGAN, DAY, add_here, ask, counts, make
 from mikas.errors import FleetError, UsageError
-from mikas.fleet.database import opened
+from mikas.fleet.query.database import opened
 from mikas.fleet.tables import PARTITIONS, TABLES
 
 

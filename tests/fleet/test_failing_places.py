@@ -17,8 +17,8 @@ from fsspec.implementations.local import LocalFileSystem
 from fleet_rig import BEGAN, DAY, add_here, ask, counts, make
 from mikas.cli.main import run
 from mikas.errors import FleetError
-from mikas.fleet import table_system
-from mikas.fleet.database import Database, opened
+from mikas.fleet.query import table_system
+from mikas.fleet.query.database import Database, opened
 from mikas.fleet.stores import store
 from mikas.i18n import Text
 

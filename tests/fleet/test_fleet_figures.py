@@ -6,7 +6,7 @@ from datetime import datetime, timedelta
 
 from fleet_rig import BEGAN, DAY, add_here, make
 from mikas.catalog import shipped
-from mikas.fleet.database import opened
+from mikas.fleet.query.database import opened
 from mikas.fleet.report.figures import CarFigures, figures
 from mikas.fleet.report.findings import find
 from mikas.fleet.report.sentences import remarks

@@ -19,8 +19,8 @@ from mikas.cleaning import terminal_text
 from mikas.cli.main import run
 from mikas.errors import FleetError
 from mikas.fleet import entries
-from mikas.fleet.database import opened
 from mikas.fleet.ledger import FOLDER, MARKER
+from mikas.fleet.query.database import opened
 
 ROWS = "SELECT count(*), count(DISTINCT drive) FROM samples"
 

@@ -11,8 +11,8 @@ import pytest
 
 from fleet_rig import add_here, ask, make
 from mikas.errors import FleetError, UsageError
-from mikas.fleet import database as module
-from mikas.fleet.database import opened
+from mikas.fleet.query import database as module
+from mikas.fleet.query.database import opened
 from sql_attacks import READS, WRITES, attack
 
 

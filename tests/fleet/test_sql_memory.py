@@ -8,9 +8,9 @@ import pytest
 
 from fleet_rig import add_here, ask, make
 from mikas.errors import UsageError
-from mikas.fleet import database as module
-from mikas.fleet.database import opened
-from mikas.fleet.memory import bounded_memory
+from mikas.fleet.query import database as module
+from mikas.fleet.query.database import opened
+from mikas.fleet.query.memory import bounded_memory
 
 BOUNDED = pytest.mark.skipif(sys.platform != "linux", reason="only Linux bounds a process")
 SORT = "SELECT * FROM (SELECT hash(range) h, md5(range::VARCHAR) FROM range(2000000)) ORDER BY h"

@@ -11,7 +11,7 @@ from bench.virtual_fleet import Drive, record
 from fleet_rig import BEGAN, DAY, MINUTE, add_here, make
 from mikas.catalog import shipped
 from mikas.fleet.cars import KnownBy
-from mikas.fleet.database import opened
+from mikas.fleet.query.database import opened
 from mikas.fleet.report.figures import figures
 from mikas.fleet.report.findings import FleetFindings, find
 from mikas.report.findings import Outcome

@@ -16,8 +16,8 @@ from fsspec.implementations.local import LocalFileSystem
 
 from fleet_rig import BEGAN, DAY, add_here, ask, counts, make
 from mikas.errors import FleetError, UsageError
-from mikas.fleet.database import opened
 from mikas.fleet.places import as_local, recordings_in, shown
+from mikas.fleet.query.database import opened
 from mikas.fleet.stores import FolderContents, store
 from sql_attacks import READS, WRITES, attack
 

@@ -34,6 +34,7 @@ LEFT_OUT = {
     "test_certificate.py": _SOCKET,
     "test_client_manners.py": _SOCKET,
     "test_connections.py": _SOCKET,
+    "test_connections_served.py": _SOCKET,
     "test_ending.py": "ends a program of the desktop",
     "test_entrance.py": _SOCKET,
     "test_memory_given_back.py": "counts what the desktop's process holds",

@@ -42,6 +42,7 @@ def shown_by_tshark(path):
     chosen = [argument for field in fields for argument in ("-e", field)]
     result = subprocess.run(
         ["tshark", "-r", path, "-T", "fields", *chosen],
+        env={**os.environ, "HOME": str(path.parent)},  # without the plugins of who runs the tests
         check=True,
         capture_output=True,
         encoding="utf-8",

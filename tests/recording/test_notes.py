@@ -322,7 +322,8 @@ def test_tshark_passes_over_them_cleanly(path):
         writer.record(SENT, b"\x01\xff\x0d", 0.0)
         writer.note(note_of(Marker(0.005, "между")))
         writer.record(RECEIVED, b"\x0a\xf6\x0d", 0.01)
-    shown = run("tshark", "-r", path, "-T", "fields", "-e", "frame.time_epoch", "-e", "data.data")
+    fields = ("-e", "frame.time_epoch", "-e", "data.data")
+    shown = run("tshark", "-r", path, "-T", "fields", *fields, home=path.parent)
     lines = [line.split("\t") for line in shown.splitlines()]
     # Wireshark 4 lists a custom block as a line of its own, which has no time; older ones do not.
     timed = [line for line in lines if line[0]]
@@ -343,8 +344,9 @@ def test_an_editor_of_captures_keeps_them(path, tmp_path):
     assert len(packets(copy)) == 4
 
 
-def run(*command):
-    done = subprocess.run(command, check=True, capture_output=True, encoding="utf-8")
+def run(*command, home=None):
+    own = None if home is None else {**os.environ, "HOME": str(home)}  # without its user's plugins
+    done = subprocess.run(command, env=own, check=True, capture_output=True, encoding="utf-8")
     for word in ("cut short", "corrupt", "damaged", "malformed"):
         assert word not in done.stderr.lower()
     return done.stdout

@@ -233,7 +233,7 @@ class Server(uvicorn.Server):
         try:
             part()
             self._failing.discard(part)
-        except Exception:
+        except Exception:  # any: the other parts, and the next turn, follow
             if part not in self._failing:
                 _log.exception("a bug in the server's clock")
             self._failing.add(part)
@@ -243,7 +243,7 @@ async def _finished(close: Callable[[], Awaitable[object]]) -> bool:
     """Await one step of the end; return whether it was done. A bug in it is reported."""
     try:
         await close()
-    except Exception:  # the other steps follow
+    except Exception:  # any: the other steps follow
         _log.exception("a bug at the end of the program")
         return False
     return True
@@ -299,7 +299,7 @@ class _Request:
         """Send a part of the response."""
         try:
             await self._send(message)
-        except Exception as error:
+        except Exception as error:  # any: what it is decides
             if _is_too_late(error):  # as if the client had left
                 raise asyncio.CancelledError from error
             raise

@@ -117,10 +117,10 @@ def _unique(pairs: list[tuple[str, object]]) -> dict[str, object]:
 
 
 def parse_entry(data: bytes, file: str) -> LedgerEntry:
-    """Return the entry in `file` of the ledger. Raises `ValueError`, which names what is wrong."""
+    """Return the entry in `file` of the ledger. Raises `ValueError` with the wrong field."""
     value = json_of(data)
     if not isinstance(value, Mapping):
-        raise ValueError("JSON")  # noqa: TRY004
+        raise ValueError("JSON")  # noqa: TRY004  (as for every other form that is wrong)
     names = LedgerEntry.__dataclass_fields__
     known = {name: value[name] for name in names if value.get(name) is not None}
     for name, is_fit in _FORMS.items():

@@ -148,8 +148,9 @@ class ProcessRunner(Runner):
         from multiprocessing.connection import wait
 
         # A wait without an end can't be interrupted everywhere.
-        for pipe in wait(list(self._busy), timeout=_LOOK):
-            worker, file = self._busy.pop(pipe)  # type: ignore[call-overload]
+        ready = wait([*self._busy], timeout=_LOOK)
+        for pipe in [pipe for pipe in self._busy if pipe in ready]:
+            worker, file = self._busy.pop(pipe)
             try:
                 outcome, error = worker.pipe.recv()
             except (EOFError, OSError):
@@ -202,7 +203,7 @@ def serve_jobs(pipe: Connection, lifeline: Connection) -> None:
 def _answer(work: Work, file: FoundFile) -> tuple[FileOutcome | None, BaseException | None]:
     try:
         return work(file), None
-    except Exception as error:
+    except Exception as error:  # any: the parent raises it, or says it in words
         return None, error
 
 

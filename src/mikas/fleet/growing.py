@@ -119,7 +119,7 @@ class States:
                 self.note(self._ledger.entries[whole.key])
 
     def _read_longer(self, level: _Level) -> dict[str, str]:
-        """Return the digests of the possible beginnings, of a level, of what is there already."""
+        """Return the digests of the possible beginnings, of a level, of the entries there are."""
         first, last = level[0] * STEP, (level[0] + 1) * STEP if level[0] < HEADS else None
         end = len(self._planned) if last is None else bisect_left(self._planned, last)
         lengths = self._planned[bisect_left(self._planned, first) : end]

@@ -31,7 +31,7 @@ class BrokerTooLoud(ConnectionError):
     """The broker sends more than a broker has to say to this client."""
 
 
-class Client(aiomqtt.Client):
+class BoundedClient(aiomqtt.Client):
     """aiomqtt's client over a bounded one of paho; its options, without those of the queue."""
 
     def __init__(self, *args: Any, **options: Any) -> None:

@@ -31,7 +31,7 @@ from mikas.publish.failures import connecting_failed, connection_lost, left
 from mikas.publish.outbox import Lost, Message, Outbox
 
 if TYPE_CHECKING:
-    from mikas.publish.client import Client
+    from mikas.publish.client import BoundedClient
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -206,13 +206,13 @@ class BrokerConnection:
             self.outbox.disconnected()
         return None
 
-    def _client(self) -> Client:
+    def _client(self) -> BoundedClient:
         from aiomqtt import Will
 
-        from mikas.publish.client import Client
+        from mikas.publish.client import BoundedClient
 
         broker, last = self.broker, self.offline
-        return Client(
+        return BoundedClient(
             broker.host,
             broker.port,
             username=broker.user,
@@ -226,7 +226,7 @@ class BrokerConnection:
             logger=_logger,
         )
 
-    async def _read_kept(self, client: Client) -> None:
+    async def _read_kept(self, client: BoundedClient) -> None:
         """Read what the broker keeps of the topic, once; it comes right after the subscription."""
         if self.kept_topic is None:
             return
@@ -241,7 +241,7 @@ class BrokerConnection:
         await client.unsubscribe(topic)
         self.kept_topic = None
 
-    async def _serve(self, client: Client) -> None:
+    async def _serve(self, client: BoundedClient) -> None:
         sending = asyncio.create_task(self._send(client))
         watching = asyncio.create_task(_watch(client))
         try:
@@ -253,7 +253,7 @@ class BrokerConnection:
                 task.cancel()
             await asyncio.gather(sending, watching, return_exceptions=True)
 
-    async def _send(self, client: Client) -> None:
+    async def _send(self, client: BoundedClient) -> None:
         """Send what the outbox has, and "offline" after `close`."""
         loop, until = asyncio.get_running_loop(), inf
         self.outbox.connected()
@@ -278,11 +278,11 @@ class BrokerConnection:
             else:
                 await self._wakeup.wait()
 
-    async def _publish(self, client: Client, message: Message) -> None:
+    async def _publish(self, client: BoundedClient, message: Message) -> None:
         await client.publish(message.topic, message.payload, message.qos, message.retain)
 
 
-async def _watch(client: Client) -> None:
+async def _watch(client: BoundedClient) -> None:
     """Wait until the connection breaks off, and raise its error."""
     async for _ in client.messages:
         pass

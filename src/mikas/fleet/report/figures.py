@@ -11,7 +11,7 @@ from typing import Final
 from mikas.catalog import Catalog
 from mikas.cleaning import clean_line
 from mikas.fleet.cars import KnownBy
-from mikas.fleet.database import Database
+from mikas.fleet.query.database import Database
 from mikas.fleet.report.measures import MEASURES
 from mikas.fleet.states import DriveState
 from mikas.report.findings import FEWEST

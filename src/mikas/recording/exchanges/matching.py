@@ -64,7 +64,7 @@ _AT_ONCE: Final = 10  # as the tester's
 _SHORT: Final = 2  # bytes of a damaged 63; a 64 has more
 
 
-class Phase(Enum):
+class Stage(Enum):
     """How far an exchange has come."""
 
     NONE = auto()  # no request is known
@@ -94,7 +94,7 @@ class Matching:
         self.patience = PATIENCE
         self.listed: int | None = None
         self.bodies: list[bytes] = []
-        self.phase = Phase.NONE
+        self.stage = Stage.NONE
         self._byte_time = byte_time
         self._numbers: dict[bytes, int] = {}
         self.unechoed: deque[bytes] = deque(maxlen=_MOST_UNECHOED)
@@ -123,7 +123,7 @@ class Matching:
     @property
     def is_stream(self) -> bool:
         """Whether the last request is a stream's, with its echo, if the line has one."""
-        return self.phase is Phase.STREAMING
+        return self.stage is Stage.STREAMING
 
     @property
     def _is_availability(self) -> bool:
@@ -140,8 +140,8 @@ class Matching:
         A stream continues: its next response is one of many.
         """
         self._lose_list()
-        if self.phase is not Phase.STREAMING:
-            self.request, self.phase = UNKNOWN, Phase.NONE
+        if self.stage is not Stage.STREAMING:
+            self.request, self.stage = UNKNOWN, Stage.NONE
             self.trusted = True
 
     def _lose_list(self) -> None:
@@ -171,17 +171,17 @@ class Matching:
 
     def end_exchange(self, time: float) -> None:
         """End the exchange before: a byte of the next request is sent at `time`."""
-        phase, self.phase = self.phase, Phase.NONE
-        if phase is Phase.LATE and self.trusted and self._has_waited(time):
+        stage, self.stage = self.stage, Stage.NONE
+        if stage is Stage.LATE and self.trusted and self._has_waited(time):
             self.patience = max(self.patience, _MARGIN * self._delay)
-            phase = Phase.ANSWERED
-        if phase is Phase.NONE:
+            stage = Stage.ANSWERED
+        if stage is Stage.NONE:
             return
-        if phase is Phase.STREAMING:
+        if stage is Stage.STREAMING:
             self.trusted = False
-        elif phase is not Phase.ANSWERED:
+        elif stage is not Stage.ANSWERED:
             # Without an echo, a response may look like its request.
-            self.trusted &= phase is Phase.ECHOED and self.echoes is False
+            self.trusted &= stage is Stage.ECHOED and self.echoes is False
         elif self._is_availability:
             self._confirm()
 
@@ -207,7 +207,7 @@ class Matching:
 
         `time`: of the packet with its first byte. `received`: bytes received before it.
         """
-        if self.phase is not Phase.NONE:  # more than one in a packet
+        if self.stage is not Stage.NONE:  # more than one in a packet
             self.end_exchange(time)
         if body is not None and self._is_damaged:
             self._lose_list()
@@ -218,7 +218,7 @@ class Matching:
         if body is None:
             self._is_damaged |= len(wire) > _SHORT
             return
-        self.phase = Phase.ASKED
+        self.stage = Stage.ASKED
         self._wire, self._from = wire, received
         self._sent_until = self._due = time + len(wire) * self._byte_time
         if body[:1] == WRITE_LIST:
@@ -230,7 +230,7 @@ class Matching:
         """
         self.count += count
         self.request = SentRequest(self.count - 1, body)
-        self.phase = Phase.STREAMING if streams else Phase.ANSWERED
+        self.stage = Stage.STREAMING if streams else Stage.ANSWERED
         self.unechoed.clear()
         if not self.echoes:
             self.unechoed.append(wire)
@@ -241,18 +241,22 @@ class Matching:
     def received(self, it: Received) -> Verdict:
         """Take a received frame, or damage."""
         was_sent = it.wire in self.unechoed
-        if self.phase is Phase.NONE or it.end <= self._from:
+        if self.stage is Stage.NONE or it.end <= self._from:
             self._judge_list(it)
             return self._apart(it, Doubt.NO_REQUEST, was_sent=was_sent)
-        if self.phase is Phase.ASKED:
+        if self.stage is Stage.ASKED:
             if was_sent and it.wire == self._wire and it.start == self._from:
                 return self._echo(it)
             if self.echoes or was_sent:
-                self.phase = Phase.VOID
+                self.stage = Stage.VOID
                 return self._apart(it, Doubt.NO_ECHO, was_sent=was_sent)
-        if was_sent or self.phase in (Phase.ANSWERED, Phase.LATE, Phase.VOID):
-            doubt = Doubt.SECOND if self.phase is Phase.ANSWERED else Doubt.FAILED
-            self.phase = Phase.VOID if self.phase is not Phase.STREAMING else self.phase
+        if was_sent or self.stage in (
+            Stage.ANSWERED,
+            Stage.LATE,
+            Stage.VOID,
+        ):
+            doubt = Doubt.SECOND if self.stage is Stage.ANSWERED else Doubt.FAILED
+            self.stage = Stage.VOID if self.stage is not Stage.STREAMING else self.stage
             return self._apart(it, doubt, was_sent=was_sent)
         return self._response(it)
 
@@ -278,7 +282,7 @@ class Matching:
             pass
         self._due = max(self._due, it.ended)
         is_stream = self._asks_stream()
-        self.phase = Phase.STREAMING if is_stream else Phase.ECHOED
+        self.stage = Stage.STREAMING if is_stream else Stage.ECHOED
         if self._is_availability:
             self.echoes = True
         return ECHO
@@ -291,11 +295,11 @@ class Matching:
     def _response(self, it: Received) -> Verdict:
         """Judge the first thing behind a request and its echo, or any of a stream."""
         if self._asks_stream():
-            self.phase = Phase.STREAMING
+            self.stage = Stage.STREAMING
             if it.body is None:
                 return DAMAGE
             return self._answered()
-        was_echoed, self.phase = self.phase is Phase.ECHOED, Phase.VOID
+        was_echoed, self.stage = self.stage is Stage.ECHOED, Stage.VOID
         if it.body is None:
             return DAMAGE
         if it.followed:
@@ -303,14 +307,14 @@ class Matching:
         if not was_echoed and not self.echoes and self._is_too_soon(it.began):
             return REFUSED[Doubt.TOO_SOON]
         if (delay := it.began - self._due) > self.patience:
-            self.phase, self._delay, self._answered_at = Phase.LATE, delay, it.ended
+            self.stage, self._delay, self._answered_at = Stage.LATE, delay, it.ended
             self._answer = it.body
             return REFUSED[Doubt.LATE]
         request = self.request.body
         assert request is not None
         if not self.fitting.fits(request, it.body, self.listed):
             return self._answered()  # shown as what it is; no value comes of it
-        self.phase = Phase.ANSWERED
+        self.stage = Stage.ANSWERED
         if self._is_availability:
             return self._version_answered(it.body, is_first=it.start == self._from)
         self.echoes = self.echoes or was_echoed
@@ -334,7 +338,7 @@ class Matching:
 
     def _version_answered(self, version: bytes, *, is_first: bool) -> Verdict:
         if version == ERROR:
-            self.phase = Phase.VOID
+            self.stage = Stage.VOID
             return REFUSED[Doubt.FAILED]
         if self.echoes is None and is_first:
             self.echoes = False

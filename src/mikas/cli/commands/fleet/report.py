@@ -44,7 +44,7 @@ def report(context: CommandContext, dataset: str, out: Path | None, *, overwrite
     from mikas.fleet.places import require_database
 
     require_database(asked=True)
-    from mikas.fleet.database import opened
+    from mikas.fleet.query.database import opened
     from mikas.fleet.report.figures import figures
     from mikas.fleet.report.findings import find
     from mikas.fleet.report.page import render, today

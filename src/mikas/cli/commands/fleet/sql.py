@@ -22,7 +22,7 @@ from mikas.cli.context import CommandContext
 from mikas.cli.language import decimal
 
 if TYPE_CHECKING:
-    from mikas.fleet.database import QueryRows
+    from mikas.fleet.query.database import QueryRows
 
 MOST = 1000
 """Rows of a table on a terminal."""
@@ -53,8 +53,8 @@ def sql(context: CommandContext, dataset: str, sql: str, *, as_csv: bool) -> Non
     from mikas.fleet.places import require_database
 
     require_database(asked=True)
-    from mikas.fleet.database import opened
-    from mikas.fleet.memory import bounded_memory
+    from mikas.fleet.query.database import opened
+    from mikas.fleet.query.memory import bounded_memory
 
     with opened(dataset) as database, bounded_memory():
         try:

@@ -17,7 +17,7 @@ from mikas.recording.exchanges.arrays import Index, Mask
 from mikas.recording.exchanges.columns.directions import Events
 from mikas.recording.exchanges.columns.packets import Packets
 from mikas.recording.exchanges.columns.pieces import equal, side_by_side
-from mikas.recording.exchanges.matching import Matching, Phase
+from mikas.recording.exchanges.matching import Matching, Stage
 from mikas.recording.exchanges.verdicts import NO_REQUEST, Received
 
 ECHO: Final = -2
@@ -26,7 +26,7 @@ DAMAGE: Final = -3
 """Marker for damaged frames that are no echo."""
 LISTED: Final = -2
 """In place of a response's length: that of the unit's list (63)."""
-_FIXED: Final = frozenset([Phase.NONE, Phase.VOID, Phase.STREAMING])
+_FIXED: Final = frozenset([Stage.NONE, Stage.VOID, Stage.STREAMING])
 
 
 class Turns:
@@ -89,7 +89,7 @@ class Turns:
                 event += 1
         events, at = received.of_turn(turn), received.of_turn(turn).start
         while at < events.stop:
-            fixed = matching.phase in _FIXED and not matching.doubts_list
+            fixed = matching.stage in _FIXED and not matching.doubts_list
             if fixed and (rest := self._next_sent(at, events.stop)) > at:
                 answered = matching.is_stream and matching.trusted
                 serial = matching.request.serial if answered else NO_REQUEST

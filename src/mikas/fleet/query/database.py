@@ -23,12 +23,18 @@ import duckdb
 from mikas.errors import FleetError, UsageError, usage_error
 from mikas.files import allow_open
 from mikas.fleet.ledger import Ledger, open_ledger
-from mikas.fleet.memory import memory_limit, too_much_memory
 from mikas.fleet.places import is_utf_8, shown
-from mikas.fleet.questions import is_question
+from mikas.fleet.query.memory import memory_limit, too_much_memory
+from mikas.fleet.query.questions import is_question
+from mikas.fleet.query.table_files import (
+    long_files,
+    look_sound,
+    most_rows,
+    other_files,
+    refuse_files,
+)
+from mikas.fleet.query.table_system import PROTOCOL, DatasetFileSystem
 from mikas.fleet.stores import Store, store
-from mikas.fleet.table_files import long_files, look_sound, most_rows, other_files, refuse_files
-from mikas.fleet.table_system import PROTOCOL, DatasetFileSystem
 from mikas.fleet.tables import PARTITIONS, TABLES
 from mikas.i18n import Text
 from mikas.recording.parquet import quoted
