@@ -21,7 +21,7 @@ from typing import Any, Final, NamedTuple, TypeVar
 import duckdb
 
 from mikas.errors import FleetError, UsageError, usage_error
-from mikas.files import allow_open
+from mikas.files import allow_open, open_files
 from mikas.fleet.ledger import Ledger, open_ledger
 from mikas.fleet.places import is_utf_8, shown
 from mikas.fleet.query.memory import memory_limit, too_much_memory
@@ -74,7 +74,8 @@ class Database:
         while True:
             self.ledger: Ledger = open_ledger(files)
             known = set(self.ledger.entries)  # before any of them is refused
-            allow_open(_SPARE + sum(len(it.files) for it in self.ledger.entries.values()))
+            tables = sum(len(it.files) for it in self.ledger.entries.values())
+            allow_open(open_files() + tables + _SPARE)
             self._connection = duckdb.connect(
                 config={
                     "autoload_known_extensions": "false",
