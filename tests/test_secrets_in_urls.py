@@ -49,6 +49,7 @@ def test_no_part_of_a_password_is_in_what_is_shown_of_a_place(pieces, scheme, si
 
 @settings(max_examples=25)
 @example([("zq0000000", "?"), ("zq0000000", "")], "socket", "zq0000001")
+@example([("zq0000000", "?"), ("zq0000001", "&"), ("zq0000002", "+")], "socket", "zq0000003")
 @given(PASSWORDS, st.sampled_from(PORTS), WORDS)
 def test_no_part_of_a_password_is_in_what_is_said_of_a_port(pieces, scheme, token) -> None:
     password = "".join(word + sign for word, sign in pieces)

@@ -181,4 +181,4 @@ def _pieces(parts: _Parts) -> list[str]:
     if not parts.scheme.endswith("//"):  # the name is in the scheme: me:password@host
         password = f"{name}:{password}"
     names = [name] if len(name) >= _LONG else []  # a token stands there too, others are words
-    return [*names, password, *re.split("[@/#?:]", password)]
+    return [*names, password, *re.split("[@/#?:&;=+]", password)]  # options are parted so
