@@ -105,15 +105,16 @@ def test_sim_on_tcp_prints_events(start):
 
 
 def test_ctrl_c_ends_watch_and_log(start, url, tmp_path):
-    watch = start("watch", "TWAT", "--port", url, "--json")
+    line = ("--port", url, "--timeout", "2")  # the unit is in this process, which may be starved
+    watch = start("watch", "TWAT", *line, "--json")
     assert json.loads(watch.stdout.readline())["values"]["TWAT"] > 0
     watch.send_signal(signal.SIGINT)
     out, err = watch.communicate(timeout=PATIENCE)
     assert (watch.returncode, err.strip()) == (130, "")
     assert [json.loads(line)["schema"] for line in out.splitlines()] == [1] * len(out.splitlines())
 
-    log = start("log", "-o", "a.pcapng", "TWAT", "--port", url, "--json")
-    log.stdout.readline()
+    log = start("log", "-o", "a.pcapng", "TWAT", *line, "--json")
+    assert json.loads(log.stdout.readline())["values"]["TWAT"] > 0  # no error, after which it ends
     log.send_signal(signal.SIGINT)
     _, err = log.communicate(timeout=PATIENCE)
     assert log.returncode == 130
