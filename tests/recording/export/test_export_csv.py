@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from csv_columns import columns_of
+from mikas.cleaning import spreadsheet_text
 from mikas.i18n import Text
 from mikas.recording.export import EXCEL, PLAIN, Dialect, export
 from mikas.recording.table.channels import Channel
@@ -73,7 +74,8 @@ def test_what_was_exported_is_read_back(tmp_path_factory, dialect, drawn):
     for channel in drawn.channels:
         unit = f"({channel.unit})" if channel.unit else ""
         title = f"{channel.name} {channel.text.en} {unit}".replace(dialect.separator, " ")
-        number = titles.index(" ".join(title.replace('"', " ").split()), number + 1)
+        title = spreadsheet_text(" ".join(title.replace('"', " ").split()))
+        number = titles.index(title, number + 1)
         for row, value in zip(cells, drawn.values[channel.name], strict=True):
             if math.isnan(value):
                 assert row[number] == ""

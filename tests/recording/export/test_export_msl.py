@@ -8,6 +8,7 @@ import pytest
 from export_tables import CHANNELS, FIXED, MODERATE, NAN, TWAT, exported, from_start, rows, tables
 from hypothesis import given
 
+from mikas.cleaning import spreadsheet_text
 from mikas.i18n import Text
 from mikas.recording.export import export
 from mikas.recording.table.channels import Channel
@@ -74,8 +75,9 @@ def test_a_tab_in_a_name_does_not_make_a_column(tmp_path):
 def test_what_was_exported_is_read_back(tmp_path_factory, drawn):
     out = exported(drawn, tmp_path_factory.getbasetemp() / "log.msl")
     _, _, names, units, data = read(out)
-    assert names == ["Time", *(" ".join(channel.name.split()) for channel in drawn.channels)]
-    assert units == ["s", *(channel.unit for channel in drawn.channels)]
+    names_of = [" ".join(channel.name.split()) for channel in drawn.channels]
+    assert names == ["Time", *map(spreadsheet_text, names_of)]
+    assert units == ["s", *(spreadsheet_text(channel.unit) for channel in drawn.channels)]
     assert [float(row[0]) for row in data] == [float(f"{t:.3f}") for t in from_start(drawn)]
     for number, channel in enumerate(drawn.channels, 1):
         for row, value in zip(data, drawn.values[channel.name], strict=True):
