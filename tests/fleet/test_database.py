@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import sys
 from pathlib import Path
 
@@ -142,6 +143,29 @@ def test_in_a_dataset_read_by_python_a_missing_file_is_named(tmp_path) -> None:
         assert list(database.ask("FROM faults").rows) == []
         ((_, reason),) = database.ledger.refused.items()
         assert table.name in reason.en
+
+
+def test_a_table_that_becomes_a_link_or_shorter_while_it_is_asked_is_named_with_the_reason(
+    tmp_path,
+) -> None:
+    home = tmp_path / "set"
+    add_here(make(tmp_path / "drive.pcapng"), to=home)
+    (table,) = home.rglob("faults/*/*/*.parquet")
+    sound = tmp_path / "elsewhere.parquet"
+    sound.write_bytes(table.read_bytes())
+    with opened(str(home)) as database:
+        table.unlink()
+        table.symlink_to(sound)
+        with pytest.raises(FleetError, match=f"{table.name}.*link") as linked:
+            list(database.ask("FROM faults").rows)
+    table.unlink()
+    table.write_bytes(sound.read_bytes())
+    with opened(str(home)) as database:
+        table.write_bytes(sound.read_bytes()[:10])
+        with pytest.raises(FleetError, match=f"{table.name}.*shorter") as cut:
+            list(database.ask("FROM faults").rows)
+    for failed in (linked, cut):
+        assert not re.search("Traceback|Errno", str(failed.value))
 
 
 def test_a_text_that_is_not_utf_8_is_no_question(dataset) -> None:

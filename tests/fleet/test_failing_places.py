@@ -129,7 +129,7 @@ def test_threads_that_read_one_table_each_get_their_own_part(home) -> None:
     """A seek came between another thread's seek and read: intact files were called damaged."""
     (path, *_) = home.rglob("samples/**/*.parquet")
     whole, name = path.read_bytes(), path.relative_to(home).as_posix()
-    files = table_system.DatasetFileSystem(store(str(home)), {name})
+    files = table_system.DatasetFileSystem(store(str(home)), {name: len(whole)})
     with ThreadPoolExecutor(1) as other:
         file = files.open(f"dataset://{name}")
         file.seek(100)

@@ -10,9 +10,10 @@ from __future__ import annotations
 import errno
 import os
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path, PurePosixPath
 from shutil import rmtree
 from stat import S_ISDIR
@@ -173,10 +174,12 @@ class DiskStore(Store):
 
     def sizes(self, names: Iterable[str], most: int) -> Mapping[str, int | Text]:
         found: dict[str, int | Text] = {}
+        checked = self._checked()
         for name in names:
+            folder, _, whole = name.rpartition("/")
             try:
                 with self._errors_of(name):
-                    status = self._at(name).lstat()
+                    status = (checked(folder) / whole).lstat()
                     check_regular(status)
                     if status.st_size > most:
                         raise too_large(most)
@@ -220,11 +223,23 @@ class DiskStore(Store):
 
     def _at(self, name: str, *, is_folder: bool = False) -> Path:
         """Return the path of a file. Raises `UnfitFile` if a folder of it is a link."""
-        path = self.root
-        for part in (steps := PurePosixPath(name).parts)[: len(steps) - (not is_folder)]:
-            path /= part
+        folder, _, whole = name.rpartition("/")
+        checked = self._checked()
+        return checked(name) if is_folder else checked(folder) / whole
+
+    def _checked(self) -> Callable[[str], Path]:
+        """Return what gives the path of a folder, and looks at each folder once."""
+
+        @cache
+        def checked(name: str) -> Path:
+            if not name:
+                return self.root
+            above, _, own = name.rpartition("/")
+            path = checked(above) / own
             check_unlinked(path.lstat())
-        return self.root / name
+            return path
+
+        return checked
 
     def _made(self, name: str) -> Path:
         """Make a folder and those above it, through no link below the place; return its path."""

@@ -43,7 +43,9 @@ T = TypeVar("T")
 
 _ROOT: Final = f"{PROTOCOL}://"
 _WAIT: Final = 0.2  # s
-_IN_PYTHON: Final = re.compile(r"Traceback \(most recent.*\b\w+Error: ", re.DOTALL)
+_IN_PYTHON: Final = re.compile(
+    r"Traceback \(most recent.*\b(?:\w+Error|UnfitFile): (?:\[Errno \d+\] )?", re.DOTALL
+)
 _FILE: Final = re.compile(
     rf"bytes outside file: |File '[^']+\.parquet'|{_IN_PYTHON.pattern}", re.DOTALL
 )  # unreadable
@@ -174,8 +176,9 @@ class Database:
 
     def _prepare(self, files: Store) -> None:
         run = self._connection.execute
-        listed_files = {name for entry in self.ledger.entries.values() for name in entry.files}
-        self._tables = DatasetFileSystem(files, listed_files)
+        sizes = self.ledger.sizes
+        listed = {it: sizes[it] for entry in self.ledger.entries.values() for it in entry.files}
+        self._tables = DatasetFileSystem(files, listed)
         self._connection.register_filesystem(self._tables)
         for setting in _SETTINGS:
             run(f"SET {setting}")
