@@ -2,7 +2,7 @@
 
 A writer holds a lock on its open file until it is closed. The system drops the lock of a program
 that is killed, so none is left behind. The lock keeps nothing but another writer away: on Linux and
-Windows it is on a byte far behind the file's end, elsewhere on the file as a whole, which readers
+Windows it is on a byte far past the file's end, elsewhere on the file as a whole, which readers
 do not ask for. Where there are no locks (a browser, some file systems), no file counts as held.
 """
 

@@ -19,7 +19,7 @@ class MikasError(Exception):
     `what` names the failure; `advice` lists likely causes in order and remedies for every user.
     Both may have `str.format` fields, filled from the keyword arguments. `AdviceTable` has the
     advice of a user interface. Of an address in `url` (a port's) or `place` (of files) no text, no
-    field and no advice has a password, nor of what is said about it.
+    field and no advice has a password, nor a text about it.
     """
 
     what: ClassVar[Text] = Text("The operation failed", "Операция не выполнена")

@@ -1,7 +1,7 @@
 """Recordings that stay open, so that scrolling does not read them each time: few, and not for long.
 
 Ten hours take some 170 MB, a hundred ten times as much. So only the one that was used last may take
-more than `MOST_BYTES`, and none stays open that was not used for `IDLE` seconds. What is freed then
+more than `MOST_BYTES`, and none stays open that was not used for `IDLE` seconds. Freed memory
 goes back to the system.
 """
 

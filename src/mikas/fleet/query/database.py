@@ -5,7 +5,7 @@
 duckdb reads through a file system of ours (`table_system`): what it reads by itself it may also
 write (`allowed_paths`, and its folder for spilt rows). A URL needs no extension of duckdb so. After
 the views are made the configuration is locked: no other file, no network, no extension, no change
-of a setting. `questions` says what is asked at all. The database itself is in memory, and is
+of a setting. `questions` says which SQL is a question. The database itself is in memory, and is
 dropped; nothing is spilt to a disk.
 """
 

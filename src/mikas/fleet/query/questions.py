@@ -2,8 +2,8 @@
 
 duckdb's own parser decides. The type of a statement is not enough: since duckdb 2.0 a SELECT may
 have a COPY, an INSERT or a DELETE in its WITH, and `query()` has SQL in a text. So the tree of the
-whole statement is looked through: only what is listed here may be in it. The database has, besides,
-no file that it could write (`database`).
+whole statement is looked through: only the kinds listed here may be in it. The database has,
+besides, no file that it could write (`database`).
 """
 
 from __future__ import annotations

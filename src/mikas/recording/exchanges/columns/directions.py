@@ -18,7 +18,7 @@ class Events:
     """The events of one direction except abandoned frames, as columns. `index`: in `block`.
 
     `turns`: of the packets that completed them. `packets`: these; `packet_ends`: where these end in
-    `block.wire`. `begins`, `ends`: times of the packets with their first and last bytes. `begun`,
+    `block.wire`. `begins`, `ends`: times of the packets with their first and last bytes. `came`,
     `brought`: by turn, how many bytes came before it, and in it. `numbers`: of request bodies.
     """
 
@@ -29,7 +29,7 @@ class Events:
     packet_ends: Index
     begins: Floats
     ends: Floats
-    begun: Index
+    came: Index
     brought: Index
     byte_time: float
     sound: Mask = field(init=False)
@@ -105,7 +105,7 @@ class PacketStream:
             packet_ends=ends[by] + (before - block.origin) if index.size else index,
             begins=self._times[self._first_packets(block, index)],
             ends=self._times[self._ends.searchsorted(block.ends[index] + block.origin)],
-            begun=before + of_turn.cumsum() - of_turn,
+            came=before + of_turn.cumsum() - of_turn,
             brought=of_turn,
             byte_time=self._byte_time,
         )

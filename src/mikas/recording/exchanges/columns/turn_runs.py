@@ -77,7 +77,7 @@ class Turns:
         events, packets = sent.of_turn(turn), self._packets
         stop = self._begins[turn + 1] if turn + 1 < self._count else self._turns.size
         event = events.start
-        came = int(received.begun[turn])
+        came = int(received.came[turn])
         for packet in range(self._begins[turn], stop):
             if not packets.sent[packet]:
                 break
@@ -183,7 +183,7 @@ class Turns:
         regular &= np.bincount(self._turns[sends], minlength=self._count) == 1
         turns = numbers[regular]
         asked = sent.turns.searchsorted(turns)
-        whole = sent.starts[asked] + sent.block.origin == sent.begun[turns]
+        whole = sent.starts[asked] + sent.block.origin == sent.came[turns]
         whole &= sent.lengths[asked] == sent.brought[turns]
         first = received.turns.searchsorted(turns)
         fits = (
@@ -192,7 +192,7 @@ class Turns:
             else ~_are_alike(sent, asked, received, first)
         )
         answer = first + each - 1
-        fits &= whole & (received.starts[first] + received.block.origin == received.begun[turns])
+        fits &= whole & (received.starts[first] + received.block.origin == received.came[turns])
         fits &= received.sound[first] & received.sound[answer]
         length = received.lengths[answer] + (received.lengths[first] if echoes else 0)
         fits &= length == received.brought[turns]
