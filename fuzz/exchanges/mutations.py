@@ -10,6 +10,7 @@ another order (§2: the checksum is a sum), no two changes of one exchange.
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import pairwise
 from random import Random
 from typing import Final
 
@@ -22,6 +23,8 @@ Mutation = Callable[[Random, Line, int], Line]
 
 _PAUSES: Final = (0.001, 0.005, 0.021, 0.3)
 _DELAYS: Final = (0.005, 0.03, 0.3, 0.6, 1.5)
+_AVAILABILITY: Final = encode(b"\x01")
+_READ_LIST: Final = encode(b"\x63")
 _STREAMS: Final = tuple(bytes([it]) for it in b"\x71\x7f\x80\x81\x82\x83")
 
 
@@ -107,8 +110,8 @@ def _dropped(random: Random, line: Line, at: int) -> Line:
 
 
 def _doubled(random: Random, line: Line, at: int) -> Line:
-    if _leaves_checksum(line[at]) or _is_echo(line, at):
-        return line  # a second echo may be the response, too (D1)
+    if _leaves_checksum(line[at]):
+        return line
     return [*line[: at + 1], line[at]._replace(origin=-1, changed=True), *line[at + 1 :]]
 
 
@@ -198,7 +201,9 @@ def _echo_lost(random: Random, line: Line, at: int) -> Line:
 
 
 def _list_not_set(random: Random, line: Line, at: int) -> Line:
-    """Spoil the setting of a list: its request, its echo, or its response."""
+    """Spoil the setting of a list: its request, its echo, or its response. Behind it the tester may
+    have synchronized.
+    """
     places = [
         number
         for number, it in enumerate(line[:-2])
@@ -207,7 +212,23 @@ def _list_not_set(random: Random, line: Line, at: int) -> Line:
     if not places:
         return line
     place = random.choice(places) + random.choice((0, 0, 1, 2))
-    return random.choice((_flipped(sent=line[place].sent), _dropped))(random, line, place)
+    spoil = random.choice((_flipped(sent=line[place].sent), _byte_dropped, _dropped))
+    spoilt = spoil(random, line, place)
+    return spoilt if spoilt is line or random.random() < 0.5 else _synchronized(spoilt, place)
+
+
+def _synchronized(line: Line, place: int) -> Line:
+    """Let a clean `01` come before the next request for a list."""
+    asks = (at for at, it in enumerate(line) if at >= place and it.sent and it.data == _READ_LIST)
+    sent = [at for at, it in enumerate(line) if it.sent]
+    pairs = pairwise(sent)
+    whole = ((one, two) for one, two in pairs if line[one].data == _AVAILABILITY and two - one > 1)
+    at, (one, two) = next(asks, 0), next(whole, (0, 0))
+    if not (at and two):
+        return line
+    shift = line[at - 1].time + 0.6 - line[one].time
+    clean = [it._replace(time=it.time + shift, origin=-1, changed=True) for it in line[one:two]]
+    return [*line[:at], *clean, *(it._replace(time=it.time + 1.2) for it in line[at:])]
 
 
 def _begin_of_one(random: Random, line: Line, at: int) -> Line:

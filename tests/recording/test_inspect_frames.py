@@ -75,9 +75,11 @@ def test_without_echo_the_answer_follows_its_request():
     assert described("> 01FF0D", "< 0AF60D") == ["> 01", "< 0A to 01"]
 
 
-def test_an_answer_that_looks_like_its_request():
-    ask = frame("1111")
-    assert described(f"> {ask}", f"< {ask}{ask}") == ["> 1111", "= 1111", "< 1111 to 1111"]
+def test_an_answer_that_looks_like_its_request_is_an_echo_and_ends_the_exchange():
+    ask, other = frame("1111"), frame("1112")
+    line = [f"> {ask}", f"< {ask}{ask}", f"> {other}", f"< {other}{frame('1205')}"]
+    shown = ["> 1111", "= 1111", "= 1111", "> 1112", "= 1112", "< 1205 to 1112"]
+    assert described(*line) == shown
 
 
 def test_what_repeats_its_request_is_an_echo_also_where_the_line_has_none():

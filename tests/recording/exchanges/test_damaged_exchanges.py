@@ -11,8 +11,9 @@ from fuzz.exchanges.campaign import findings
 from fuzz.exchanges.cases import Case, case
 from fuzz.exchanges.lines import file_of
 from fuzz.exchanges.readers import READERS, expected
-from fuzz.exchanges.sessions import METHODS, session
+from fuzz.exchanges.sessions import METHODS, Packet, session
 
+from mikas.framing import encode
 from mikas.virtual.bus import AdapterKind
 
 FEW = ("TWAT", "UACC", "INJ")
@@ -102,6 +103,89 @@ def test_a_list_is_not_known_behind_a_damaged_or_missing_request(tmp_path, echo)
         [*line[:second], gone, *line[behind:]],
     ):
         assert len(rows_of(tmp_path / "it.pcapng", made, changed)) == half
+
+
+def exchange(time, request, response, *, echo=True):
+    """The packets of one exchange, with bodies in hex."""
+    wire, answer = (encode(bytes.fromhex(it)) for it in (request, response))
+    return [
+        Packet(True, wire, time, 0),
+        *[Packet(False, wire, time + 0.01, 0)] * echo,
+        Packet(False, answer, time + 0.04, 0),
+    ]
+
+
+def values_of(path, line):
+    """The rows with values, which all readers have."""
+    path.write_bytes(file_of([line]))
+    found = expected(path)
+    for reader in COLUMNS:
+        reader.compare(path, found)
+    return [row for _, row in found.rows if row]
+
+
+def bytes_lost(wire):
+    """What remains of a packet that lost some bytes."""
+    for mask in range(1 << len(wire)):
+        yield bytes(it for at, it in enumerate(wire) if mask >> at & 1)
+
+
+@pytest.mark.parametrize("echo", [True, False])
+@pytest.mark.parametrize("codes", ["29", "292C"])
+def test_a_list_is_not_known_behind_one_whose_request_lost_bytes(tmp_path, echo, codes):
+    """Of a 64 with one code that lost a byte, as much remains as of a 63: the list counted on."""
+    data = "1A1B"[: len(codes)]
+    new, *rest = exchange(1000.3, f"64{codes}", "00", echo=echo)
+    behind = exchange(1000.8, "01", "0A", echo=echo) + exchange(1001.0, "63", data, echo=echo)
+    before = [
+        *exchange(1000.0, "01", "0A", echo=echo),
+        *exchange(1000.1, "64" + "1A29"[: len(codes)], "00", echo=echo),
+        *exchange(1000.2, "63", data, echo=echo),
+    ]
+    assert len(values_of(tmp_path / "it.pcapng", [*before, *behind])) == 2
+    for left in bytes_lost(new.data):
+        if left == new.data:
+            continue
+        line = [*before, new._replace(data=left), *rest, *behind]
+        assert len(values_of(tmp_path / "it.pcapng", line)) == 1, left.hex(" ")
+
+
+@pytest.mark.parametrize("echo", [True, False])
+def test_a_list_is_not_known_behind_one_whose_request_is_missing(tmp_path, echo):
+    """Its echo, or its response, is all that shows it."""
+    lists = session((("list", FEW, 2), ("list", OTHERS, 2)), AdapterKind(echo=echo))
+    _, *rest = exchange(1000.3, "64292C", "00", echo=echo)
+    before = [
+        *exchange(1000.0, "01", "0A", echo=echo),
+        *exchange(1000.1, "641A29", "00", echo=echo),
+        *exchange(1000.2, "63", "1A1B", echo=echo),
+    ]
+    behind = [
+        *exchange(1000.8, "01", "0A", echo=echo),
+        *exchange(1001.0, "63", "1A1B", echo=echo),
+        *exchange(1001.2, "63", "1A1B", echo=echo),
+    ]
+    assert len(values_of(tmp_path / "it.pcapng", [*before, *behind])) == 3
+    for left in (rest, rest[:1], rest[-1:]):
+        assert len(values_of(tmp_path / "it.pcapng", [*before, *left, *behind])) == 1
+    line = list(lists.packets)
+    _, second = places(line, b"\x64")
+    half = len(rows_of(tmp_path / "it.pcapng", lists, line)) // 2
+    assert (
+        len(rows_of(tmp_path / "it.pcapng", lists, [*line[:second], *line[second + 1 :]])) <= half
+    )
+
+
+@pytest.mark.parametrize("copies", [1, 2])
+@pytest.mark.parametrize("method", METHODS)
+def test_a_second_echo_is_no_response(tmp_path, method, copies):
+    """One of `61 3F` was INJ 129.8 ms."""
+    made = session(((method, FEW[-1:], 3),))
+    line = list(made.packets)
+    for at in range(1, len(line)):
+        if line[at - 1].sent and line[at].data.startswith(line[at - 1].data):
+            more = [line[at]._replace(data=line[at - 1].data)] * copies
+            rows_of(tmp_path / "it.pcapng", made, [*line[:at], *more, *line[at:]])
 
 
 @pytest.mark.parametrize("number", range(12))

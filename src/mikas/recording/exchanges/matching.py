@@ -3,13 +3,15 @@
 A response carries neither its command nor an identifier, so a file is judged as the tester judges
 the line (D1, D13): no value comes out of a file that the tester would have refused.
 
-- The echo is the first thing received after a request, byte for byte; a frame that repeats a sent
-  one is an echo, never a response. What comes in its place voids the exchange.
+- The echo is the first thing received after a request, byte for byte. What comes in its place
+  voids the exchange. A frame that repeats a sent one is an echo, never a response, also behind the
+  echo, where a response may look so by chance: it has no value, and the exchange is over.
 - A request that is no stream has one response: the first frame after the echo, if it fits (length,
   address, content), comes in time, and nothing comes with it. A second one answers nothing.
 - With the first byte of the next request, the one before has had all its responses. A damaged one
   is not known: nothing answers it, nor the one before. Unless its echo shows that it was no 64, the
-  unit's list (63) is not known any more either; nor is it behind a missing part.
+  unit's list (63) is not known any more either; nor is it behind a missing part, nor behind an
+  echo of a 64, or a `00`, that belongs to no request.
 - After a failed exchange, and after a stream, nothing counts until `01` has been answered by
   exactly one response, the unit's version, with nothing behind it.
 
@@ -61,7 +63,6 @@ _GIVEN_UP: Final = 0.9
 _SOON: Final = 0.5
 _MARGIN: Final = 1.25
 _AT_ONCE: Final = 10  # as the tester's
-_SHORT: Final = 2  # bytes of a damaged 63; a 64 has more
 
 
 class Stage(Enum):
@@ -82,7 +83,7 @@ class Matching:
     `echoes`: whether the line returns the sent bytes; None: not known yet. `trusted`: whether a
     response counts. `patience`: s that the tester waits for one. `listed`: length of the responses
     to 63. `lists_lost`: serials of the requests behind which the unit's list is not known any more,
-    until they are taken. `unechoed`: sent frames whose echo may follow.
+    until they are taken. `unechoed`: sent frames whose echo may follow, the first one's also again.
     """
 
     def __init__(self, fitting: Fitting, byte_time: float) -> None:
@@ -139,12 +140,13 @@ class Matching:
 
         A stream continues: its next response is one of many.
         """
-        self._lose_list()
+        self.lose_list()
         if self.stage is not Stage.STREAMING:
             self.request, self.stage = UNKNOWN, Stage.NONE
             self.trusted = True
 
-    def _lose_list(self) -> None:
+    def lose_list(self) -> None:
+        """Know the unit's list no more."""
         self.listed = None
         self._is_partial = self._is_damaged = False
         if self.lists_lost[-1:] != [self.count - 1]:
@@ -161,7 +163,7 @@ class Matching:
         """Begin to send after receiving: missing echoes will not follow any more."""
         self.unechoed.clear()
         if self.doubts_list:
-            self._lose_list()
+            self.lose_list()
 
     def begin_sending(self, time: float, received: int) -> None:
         """Begin a request, or go on with it, at `time`, behind so many received bytes."""
@@ -210,13 +212,13 @@ class Matching:
         if self.stage is not Stage.NONE:  # more than one in a packet
             self.end_exchange(time)
         if body is not None and self._is_damaged:
-            self._lose_list()
+            self.lose_list()
         self.request = SentRequest(self.count, body)
         self.count += 1
         self.unechoed.append(wire)
         self._is_partial = False
         if body is None:
-            self._is_damaged |= len(wire) > _SHORT
+            self._is_damaged = True
             return
         self.stage = Stage.ASKED
         self._wire, self._from = wire, received
@@ -232,8 +234,8 @@ class Matching:
         self.request = SentRequest(self.count - 1, body)
         self.stage = Stage.STREAMING if streams else Stage.ANSWERED
         self.unechoed.clear()
+        self.unechoed.append(wire)
         if not self.echoes:
-            self.unechoed.append(wire)
             self._at_once = max(0, (self._at_once or 0) - count)
 
     # Receiving
@@ -250,13 +252,12 @@ class Matching:
             if self.echoes or was_sent:
                 self.stage = Stage.VOID
                 return self._apart(it, Doubt.NO_ECHO, was_sent=was_sent)
-        if was_sent or self.stage in (
-            Stage.ANSWERED,
-            Stage.LATE,
-            Stage.VOID,
-        ):
+        if was_sent or self.stage in (Stage.ANSWERED, Stage.LATE, Stage.VOID):
             doubt = Doubt.SECOND if self.stage is Stage.ANSWERED else Doubt.FAILED
-            self.stage = Stage.VOID if self.stage is not Stage.STREAMING else self.stage
+            if self.stage is Stage.ECHOED and it.wire == self._wire and not self._is_availability:
+                self.stage = Stage.ANSWERED  # the tester took it for the response, perhaps rightly
+            elif self.stage is not Stage.STREAMING:
+                self.stage = Stage.VOID
             return self._apart(it, doubt, was_sent=was_sent)
         return self._response(it)
 
@@ -264,22 +265,35 @@ class Matching:
         """Learn from the echo of a request that is not known whether it was a 64."""
         if self.echoes and it.start == self._from and self.doubts_list:
             if it.body is None or it.body[:1] == WRITE_LIST:
-                self._lose_list()
+                self.lose_list()
             self._is_partial = self._is_damaged = False
 
     def _apart(self, it: Received, doubt: Doubt, *, was_sent: bool) -> Verdict:
         """Return the verdict on an echo, or on bytes that answer no request."""
         if was_sent:
-            while self.unechoed.popleft() != it.wire:
-                pass
+            self._drop_before(it.wire)
             if self._is_availability and it.wire == self._wire:
                 self.echoes = True
             return ECHO
-        return DAMAGE if it.body is None else REFUSED[doubt]
+        if it.body is None:
+            return DAMAGE
+        if self.is_of_list(it.body):
+            self.lose_list()
+        return REFUSED[doubt]
+
+    def is_of_list(self, body: bytes) -> bool:
+        """Return whether a frame that is neither an echo nor a response is all that is left of a
+        64: its echo, or the response to it.
+        """
+        return body[:1] == WRITE_LIST or body == OK
+
+    def _drop_before(self, wire: bytes) -> None:
+        """Drop the sent frames before this one, whose echo has come. It may come again."""
+        while self.unechoed[0] != wire:
+            self.unechoed.popleft()
 
     def _echo(self, it: Received) -> Verdict:
-        while self.unechoed.popleft() != it.wire:
-            pass
+        self._drop_before(it.wire)
         self._due = max(self._due, it.ended)
         is_stream = self._asks_stream()
         self.stage = Stage.STREAMING if is_stream else Stage.ECHOED

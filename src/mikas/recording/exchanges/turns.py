@@ -229,7 +229,7 @@ class TurnMatcher:
             got = data[start]
             frame = got[len(echo) : -1]
             is_one = TERMINATOR not in frame and _is_sound(frame) and got[-1] == TERMINATOR
-            if is_one and got.startswith(echo) and got != data[asked]:
+            if is_one and got.startswith(echo) and frame != data[asked][:-1]:
                 length, time = len(frame) + 1, times[start]
                 due = max(due, time) if echo else due
                 return [(time - length * byte_time, frame, length, time - due)]
@@ -237,7 +237,7 @@ class TurnMatcher:
         if not got.startswith(echo):
             return None
         frames = self._frames(got, len(echo), (due, times[start:stop]), data[start:stop])
-        repeats = not echo and frames and any(it[1] == data[asked][:-1] for it in frames)
+        repeats = frames and any(it[1] == data[asked][:-1] for it in frames)
         return None if repeats else frames
 
     def _frames(

@@ -260,10 +260,10 @@ class TwoWires(object):
             self._phase = "echoed" if is_first and is_same else "void"
             return ("echo", self._sent.body, None)
         if is_noise(message) or self._phase is None:
-            return NO_ANSWER
+            return self._unasked(message)
         if (self._phase == "asked" and self._echoes) or self._phase in ("answered", "void"):
             self._phase = "void"
-            return NO_ANSWER
+            return self._unasked(message)
         if self._commands.is_known(self._request) and self._commands.is_stream(self._request):
             self._phase = "stream"
             return self._answered()
@@ -283,6 +283,13 @@ class TwoWires(object):
         if self._trusted and self._request[0] == WRITE_LIST and message.body == LIST_IS_SET:
             self._listed = self._request[1:]
         return self._answered()
+
+    def _unasked(self, message):
+        """Take what answers no request: it may be all that is left of a 64."""
+        body = message.body or b""
+        if body == LIST_IS_SET or body[:1] == bytes([WRITE_LIST]):
+            self._listed = None
+        return NO_ANSWER
 
     def _answered(self):
         return response(self._request, self._listed) if self._trusted else NO_ANSWER

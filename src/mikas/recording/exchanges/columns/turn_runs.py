@@ -12,11 +12,13 @@ from typing import Final
 
 import numpy as np
 
+from mikas.commands.base import OK
 from mikas.framing import TERMINATOR
 from mikas.recording.exchanges.arrays import Index, Mask
 from mikas.recording.exchanges.columns.directions import Events
 from mikas.recording.exchanges.columns.packets import Packets
 from mikas.recording.exchanges.columns.pieces import equal, side_by_side
+from mikas.recording.exchanges.layouts import WRITE_LIST
 from mikas.recording.exchanges.matching import Matching, Stage
 from mikas.recording.exchanges.verdicts import NO_REQUEST, Received
 
@@ -93,6 +95,8 @@ class Turns:
             if fixed and (rest := self._next_sent(at, events.stop)) > at:
                 answered = matching.is_stream and matching.trusted
                 serial = matching.request.serial if answered else NO_REQUEST
+                if not matching.is_stream and self._are_of_list(at, rest):
+                    matching.lose_list()
                 self._answers[at:rest] = np.where(received.sound[at:rest], serial, DAMAGE)
                 at = rest
                 continue
@@ -101,6 +105,14 @@ class Turns:
                 is_sound = received.sound[at]
                 self._answers[at] = verdict.answers.serial if is_sound else DAMAGE
             at += 1
+
+    def _are_of_list(self, start: int, stop: int) -> bool:
+        """Return whether one of these events is what `Matching.is_of_list` looks for."""
+        it = self._responses
+        first = it.block.wire[it.starts[start:stop]]
+        found = first == WRITE_LIST[0]
+        found |= (first == OK[0]) & (it.body_lengths[start:stop] == len(OK))
+        return bool((found & it.sound[start:stop]).any())
 
     def _event(self, event: int) -> Received:
         it = self._responses
@@ -186,12 +198,10 @@ class Turns:
         whole = sent.starts[asked] + sent.block.origin == sent.came[turns]
         whole &= sent.lengths[asked] == sent.brought[turns]
         first = received.turns.searchsorted(turns)
-        fits = (
-            _are_alike(sent, asked, received, first)
-            if echoes
-            else ~_are_alike(sent, asked, received, first)
-        )
         answer = first + each - 1
+        fits = ~_are_alike(sent, asked, received, answer)
+        if echoes:
+            fits &= _are_alike(sent, asked, received, first)
         fits &= whole & (received.starts[first] + received.block.origin == received.came[turns])
         fits &= received.sound[first] & received.sound[answer]
         length = received.lengths[answer] + (received.lengths[first] if echoes else 0)
