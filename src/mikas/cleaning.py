@@ -10,9 +10,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from itertools import groupby
 from math import isfinite
+from operator import itemgetter
 from typing import Any, Final, NamedTuple
-from urllib.parse import unquote
 
 # Times outside of these have no date in every time zone. Seconds since 1970.
 EARLIEST: Final = 0.0
@@ -110,22 +111,25 @@ def _escaped(character: str) -> str:
     return f"\\x{code:02x}" if code < 0x100 else f"\\u{code:04x}"
 
 
-_CHAIN: Final = "::"  # of fsspec: zip://in::s3://bucket/all.zip
+_CHAIN: Final = re.compile("::(?=[A-Za-z][A-Za-z0-9+.-]*://)")  # zip://in::s3://bucket/all.zip
 _URL: Final = re.compile(r"([A-Za-z][A-Za-z0-9+.-]+:(?://)?)(.*)", re.DOTALL)
+SECRET_VARIABLES: Final = (  # of the environment
+    "AWS_SECRET_ACCESS_KEY", "AWS_SESSION_TOKEN", "AWS_ACCESS_KEY_ID", "MIKAS_MQTT_PASSWORD",
+)  # fmt: skip
 _PATHS: Final = ("file:", "replay:", "serial:")  # schemes that a path follows
 _SECRET_OPTION: Final = re.compile(
-    r"(?<=[?&;])([^=&;]*(?:pass|pwd|token|secret|key|sig|auth|cred)[^=&;]*)=([^&;]*)", re.IGNORECASE
+    r"(?<=[?&;])([^=&;]*(?:pass|pwd|token|secret|key|sig|auth|cred)[^=&;]*)=([^&]*)", re.IGNORECASE
 )
-_SHORTEST: Final = 3  # characters of a secret that are looked for in other texts
-_LONG: Final = 8  # of a name
+_SHORTEST: Final = 3  # bytes of a secret that are looked for in other texts
+_LONG: Final = 8  # of a name; and a run of as many bytes of a longer secret is looked for, too
+_QUOTED: Final = re.compile(rb"%([0-9a-f]{2})")
 
 
 def public_url(url: str) -> str:
     """Return the address of a place without what gives access to it: a user's name and password,
     and all behind `?` or `#`, where a signed URL has its signature. A path stays as it is.
     """
-    parts = map(_parted, url.split(_CHAIN))
-    return _CHAIN.join(f"{it.scheme}{it.place}" for it in parts)
+    return "::".join(f"{it.scheme}{it.place}" for it in _chained(url))
 
 
 def public_port(url: str) -> str:
@@ -137,14 +141,54 @@ def public_port(url: str) -> str:
 
 def without_secrets(text: str, *, place: str = "", port: str = "") -> str:
     """Return a text about an address with `…` for each part that its public form leaves out."""
-    found = [*_pieces(_parted(port)), *(it[1] for it in _SECRET_OPTION.findall(port))]
-    for parts in map(_parted, place.split(_CHAIN)):
+    return without(text, secrets_of(place=place, port=port))
+
+
+def secrets_of(*others: str, place: str = "", port: str = "") -> frozenset[bytes]:
+    """Return what `without` looks for: pieces of the secrets of two addresses, and of `others`.
+
+    Foreign code quotes and unquotes at will, cuts texts off, and escapes odd signs in other ways.
+    So, unquoted and without case, these are each run of eight bytes of a secret, each run of three
+    or more ASCII letters and digits between other signs, and a shorter secret whole.
+    """
+    found = [*others, *_pieces(_parted(port)), *(it[1] for it in _SECRET_OPTION.findall(port))]
+    for parts in _chained(place):
         query = parts.query[1:]
         found += [*_pieces(parts), query, *re.split("[&;=]", query)]
-    secrets = {each for it in found for each in (it, unquote(it)) if len(each) >= _SHORTEST}
-    for secret in sorted(secrets, key=len, reverse=True):
-        text = text.replace(secret, "…")
-    return text
+    whole = {_unquoted(it)[0] for it in found}
+    pieces = whole.union(*(re.split(rb"[^a-z0-9]+", it) for it in whole))
+    runs = {it[at : at + _LONG] for it in pieces for at in range(max(1, len(it) - _LONG + 1))}
+    return frozenset(it for it in runs if len(it) >= _SHORTEST)
+
+
+def without(text: str, secrets: frozenset[bytes]) -> str:
+    """Return `text` with `…` for all that is one of `secrets_of` some address, however quoted."""
+    if not secrets:
+        return text
+    unquoted, spans = _unquoted(text)
+    hidden = bytearray(len(text))
+    longest_first = b"|".join(map(re.escape, sorted(secrets, key=len, reverse=True)))
+    for found in re.finditer(b"(?=(%s))" % longest_first, unquoted):  # they overlap
+        start, end = spans[found.start(1)].start, spans[found.end(1) - 1].stop
+        hidden[start:end] = b"\1" * (end - start)
+    groups = groupby(zip(text, hidden, strict=True), key=itemgetter(1))
+    return "".join("…" if secret else "".join(it[0] for it in run) for secret, run in groups)
+
+
+def _unquoted(text: str) -> tuple[bytes, list[range]]:
+    """Return the bytes of a text as far as it can be unquoted, in lower case and with spaces for
+    `+`, and for each byte the characters that it was. All quoted forms of a text have the same.
+    """
+    found, spans = bytearray(), list[range]()
+    for at, character in enumerate(text):
+        for byte in character.encode("utf-8", "surrogatepass").lower():
+            found.append(ord(" ") if byte == ord("+") else byte)
+            spans.append(range(at, at + 1))
+            while quoted := _QUOTED.fullmatch(found, max(0, len(found) - 3)):
+                code = bytes([int(quoted[1], 16)]).lower()
+                found[-3:] = b" " if code == b"+" else code
+                spans[-3:] = [range(spans[-3].start, at + 1)]
+    return bytes(found), spans
 
 
 class _Parts(NamedTuple):
@@ -158,6 +202,11 @@ class _Parts(NamedTuple):
     query: str
 
 
+def _chained(place: str) -> list[_Parts]:
+    """Part the addresses of a chain of fsspec. A password may have `::` in it."""
+    return list(map(_parted, _CHAIN.split(place)))
+
+
 def _parted(url: str) -> _Parts:
     """Part an address. A password may have any sign in it, also `@` and `/`, which belong in
     percent signs: so one ends at the last `@`.
@@ -168,7 +217,7 @@ def _parted(url: str) -> _Parts:
     if found and not scheme.startswith(_PATHS):
         host = re.split("[/?#]", rest)[0]
         has_password = ":" in host or not scheme.endswith("//")
-        has_password &= not rest.startswith("?")  # options, as of sim:?scenario=…
+        has_password &= not re.match(r"\?\w+=", rest)  # options, as of sim:?scenario=…
         user = "".join((rest if has_password else host).rpartition("@")[:2])
     place = rest[len(user) :]
     end = re.search("[?#]" if scheme.endswith("//") and scheme != "file://" else r"(?!)", place)
@@ -177,8 +226,10 @@ def _parted(url: str) -> _Parts:
 
 
 def _pieces(parts: _Parts) -> list[str]:
-    name, _, password = parts.user.removesuffix("@").partition(":")
-    if not parts.scheme.endswith("//"):  # the name is in the scheme: me:password@host
-        password = f"{name}:{password}"
+    user = parts.user.removesuffix("@")
+    name, _, password = user.partition(":")
+    passwords = [password]
+    if not parts.scheme.endswith("//"):  # the name may be the scheme: me:password@host
+        passwords.append(user)
     names = [name] if len(name) >= _LONG else []  # a token stands there too, others are words
-    return [*names, password, *re.split("[@/#?:&;=+]", password)]  # options are parted so
+    return names + passwords

@@ -14,6 +14,7 @@ from hashlib import sha256
 from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Final
 
+from mikas.cleaning import without_secrets
 from mikas.errors import (
     CaptureError,
     FleetError,
@@ -110,7 +111,8 @@ def work(
             return FileOutcome(file, bad=refusal, ends=refused_number(error) in OF_PLACE)
         if isinstance(error, OSError):
             return FileOutcome(file, bad=reason_of(error))
-        return FileOutcome(file, bad=_BUG.filled(kind=f"{type(error).__name__}: {error}"[:300]))
+        kind = without_secrets(f"{type(error).__name__}: {error}", place=f"{file.url}::{dataset}")
+        return FileOutcome(file, bad=_BUG.filled(kind=kind[:300]))
 
 
 def _work(file: FoundFile, dataset: str, settings: InterpretingSettings, run: str) -> FileOutcome:

@@ -14,7 +14,7 @@ from pathlib import Path, PurePosixPath
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
-from mikas.cleaning import public_url
+from mikas.cleaning import SECRET_VARIABLES, public_url, secrets_of, without
 from mikas.errors import FleetError, MikasError, MissingExtra, library, reason_of
 from mikas.i18n import Text
 
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from fsspec import AbstractFileSystem
 
 PARTS: Final = ".parts"  # unfinished files on a disk; readers of Parquet pass names with a dot over
-_SECRETS: Final = ("AWS_SECRET_ACCESS_KEY", "AWS_SESSION_TOKEN", "AWS_ACCESS_KEY_ID")
 _NOT_THERE: Final = Text("there is no such file or folder", "такого файла или папки нет")
 _LINK: Final = Text(
     "this is a link to another file, which is not followed; name that file itself",
@@ -94,11 +93,8 @@ def _scrubbed(text: Text) -> Text:
     """Return a store's words without the secrets of the environment; `FleetError` leaves out those
     of the place.
     """
-    secrets = [os.environ.get(name, "") for name in _SECRETS]
-    words = list(text)
-    for secret in filter(None, secrets):
-        words = [word.replace(secret, "…") for word in words]
-    return Text(*words)
+    secrets = secrets_of(*(os.environ.get(name, "") for name in SECRET_VARIABLES))
+    return Text(*(without(words, secrets) for words in text))
 
 
 _ODD: Final = re.compile(r"://[^/?#@]*:(?!\d*[/?#])[^/?#@]*[/?#][^@]*@")
