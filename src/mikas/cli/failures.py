@@ -7,7 +7,8 @@ Nothing heavy is imported here.
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import click
 
@@ -31,6 +32,11 @@ class FailureReport:
     advice: tuple[str, ...] = ()
     sent: bytes | None = None
     received: bytes | None = None
+
+    def changed(self, change: Callable[[str], str]) -> FailureReport:
+        """Return the same with other texts."""
+        advice = tuple(map(change, self.advice))
+        return replace(self, message=change(self.message), text=change(self.text), advice=advice)
 
     def as_json(self) -> dict[str, object]:
         """Return `{"error": {"code", "message", "sent", "received", "advice"}}`."""

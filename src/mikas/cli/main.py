@@ -9,7 +9,7 @@ import gc
 import itertools
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import click
 
@@ -17,6 +17,7 @@ from mikas.cli import desktop
 from mikas.cli.click_extensions import LocalizedGroup
 from mikas.cli.commands import COMMANDS
 from mikas.cli.failures import BUG, DONE, INTERRUPTED, failure_of
+from mikas.cli.given_secrets import hider_of
 from mikas.cli.language import detect_language, set_language
 from mikas.cli.options.common import LocalizedOption
 from mikas.cli.render import terminal
@@ -70,9 +71,14 @@ def desktop_main() -> None:
     main(["dash", desktop.FLAG, *sys.argv[1:]])
 
 
-@terminal.escaping()
 def run(argv: list[str]) -> int:
     """Run one command line; return the exit status."""
+    hide = hider_of(argv)
+    with terminal.escaping(hide):
+        return _run(argv, hide)
+
+
+def _run(argv: list[str], hide: Callable[[str], str]) -> int:
     try:
         set_language(detect_language(argv))
         # `cli.main` would end the process when a pipe's reader is gone. click empties the list.
@@ -90,12 +96,15 @@ def run(argv: list[str]) -> int:
         terminal.discard_output()
         return DONE
     except Exception as error:  # of mikas or click, or a bug
-        return _failed(error, argv)
+        return _failed(error, argv, hide)
 
 
-def _failed(error: Exception, argv: list[str]) -> int:
-    """Report `error`; return the exit status."""
-    failure = failure_of(error)
+def _failed(error: Exception, argv: list[str], hide: Callable[[str], str]) -> int:
+    """Report `error` without the secrets that `hide` leaves out; return the exit status.
+
+    Stderr hides them by itself.
+    """
+    failure = failure_of(error).changed(hide)
     if isinstance(error, terminal.OutputError):
         terminal.discard_output()
         _print_error(failure.text)
@@ -107,12 +116,12 @@ def _failed(error: Exception, argv: list[str]) -> int:
         except BrokenPipeError:
             pass
         except terminal.OutputError as unwritten:
-            return _failed(unwritten, argv)
+            return _failed(unwritten, argv, hide)
     else:
         # A paragraph, whatever lines a file's name has.
         _print_error(terminal.cell_text(failure.text))
     if desktop.FLAG in argv:
-        details = _traceback(error) if failure.status == BUG else ""
+        details = hide(_traceback(error)) if failure.status == BUG else ""
         desktop.show_failure(failure.text, details)
     if any(word in ("-v", "-vv", "--verbose") for word in argv):
         if failure.status == BUG:

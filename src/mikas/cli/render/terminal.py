@@ -32,19 +32,24 @@ class OutputError(OSError):
 
 
 class EscapingStream:
-    """A text stream in front of `raw`, with `make_safe` on all that is written.
+    """A text stream in front of `raw`, with `hide`, then `make_safe` on all that is written.
 
-    By default every control character but line feed and tab is escaped. Raises `OutputError`, and
-    `BrokenPipeError` if the reader of a pipe has closed it.
+    By default nothing is hidden, and every control character but line feed and tab is escaped.
+    Raises `OutputError`, and `BrokenPipeError` if the reader of a pipe has closed it.
     """
 
-    def __init__(self, raw: TextIO, make_safe: Callable[[str], str] = terminal_text) -> None:
-        self.raw = raw
+    def __init__(
+        self,
+        raw: TextIO,
+        make_safe: Callable[[str], str] = terminal_text,
+        hide: Callable[[str], str] = str,
+    ) -> None:
+        self.raw, self.hide = raw, hide
         self._make_safe = make_safe
 
     def write(self, text: str) -> int:
         """Write `text`, escaped; return the length of `text`."""
-        _pass_on(self.raw.write, self._make_safe(text))
+        _pass_on(self.raw.write, self._make_safe(self.hide(text)))
         return len(text)
 
     def flush(self) -> None:
@@ -71,8 +76,9 @@ def _pass_on(operation: Callable[..., object], *text: str) -> None:
 
 def drawing_stream(stream: TextIO) -> TextIO:
     """Return the stream for a library that draws: of control sequences only those pass."""
-    raw = stream.raw if isinstance(stream, EscapingStream) else stream
-    return cast("TextIO", EscapingStream(raw, _drawing))
+    if isinstance(stream, EscapingStream):
+        return cast("TextIO", EscapingStream(stream.raw, _drawing, stream.hide))
+    return cast("TextIO", EscapingStream(stream, _drawing))
 
 
 def error_drawing() -> TextIO:
@@ -94,10 +100,13 @@ def _drawing(text: str) -> str:
 
 
 @contextmanager
-def escaping() -> Iterator[None]:
-    """Escape all that is written to `sys.stdout` and `sys.stderr` while in the `with`."""
+def escaping(hide: Callable[[str], str] = str) -> Iterator[None]:
+    """Escape all that is written to `sys.stdout` and `sys.stderr` while in the `with`.
+
+    `hide`: what leaves secrets out of stderr, where foreign code says what it will.
+    """
     before = sys.stdout, sys.stderr
-    sys.stdout, sys.stderr = map(_escaped, before)
+    sys.stdout, sys.stderr = _escaped(sys.stdout), _escaped(sys.stderr, hide)
     ours = sys.stdout, sys.stderr
     try:
         yield
@@ -108,10 +117,10 @@ def escaping() -> Iterator[None]:
             sys.stderr = before[1]
 
 
-def _escaped(stream: TextIO) -> TextIO:
+def _escaped(stream: TextIO, hide: Callable[[str], str] = str) -> TextIO:
     if isinstance(stream, EscapingStream):
         return stream
-    return cast("TextIO", EscapingStream(stream))
+    return cast("TextIO", EscapingStream(stream, hide=hide))
 
 
 def write_out(text: str) -> None:
