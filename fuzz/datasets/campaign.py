@@ -3,7 +3,7 @@
 A dataset of three recordings is made once. Of a case it is copied and changed; then a process of
 its own adds the same recordings again, asks and reports, as a user does. A finding: an exception
 that is no `MikasError`, a hang, too much memory, a touched canary, a control character on the
-terminal.
+terminal, a table that is gone although only entries were added that replace it.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from typing import Final
 from bench.virtual_fleet import BEGAN, DAY, Drive, record
 
 from fuzz.campaigns import campaign_parser
-from fuzz.datasets.changes import change
+from fuzz.datasets.changes import FOREIGN, change
 from fuzz.datasets.visit import apart, prepare
 
 _OLD: Final = 1_000_000_000  # the canary's time of access: a reading changes it
@@ -79,14 +79,21 @@ def _case(world: Path, seed: int, number: int) -> str:
     canary = outside / "canary.json"
     canary.write_bytes(b'{"canary": 1}')
     random = Random(f"{seed}:{number}")
-    done = ", ".join(change(random, home, canary))
+    changes = change(random, home, canary)
+    done = ", ".join(changes)
     os.utime(canary, (_OLD, _OLD))
     before = _state(outside)
     said = _visited(world)
     after = _state(outside)
     if before != after:
         said += f"\n  outside: {before} became {after}"
+    if set(changes) == {FOREIGN} and (gone := _tables(world / "sound") - _tables(home)):
+        said += f"\n  gone: {sorted(gone)}"
     return f"{done}\n{said}" if said else ""
+
+
+def _tables(home: Path) -> set[str]:
+    return {str(path.relative_to(home)) for path in home.rglob("*.parquet")}
 
 
 def _state(outside: Path) -> list[tuple[str, float, float, int]]:

@@ -109,6 +109,34 @@ def _entry_copied(random: Random, home: Path, _: Path) -> None:
         path.with_name(f"{key}.json").write_text(text, "utf-8", "surrogatepass")
 
 
+def _foreign_replaced(random: Random, home: Path, _: Path) -> None:
+    """Add an entry that replaces other recordings, of which it knows all but their beginnings."""
+    others = [it for path in sorted(home.glob(f"{FOLDER}/*.json")) if (it := _known(path))]
+    key = f"{random.getrandbits(128):032x}"
+    value: dict[str, object] = {"key": key, "sha256": key * 2, "version": "1", "bytes": 1 << 40}
+    value["heads"] = [f"{random.getrandbits(64):016x}" for _ in range(8)]
+    value["sources"] = {place: "1-1" for it in others for place in it["sources"]}
+    if random.random() < 0.7:
+        value["replaces"] = [it["key"] for it in others]
+    if random.random() < 0.7:
+        names = [name for it in others for name in (*it["files"], f"{FOLDER}/{it['key']}.json")]
+        value["obsolete"] = random.sample(names, random.randint(0, len(names)))
+    (home / FOLDER).mkdir(exist_ok=True)
+    _quietly(lambda: (home / FOLDER / f"{key}.json").write_text(json.dumps(value), "utf-8"))
+
+
+def _known(path: Path) -> dict[str, Any] | None:
+    """Return an entry that has the parts of ours."""
+    if not path.is_file() or path.is_symlink() or path.stat().st_size >= _HUGE:
+        return None
+    value = _json_of(path)
+    kinds = {"key": str, "files": list, "sources": dict}
+    is_ours = isinstance(value, dict) and all(
+        isinstance(value.get(name), kind) for name, kind in kinds.items()
+    )
+    return value if is_ours else None
+
+
 def _bytes(random: Random, home: Path, _: Path) -> None:
     """Change some bytes of a table, or its length."""
     if (path := _any_of(random, home, "*/car=*/day=*/*")) is None:
@@ -199,11 +227,13 @@ def _quietly(act: Callable[[], object]) -> None:
         act()
 
 
+FOREIGN: Final = "an entry that replaces others"
 _CHANGES: Final[dict[str, Change]] = {
     "a part of an entry": _changed_part,
     "an entry or the marker as JSON": _entry_as_json,
     "an entry renamed": _entry_renamed,
     "an entry copied": _entry_copied,
+    FOREIGN: _foreign_replaced,
     "bytes of a table": _bytes,
     "bytes of a table of an old entry": _bytes_known,
     "tables swapped": _swapped,

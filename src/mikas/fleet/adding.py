@@ -157,7 +157,7 @@ def add(
 
 def _take(outcome: FileOutcome, ledger: Ledger, states: States, result: Added) -> str | None:
     """Let a recording count. Return the car that was given for an earlier state of it, if its
-    tables are to be made again for that car.
+    tables are to be made again for that car, or at all.
     """
     file, entry = outcome.file, outcome.entry
     if entry is None:
@@ -166,6 +166,10 @@ def _take(outcome: FileOutcome, ledger: Ledger, states: States, result: Added) -
             raise FleetError(shown(ledger.files.place), reason)
         result.bad.append(BadFile(shown(file.url), reason))
         return None
+    if not outcome.is_new and entry.name in ledger.refused:
+        ledger.files.remove(entry.name)  # a stranger's, of this recording: it is made anew
+        del ledger.refused[entry.name]
+        return entry.given
     if not outcome.is_new:
         ledger.entries.setdefault(entry.key, entry)  # of another run
         _skip(file, entry, ledger, result)

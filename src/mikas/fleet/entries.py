@@ -1,7 +1,8 @@
 """An entry of a dataset's ledger, and whether one that is read is sound.
 
 Whoever made the dataset may have written anything into it. A sound entry has the form of ours,
-names tables of its own recording only, and its parts do not contradict each other.
+names tables of its own recording only, and its parts do not contradict each other. What it replaces
+has to be a state of its recording, as far as both entries tell (`may_replace`).
 """
 
 from __future__ import annotations
@@ -33,14 +34,22 @@ LARGEST_TABLE: Final = 2 << 30
 MOST_FILES: Final = 1000  # of a recording: six tables of a hundred days
 _FEWER: Final = ("sources", "replaces", "obsolete")  # of an entry that is too long
 
-_KEY: Final = "[0-9a-f]{32}"
-_DATA: Final = rf"(?:{'|'.join(TABLES)})/car=[^/]+/day=[^/]+/{_KEY}-[0-9a-f]{{8}}\.parquet"
+_KEY_LENGTH: Final = 32
+_KEY: Final = f"[0-9a-f]{{{_KEY_LENGTH}}}"
+_DATA: Final = rf"(?:{'|'.join(TABLES)})/car=[\w%-]+/day=[\w-]+/{_KEY}-[0-9a-f]{{8}}\.parquet"
 _LONGEST_TEXT: Final = 1000
 _NOT_SOUND: Final = Text(
     "this entry is damaged or not of mikas ({what}); its recording does not count until it is "
     "added again",
     "эта строка учёта повреждена или создана не программой mikas ({what}); её запись не "
     "считается, пока её не добавят снова",
+)
+
+NOT_ITS_OWN: Final = Text(
+    "this entry is damaged or not of mikas: it replaces {name}, which is another recording; its "
+    "own does not count until it is added again",
+    "эта строка учёта повреждена или создана не программой mikas: она заменяет {name}, а это "
+    "другая запись; её собственная не считается, пока её не добавят снова",
 )
 
 
@@ -74,6 +83,28 @@ class LedgerEntry:
         """The entry's own name in the dataset."""
         return f"{FOLDER}/{self.key}.json"
 
+    @property
+    def replaced(self) -> set[str]:
+        """The keys of the other recordings that it names in any way."""
+        return {*self.replaces, *map(key_in, self.obsolete)} - {self.key}
+
+    def may_replace(self, other: LedgerEntry) -> bool:
+        """Return whether the other is a state of this recording, as far as the two entries tell.
+
+        Either this one goes on where the other ends, or both were found at one place.
+        """
+        alike = [a == b for a, b in zip(self.heads, other.heads, strict=False)]
+        return self.goes_on(other) or (
+            bool(alike) and all(alike) and not self.sources.keys().isdisjoint(other.sources)
+        )
+
+    def goes_on(self, other: LedgerEntry) -> bool:
+        """Return whether the other may be a beginning of this recording. One without heads is none:
+        it is too short to hold anything of a car.
+        """
+        count = len(other.heads)
+        return count > 0 and self.bytes > other.bytes and self.heads[:count] == other.heads
+
     def is_current(self, version: str, given: str) -> bool:
         """Return whether it needs no new interpretation."""
         return self.version == version and given in ("", self.given)
@@ -91,6 +122,11 @@ class LedgerEntry:
                 value[name] = _latest_half(value[name])
             text = _written(value)
         return text
+
+
+def key_in(name: str) -> str:
+    """Return the key of the recording that a file of a dataset belongs to."""
+    return name.rpartition("/")[2][:_KEY_LENGTH]
 
 
 def _written(value: Mapping[str, Any]) -> bytes:
@@ -198,6 +234,8 @@ def _check(entry: LedgerEntry, file: str) -> None:
         raise ValueError("key")
     if entry.key in entry.replaces or entry.name in entry.obsolete:
         raise ValueError("replaces")
+    if not set(entry.files).isdisjoint(entry.obsolete):
+        raise ValueError("obsolete")
     if len(entry.heads) != min(HEADS, entry.bytes // STEP):
         raise ValueError("heads")
     if len(set(entry.files)) < len(entry.files) or len(entry.files) > MOST_FILES:

@@ -79,11 +79,12 @@ class States:
             digests |= _beginnings_at(url, long)
         seen = {entry.key}
         for known in self._with(digests):
-            seen.add(known.key)
-            yield known, True
+            if entry.goes_on(known):  # else a stranger's entry has other heads than its recording
+                seen.add(known.key)
+                yield known, True
         for key in dict.fromkeys(self._at.get(shown(url), ())):
             known_there = self._ledger.entries.get(key)
-            if known_there is not None and key not in seen and _are_near(known_there, entry):
+            if known_there is not None and key not in seen and entry.may_replace(known_there):
                 yield known_there, False
 
     def longer(self, outcome: FileOutcome) -> LedgerEntry | None:
@@ -91,7 +92,8 @@ class States:
         self._index()
         entry, entries = outcome.entry, self._ledger.entries
         assert entry is not None  # it is new
-        if (whole := entries.get(self._whole.get(entry.key, ""))) is not None:
+        whole = entries.get(self._whole.get(entry.key, ""))
+        if whole is not None and whole.goes_on(entry):
             return whole
         level = _level(entry)
         if level not in self._longer:
@@ -107,8 +109,10 @@ class States:
             lengths = sorted({it.bytes for key in keys if (it := self._ledger.entries.get(key))})
             for known in self._candidates(self._beginning_as[level], lengths):
                 whole = self._ledger.entries.get(known.key)
-                older = list(self._with(self._digests(known, lengths))) if whole else []
-                if whole is None or not older:
+                if whole is None:
+                    continue
+                older = [*filter(whole.goes_on, self._with(self._digests(known, lengths)))]
+                if not older:
                     continue
                 replaces, sources = list(whole.replaces), dict(whole.sources)
                 for each in older:
@@ -159,11 +163,6 @@ class States:
 
 def _level(entry: LedgerEntry) -> _Level:
     return len(entry.heads), entry.heads[-1] if entry.heads else ""
-
-
-def _are_near(one: LedgerEntry, other: LedgerEntry) -> bool:
-    """Return whether their first bytes are the same, as many as both have."""
-    return all(a == b for a, b in zip(one.heads, other.heads, strict=False))
 
 
 def _beginnings_at(url: str, lengths: Sequence[int]) -> set[tuple[int, str]]:

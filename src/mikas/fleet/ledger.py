@@ -7,10 +7,11 @@
 A file of a table counts once an entry names it. So an entry, written at once, makes all files of a
 recording count together, and what a killed program has left never does. An entry that replaces
 others names their files and entries as `obsolete`: from then on they do not count, and are removed,
-by the next program if this one is killed.
+by the next program if this one is killed. It may replace other states of its own recording only.
 
-A dataset may be a stranger's. An entry that is not sound (`fleet/entries.py`), or whose tables
-can't be used, does not count and is named in `refused`; the others do. Where an entry says its
+A dataset may be a stranger's. An entry that is not sound (`fleet/entries.py`), that would replace
+another recording, or whose tables can't be used, does not count and is named in `refused`; the
+others do. Where an entry says its
 recording was found is only compared with the places that the user names: it opens none.
 
 An entry has size and SHA-256 of its tables. The sizes come with the list of the files, so they are
@@ -20,7 +21,7 @@ always compared; the contents, which have to be read, if the user asks for it (`
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from hashlib import sha256
 from typing import Final
@@ -30,16 +31,18 @@ from mikas.fleet.entries import (
     FOLDER,
     LARGEST_TABLE,
     LONGEST,
+    NOT_ITS_OWN,
     SUFFIX,
     LedgerEntry,
     json_of,
+    key_in,
     parse_entry,
     reason_not_sound,
     size_in,
     stamp_of,
 )
 from mikas.fleet.places import PARTS, shown
-from mikas.fleet.stores import Store
+from mikas.fleet.stores import Store, is_of_file
 from mikas.fleet.tables import TABLES
 from mikas.i18n import Text
 
@@ -78,6 +81,7 @@ class Ledger:
         self.refused: dict[str, Text] = {}
         self.readings = 0
         self._noted: set[str] = set()
+        self._replaced: set[str] = set()  # keys of sound entries that others replace
         self.sizes: dict[str, int] = {}  # of the files, as last looked at
         self.refresh()
 
@@ -95,10 +99,29 @@ class Ledger:
                 self.refused[f"{FOLDER}/{name}"] = reason_not_sound(error)
             else:
                 found[entry.key] = entry
-        gone = {name for entry in found.values() for name in entry.obsolete}
-        # Another run may write an entry back, with a source of it, that was just replaced.
-        gone |= {f"{FOLDER}/{key}.json" for entry in found.values() for key in entry.replaces}
-        self.entries = {key: entry for key, entry in found.items() if entry.name not in gone}
+        self._settle(found)
+        self.entries = {
+            key: entry
+            for key, entry in found.items()
+            if key not in self._replaced and entry.name not in self.refused
+        }
+
+    def _settle(self, found: Mapping[str, LedgerEntry]) -> None:
+        """Find the entries that others replace, and refuse those that would replace what is not
+        their own. One that is replaced replaces none: so no two do it to each other.
+
+        `replaces` counts as long as the entry does: another run may write an entry back, with a
+        source of it, that was just replaced.
+        """
+        self._replaced = set()
+        for entry in sorted(found.values(), key=lambda it: it.bytes, reverse=True):
+            if entry.key not in self._replaced:
+                others = [found[key] for key in sorted(entry.replaced & found.keys())]
+                foreign = next((it for it in others if not entry.may_replace(it)), None)
+                if foreign is not None:
+                    self.refused[entry.name] = NOT_ITS_OWN.filled(name=foreign.name)
+                else:
+                    self._replaced.update(other.key for other in others)
 
     def commit(self, entry: LedgerEntry, older: Sequence[LedgerEntry] = ()) -> None:
         """Let an entry count, and its former self and `older` ones no more."""
@@ -115,15 +138,27 @@ class Ledger:
         self._write(entry)
         for each in older:
             self.entries.pop(each.key, None)
+            self._replaced.add(each.key)
         self.entries[entry.key] = entry
         self.clear(entry)
 
     def clear(self, entry: LedgerEntry) -> None:
-        """Remove what an entry has made obsolete."""
+        """Remove what an entry has made obsolete. Of another recording that has no sound entry
+        nothing is removed: nothing tells that it is a state of this one.
+        """
         if entry.obsolete:
             for name in entry.obsolete:
-                self.files.remove(name)
+                if (key := key_in(name)) == entry.key or key in self._replaced:
+                    self._remove(name)
             self._change(replace(entry, obsolete=()))
+
+    def _remove(self, name: str) -> None:
+        """Remove a file; what no program of ours has put there may stay: it does not count."""
+        try:
+            self.files.remove(name)
+        except FleetError as error:
+            if not is_of_file(error):
+                raise
 
     def drop_lost(self, *, check: bool = False) -> list[LedgerEntry]:
         """Let no entry count whose files can't be used; return those entries. `check`: read all."""
