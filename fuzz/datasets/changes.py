@@ -131,10 +131,9 @@ def _known(path: Path) -> dict[str, Any] | None:
         return None
     value = _json_of(path)
     kinds = {"key": str, "files": list, "sources": dict}
-    is_ours = isinstance(value, dict) and all(
-        isinstance(value.get(name), kind) for name, kind in kinds.items()
-    )
-    return value if is_ours else None
+    if isinstance(value, dict) and all(isinstance(value.get(it), kinds[it]) for it in kinds):
+        return value
+    return None
 
 
 def _bytes(random: Random, home: Path, _: Path) -> None:

@@ -116,10 +116,11 @@ _URL: Final = re.compile(r"([A-Za-z][A-Za-z0-9+.-]+:(?://)?)(.*)", re.DOTALL)
 SECRET_VARIABLES: Final = (  # of the environment
     "AWS_SECRET_ACCESS_KEY", "AWS_SESSION_TOKEN", "AWS_ACCESS_KEY_ID", "MIKAS_MQTT_PASSWORD",
 )  # fmt: skip
-_PATHS: Final = ("file:", "replay:", "serial:")  # schemes that a path follows
+_PATHS: Final = ("file:", "local:", "replay:", "serial:")  # schemes that a path follows
 _SECRET_OPTION: Final = re.compile(
     r"(?<=[?&;])([^=&;]*(?:pass|pwd|token|secret|key|sig|auth|cred)[^=&;]*)=([^&]*)", re.IGNORECASE
 )
+LOCAL: Final = ("file://", "local://")  # all names that fsspec has for folders of this computer
 _SHORTEST: Final = 3  # bytes of a secret that are looked for in other texts
 _LONG: Final = 8  # of a name; and a run of as many bytes of a longer secret is looked for, too
 _QUOTED: Final = re.compile(rb"%([0-9a-f]{2})")
@@ -220,7 +221,7 @@ def _parted(url: str) -> _Parts:
         has_password &= not re.match(r"\?\w+=", rest)  # options, as of sim:?scenario=…
         user = "".join((rest if has_password else host).rpartition("@")[:2])
     place = rest[len(user) :]
-    end = re.search("[?#]" if scheme.endswith("//") and scheme != "file://" else r"(?!)", place)
+    end = re.search("[?#]" if scheme.endswith("//") and scheme not in LOCAL else r"(?!)", place)
     at = len(place) if end is None else end.start()
     return _Parts(scheme, user, place[:at], place[at:])
 

@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 import os
+from shutil import make_archive
 
 import pytest
+from fsspec.implementations.local import LocalFileSystem
+from fsspec.registry import known_implementations
 
-from fleet_rig import add_here, ask, counts, make
-from mikas.fleet.places import FoundFile, recordings_in, shown
+from fleet_rig import BEGAN, DAY, add_here, ask, counts, make
+from mikas.errors import FleetError
+from mikas.fleet.ledger import FOLDER
+from mikas.fleet.places import FoundFile, as_path, recordings_in, shown
+from mikas.fleet.stores import DiskStore, store
 
 OLD_NAME = "Волга".encode("cp1251")
 
@@ -89,6 +95,53 @@ def test_the_files_below_a_url_keep_its_host(monkeypatch, place, path, urls) -> 
     found = list(recordings_in(place))
     assert [file.url for file in found] == urls
     assert {type(file) for file in found} == {FoundFile}
+
+
+def names_of_disk() -> list[str]:
+    """All names that fsspec has for the folders of this computer."""
+    every = known_implementations.items()
+    own = {name for name, it in every if it["class"].endswith(".local.LocalFileSystem")}
+    return sorted(own | set(LocalFileSystem.protocol))
+
+
+def test_every_name_of_a_folder_of_this_computer_is_a_path(tmp_path) -> None:
+    for name in names_of_disk():
+        place = f"{name}://{tmp_path}"
+        assert isinstance(store(place), DiskStore)
+        assert as_path(place) == tmp_path
+
+
+CHAINS = (
+    *("simplecache::{}", "filecache::{}", "blockcache::{}", "cached::{}", "simplecache://::{}"),
+    *("dir://::{}", "simplecache::dir://::{}", "asyncwrapper::{}"),
+)
+
+
+@pytest.mark.posix
+def test_no_address_leads_through_a_link_to_a_folder(tmp_path) -> None:
+    """`local://` was read, and written, through a link in place of `_ledger`."""
+    make(tmp_path / "in" / "a.pcapng")
+    add_here(tmp_path / "in", to=tmp_path / "set")
+    (tmp_path / "set" / FOLDER).rename(tmp_path / "outside")
+    (tmp_path / "set" / FOLDER).symlink_to(tmp_path / "outside")
+    make(tmp_path / "new" / "b.pcapng", began=BEGAN + DAY)
+    for name in names_of_disk():
+        for chain in ("{}", *CHAINS):
+            place = chain.format(f"{name}://{tmp_path / 'set'}")
+            for use in (
+                lambda to=place: ask(to, "FROM drives"),
+                lambda to=place: add_here(tmp_path / "new", to=to),
+            ):
+                with pytest.raises(FleetError, match=r"link|by its path"):
+                    use()
+    assert len(list((tmp_path / "outside").iterdir())) == 1
+
+
+def test_a_dataset_in_an_archive_of_this_computer_is_read(tmp_path) -> None:
+    make(tmp_path / "in" / "a.pcapng")
+    add_here(tmp_path / "in", to=tmp_path / "set")
+    archive = make_archive(str(tmp_path / "all"), "zip", tmp_path, "set")
+    assert ask(f"zip://set::file://{archive}", "SELECT count(*) FROM drives") == [(1,)]
 
 
 def test_a_place_is_shown_without_its_secrets_and_in_utf_8() -> None:

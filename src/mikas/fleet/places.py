@@ -14,7 +14,7 @@ from pathlib import Path, PurePosixPath
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
-from mikas.cleaning import SECRET_VARIABLES, public_url, secrets_of, without
+from mikas.cleaning import LOCAL, SECRET_VARIABLES, public_url, secrets_of, without
 from mikas.errors import FleetError, MikasError, MissingExtra, library, reason_of
 from mikas.i18n import Text
 
@@ -26,6 +26,10 @@ _NOT_THERE: Final = Text("there is no such file or folder", "такого фай
 _LINK: Final = Text(
     "this is a link to another file, which is not followed; name that file itself",
     "это ссылка на другой файл, по ней не переходят; назовите сам файл",
+)
+_BEHIND: Final = Text(
+    "this address leads to a folder of this computer; name the folder by its path",
+    "этот адрес ведёт в папку этого компьютера; назовите её путь",
 )
 
 
@@ -59,13 +63,14 @@ def is_utf_8(text: str) -> bool:
 
 
 def is_url(place: str) -> bool:
-    """Return whether the place is a URL, not a path."""
-    return "://" in place and not place.startswith("file://")
+    """Return whether the place is a URL, not a path of this computer, which may have a prefix."""
+    return "://" in place and not place.startswith(LOCAL)
 
 
 def as_path(place: str) -> Path:
     """Return the absolute path of a place that is no URL."""
-    return Path(place.removeprefix("file://")).expanduser().absolute()
+    prefix = next(filter(place.startswith, LOCAL), "")
+    return Path(place.removeprefix(prefix)).expanduser().absolute()
 
 
 @contextmanager
@@ -118,7 +123,18 @@ def file_system(place: str) -> tuple[AbstractFileSystem, str]:
         if isinstance(cause, ImportError) and protocol in ("s3", "s3a"):
             raise MissingExtra(feature="s3://", extra="s3") from cause
         raise
+    if _is_of_disk(system):  # links in it would be followed
+        raise FleetError(place, _BEHIND)
     return system, str(path).rstrip("/")
+
+
+def _is_of_disk(system: AbstractFileSystem) -> bool:
+    """Return whether a file system is this computer's, or passes all on to it, as a cache does."""
+    inner: object = system
+    while inner is not None:
+        system = inner
+        inner = getattr(system, "fs", None) or getattr(system, "sync_fs", None)
+    return "file" in getattr(system, "protocol", ())
 
 
 def recordings_in(place: str) -> Iterator[FoundFile]:
