@@ -86,7 +86,8 @@ def test_no_part_of_a_password_is_said_of_a_store_an_executor_or_a_broker(pieces
     "plain",
     [
         "s3://bucket/a@b", "s3://bucket/a:b@c.pcapng", "/srv/a:b@c?d#e", "C:\\cars\\a@b",
-        "file:///srv/a:b@c?d#e", "local:///srv/a:b@c?d#e", "local://a:b@c", "memory://x/y", "rec@home", "sftp://host:22/cars",
+        "file:///srv/a:b@c?d#e", "local:///srv/a:b@c?d#e", "local://a:b@c",
+        "memory://x/y", "rec@home", "sftp://host:22/cars",
     ],
 )  # fmt: skip
 def test_an_address_without_a_secret_stays_as_it_is(plain) -> None:
