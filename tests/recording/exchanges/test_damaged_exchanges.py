@@ -176,6 +176,30 @@ def test_a_list_is_not_known_behind_one_whose_request_is_missing(tmp_path, echo)
     )
 
 
+@pytest.mark.parametrize("early", [0, 2, 3, 4])
+@pytest.mark.parametrize("packets", [1, 2, 4])
+def test_without_echo_a_response_in_one_packet_began_before_its_end(tmp_path, early, packets):
+    """It counted as begun when its packet came: a response that the tester had refused (D2)."""
+    line = [
+        *exchange(1000.0, "01", "0A", echo=False),
+        *exchange(1000.1, "611A29", "1A1B", echo=False),
+        *exchange(1000.2, "611A29", "1A1B", echo=False),
+    ]
+    asked, response = line[-2:]
+    byte = 10 / 9600
+    out = asked.time + len(asked.data) * byte  # the request's last byte
+    first = out + byte * (1 - early / 2)  # when the response's first byte has come
+    size = len(response.data) // packets
+    ends = [*range(size, len(response.data), size), len(response.data)][-packets:]
+    pieces = [
+        response._replace(data=response.data[start:end], time=first + (end - 1) * byte)
+        for start, end in zip([0, *ends], ends, strict=False)
+    ]
+    assert b"".join(it.data for it in pieces) == response.data
+    counts = not early
+    assert len(values_of(tmp_path / "it.pcapng", [*line[:-1], *pieces])) == 1 + counts
+
+
 @pytest.mark.parametrize("copies", [1, 2])
 @pytest.mark.parametrize("method", METHODS)
 def test_a_second_echo_is_no_response(tmp_path, method, copies):

@@ -35,15 +35,22 @@ function Direction:drop_before(start)
 end
 
 -- Completes an event: its `way`, `first` and `last` number of the packets with its bytes, `began`
--- and `ended`, their times, whether more `followed` in the last one, and `at`, its place in the
--- present packet if it lies in it whole. `completed` gets the number of every other packet.
+-- and `ended`, their times, `wire_time`, when its first byte began on the wire, whether more
+-- `followed` in the last one, and `at`, its place in the present packet if it lies in it whole. `completed` gets the number of every other packet.
 function Direction:locate(item, present, completed)
   self:drop_before(item.offset)
   item.way = self.way
   local stop, at = item.offset + #item.wire, self.first
   item.first, item.began = self.packets[at].number, self.packets[at].time
-  while self.packets[at].stop < stop do
-    completed(self.packets[at].number, present.number)
+  item.wire_time = item.began
+  while true do
+    local packet = self.packets[at]
+    local implied = packet.time - (packet.stop - item.offset) * byte_time()
+    item.wire_time = math.min(item.wire_time, implied)
+    if packet.stop >= stop then
+      break
+    end
+    completed(packet.number, present.number)
     at = at + 1
   end
   local last = self.packets[at]

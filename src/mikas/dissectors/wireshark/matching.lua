@@ -219,7 +219,7 @@ function Matching:response(it)
     it.doubt = "TOGETHER"
     return
   end
-  if not was_echoed and not self.echoes and self:is_too_soon(it.began) then
+  if not was_echoed and not self.echoes and self:is_too_soon(it.wire_time) then
     it.doubt = "TOO_SOON"
     return
   end
@@ -246,8 +246,8 @@ end
 
 -- Returns whether a response without an echo began before its request was out (D2). An emulator
 -- without a wire may answer so, as its answer to 01 shows, or to a recording's first request.
-function Matching:is_too_soon(began)
-  if began >= self.due + byte_time() / 2 then
+function Matching:is_too_soon(wire_time)
+  if wire_time >= self.due - byte_time() / 2 then
     self.at_once = math.max(0, (self.at_once or 0) - 1)
   elseif self.at_once ~= 0 or self.request.body == AVAILABILITY then
     self.at_once = AT_ONCE

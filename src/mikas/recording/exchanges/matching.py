@@ -318,7 +318,7 @@ class Matching:
             return DAMAGE
         if it.followed:
             return REFUSED[Doubt.TOGETHER]
-        if not was_echoed and not self.echoes and self._is_too_soon(it.began):
+        if not was_echoed and not self.echoes and self._is_too_soon(it.wire_time):
             return REFUSED[Doubt.TOO_SOON]
         if (delay := it.began - self._due) > self.patience:
             self.stage, self._delay, self._answered_at = Stage.LATE, delay, it.ended
@@ -336,13 +336,13 @@ class Matching:
             self.listed = self.fitting.list_length(request)
         return self._answered()
 
-    def _is_too_soon(self, began: float) -> bool:
+    def _is_too_soon(self, wire_time: float) -> bool:
         """Return whether a response without an echo began before its request was out (D2).
 
         An emulator without a wire may answer so, as its answer to `01` shows, or to a recording's
         first request (`Line.receive`).
         """
-        if began >= self._due + self._byte_time / 2:
+        if wire_time >= self._due - self._byte_time / 2:
             self._at_once = max(0, (self._at_once or 0) - 1)
         elif self._at_once is None or self._at_once or self._is_availability:
             self._at_once = _AT_ONCE

@@ -126,7 +126,8 @@ class _Direction:
             place = self._place(start, len(wire))
             rest = packet.data[max(0, end - begin) :]
             followed = bool(rest.strip(_TERMINATORS))
-            yield event, place, Received(wire, body, start, end, place[0], place[1], followed)
+            times = place[0], place[1], place[3]
+            yield event, place, Received(wire, body, start, end, *times, followed)
         self._drop_before(self._decoder.offset - len(self._decoder.pending))
 
     def abandon(self) -> tuple[bytes, _Place] | None:

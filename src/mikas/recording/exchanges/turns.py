@@ -14,7 +14,6 @@ from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Iterator, Sequence
 from functools import lru_cache, partial
 from itertools import accumulate
-from math import inf
 from typing import Any, BinaryIO, Final
 
 import numpy as np
@@ -210,14 +209,14 @@ class TurnMatcher:
         listed = self.matching.listed
         fits = request == READ_LIST and listed is None
         fits = fits or length == self._fitting.length(request, listed)
-        soonest = -inf if self.matching.echoes else self._source.byte_time / 2
-        return fits and soonest <= delay <= self.matching.patience
+        return fits and delay <= self.matching.patience
 
     def _received(self, run: PacketRun, asked: int, stop: int, echo: bytes) -> _Frames | None:
         """Return the frames after the echo in the packets of a turn: time, bytes without the
         terminator, length, and s after the request and its echo.
 
-        None if there is anything else, or a frame that repeats the request.
+        None if there is anything else, a frame that repeats the request, or one that began before
+        the request was out.
         """
         data, times, byte_time = run.data, run.times, self._source.byte_time
         due = times[asked] + len(data[asked]) * byte_time
@@ -232,13 +231,16 @@ class TurnMatcher:
             if is_one and got.startswith(echo) and frame != data[asked][:-1]:
                 length, time = len(frame) + 1, times[start]
                 due = max(due, time) if echo else due
+                if not self.matching.echoes and time - length * byte_time < due - byte_time / 2:
+                    return None
                 return [(time - length * byte_time, frame, length, time - due)]
         got = b"".join(data[start:stop])
         if not got.startswith(echo):
             return None
         frames = self._frames(got, len(echo), (due, times[start:stop]), data[start:stop])
         repeats = frames and any(it[1] == data[asked][:-1] for it in frames)
-        return None if repeats else frames
+        too_soon = frames and not self.matching.echoes and frames[0][0] < due - byte_time / 2
+        return None if repeats or too_soon else frames
 
     def _frames(
         self, got: bytes, start: int, timed: tuple[float, Sequence[float]], data: Sequence[bytes]

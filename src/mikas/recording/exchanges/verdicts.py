@@ -43,7 +43,9 @@ class Received(NamedTuple):
     """A received frame, or damage, which has no `body`.
 
     `start`, `end`: its bytes in the direction's stream. `began`, `ended`: times of the packets with
-    its first and last byte. `followed`: more than bare terminators comes in the packet behind it.
+    its first and last byte. `wire_time`: when its first byte began on the wire, as far as it
+    matters: on a line without echo. `followed`: more than bare terminators comes in the packet
+    behind it.
     """
 
     wire: bytes
@@ -52,6 +54,7 @@ class Received(NamedTuple):
     end: int
     began: float
     ended: float
+    wire_time: float
     followed: bool
 
 

@@ -31,7 +31,7 @@ class Events:
     ends: Floats
     came: Index
     brought: Index
-    byte_time: float
+    stream: PacketStream
     sound: Mask = field(init=False)
     starts: Index = field(init=False)
     lengths: Index = field(init=False)
@@ -48,6 +48,14 @@ class Events:
     def body_lengths(self) -> Index:
         """Lengths of the bodies; of damage they mean nothing."""
         return self.block.body_ends[self.index] - self.block.body_starts[self.index]
+
+    @property
+    def byte_time(self) -> float:
+        return self.stream.byte_time
+
+    def wire_time(self, event: int) -> float:
+        """Return when the first byte of an event began on the wire."""
+        return float(self.stream.wire_times(self.block, self.index[event : event + 1])[0])
 
     def of_turn(self, turn: int) -> range:
         """Return the events of one turn."""
@@ -69,7 +77,7 @@ class PacketStream:
     """
 
     def __init__(self, byte_time: float) -> None:
-        self._byte_time = byte_time
+        self.byte_time = byte_time
         self._decoder = BulkDecoder()
         self._last = np.nan  # time of the latest packet
         # The packets of the unfinished frame: where they end in the stream, and their times.
@@ -107,7 +115,7 @@ class PacketStream:
             ends=self._times[self._ends.searchsorted(block.ends[index] + block.origin)],
             came=before + of_turn.cumsum() - of_turn,
             brought=of_turn,
-            byte_time=self._byte_time,
+            stream=self,
         )
 
     def _first_packets(self, block: FrameBlock, events: Index) -> Index:
@@ -123,12 +131,12 @@ class PacketStream:
         starts = block.starts[events] + block.origin
         packet = self._first_packets(block, events)
         last = self._ends.searchsorted(block.ends[events] + block.origin)
-        times: Floats = self._times[packet] - (self._ends[packet] - starts) * self._byte_time
+        times: Floats = self._times[packet] - (self._ends[packet] - starts) * self.byte_time
         more = (packet < last).nonzero()[0]
         while more.size:
             packet[more] += 1
             at = packet[more]
-            implied = self._times[at] - (self._ends[at] - starts[more]) * self._byte_time
+            implied = self._times[at] - (self._ends[at] - starts[more]) * self.byte_time
             times[more] = np.minimum(times[more], implied)
             more = more[at < last[more]]
         return times
@@ -138,6 +146,6 @@ class PacketStream:
             return np.zeros(0, np.bool_)
         before = np.concatenate(([self._last], times[:-1]))
         self._last = times[-1]
-        silence = times - lengths * self._byte_time - before
+        silence = times - lengths * self.byte_time - before
         late: Mask = silence > np.where(after_sent, SILENCE_AFTER_SENDING, SILENCE)
         return late

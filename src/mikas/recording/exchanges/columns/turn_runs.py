@@ -125,6 +125,7 @@ class Turns:
             end + it.block.origin,
             float(it.begins[event]),
             float(it.ends[event]),
+            float(it.begins[event]) if self._matching.echoes else it.wire_time(event),
             bool((behind != TERMINATOR).any()),
         )
 
@@ -212,8 +213,9 @@ class Turns:
         due = sent.begins[asked] + sent.lengths[asked] * sent.byte_time
         if echoes:
             due = np.maximum(due, received.ends[first])
-        else:
-            fits &= received.begins[answer] >= due + sent.byte_time / 2
+        else:  # all its bytes may have come with the first one
+            wire_time = received.begins[answer] - received.lengths[answer] * sent.byte_time
+            fits &= wire_time >= due - sent.byte_time / 2
         fits &= received.begins[answer] - due <= patience
         regular[turns[~fits]] = False
         self._irregular = (~regular).nonzero()[0]
