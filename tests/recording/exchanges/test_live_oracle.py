@@ -5,7 +5,7 @@ from __future__ import annotations
 from contextlib import closing
 from itertools import islice
 
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from test_table_sessions import CATALOG, NAMES, RestlessCar, adapters
 
@@ -21,7 +21,7 @@ from mikas.recording.exchanges.fitting import Fitting
 from mikas.recording.exchanges.scalar import DecodedFrame
 from mikas.recording.exchanges.turns import quick_exchanges
 from mikas.recording.inspect import decode
-from mikas.virtual.bus import Bus
+from mikas.virtual.bus import AdapterKind, Bus
 from mikas.virtual.ecu import VirtualEcu
 from mikas.virtual.fault_injector import FaultInjector, LineFault
 from mikas.virtual.responder import Identity, Responder
@@ -107,6 +107,17 @@ plans = st.lists(
 
 
 @settings(max_examples=60, deadline=None)
+@example(  # a `01` was sent behind a late response to `01`: it had not been taken
+    [
+        ("batch", ["TWAT", "FREQ"], 3),
+        ("stream", ["TWAT", "FREQ"], 3),
+        ("single", ["TWAT", "FREQ", "FREQX"], 1),
+    ],
+    AdapterKind(echo=False),
+    59,
+    0.4,
+    [LineFault.CUT, LineFault.LATE, LineFault.LOST],
+)
 @given(
     plans,
     adapters,

@@ -60,9 +60,8 @@ function Matching:begin_sending(time, received)
   self.phase, self.from = nil, received
   self.is_damaged = self.is_damaged or self.is_partial
   self.is_partial = true
-  if phase == LATE and self.trusted and self:has_waited(time) then
-    self.patience = math.max(self.patience, MARGIN * self.delay)
-    phase = ANSWERED
+  if phase == LATE and self:has_waited(time) then
+    self.trusted_before = self.trusted
   end
   if not phase then
     return
@@ -76,11 +75,23 @@ function Matching:begin_sending(time, received)
   end
 end
 
--- Returns whether the tester, which sends again at `time`, has taken a late response.
+-- Returns whether the tester, which sends again at `time`, may have taken a late response.
 function Matching:has_waited(time)
   local is_quick = time < self.sent_until + GIVEN_UP
   local is_patient = self.delay > GIVEN_UP and time < self.answered_at + SOON
   return is_quick or is_patient
+end
+
+-- Trusts as before a late response, which the tester has taken.
+function Matching:learn_patience(trusted)
+  local is_availability = self.request.body == AVAILABILITY
+  if trusted or is_availability then
+    self.patience = math.max(self.patience, MARGIN * self.delay)
+    self.trusted = trusted
+    if is_availability then
+      self:confirm()
+    end
+  end
 end
 
 -- Judges a clean answer to 01.
@@ -104,6 +115,11 @@ function Matching:sent(it, packet, received)
   end
   if it.body and self.is_damaged then
     self:lose_list()
+  end
+  local before = self.trusted_before
+  self.trusted_before = nil
+  if before ~= nil and it.body and it.body ~= AVAILABILITY then
+    self:learn_patience(before)
   end
   it.sent = true
   self.request = { body = it.body, number = packet.number, time = packet.time }

@@ -56,8 +56,8 @@ _MOST_UNECHOED: Final = 64
 _MODELS: Final = frozenset([b"\x09", b"\x0a"])  # versions that need no second `01` (D13)
 
 # s from the end of a request to its response: D14's 500 ms, as seen through a latency timer. A
-# tester that waits longer shows it by what it sends next: one that gave up waits for as long again
-# (`Timing.late`), then synchronizes.
+# tester that waits longer shows it by what it sends next, and when: one that gave up waits for as
+# long again (`Timing.late`), but for a late response, then synchronizes by `01`.
 PATIENCE: Final = 0.51
 _GIVEN_UP: Final = 0.9
 _SOON: Final = 0.5
@@ -106,6 +106,7 @@ class Matching:
         self._at_once: int | None = None  # responses before an emulator counts as a wire
         self._delay = 0.0  # of a late response
         self._answered_at = -inf
+        self._trusted_before: bool | None = None  # a late response, if it may have been taken
         self.lists_lost: list[int] = []
         self._is_partial = self._is_damaged = False  # what was sent may be a 64
         self._answer = b""  # to the present `01`
@@ -174,11 +175,10 @@ class Matching:
     def end_exchange(self, time: float) -> None:
         """End the exchange before: a byte of the next request is sent at `time`."""
         stage, self.stage = self.stage, Stage.NONE
-        if stage is Stage.LATE and self.trusted and self._has_waited(time):
-            self.patience = max(self.patience, _MARGIN * self._delay)
-            stage = Stage.ANSWERED
         if stage is Stage.NONE:
             return
+        if stage is Stage.LATE and self._has_waited(time):
+            self._trusted_before = self.trusted
         if stage is Stage.STREAMING:
             self.trusted = False
         elif stage is not Stage.ANSWERED:
@@ -188,10 +188,18 @@ class Matching:
             self._confirm()
 
     def _has_waited(self, time: float) -> bool:
-        """Return whether the tester, which sends again at `time`, has taken a late response."""
+        """Return whether the tester, which sends at `time`, may have taken a late response."""
         is_quick = time < self._sent_until + _GIVEN_UP
         is_patient = self._delay > _GIVEN_UP and time < self._answered_at + _SOON
         return is_quick or is_patient
+
+    def _learn_patience(self, trusted: bool) -> None:
+        """Trust as before a late response, which the tester has taken."""
+        if trusted or self._is_availability:
+            self.patience = max(self.patience, _MARGIN * self._delay)
+            self.trusted = trusted
+            if self._is_availability:
+                self._confirm()
 
     def _confirm(self) -> None:
         """Judge a clean answer to `01` (D13)."""
@@ -213,6 +221,9 @@ class Matching:
             self.end_exchange(time)
         if body is not None and self._is_damaged:
             self.lose_list()
+        before, self._trusted_before = self._trusted_before, None
+        if before is not None and body not in (None, AVAILABILITY):
+            self._learn_patience(before)
         self.request = SentRequest(self.count, body)
         self.count += 1
         self.unechoed.append(wire)

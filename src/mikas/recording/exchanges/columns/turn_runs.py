@@ -142,7 +142,7 @@ class Turns:
     def _run(self, first: int, last: int) -> int:
         """Match regular turns from `first` to before `last` at once; return the next turn."""
         matching, sent, received = self._matching, self._requests, self._responses
-        if matching.echoes is None:
+        if matching.echoes is None or matching.stage is Stage.LATE:
             return first
         if self._known != (matching.echoes, matching.patience):
             self._find_regular(echoes=matching.echoes, patience=matching.patience)
