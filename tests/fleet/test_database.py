@@ -117,6 +117,15 @@ def test_folders_above_a_dataset_are_no_columns_of_it(tmp_path, parent) -> None:
     ]  # fmt: skip
 
 
+@pytest.mark.parametrize("verb", ["SUMMARIZE", "DESCRIBE", "FROM", "SELECT 1; FROM"])
+@pytest.mark.parametrize("name", ["../recs/single.parquet", "x.parquet", "drives/*.parquet"])
+def test_a_file_that_the_sql_names_is_no_damaged_one(dataset, verb, name) -> None:
+    with pytest.raises(UsageError) as failed:
+        ask(dataset, f"{verb} 'dataset://{name}'")
+    assert not isinstance(failed.value, FleetError)
+    assert "Traceback" not in str(failed.value)
+
+
 def test_now_is_in_utc_as_the_dataset_is(dataset, monkeypatch) -> None:
     monkeypatch.setenv("TZ", "Asia/Vladivostok")
     asked = "SELECT TIMESTAMP '2026-03-02 12:00' = TIMESTAMPTZ '2026-03-02 12:00+00'"

@@ -32,7 +32,7 @@ from mikas.fleet.query.table_files import (
     other_files,
     refuse_files,
 )
-from mikas.fleet.query.table_system import PROTOCOL, DatasetFileSystem
+from mikas.fleet.query.table_system import NO_TABLE, PROTOCOL, DatasetFileSystem
 from mikas.fleet.stores import Store, store
 from mikas.fleet.tables import PARTITIONS, TABLES
 from mikas.i18n import Text
@@ -145,6 +145,8 @@ class Database:
             text = str(error)
             if isinstance(error, duckdb.OutOfMemoryException):
                 raise too_much_memory() from error
+            if NO_TABLE in text:
+                raise _wrong(sql, error) from error
             if isinstance(error, duckdb.IOException) or (_FILE.search(text) and _ZONE not in text):
                 raise _unreadable(self._place, error) from error
             raise _wrong(sql, error) from error

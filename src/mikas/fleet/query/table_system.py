@@ -25,6 +25,7 @@ from mikas.fleet.stores import Store, UrlStore
 from mikas.i18n import Text
 
 PROTOCOL: Final = "dataset"
+NO_TABLE: Final = "no table of the dataset: "  # only SQL of the user names such a file
 _OF_FILE: Final = (FileNotFoundError, IsADirectoryError, NotADirectoryError)
 _OF_NAME: Final = Text("{name}: {reason}", "{name}: {reason}")
 _SHORTER: Final = Text("the file has become shorter", "файл стал короче")
@@ -127,7 +128,7 @@ class DatasetFileSystem(AbstractFileSystem):  # type: ignore[misc]  # fsspec has
 
     def _size(self, name: str) -> int:
         if name not in self._sizes:
-            raise FileNotFoundError(name)
+            raise FileNotFoundError(f"{NO_TABLE}{name}")
         return self._sizes[name]
 
     @contextmanager
