@@ -54,6 +54,37 @@ def test_no_entry_is_dropped_for_a_failure_of_the_disk(home, tmp_path, monkeypat
     assert counts(add_here(tmp_path / "in", to=home)) == (0, 0, 2, 0)
 
 
+class _Answer(Exception):
+    """The answer of a web server, as aiohttp raises it."""
+
+    def __init__(self, status: int) -> None:
+        super().__init__(f"{status}, the server's words")
+        self.status = status
+
+
+@pytest.mark.parametrize("cause", [_Answer(401), _Answer(403), _Answer(500), TimeoutError("words")])
+def test_what_a_web_server_refuses_is_not_called_missing(home, monkeypatch, cause) -> None:
+    """It was said that this is no dataset: fsspec has `FileNotFoundError` for every failure."""
+    system = fsspec.filesystem("memory")
+    system.put(str(home), "/web", recursive=True)
+    info = type(system).info
+
+    def refused(self, path: str, **more: object) -> dict:
+        if path.endswith((".json", ".parquet")):
+            raise FileNotFoundError(path) from cause
+        return info(self, path, **more)
+
+    monkeypatch.setattr(type(system), "info", refused)
+    with pytest.raises(FleetError, match=r"words|timed out") as failed:
+        ask("memory://web", ROWS)
+    assert "no dataset" not in str(failed.value)
+    for missing in (_Answer(404), _Answer(410), FileNotFoundError(), None):
+        cause = missing
+        with pytest.raises(FleetError, match="no dataset"):
+            ask("memory://web", ROWS)
+    system.rm("/web", recursive=True)
+
+
 @pytest.mark.parametrize("number", FAILURES)
 @pytest.mark.parametrize("when", ["open", "read"])
 def test_a_table_that_the_system_does_not_give_is_not_called_damaged(

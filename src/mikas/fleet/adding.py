@@ -23,8 +23,8 @@ from mikas.fleet.growing import States
 from mikas.fleet.interpreting import InterpretingSettings
 from mikas.fleet.job import FileOutcome, work
 from mikas.fleet.ledger import Ledger, begin
-from mikas.fleet.places import FoundFile, as_path, is_url, recordings_in, shown
-from mikas.fleet.stores import is_of_file, store
+from mikas.fleet.places import FoundFile, as_path, is_of_file, is_url, recordings_in, shown
+from mikas.fleet.stores import store
 from mikas.fleet.tables import RESERVED
 from mikas.i18n import Text
 

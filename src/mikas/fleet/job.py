@@ -37,8 +37,8 @@ from mikas.fleet.entries import (
     stamp_of,
 )
 from mikas.fleet.ledger import MARKER
-from mikas.fleet.places import FoundFile, as_local, shown
-from mikas.fleet.stores import Store, is_of_file, store
+from mikas.fleet.places import FoundFile, as_local, is_of_file, shown
+from mikas.fleet.stores import Store, store
 from mikas.i18n import Text
 from mikas.recording.capture.reader import CaptureReader
 

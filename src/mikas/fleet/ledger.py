@@ -41,8 +41,8 @@ from mikas.fleet.entries import (
     size_in,
     stamp_of,
 )
-from mikas.fleet.places import PARTS, shown
-from mikas.fleet.stores import Store, is_of_file
+from mikas.fleet.places import PARTS, is_of_file, shown
+from mikas.fleet.stores import Store
 from mikas.fleet.tables import TABLES
 from mikas.i18n import Text
 

@@ -6,22 +6,24 @@ hold. fsspec is imported for a URL and for questions only.
 
 from __future__ import annotations
 
+import errno
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path, PurePosixPath
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from mikas.cleaning import LOCAL, SECRET_VARIABLES, public_url, secrets_of, without
-from mikas.errors import FleetError, MikasError, MissingExtra, library, reason_of
+from mikas.errors import FleetError, MikasError, MissingExtra, UnfitFile, library, reason_of
 from mikas.i18n import Text
 
 if TYPE_CHECKING:
     from fsspec import AbstractFileSystem
 
 PARTS: Final = ".parts"  # unfinished files on a disk; readers of Parquet pass names with a dot over
+_NO_NAME: Final = (errno.ENAMETOOLONG, errno.ELOOP, errno.EINVAL)  # no file can have such a name
 _NOT_THERE: Final = Text("there is no such file or folder", "такого файла или папки нет")
 _LINK: Final = Text(
     "this is a link to another file, which is not followed; name that file itself",
@@ -86,6 +88,14 @@ def errors_of(place: str) -> Iterator[None]:
         raise FleetError(place, reason_in_store(error)) from error
 
 
+def is_of_file(error: FleetError) -> bool:
+    """Return whether not the place has failed, but one file of it is not what it should be."""
+    cause = error.__cause__
+    return isinstance(cause, UnfitFile | IsADirectoryError | NotADirectoryError) or (
+        isinstance(cause, OSError) and cause.errno in _NO_NAME
+    )
+
+
 def reason_in_store(error: Exception) -> Text:
     """Return in words why a store has failed."""
     if isinstance(error, OSError):
@@ -135,6 +145,26 @@ def _is_of_disk(system: AbstractFileSystem) -> bool:
         system = inner
         inner = getattr(system, "fs", None) or getattr(system, "sync_fs", None)
     return "file" in getattr(system, "protocol", ())
+
+
+def info_of(system: AbstractFileSystem, path: str) -> Mapping[str, Any]:
+    """Return what a file system says of a file. Raises `FileNotFoundError` only where there is
+    none: for fsspec a web server's refusal is one, too, and so is its silence.
+    """
+    try:
+        info: Mapping[str, Any] = system.info(path)
+    except FileNotFoundError as error:
+        cause = error.__cause__
+        if cause is not None and _is_failure(cause):
+            raise cause from None
+        raise
+    return info
+
+
+def _is_failure(cause: BaseException) -> bool:
+    if isinstance(cause, OSError):
+        return not isinstance(cause, FileNotFoundError)
+    return getattr(cause, "status", 404) not in (404, 410)
 
 
 def recordings_in(place: str) -> Iterator[FoundFile]:

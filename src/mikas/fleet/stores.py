@@ -24,7 +24,17 @@ from uuid import uuid4
 
 from mikas.errors import FleetError, UnfitFile
 from mikas.files import check_regular, check_unlinked, read_regular, too_large
-from mikas.fleet.places import PARTS, as_path, errors_of, file_system, is_url, is_utf_8, shown
+from mikas.fleet.places import (
+    PARTS,
+    as_path,
+    errors_of,
+    file_system,
+    info_of,
+    is_of_file,
+    is_url,
+    is_utf_8,
+    shown,
+)
 from mikas.i18n import Text
 
 _NOT_UTF_8: Final = Text(
@@ -34,7 +44,6 @@ _NOT_UTF_8: Final = Text(
 _GONE: Final = Text("{name}: there is no such file", "{name}: такого файла нет")
 _NO_FILE: Final = Text("this is no file", "это не файл")
 _UNFIT: Final = Text("{name}: {reason}", "{name}: {reason}")
-_NO_NAME: Final = (errno.ENAMETOOLONG, errno.ELOOP, errno.EINVAL)  # no file can have such a name
 _OLD: Final = 86_400.0  # s after which a part is a killed program's
 _TIMES: Final = 5  # that a folder is read or made which another process changes
 _OBJECT_STORES: Final = frozenset(
@@ -277,7 +286,7 @@ class UrlStore(Store):
         with errors_of(self.place), suppress(FileNotFoundError):
             self.system.invalidate_cache()
             path = self._at(name)
-            _size_of(self.system.info(path), most)
+            _size_of(info_of(self.system, path), most)
             data: bytes = self.system.cat_file(path)
             return data
         return None
@@ -352,7 +361,7 @@ class UrlStore(Store):
         or no sizes, as a web server's; what it lacks is asked for.
         """
         if listed is None or listed.get("size") is None:
-            listed = self.system.info(self._at(name))
+            listed = info_of(self.system, self._at(name))
         return _size_of(listed, most)
 
     @contextmanager
@@ -373,14 +382,6 @@ class UrlStore(Store):
             with suppress(Exception):  # another process made a part of it; a write says the rest
                 self.system.makedirs(path, exist_ok=True)
                 return
-
-
-def is_of_file(error: FleetError) -> bool:
-    """Return whether not the place has failed, but one file of it is not what it should be."""
-    cause = error.__cause__
-    return isinstance(cause, UnfitFile | IsADirectoryError | NotADirectoryError) or (
-        isinstance(cause, OSError) and cause.errno in _NO_NAME
-    )
 
 
 def _size_of(info: Mapping[str, Any], most: int) -> int:
