@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import logging
-import socket
 import threading
 from collections.abc import Iterator
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
@@ -144,10 +143,3 @@ def test_a_wrong_command_line_says_no_password(mikas) -> None:
         ran = mikas("doctor", "socket://me:zq0000001@127.0.0.1:9", *words)
         assert ran.status == 2
         assert "zq" not in ran.out + ran.err
-
-
-def test_v_says_no_password_of_a_port_that_opens(mikas) -> None:
-    with socket.create_server(("127.0.0.1", 0)) as listening:
-        port = f"socket://me:zq0000001@127.0.0.1:{listening.getsockname()[1]}"
-        ran = mikas("log", "-o", "x.pcapng", "--port", port, "--seconds", "0.1", "-v")
-    assert "zq" not in ran.out + ran.err

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mikas.catalog.own.file import NAME, OwnCatalog
+from mikas.cleaning import public_port
 from mikas.client.connecting import STATE_VARIABLE, ConnectionOptions, state_folder
 from mikas.client.parameters.polling import Method
 from mikas.dashboard.listening import own_addresses
@@ -142,6 +143,11 @@ class PortSettings:
 
     url: str
     echo: str = "auto"
+
+    @property
+    def shown(self) -> str:
+        """The URL for every client, without a password."""
+        return public_port(self.url)
 
 
 @dataclass(frozen=True, slots=True)

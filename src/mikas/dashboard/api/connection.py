@@ -17,6 +17,7 @@ from pydantic import BaseModel, Field
 
 from mikas.cancellation import check_cancelled
 from mikas.catalog import Catalog
+from mikas.cleaning import public_port
 from mikas.client.doctor import Step
 from mikas.client.parameters.polling import Method
 from mikas.dashboard.api.dependencies import (
@@ -25,7 +26,7 @@ from mikas.dashboard.api.dependencies import (
     TheDashboard,
     TheRequester,
     Viewer,
-    check_port,
+    port_named,
 )
 from mikas.dashboard.api.errors import OptionalTexts, TwoTexts, errors, made_of
 from mikas.dashboard.api.state import PlannedChannel, State, state_of
@@ -142,8 +143,8 @@ def ports(dashboard: TheDashboard) -> PortsResponse:
 @router.post("/connect", responses=errors(409, 503))
 async def connect(dashboard: TheDashboard, client: Controller, body: ConnectRequest) -> State:
     """Connect; the state shows the progress."""
-    await check_port(dashboard, client, body.port)
-    await dashboard.connect(body.port, echo=body.echo, method=body.method, rate=body.rate)
+    port = await port_named(dashboard, client, body.port)
+    await dashboard.connect(port, echo=body.echo, method=body.method, rate=body.rate)
     return state_of(dashboard, client)
 
 
@@ -254,8 +255,8 @@ async def doctor(
     dashboard: TheDashboard, client: Controller, body: DiagnosisRequest
 ) -> StreamingResponse:
     """Run the diagnosis; the response has a line of JSON (`DiagnosisStep`) for each step."""
-    await check_port(dashboard, client, body.port)
-    port = body.port or (dashboard.connection.port.url if dashboard.connection.port else None)
+    port = await port_named(dashboard, client, body.port)
+    port = port or (dashboard.connection.port.url if dashboard.connection.port else None)
     if port is None:
         port = await asyncio.to_thread(dashboard.connection.likely)
     parse(port)
@@ -310,4 +311,4 @@ def _line(port: str, step: Step) -> DiagnosisStep:
     found = Text(*(detail.removesuffix(shown).strip() for detail, shown in pairs))
     code = type(step.error).__name__ if step.error else None
     shown = {"title": _TITLES[step.name], "detail": found, "to_try": to_try}
-    return made_of(DiagnosisStep, step, port=port, code=code, **shown)
+    return made_of(DiagnosisStep, step, port=public_port(port), code=code, **shown)

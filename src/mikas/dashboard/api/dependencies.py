@@ -211,11 +211,15 @@ async def _controller(
 Controller = Annotated[Client, Depends(_controller)]
 
 
-async def check_port(dashboard: Dashboard, client: Client, url: str | None) -> None:
-    """Raise `NotFromNetwork`, `BadPortUrl` for a port that the client may not name.
+async def port_named(dashboard: Dashboard, client: Client, url: str | None) -> str | None:
+    """Return the port that the client names, by the URL that it was shown if it is in use.
 
-    The port in use, and None, the one likely adapter, are always allowed.
+    Raises `NotFromNetwork`, `BadPortUrl` for one that it may not name. The port in use, and None,
+    the one likely adapter, are always allowed.
     """
     port = dashboard.connection.port
-    if url is not None and not client.local and (port is None or url != port.url):
+    if port is not None and url in (port.url, port.shown):
+        return port.url
+    if url is not None and not client.local:
         await asyncio.to_thread(check_from_network, url, dashboard.settings.find)
+    return url

@@ -167,7 +167,7 @@ def shared_state(dashboard: Dashboard) -> State:
             text=text,
             reason=ADVICE.text(error) if error else silent,
             reason_code=type(error).__name__ if error else None,
-            port=port.url if port else None,
+            port=port.shown if port else None,
             checking=checking,
             adapter=thread.adapter if thread else "",
             model=unit.model if unit else None,

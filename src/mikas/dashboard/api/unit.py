@@ -13,6 +13,7 @@ from fastapi import APIRouter
 from pydantic import BaseModel, Field
 
 from mikas.catalog import Catalog, Confidence, Fault
+from mikas.cleaning import public_port
 from mikas.client import Ecu, Info, Support
 from mikas.commands.unit import version_text
 from mikas.dashboard.api.dependencies import NO_CLIENT_ID, Controller, TheDashboard, Viewer
@@ -186,7 +187,7 @@ def _passport_response(
         program_passport=info.passport.program,
         data_passport=info.passport.data,
         adapter=thread.adapter if thread else "",
-        port=port,
+        port=public_port(port),
         baud=thread.baud if thread else 9600,
         latency_ms=next((p.latency_ms for p in dashboard.settings.find() if p.url == port), None),
         method=dashboard.monitor.method,

@@ -9,7 +9,6 @@ well.
 from __future__ import annotations
 
 import asyncio
-import logging
 import os
 import re
 import threading
@@ -23,17 +22,16 @@ from typing import Literal
 
 from mikas.client import Ecu
 from mikas.client.memory.dumps import Dump, Manifest, manifest_path, read_manifest
-from mikas.dashboard.errors import Busy, InternalError, NotConnected, NotFound
+from mikas.dashboard.errors import Busy, NotConnected, NotFound
 from mikas.dashboard.library.folder import LeftOut, files_in
 from mikas.dashboard.security.control import DumpShown, PendingChange
 from mikas.dashboard.session.changes import DUMP, Found, deletion
 from mikas.dashboard.session.connection import Connection
+from mikas.dashboard.session.port_threads import logged
 from mikas.dashboard.settings import ensure_folder
 from mikas.errors import LineError, MikasError, NoConnection, UsageError, naming_file, reason_at
 from mikas.file_locks import writer_of
 from mikas.i18n import Text
-
-_log = logging.getLogger("mikas.dashboard")
 
 SUFFIX = ".bin"
 _MOST_DUMPS = 200  # listed; the latest
@@ -214,8 +212,9 @@ class DumpJobs:
         except OSError as error:
             job.phase, job.error = "failed", UsageError(problem=reason_at(job.file, error))
         except Exception as bug:  # any: the dump shows it and can be resumed
-            _log.error("a bug in the dump %s", job.id, exc_info=bug)
-            job.phase, job.error = "failed", InternalError(kind=f"{type(bug).__name__}: {bug}")
+            port = self._connection.port
+            job.phase = "failed"
+            job.error = logged(f"a bug in the dump {job.id}", bug, port.url if port else "")
 
     async def _read_all(self, job: DumpJob) -> None:
         failures = 0

@@ -10,10 +10,12 @@ from __future__ import annotations
 import asyncio
 import logging
 import threading
+import traceback
 from collections.abc import Callable
 from contextlib import closing
 from dataclasses import replace
 
+from mikas.cleaning import without_secrets
 from mikas.client.doctor import Step, examine
 from mikas.client.gate import Confirm
 from mikas.client.identity import UnitIdentity
@@ -29,6 +31,13 @@ from mikas.sampling.events import Event
 _log = logging.getLogger("mikas.dashboard")
 _END = 2.0  # s that the end of a stream may take
 _JOIN = 10.0  # s; opening an address in the network may take so long
+
+
+def logged(what: str, bug: Exception, port: str) -> InternalError:
+    """Log a bug, and return its error; neither has a password of the port's URL."""
+    told = "".join(traceback.format_exception(bug)).rstrip("\n")
+    _log.error("%s\n%s", what, without_secrets(told, port=port))
+    return InternalError(kind=f"{type(bug).__name__}: {bug}", url=port)
 
 
 class Stopped(Exception):
@@ -154,8 +163,7 @@ class SamplingThread(threading.Thread):
         except MikasError as why:
             error = why
         except Exception as bug:  # any: the page shows it, and the port is closed
-            _log.error("a bug in the sampling thread", exc_info=bug)
-            error = InternalError(kind=f"{type(bug).__name__}: {bug}")
+            error = logged("a bug in the sampling thread", bug, self.url)
         finally:
             self._stoppable.close()
             if not self._stoppable.stopping.is_set():
@@ -163,7 +171,7 @@ class SamplingThread(threading.Thread):
                 try:
                     self._on_end(self, error)
                 except Exception as bug:  # any: `failure` says why sampling ended
-                    _log.error("a bug at the end of sampling", exc_info=bug)
+                    logged("a bug at the end of sampling", bug, self.url)
 
 
 class Diagnosis(StoppablePort):
@@ -191,8 +199,7 @@ class Diagnosis(StoppablePort):
         except MikasError:
             raise
         except Exception as bug:  # any: the page shows it
-            _log.error("a bug in the diagnosis", exc_info=bug)
-            raise InternalError(kind=f"{type(bug).__name__}: {bug}") from bug
+            raise logged("a bug in the diagnosis", bug, self.url) from bug
 
     async def stop_and_wait(self) -> None:
         """Stop the diagnosis, and wait until the port is given back."""

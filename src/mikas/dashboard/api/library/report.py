@@ -127,7 +127,7 @@ def _of_connection(dashboard: Dashboard) -> Findings:
         car=car_of_connection(dashboard),
         conditions=Conditions(
             date=date_of(measured.began),
-            port=port.url if port else "",
+            port=port.shown if port else "",
             adapter=thread.adapter if thread else "",
             echo=ecu.tester.line.echo if ecu else None,
             method=method,
