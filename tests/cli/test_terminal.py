@@ -11,10 +11,13 @@ import threading
 import unicodedata
 from pathlib import Path
 
+import click
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 import mikas
+from mikas.cleaning import secrets_of, without
 from mikas.cli.render import output, terminal
 from mikas.cli.render.output import Output, StatusLine
 
@@ -123,3 +126,15 @@ def test_the_streams_are_the_old_ones_afterwards(monkeypatch):
     import sys
 
     assert sys.stdout is out
+
+
+@pytest.mark.parametrize("hide", [str, lambda text: without(text, secrets_of("secret"))])
+def test_to_click_the_streams_are_of_text(monkeypatch, hide):
+    """It wrote `b''` before a help text, and the text as bytes."""
+    out, err = io.StringIO(), io.StringIO()
+    monkeypatch.setattr("sys.stdout", out)
+    monkeypatch.setattr("sys.stderr", err)
+    with terminal.escaping(hide):
+        click.echo("помощь")
+        click.echo("ошибка", err=True)
+    assert (out.getvalue(), err.getvalue()) == ("помощь\n", "ошибка\n")

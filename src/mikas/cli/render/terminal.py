@@ -49,6 +49,8 @@ class EscapingStream:
 
     def write(self, text: str) -> int:
         """Write `text`, escaped; return the length of `text`."""
+        if not isinstance(text, str):  # so click finds out that this is no binary stream
+            raise TypeError("text is needed, not bytes")
         _pass_on(self.raw.write, self._make_safe(self.hide(text)))
         return len(text)
 
