@@ -43,6 +43,7 @@ from mikas.dashboard.connections import (
     TurnClock,
 )
 from mikas.dashboard.entrance import Entrance
+from mikas.dashboard.memory import use_one_arena
 
 _PING = 20.0
 _GRACE = 3
@@ -73,6 +74,7 @@ def serve(
     `tls`: what the network gets, while this computer gets plain HTTP; None: both plain HTTP.
     Raises `KeyboardInterrupt` after a clean shutdown; a second Ctrl-C ends the process at once.
     """
+    use_one_arena()
     server = Server(app, ready=ready, tls=tls)
     server.run(sockets=[own])
     server.finish_signal()

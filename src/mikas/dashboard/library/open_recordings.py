@@ -7,10 +7,8 @@ goes back to the system.
 
 from __future__ import annotations
 
-import sys
 import threading
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -19,7 +17,6 @@ from mikas.recording.recording import Recording
 _MOST: Final = 2
 MOST_BYTES: Final = 1 << 29
 IDLE: Final = 60.0
-_TRIMMING: Final = threading.Lock()
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,19 +71,3 @@ class OpenRecordings:
     @property
     def _held(self) -> int:
         return sum(it.recording.held for it in self._open.values())
-
-
-def give_back_memory() -> None:
-    """Let the C library return to the system what was freed; it keeps that of each thread.
-
-    glibc alone does it on request; the others do it by themselves. A moment, without Python's lock.
-    """
-    if sys.platform != "linux" or not _TRIMMING.acquire(blocking=False):
-        return
-    try:
-        import ctypes
-
-        with suppress(OSError, AttributeError):  # another C library
-            ctypes.CDLL(None).malloc_trim(0)
-    finally:
-        _TRIMMING.release()

@@ -32,12 +32,8 @@ from mikas.catalog import Catalog
 from mikas.dashboard.errors import AnswerTookTooLong, NotFound, TookTooLong
 from mikas.dashboard.library.folder import LeftOut, RecordingFile, RecordingFolder
 from mikas.dashboard.library.lanes import Lane, LaneLimits
-from mikas.dashboard.library.open_recordings import (
-    IDLE,
-    OpenRecording,
-    OpenRecordings,
-    give_back_memory,
-)
+from mikas.dashboard.library.open_recordings import IDLE, OpenRecording, OpenRecordings
+from mikas.dashboard.memory import give_back_memory
 from mikas.errors import naming_file
 from mikas.i18n import Text
 from mikas.recording import CaptureWriter
