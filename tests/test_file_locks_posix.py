@@ -87,3 +87,20 @@ def test_a_file_system_without_locks_is_no_reason_to_refuse(monkeypatch, tmp_pat
     with path.open("xb") as file:
         file_locks.hold(file)
         file_locks.check_free(path)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["--port=rfc2217://me:zq0000001%2B@car"],
+        ["--port", "rfc2217://me:zq0000001%2B@car"],
+        ["s3://bucket/a?sig=zq0000001"],
+    ],
+)
+def test_the_command_of_another_program_is_shown_without_its_secrets(tmp_path, words):
+    command = ["/usr/bin/python3", "/usr/bin/mikas", "log", *words]
+    (tmp_path / "cmdline").write_bytes("\0".join([*command, ""]).encode())
+    shown = file_locks._command(tmp_path)
+    assert shown.startswith("mikas log ")
+    assert "://" in shown
+    assert "zq" not in shown

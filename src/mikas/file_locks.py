@@ -15,7 +15,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import BinaryIO, Final
 
-from mikas.cleaning import clean_line
+from mikas.cleaning import clean_line, secrets_of, without
 from mikas.errors import UnfitFile
 from mikas.files import open_regular
 from mikas.i18n import Text
@@ -81,11 +81,16 @@ def _writes(process: Path, number: str) -> bool:
 
 
 def _command(process: Path) -> str:
-    """Return a process's command without the Python that runs it."""
+    """Return a process's command without the Python that runs it, and without the secrets of its
+    addresses: a client from the network reads it, too.
+    """
     words = (process / "cmdline").read_bytes().decode("utf-8", "replace").split("\0")
     while len(words) > 1 and (words[0] == "-m" or Path(words[0]).name.startswith("python")):
         del words[0]
-    return clean_line(" ".join([Path(words[0]).name, *words[1:]]).strip(), _MAX_COMMAND)
+    command = " ".join([Path(words[0]).name, *words[1:]]).strip()
+    values = [word.partition("=")[2] if word.startswith("--") else word for word in words]
+    secrets = frozenset().union(*(secrets_of(place=it, port=it) for it in values))
+    return clean_line(without(command, secrets), _MAX_COMMAND)
 
 
 if sys.platform == "win32":

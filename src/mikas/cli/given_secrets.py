@@ -1,7 +1,7 @@
 """The secrets in what a run was given: command line, environment, config file.
 
-An address may have a user's password or a signature in it. A failure is told by foreign code too, a
-bug by any; what a run says of them has passed through `hider_of`.
+An address may have a user's password or a signature in it. The words of a failure are foreign
+code's, too, those of a bug any code's: they pass through `hider_of`.
 """
 
 from __future__ import annotations

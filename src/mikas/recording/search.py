@@ -78,7 +78,7 @@ class SearchCondition:
             names = parse(self.expression, {}).inputs
         except UsageError as error:
             raise usage_error(
-                f"The condition {error.reason.en}", f"Условие {error.reason.ru}"
+                f"The condition {error.reason.en}", f"Условие: {error.reason.ru}"
             ) from error
         self.inputs = tuple(catalog.channel(name).name for name in names)
         self.peak_of, self.is_lowest = _first_comparison(self.expression)
