@@ -74,7 +74,6 @@ def serve(
     `tls`: what the network gets, while this computer gets plain HTTP; None: both plain HTTP.
     Raises `KeyboardInterrupt` after a clean shutdown; a second Ctrl-C ends the process at once.
     """
-    use_one_arena()
     server = Server(app, ready=ready, tls=tls)
     server.run(sockets=[own])
     server.finish_signal()
@@ -107,6 +106,7 @@ class Server(uvicorn.Server):
         tls: ssl.SSLContext | None = None,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
+        use_one_arena()
         log = logging.getLogger("uvicorn.error")
         log.setLevel(logging.ERROR)
         log.addFilter(_is_error)
