@@ -21,6 +21,7 @@ from typing import Any, Final, NamedTuple, TypeVar
 import duckdb
 
 from mikas.errors import FleetError, UsageError, usage_error
+from mikas.files import allow_open, open_files
 from mikas.fleet.ledger import Ledger, open_ledger
 from mikas.fleet.places import is_utf_8, shown
 from mikas.fleet.query.memory import memory_limit, too_much_memory
@@ -49,6 +50,7 @@ _FILE: Final = re.compile(
     rf"bytes outside file: |File '[^']+\.parquet'|{_IN_PYTHON.pattern}", re.DOTALL
 )  # unreadable
 _ZONE: Final = "'pytz'"  # which Python needs for a time with a zone
+_SPARE: Final = 200  # open files
 _AT_ONCE: Final = 10_000  # rows
 _SETTINGS: Final = (
     "enable_progress_bar = false",
@@ -74,6 +76,8 @@ class Database:
         while True:
             self.ledger: Ledger = open_ledger(files)
             known = set(self.ledger.entries)  # before any of them is refused
+            tables = sum(len(it.files) for it in self.ledger.entries.values())
+            allow_open(open_files() + tables + _SPARE)
             self._connection = duckdb.connect(
                 config={
                     "autoload_known_extensions": "false",
