@@ -110,8 +110,8 @@ def test_a_message_that_was_cut_off_has_no_piece_of_a_signature(length) -> None:
 
 def test_the_message_of_a_signed_url_keeps_all_else() -> None:
     place = f"http://host/x.pcapng?{SIGNATURE}"
-    told = f"403, message='no', url='{unquote(place)}'."
-    error = FleetError(place, Text(told, told))
+    shown = f"403, message='no', url='{unquote(place)}'."
+    error = FleetError(place, Text(shown, shown))
     said = "http://host/x.pcapng: 403, message='no', url='http://host/x.pcapng?…'."
     assert error.reason.en == said == error.reason.ru
 
@@ -129,8 +129,8 @@ def test_a_password_with_two_colons_is_no_chain() -> None:
 
 def test_a_key_of_the_environment_is_in_no_message_however_it_is_quoted(monkeypatch) -> None:
     monkeypatch.setenv("AWS_SECRET_ACCESS_KEY", "zq1/zq2+zq3")
-    for told in ("key zq1/zq2+zq3", "key=zq1%2fzq2%2Bzq3", "key zq1/zq2 zq3"):
-        assert "zq" not in "".join(reason_in_store(ValueError(told)))
+    for shown in ("key zq1/zq2+zq3", "key=zq1%2fzq2%2Bzq3", "key zq1/zq2 zq3"):
+        assert "zq" not in "".join(reason_in_store(ValueError(shown)))
 
 
 def test_a_bug_in_the_work_on_a_file_says_no_secret_of_it_or_of_the_dataset(monkeypatch) -> None:
@@ -141,6 +141,6 @@ def test_a_bug_in_the_work_on_a_file_says_no_secret_of_it_or_of_the_dataset(monk
         raise RuntimeError(f"{unquote(file)} {dataset} {long}")
 
     monkeypatch.setattr("mikas.fleet.job._work", fail)
-    told = "".join(work(FoundFile(file, 1, ""), dataset, InterpretingSettings(shipped())).bad)
-    assert "RuntimeError" in told
-    assert "zq" not in told
+    shown = "".join(work(FoundFile(file, 1, ""), dataset, InterpretingSettings(shipped())).bad)
+    assert "RuntimeError" in shown
+    assert "zq" not in shown

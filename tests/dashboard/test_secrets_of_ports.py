@@ -29,8 +29,8 @@ def test_no_answer_about_the_port_has_its_password(network) -> None:
     assert network.get("/state")["port"] == SHOWN
     assert network.get("/passport")["port"] == SHOWN
     for path in ("/state", "/passport", "/history", "/report"):
-        told = network.get(path)
-        assert "zq" not in (json.dumps(told) if isinstance(told, dict) else told.text)
+        shown = network.get(path)
+        assert "zq" not in (json.dumps(shown) if isinstance(shown, dict) else shown.text)
     with network.live() as live:
         live.until(lambda it: it["state"])
         assert "zq" not in json.dumps(live.state)
@@ -40,13 +40,13 @@ def test_the_port_in_use_is_named_by_what_is_shown_of_it(network) -> None:
     assert network.post("/connect", {"port": SHOWN})["port"] == SHOWN
     network.sampling()
     assert [link.url for link in network.cars.links] == [PORT, PORT]
-    told = network.client.post("/api/doctor", json={"port": SHOWN}, headers=ME).text
-    assert SHOWN in told
-    assert "zq" not in told
+    shown = network.client.post("/api/doctor", json={"port": SHOWN}, headers=ME).text
+    assert SHOWN in shown
+    assert "zq" not in shown
     assert network.cars.links[-1].url == PORT
 
 
-def test_a_bug_at_the_port_is_told_without_its_password(tmp_path, caplog) -> None:
+def test_a_bug_at_the_port_is_shown_without_its_password(tmp_path, caplog) -> None:
     def fail(url):
         raise RuntimeError(f"odd: {url}, zq0000001+ZQ0000002")
 

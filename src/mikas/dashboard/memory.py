@@ -1,4 +1,4 @@
-"""Memory of the C library: what is freed goes back to the system.
+"""Memory of the C library: all that was freed goes back to the system.
 
 Python takes large objects from it, such as a response of 11 MB. glibc alone keeps what was freed:
 for each thread apart (an arena), and of all arenas but the first one it never gives back the end.
@@ -20,21 +20,22 @@ def use_one_arena() -> None:
 
     Python's lock keeps them from waiting for one another there.
     """
-    if sys.platform == "linux":
-        import ctypes
-
-        with suppress(OSError, AttributeError):  # another C library
-            ctypes.CDLL(None).mallopt(_MOST_ARENAS, 1)
+    _call("mallopt", _MOST_ARENAS, 1)
 
 
 def give_back_memory() -> None:
     """Let the C library return to the system what was freed. A moment, without Python's lock."""
-    if sys.platform != "linux" or not _TRIMMING.acquire(blocking=False):
-        return
-    try:
+    if _TRIMMING.acquire(blocking=False):
+        try:
+            _call("malloc_trim", 0)
+        finally:
+            _TRIMMING.release()
+
+
+def _call(function: str, *values: int) -> None:
+    """Call a function of glibc; elsewhere there is none."""
+    if sys.platform == "linux":
         import ctypes
 
         with suppress(OSError, AttributeError):  # another C library
-            ctypes.CDLL(None).malloc_trim(0)
-    finally:
-        _TRIMMING.release()
+            getattr(ctypes.CDLL(None), function)(*values)

@@ -1,8 +1,8 @@
 """An entry of a dataset's ledger, and whether one that is read is sound.
 
 Whoever made the dataset may have written anything into it. A sound entry has the form of ours,
-names tables of its own recording only, and its parts do not contradict each other. What it replaces
-has to be a state of its recording, as far as both entries tell (`may_replace`).
+names tables of its own recording only, and its parts do not contradict each other. It replaces
+only states of its recording, as far as both entries show (`may_replace`).
 """
 
 from __future__ import annotations
@@ -89,7 +89,7 @@ class LedgerEntry:
         return {*self.replaces, *map(key_in, self.obsolete)} - {self.key}
 
     def may_replace(self, other: LedgerEntry) -> bool:
-        """Return whether the other is a state of this recording, as far as the two entries tell.
+        """Return whether the other is a state of this recording, as far as the two entries show.
 
         Either this one goes on where the other ends, or both were found at one place.
         """

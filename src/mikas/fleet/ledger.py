@@ -107,8 +107,8 @@ class Ledger:
         }
 
     def _settle(self, found: Mapping[str, LedgerEntry]) -> None:
-        """Find the entries that others replace, and refuse those that would replace what is not
-        their own. One that is replaced replaces none: so no two do it to each other.
+        """Find the entries that others replace, and refuse those that would replace another
+        recording. One that is replaced replaces none: so no two do it to each other.
 
         `replaces` counts as long as the entry does: another run may write an entry back, with a
         source of it, that was just replaced.
@@ -144,7 +144,7 @@ class Ledger:
 
     def clear(self, entry: LedgerEntry) -> None:
         """Remove what an entry has made obsolete. Of another recording that has no sound entry
-        nothing is removed: nothing tells that it is a state of this one.
+        nothing is removed: it may be none of this one's states.
         """
         if entry.obsolete:
             for name in entry.obsolete:

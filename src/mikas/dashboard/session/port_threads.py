@@ -35,8 +35,8 @@ _JOIN = 10.0  # s; opening an address in the network may take so long
 
 def logged(what: str, bug: Exception, port: str) -> InternalError:
     """Log a bug, and return its error; neither has a password of the port's URL."""
-    told = "".join(traceback.format_exception(bug)).rstrip("\n")
-    _log.error("%s\n%s", what, without_secrets(told, port=port))
+    trace = "".join(traceback.format_exception(bug)).rstrip("\n")
+    _log.error("%s\n%s", what, without_secrets(trace, port=port))
     return InternalError(kind=f"{type(bug).__name__}: {bug}", url=port)
 
 

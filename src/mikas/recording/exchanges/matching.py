@@ -4,7 +4,7 @@ A response carries neither its command nor an identifier, so a file is judged as
 the line (D1, D13): no value comes out of a file that the tester would have refused.
 
 - The echo is the first thing received after a request, byte for byte. What comes in its place
-  voids the exchange. A frame that repeats a sent one is an echo, never a response, also behind the
+  voids the exchange. A frame that repeats a sent one is an echo, never a response, also after its
   echo, where a response may look so by chance: it has no value, and the exchange is over.
 - A request that is no stream has one response: the first frame after the echo, if it fits (length,
   address, content), comes in time, and nothing comes with it. A second one answers nothing.
@@ -288,15 +288,9 @@ class Matching:
             return ECHO
         if it.body is None:
             return DAMAGE
-        if self.is_of_list(it.body):
+        if it.body[:1] == WRITE_LIST or it.body == OK:  # all that is left of a 64, perhaps
             self.lose_list()
         return REFUSED[doubt]
-
-    def is_of_list(self, body: bytes) -> bool:
-        """Return whether a frame that is neither an echo nor a response is all that is left of a
-        64: its echo, or the response to it.
-        """
-        return body[:1] == WRITE_LIST or body == OK
 
     def _drop_before(self, wire: bytes) -> None:
         """Drop the sent frames before this one, whose echo has come. It may come again."""

@@ -107,7 +107,7 @@ class Turns:
             at += 1
 
     def _are_of_list(self, start: int, stop: int) -> bool:
-        """Return whether one of these events is what `Matching.is_of_list` looks for."""
+        """Return whether one of these events may be the echo of a 64, or the response to one."""
         it = self._responses
         first = it.block.wire[it.starts[start:stop]]
         found = first == WRITE_LIST[0]
