@@ -6,7 +6,7 @@ import socket
 import threading
 from contextlib import contextmanager
 from math import inf
-from time import monotonic
+from time import monotonic, sleep
 
 import pytest
 
@@ -77,11 +77,26 @@ def test_bytes_are_no_faster_than_the_wire():
 
 
 def test_bytes_arrive_one_by_one():
-    with serving(a_tcp_port) as server, client(server.url) as connection:
+    """By a clock that stands still between them, as a busy machine would not read each at once."""
+    buses, time = [], [0.0]
+
+    async def open_port(bus, clock) -> serve.TcpPort:
+        buses.append(bus)
+        time[0] = clock()
+        return await serve.TcpPort.open(bus, lambda: time[0], "127.0.0.1", 0)
+
+    with serving(open_port) as server, client(server.url) as connection:
         connection.sendall(ASKED)
         connection.settimeout(PATIENCE)
-        assert len(connection.recv(4096)) < len(ANSWERED)
-        receive(connection, 1)
+        deadline = monotonic() + PATIENCE
+        while buses[0].sending_until <= time[0]:  # the server has not read them yet
+            assert monotonic() < deadline
+            sleep(0.001)
+        for each in ASKED:
+            time[0] += 1.01 * BYTE
+            assert connection.recv(4096) == bytes((each,))
+        time[0] += 1.0
+        assert receive(connection, 3) == ANSWERED[3:]
 
 
 def test_bytes_take_the_time_of_the_baud_rate():
