@@ -200,6 +200,27 @@ def test_without_echo_a_response_in_one_packet_began_before_its_end(tmp_path, ea
     assert len(values_of(tmp_path / "it.pcapng", [*line[:-1], *pieces])) == 1 + counts
 
 
+@pytest.mark.parametrize("piece", range(4))
+def test_without_echo_any_packet_of_a_response_that_came_too_soon_refuses_it(tmp_path, piece):
+    """The columns looked at the first packet's time alone, whatever the times of the others."""
+    line = [
+        *exchange(1000.0, "01", "0A", echo=False),
+        *exchange(1000.1, "611A29", "1A1B", echo=False),
+        *exchange(1000.2, "611A29", "1A1B", echo=False),
+        *exchange(1000.3, "611A29", "1A1B", echo=False),
+        *exchange(1000.4, "01", "0A", echo=False),
+    ]
+    response = line[5]
+    byte = 10 / 9600
+    pieces = [
+        response._replace(data=bytes((it,)), time=response.time + at * byte)
+        for at, it in enumerate(response.data)
+    ]
+    assert len(values_of(tmp_path / "it.pcapng", [*line[:5], *pieces, *line[6:]])) == 3
+    pieces[piece] = pieces[piece]._replace(time=pieces[piece].time - 0.04)
+    assert len(values_of(tmp_path / "it.pcapng", [*line[:5], *pieces, *line[6:]])) == 1
+
+
 @pytest.mark.parametrize("copies", [1, 2])
 @pytest.mark.parametrize("method", METHODS)
 def test_a_second_echo_is_no_response(tmp_path, method, copies):

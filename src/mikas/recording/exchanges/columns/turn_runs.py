@@ -213,9 +213,9 @@ class Turns:
         due = sent.begins[asked] + sent.lengths[asked] * sent.byte_time
         if echoes:
             due = np.maximum(due, received.ends[first])
-        else:  # all its bytes may have come with the first one
-            wire_time = received.begins[answer] - received.lengths[answer] * sent.byte_time
-            fits &= wire_time >= due - sent.byte_time / 2
+        else:
+            began = received.stream.wire_times(received.block, received.index[answer])
+            fits &= began >= due - sent.byte_time / 2
         fits &= received.begins[answer] - due <= patience
         regular[turns[~fits]] = False
         self._irregular = (~regular).nonzero()[0]
