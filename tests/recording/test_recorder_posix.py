@@ -26,7 +26,10 @@ print(recorder.failure.reason.en)
 def test_a_file_that_may_not_grow_ends_the_recording_with_its_name(tmp_path):
     file = tmp_path / "a.pcapng"
     done = subprocess.run(
-        [sys.executable, "-c", _LIMITED, str(file)], capture_output=True, text=True, check=True
+        [sys.executable, "-B", "-c", _LIMITED, str(file)],
+        capture_output=True,
+        text=True,
+        check=True,
     )
     assert "a.pcapng" in done.stdout
     assert 3900 < file.stat().st_size <= 4000
