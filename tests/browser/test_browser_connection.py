@@ -40,6 +40,23 @@ def test_an_adapter_is_one_click_away(off, visitor):
     expect(tab.value("TWAT")).to_have_text("87")
 
 
+def test_the_virtual_car_is_offered_where_it_stays(off, visitor):
+    """A card that moved away when the adapters came took a click with it."""
+    tab = visitor(off.url).show("live")
+    held = []
+
+    def hold(scan):
+        held.append(scan)
+
+    tab.page.route("**/api/ports", hold)
+    tab.show("connection").says("Scanning for adapters")
+    car = tab.button("Start the virtual car")
+    expect(car).to_have_count(0)
+    for scan in held:
+        scan.continue_()
+    expect(car).to_be_visible()
+
+
 @pytest.mark.parametrize(
     ("port", "said", "line"),
     [
