@@ -17,9 +17,9 @@ ASK = """async path => {
   if (!response.ok) throw new Error(`${path}: ${response.status} ${await response.text()}`)
   return response.json()
 }"""
-RECORDED = """async seconds => {
-  const { recording, now } = await (await fetch("api/state")).json()
-  return now - recording?.since >= seconds && now - recording.since
+RECORDED = """async ([seconds, least]) => {
+  const { recording, now, samples } = await (await fetch("api/state")).json()
+  return samples >= least && now - recording?.since >= seconds && now - recording.since
 }"""
 KEPT = "() => navigator.serviceWorker?.controller != null"
 
@@ -78,8 +78,11 @@ class SiteTab(Tab):
         self.is_line("recording")
 
     def recorded(self, seconds: float) -> float:
-        """Wait until the recording in progress is that long; return how long it is."""
-        return self.until(RECORDED, seconds)
+        """Wait until the recording in progress is that long, and has what there is from now on.
+
+        On a busy computer a second passes without a sample. Return how long it is.
+        """
+        return self.until(RECORDED, [seconds, self.state()["samples"] + 2])
 
     def stop_recording(self) -> None:
         self.press("Stop recording")
