@@ -69,7 +69,7 @@ def recordings(tab) -> list[dict]:
 
 
 def recorded(tab, seconds: float) -> float:
-    return tab.until(RECORDED, [seconds, tab.evaluate(ASK, "api/state")["samples"] + 2])
+    return tab.until(RECORDED, seconds)
 
 
 def test_the_virtual_car_is_recorded_and_the_recording_survives(tab, host):
