@@ -18,7 +18,7 @@ from .site_rig import SiteTab, site_tab
 pytestmark = pytest.mark.realtime
 
 LONG = 3.0  # s
-MISSING = 1.0  # s, at most
+MISSING = 1.5  # s, at most: a second, and the sample with which it is over, slow on a busy computer
 
 
 @pytest.fixture

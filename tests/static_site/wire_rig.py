@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import os
 import select
+import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -21,8 +22,23 @@ from mikas.virtual.serve import PtyPort, run
 from .computer_rig import FT232, Adapter, Computer
 
 UNTIL = 60.0  # s that bytes may take on a slow machine
+KEPT = 4000  # bytes that a system keeps for a port that is not read
 
 T = TypeVar("T")
+
+
+class _Port(PtyPort):
+    """Drops what a closed port of USB would: a pty keeps 64 kB of a unit that goes on sending while
+    a page starts anew, and then brings them at once, which no line can.
+    """
+
+    def _send(self, data: bytes) -> None:
+        import fcntl
+        import termios
+
+        waiting = fcntl.ioctl(self._slave, termios.FIONREAD, bytes(4))
+        if int.from_bytes(waiting, sys.byteorder) < KEPT:
+            super()._send(data)
 
 
 class Cable:
@@ -61,7 +77,7 @@ class Cable:
 
     def put_back(self) -> None:
         """Plug it in."""
-        self._port = self._there(lambda: PtyPort(self._bus, self._clock))
+        self._port = self._there(lambda: _Port(self._bus, self._clock))
         self._number = self._computer.plug(self._adapter, self._port.url)
 
     def pull(self) -> None:
