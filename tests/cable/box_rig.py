@@ -20,7 +20,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from cable.guest_agent import NAME
+from cable.guest_agent import NAME, PAUSES
 from cable.guest_rig import Command, Done, Guest
 from cable.image_rig import QEMU, find_kernel, initramfs
 from cable.wire_rig import PATIENCE, Condition, Lines, Wire
@@ -172,11 +172,13 @@ class Cable:
 class Box:
     """A running guest with `SOCKETS` USB ports.
 
-    `folder` can be written from both sides; `home`, in it, is where commands run.
+    `folder` can be written from both sides; `home`, in it, is where commands run. `pauses`: for how
+    many seconds the emulated computer may stop, and the program not notice.
     """
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, pauses: float | None = None) -> None:
         self.home = self.folder = folder
+        self._env = {PAUSES: str(pauses)} if pauses else {}
         names = ("qmp", "agent", *(f"wire{number}" for number in range(SOCKETS)))
         pairs = {name: socket.socketpair() for name in names}
         self._ends = {name: pair[0] for name, pair in pairs.items()}
@@ -243,6 +245,7 @@ class Box:
             "TMPDIR": str(self.home),
             "LANG": "C.UTF-8",
             "MIKAS_CONFIG": str(CONFIG),
+            **self._env,
         }
         return self.guest.start(words, env)
 
