@@ -155,7 +155,7 @@ def execute(words: list[str], env: dict[str, str]) -> NoReturn:
 def allow_pauses(seconds: float) -> None:
     """Let stops of the emulated computer pass, which would cost an exchange (D14).
 
-    No byte is too old for that: the unit, on the host, only answers, and a response waits whole.
+    A value may then be older than its time says, which no test of the box compares.
     """
     from mikas.link.suspension import SuspensionGuard
 
