@@ -80,6 +80,7 @@ class Ledger:
         self.entries: dict[str, LedgerEntry] = {}
         self.refused: dict[str, Text] = {}
         self.readings = 0
+        self._written: set[str] = set()  # names of own files, which a store may list late
         self._noted: set[str] = set()
         self._replaced: set[str] = set()  # keys of sound entries that others replace
         self.sizes: dict[str, int] = {}  # of the files, as last looked at
@@ -90,6 +91,8 @@ class Ledger:
         self.write_noted()
         self.readings += 1
         read = self.files.contents(FOLDER, SUFFIX, LONGEST)
+        for name in sorted(self._written - read.files.keys() - read.unfit.keys()):
+            read.add(name, self.files.read(f"{FOLDER}/{name}", LONGEST))
         self.refused = {f"{FOLDER}/{name}": reason for name, reason in read.unfit.items()}
         found = {}
         for name, data in read.files.items():
@@ -238,6 +241,7 @@ class Ledger:
 
     def _write(self, entry: LedgerEntry) -> None:
         self.files.write(entry.name, entry.as_json())
+        self._written.add(entry.name.removeprefix(f"{FOLDER}/"))
 
 
 def begin(files: Store) -> Ledger:

@@ -17,6 +17,14 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from mikas.cleaning import LOCAL, SECRET_VARIABLES, public_url, secrets_of, without
 from mikas.errors import FleetError, MikasError, MissingExtra, UnfitFile, library, reason_of
+from mikas.fleet.object_stores import (
+    PROTOCOLS,
+    is_bare,
+    is_of_bucket,
+    keys_in_files,
+    options,
+    reason_of_store,
+)
 from mikas.i18n import Text
 
 if TYPE_CHECKING:
@@ -98,6 +106,8 @@ def is_of_file(error: FleetError) -> bool:
 
 def reason_in_store(error: Exception) -> Text:
     """Return in words why a store has failed."""
+    if reason := reason_of_store(error):
+        return _scrubbed(reason)
     if isinstance(error, OSError):
         return _scrubbed(reason_of(error))
     words = str(error).partition("\n")[0] or type(error).__name__
@@ -105,10 +115,11 @@ def reason_in_store(error: Exception) -> Text:
 
 
 def _scrubbed(text: Text) -> Text:
-    """Return a store's words without the secrets of the environment; `FleetError` leaves out those
-    of the place.
+    """Return a store's words without the secrets of the environment and of ~/.aws; `FleetError`
+    leaves out those of the place.
     """
-    secrets = secrets_of(*(os.environ.get(name, "") for name in SECRET_VARIABLES))
+    of_environment = (os.environ.get(name, "") for name in SECRET_VARIABLES)
+    secrets = secrets_of(*of_environment, *keys_in_files())
     return Text(*(without(words, secrets) for words in text))
 
 
@@ -127,10 +138,10 @@ def file_system(place: str) -> tuple[AbstractFileSystem, str]:
     protocol = place.partition("://")[0]
     try:
         with errors_of(place):
-            system, path = fsspec.url_to_fs(place)
+            system, path = fsspec.url_to_fs(place, **options(place))
     except FleetError as error:
         cause = error.__cause__
-        if isinstance(cause, ImportError) and protocol in ("s3", "s3a"):
+        if isinstance(cause, ImportError) and protocol in PROTOCOLS:
             raise MissingExtra(feature="s3://", extra="s3") from cause
         raise
     if _is_of_disk(system):  # links in it would be followed
@@ -158,13 +169,17 @@ def info_of(system: AbstractFileSystem, path: str) -> Mapping[str, Any]:
         if cause is not None and _is_failure(cause):
             raise cause from None
         raise
+    except OSError as error:
+        if is_bare(error):  # the answer to a HEAD has no reason: that to a GET has one
+            system.cat_file(path, start=0, end=1)
+        raise
     return info
 
 
 def _is_failure(cause: BaseException) -> bool:
     if isinstance(cause, OSError):
         return not isinstance(cause, FileNotFoundError)
-    return getattr(cause, "status", 404) not in (404, 410)
+    return is_of_bucket(cause) or getattr(cause, "status", 404) not in (404, 410)
 
 
 def recordings_in(place: str) -> Iterator[FoundFile]:
