@@ -13,7 +13,7 @@ venv_python := .venv/bin/python
 $(shell [ -x $(venv_python) ] && [ "$$(cat .venv/installed 2>/dev/null)" = "$$(pwd -P)" ] || rm -f .venv/installed)
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test newest notebooks fleet docs site page package browser cable hour fuzz soak check bench audit sbom lock clean
+.PHONY: help demo test newest unlocked notebooks fleet docs site page package browser cable hour fuzz soak check bench audit sbom lock clean
 
 # What was compiled is kept: each worker of the tests, and each program that they start, would compile all again.
 unexport PYTHONDONTWRITEBYTECODE
@@ -30,10 +30,14 @@ demo: .venv/installed ## the product with a virtual car: no cable needed
 # The tests of these three run with coverage, all others without: measuring halves the speed of long runs.
 gated := tests/test_framing.py tests/commands tests/catalog
 
+# Folders with targets of their own.
+elsewhere := tests/browser tests/docs_in_browser tests/static_site tests/in_firefox tests/on_pyodide tests/cable \
+  tests/notebooks tests/installing tests/fleet_real
+
 test: .venv/with-test web/node_modules/installed ## all tests but those in a browser and on a cable; framing, commands, catalog: 100 % branches
 	@$(venv_python) -m pytest -n logical --dist worksteal $(gated) --cov=mikas.framing --cov=mikas.commands --cov=mikas.catalog \
 	  --cov-fail-under=100 --cov-report=term-missing:skip-covered
-	@$(venv_python) -m pytest -n auto --dist worksteal $(foreach path,$(gated) tests/browser tests/docs_in_browser tests/static_site tests/in_firefox tests/on_pyodide tests/cable tests/notebooks tests/installing tests/fleet_real,--ignore=$(path))
+	@$(venv_python) -m pytest -n auto --dist worksteal $(foreach path,$(gated) $(elsewhere),--ignore=$(path))
 	@$(npm) test
 
 # The rooms that a new Python breaks first: the codec, data, asyncio and threads, the command line; no server, no broker.
@@ -48,6 +52,16 @@ newest: .venv/with-test ## a fast part of the tests on the newest Python of this
 	  mkdir -p build && "$$python" -m venv --clear build/newest && build/newest/bin/python $(install) mikas test && \
 	  echo "$$made_for" > build/newest/made-for; \
 	fi && build/newest/bin/python -m pytest -n logical --dist worksteal $(fast)
+
+# Pre-releases as well: make unlocked PRE=--pre
+PRE ?=
+unlocked_python := build/unlocked/bin/python
+
+unlocked: .venv/with-test ## the tests of `make test` on the newest releases of all packages, without the lock (needs a network)
+	@rm -rf build/unlocked && mkdir -p build && $(venv_python) -m venv build/unlocked
+	@$(unlocked_python) $(install) --newest $(PRE) mikas extras test
+	@$(unlocked_python) requirements/differences.py
+	@$(unlocked_python) -m pytest -n auto --dist worksteal $(foreach path,$(elsewhere),--ignore=$(path))
 
 notebooks: .venv/with-test ## the example notebooks in a real kernel: each cell, and whether the results in them are stale
 	@$(venv_python) -m pytest -n logical tests/notebooks

@@ -6,6 +6,8 @@ python requirements/install.py export        the requirements of the project wit
                                              not the project: for a list of parts
 python requirements/install.py extras        the same with all extras
 python requirements/install.py --download=FOLDER export    the same, only downloaded
+python requirements/install.py --newest mikas extras test    without the lock: the newest releases
+                                             that pyproject.toml allows; --pre: pre-releases, too
 
 pip can't hold the lock against a project that it builds, so the project's requirements and what
 builds it are installed first, and then the project without them.
@@ -28,12 +30,16 @@ _PROJECT: Final = "mikas"
 _PIP: Final = (sys.executable, "-m", "pip", "--quiet", "--disable-pip-version-check")
 _ALL: Final = "extras"
 _DOWNLOAD: Final = "--download="
+_NEWEST: Final = "--newest"
+_PRE: Final = "--pre"
+_UPGRADE: Final = "--upgrade"
 _LOCKED: Final = ("--require-hashes", "--constraint", str(LOCK))
 
 
 def main(arguments: Sequence[str]) -> int:
     """Install the parts; return the exit status of the first pip that failed, or 0."""
-    parts = [each for each in arguments if not each.startswith(_DOWNLOAD)]
+    options = {_NEWEST, _PRE} & set(arguments)
+    parts = [it for it in arguments if it not in options and not it.startswith(_DOWNLOAD)]
     folders = [each.removeprefix(_DOWNLOAD) for each in arguments if each.startswith(_DOWNLOAD)]
     do = ["download", f"--dest={folders[-1]}"] if folders else ["install"]
     text = (HERE.parent / "pyproject.toml").read_text(encoding="utf-8")
@@ -54,8 +60,9 @@ def main(arguments: Sequence[str]) -> int:
         # First pip itself: that of a new environment may know neither groups nor these hashes.
         pip = _requirements(folder, "pip.txt", _locked_pip())
         commands = [["--require-hashes", *pip]]
+        how = [_UPGRADE, *({_PRE} & options)] if options else _LOCKED
         others = _requirements(folder, "requirements.txt", "\n".join(requirements))
-        commands.append([*_LOCKED, *others, *(f"--group={group}" for group in wanted)])
+        commands.append([*how, *others, *(f"--group={group}" for group in wanted)])
         if _PROJECT in parts:
             commands.append(["--no-deps", "--no-build-isolation", "--editable", "."])
         for command in commands:

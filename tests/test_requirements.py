@@ -6,6 +6,7 @@ import sys
 import tomllib
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
+from subprocess import CompletedProcess
 
 import pytest
 from packaging.requirements import Requirement
@@ -79,12 +80,43 @@ def test_what_a_user_installs_has_a_least_version():
         assert requirement.name == "mikas" or requirement.specifier, requirement
 
 
-@pytest.fixture
-def audit():
-    spec = spec_from_file_location("audit", HERE / "audit.py")
+def program(name):
+    spec = spec_from_file_location(name, HERE / f"{name}.py")
     module = module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
+
+
+@pytest.fixture
+def audit():
+    return program("audit")
+
+
+def test_packages_with_another_version_than_the_lock_are_listed():
+    lock = "click==8.1 \\\n    --hash=sha256:0\nnumpy==1.0 ; a\nnumpy==2.0 ; b\n"
+    installed = {"click": "8.2", "numpy": "2.0", "other": "3", "mikas": "1"}
+    found = list(program("differences").differences(lock, installed))
+    assert found == ["click 8.1 -> 8.2", "other 3 (new)"]
+
+
+@pytest.mark.parametrize("more", [[], ["--pre"]])
+def test_the_newest_releases_are_installed_without_the_lock(monkeypatch, more):
+    install, commands = program("install"), []
+
+    def called(command, **_):
+        commands.append(command)
+        return CompletedProcess(command, 0)
+
+    monkeypatch.setattr(install.subprocess, "run", called)
+    assert install.main(["mikas", "extras", "test"]) == 0
+    assert install.main(["--newest", *more, "mikas", "extras", "test"]) == 0
+    _, locked, _, _, newest, project = commands
+    assert str(HERE / "lock.txt") in locked
+    assert str(HERE / "lock.txt") not in newest
+    assert "--upgrade" in newest
+    assert ("--pre" in newest) == bool(more)
+    assert "--group=test" in newest
+    assert project[-2:] == ["--editable", "."]
 
 
 NPM_CLEAN = json.dumps({"vulnerabilities": {}})

@@ -111,6 +111,17 @@ def test_a_release_comes_of_a_tag_after_all_tests():
     assert release["jobs"]["pypi"]["environment"]["name"] == "pypi"
 
 
+def test_the_newest_packages_are_tried_each_week_and_a_failure_is_written_down():
+    newest = workflow("newest.yml")
+    assert newest["on"]["schedule"]
+    tests, issue = newest["jobs"]["tests"], newest["jobs"]["issue"]
+    assert tests["steps"][-1]["run"] == "make unlocked PRE=${{ matrix.pre }}"
+    assert "permissions" not in tests
+    assert issue["permissions"] == {"issues": "write"}
+    assert (issue["needs"], issue["if"]) == ("tests", "failure()")
+    assert not [it for it in issue["steps"] if "uses" in it]  # no foreign code beside its token
+
+
 def test_a_job_that_has_failed_can_be_run_again():
     """What an earlier attempt has uploaded is still there: it is replaced, or has another name."""
     for file in FILES:
