@@ -172,7 +172,7 @@ def test_an_adapter_is_listed_with_chip_and_quirks(mikas, monkeypatch):
 def test_the_dashboard_prints_its_address_first(mikas, monkeypatch, command):
     monkeypatch.setattr("mikas.dashboard.server.serve", lambda app, own, *, ready, tls: ready())
     reported = mikas(command, "--no-browser", "--json").object
-    assert set(reported) == {"schema", "url", "lan_url", "fingerprint"}
+    assert set(reported) == {"schema", "url", "lan_url", "lan_urls", "fingerprint"}
     assert re.fullmatch(r"http://127\.0\.0\.1:\d+/", reported["url"])
     assert reported["lan_url"] is None
 

@@ -14,7 +14,8 @@ from dashboard.rig import rig
 from mikas.cli.commands.dash import show_dashboard
 from mikas.cli.context import CommandContext
 from mikas.cli.options.dashboard import DashboardOptions
-from mikas.dashboard.listening import FIRST_PORT, listen, own_addresses
+from mikas.dashboard.addresses import own_addresses
+from mikas.dashboard.listening import FIRST_PORT, listen
 from mikas.dashboard.page import shape
 from mikas.dashboard.security.certificate import own_certificate
 from mikas.dashboard.server import Server
@@ -146,7 +147,7 @@ def served(monkeypatch, tmp_path):
     started = []
 
     def serve(app, own, *, ready, tls):
-        started.append((app, own.getsockname(), tls))
+        started.append((app, own[0].getsockname(), tls))
         ready()
 
     monkeypatch.setattr("mikas.dashboard.server.serve", serve)

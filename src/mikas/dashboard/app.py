@@ -7,7 +7,7 @@ turns them into JSON responses. `responses=errors(503)` describes them.
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Sequence
 from contextlib import asynccontextmanager
 from importlib.metadata import version
 from pathlib import Path
@@ -83,10 +83,12 @@ def create_app(
     *,
     folder: Path = page.FOLDER,
     certificate: Certificate | None = None,
+    here: Sequence[str] = (),
 ) -> FastAPI:
     """Return the application, which starts and closes `dashboard`; `folder` has the built page.
 
-    `certificate`: with which the network is served from the start.
+    `certificate`: with which the network is served from the start. `here`: this computer's
+    addresses and names then; none: they are not followed.
     """
 
     @asynccontextmanager
@@ -106,7 +108,7 @@ def create_app(
     )
     app.state.dashboard = dashboard
     app.state.access = access
-    app.state.sharing = Sharing(dashboard, access, certificate)
+    app.state.sharing = Sharing(dashboard, access, certificate, here)
     app.state.ending = Ending(dashboard)
     app.state.broadcaster = live.Broadcaster(dashboard)
     errors.install(app)

@@ -28,8 +28,10 @@ from collections import Counter
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from enum import Enum
+from ipaddress import IPv6Network
 from typing import TYPE_CHECKING, Any, Final
 
+from mikas.dashboard.addresses import is_ipv6
 from mikas.dashboard.listening import is_loopback
 from mikas.files import allow_open
 
@@ -249,7 +251,7 @@ class TcpConnections:
             if not (self._make_room(others) or self._make_room(live)):
                 return False
         here = accepted.getsockname()
-        ends = peer, here
+        ends = peer[:2], here[:2]  # as ASGI names them: of IPv6 there are four parts
         connection = TcpConnection(address, str(here[0]), accepted, now)
         self._open[ends] = accepted.connection = connection
         accepted.left = lambda: self._open.pop(ends, None)
@@ -354,7 +356,11 @@ class AcceptedSocket(socket.socket):
 
 def _address(peer: End) -> str | None:
     address = str(peer[0]) if peer else ""  # of one that has gone already, macOS gives none
-    return None if is_loopback(address) else address
+    if is_loopback(address):
+        return None
+    if is_ipv6(address):  # one computer may have all of a /64
+        return str(IPv6Network((address.partition("%")[0], 64), strict=False))
+    return address
 
 
 def _spare() -> int | None:

@@ -1,4 +1,4 @@
-"""The HTTP server's socket and addresses; nothing heavy is imported for them."""
+"""The HTTP server's sockets; nothing heavy is imported for them."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import errno
 import ipaddress
 import socket
 import sys
-from contextlib import suppress
 
 from mikas.errors import reason_of, usage_error
 
@@ -44,11 +43,22 @@ def listen(port: int | None, *, lan: bool) -> socket.socket:
     ) from failure
 
 
+def listen_ipv6(port: int) -> list[socket.socket]:
+    """Return a socket on all IPv6 addresses at `port`; none where there is no IPv6, or no port."""
+    try:
+        return [bound("::", port)]
+    except OSError:
+        return []
+
+
 def bound(host: str, port: int) -> socket.socket:
     """Return a listening socket at one address. Raises `OSError`."""
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
     # With its protocol named, asyncio sends without waiting for more (TCP_NODELAY).
-    own = socket.socket(socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP)
+    own = socket.socket(family, socket.SOCK_STREAM, socket.IPPROTO_TCP)
     try:
+        if family == socket.AF_INET6:  # IPv4 has a socket of its own
+            own.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_V6ONLY, 1)
         if sys.platform != "win32":  # where the option would share the port with another program
             own.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         own.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, _SEND_BUFFER)
@@ -58,17 +68,3 @@ def bound(host: str, port: int) -> socket.socket:
         own.close()
         raise
     return own
-
-
-def own_addresses() -> tuple[str, ...]:
-    """Return this computer's addresses in the network, the likeliest first, then its names."""
-    found: dict[str, None] = {}
-    with suppress(OSError), socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        probe.connect(("192.0.2.1", 9))  # nothing is sent: the system chooses the interface
-        found[probe.getsockname()[0]] = None
-    name = socket.gethostname()
-    with suppress(OSError, UnicodeError):  # the latter: a name that no DNS can have
-        for *_, address in socket.getaddrinfo(name, None, socket.AF_INET):
-            found[str(address[0])] = None
-    numbers = [address for address in found if not address.startswith(("127.", "0."))]
-    return (*numbers, name, f"{name}.local")

@@ -2,10 +2,12 @@
 
 Off, the program listens on 127.0.0.1 only. On, it listens in addition on each of this computer's
 addresses in the network, at the same port, with TLS: `Access` gets a new token, the names and the
-fingerprint. Off again, the token is void before anything else happens; then the listening sockets
-and all connections of the network are closed. A program that was started with `--lan` listens on
-all addresses from its start; its network side is switched alike, but the socket stays. Nothing is
-kept: a start without `--lan` begins closed.
+fingerprint. The addresses are followed while it is on: one that is new (a hotspot, another Wi-Fi)
+is listened on, gets into mikas' own certificate and the links; one that has gone is no valid `Host`
+any more; the token stays. Off again, the token is void before anything else happens; then the
+listening sockets and all connections of the network are closed. A program that was started with
+`--lan` listens on all addresses from its start; its network side is switched alike, but the socket
+stays. Nothing is kept: a start without `--lan` begins closed.
 
 A program that an icon has started has no terminal for Ctrl-C: the page's button ends it. It also
 ends by itself, ten minutes after its last page was closed, so that nothing forgotten holds the
@@ -17,19 +19,20 @@ Only a client on this computer may switch (`api.network`).
 from __future__ import annotations
 
 import asyncio
-import ipaddress
+import logging
 import socket
 import ssl
 from collections.abc import Callable, Sequence
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Final
 
+from mikas.dashboard.addresses import is_number
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.errors import Busy
 from mikas.dashboard.listening import bound
 from mikas.dashboard.security.access import Access
 from mikas.dashboard.security.certificate import Certificate, own_certificate
-from mikas.errors import reason_of
+from mikas.errors import UsageError, reason_of
 from mikas.i18n import Text
 
 if TYPE_CHECKING:
@@ -53,19 +56,28 @@ _TERMINAL: Final = Text(
     "программа запущена из терминала. Завершите её там клавишами Ctrl-C",
 )
 
+_log = logging.getLogger("mikas.dashboard")
+
 
 class Sharing:
     """The switch of the network. All of it runs in the event loop.
 
     `certificate`: the one in use since the start (`--lan`); None: mikas makes its own when it is
-    needed.
+    needed. `here`: this computer's addresses and names at that start; none: they are not followed.
     """
 
     def __init__(
-        self, dashboard: Dashboard, access: Access, certificate: Certificate | None = None
+        self,
+        dashboard: Dashboard,
+        access: Access,
+        certificate: Certificate | None = None,
+        here: Sequence[str] = (),
     ) -> None:
+        self._here = tuple(here)
+        self._following: asyncio.Task[None] | None = None
         self._dashboard, self._access, self._certificate = dashboard, access, certificate
         self._plain = access.lan and certificate is None and access.fingerprint is None
+        self._used = certificate
         self._lock = asyncio.Lock()
         self._create: Callable[[socket.socket, ssl.SSLContext], Entrance] | None = None
         self._first: Sequence[Entrance] = ()
@@ -89,26 +101,74 @@ class Sharing:
                 raise Busy(problem=_NOT_ENCRYPTED)
             await self._shut()
             here = await asyncio.to_thread(self._dashboard.settings.addresses)
-            numbers = [name for name in here if _is_number(name)]
-            if not numbers:
+            if not any(map(is_number, here)):
                 raise Busy(problem=_NO_NETWORK)
-            certificate = self._certificate
-            if certificate is None:
-                file, now = self._dashboard.settings.certificate, datetime.now(UTC)
-                certificate = await asyncio.to_thread(own_certificate, file, here, now)
-            if not self._first:
-                sockets = self._bound(numbers)
-                taken = {own.getsockname()[0] for own in sockets}
-                here = tuple(name for name in here if name in taken or not _is_number(name))
-                for own in sockets:
-                    self._opened.append(self._create(own, certificate.context))
+            certificate = await self._certified(here)
+            self._here = self._listen(here, certificate)
             for entrance in self._first:
                 entrance.admit_network(certificate.context)
-            self._access.share(certificate.hosts(here), certificate.fingerprint, control=control)
+            hosts = certificate.hosts(self._here)
+            self._access.share(hosts, certificate.fingerprint, control=control)
             self._dashboard.lan = True
+
+    async def _certified(self, here: Sequence[str]) -> Certificate:
+        """Return the user's certificate, or mikas' own one for `here`. Raises `UsageError`.
+
+        One that is made anew for a new address has another fingerprint: those who come by an
+        earlier address are asked once more by their browsers; open pages stay connected.
+        """
+        if self._certificate is not None and not self._certificate.is_own:
+            return self._certificate
+        file, now = self._dashboard.settings.certificate, datetime.now(UTC)
+        made = await asyncio.to_thread(own_certificate, file, here, now)
+        if self._used is None or made.fingerprint != self._used.fingerprint:
+            self._used = made
+        return self._used
+
+    def _listen(self, here: Sequence[str], certificate: Certificate) -> tuple[str, ...]:
+        """Listen on each new address; return `here` without those that can't be opened.
+
+        Raises `Busy` if none can. An address that has gone may come back: its socket stays.
+        """
+        assert self._create is not None
+        if self._first:
+            return tuple(here)
+        opened = {entrance.own.getsockname()[0] for entrance in self._opened}
+        sockets = self._bound([it for it in here if is_number(it) and it not in opened])
+        self._opened += [self._create(own, certificate.context) for own in sockets]
+        opened |= {own.getsockname()[0] for own in sockets}
+        return tuple(name for name in here if name in opened or not is_number(name))
+
+    def check(self) -> None:
+        """Follow this computer's addresses; the server calls this once a second."""
+        is_idle = self._following is None or self._following.done()
+        if self._dashboard.lan and self._here and is_idle:
+            self._following = asyncio.get_running_loop().create_task(self._follow())
+
+    async def _follow(self) -> None:
+        async with self._lock:
+            here = await asyncio.to_thread(self._dashboard.settings.addresses)
+            if not self._dashboard.lan or here == self._here:
+                return
+            if self._plain:
+                self._here = here
+                self._access.follow(here, None)
+                return
+            try:
+                certificate = await self._certified(here)
+                self._here = self._listen(here, certificate)
+            except (Busy, UsageError) as error:  # tried again; what is open stays
+                _log.debug("an address is not followed yet: %s", error)
+                return
+            for entrance in (*self._first, *self._opened):
+                if entrance.context is not certificate.context:
+                    entrance.admit_network(certificate.context)
+            self._access.follow(certificate.hosts(self._here), certificate.fingerprint)
 
     async def close_for_good(self) -> None:
         """Close everything at the end of the program."""
+        if self._following is not None:
+            self._following.cancel()
         async with self._lock:
             await self._shut()
 
@@ -149,13 +209,6 @@ class Sharing:
                 "программой: перезапустите с другим --host-port",
             )
         ) from failure[1]
-
-
-def _is_number(name: str) -> bool:
-    try:
-        return isinstance(ipaddress.ip_address(name), ipaddress.IPv4Address)
-    except ValueError:
-        return False
 
 
 class Ending:

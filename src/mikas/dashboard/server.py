@@ -25,7 +25,7 @@ import ssl
 import sys
 import threading
 import time
-from collections.abc import Awaitable, Callable, Iterator
+from collections.abc import Awaitable, Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from types import FrameType
@@ -64,18 +64,18 @@ _log = logging.getLogger("mikas.dashboard")
 
 def serve(
     app: FastAPI,
-    own: socket.socket,
+    own: Sequence[socket.socket],
     *,
     ready: Callable[[], None],
     tls: ssl.SSLContext | None = None,
 ) -> None:
-    """Serve `app` on `own` until Ctrl-C; `ready` is called once the server responds.
+    """Serve `app` on the sockets `own` until Ctrl-C; `ready` is called once the server responds.
 
     `tls`: what the network gets, while this computer gets plain HTTP; None: both plain HTTP.
     Raises `KeyboardInterrupt` after a clean shutdown; a second Ctrl-C ends the process at once.
     """
     server = Server(app, ready=ready, tls=tls)
-    server.run(sockets=[own])
+    server.run(sockets=list(own))
     server.finish_signal()
 
 
@@ -223,11 +223,14 @@ class Server(uvicorn.Server):
     async def on_tick(self, counter: int) -> bool:
         """End the connections that have waited for too long, once a second; and unused programs.
 
+        This computer's addresses in the network are looked at as often.
+
         Nothing that fails here ends the loop: it is reported once while it repeats.
         """
         self.guard.clock()
         if counter % _TICKS == 0:
-            for part in (self.guard.sweep, self._app.state.ending.check):
+            state = self._app.state
+            for part in (self.guard.sweep, state.ending.check, state.sharing.check):
                 self._perform(part)
         return await super().on_tick(counter)
 

@@ -129,14 +129,29 @@ def show_dashboard(
 
         from mikas.cli.config import own_tests
         from mikas.client.connecting import state_folder
+        from mikas.dashboard.addresses import is_ipv6, own_addresses
         from mikas.dashboard.dashboard import Dashboard
-        from mikas.dashboard.listening import listen, own_addresses
+        from mikas.dashboard.listening import listen, listen_ipv6
         from mikas.dashboard.running import RunningDashboard
         from mikas.dashboard.security.access import Access
         from mikas.dashboard.settings import Settings, VirtualCars, ensure_folder
 
         if options.record is not None:
             ensure_folder(options.record)
+        own = [stack.enter_context(listen(options.host_port, lan=options.lan))]
+        port = own[0].getsockname()[1]
+        if options.lan:
+            own += map(stack.enter_context, listen_ipv6(port))
+
+        def addresses() -> tuple[str, ...]:
+            """Leave out what a start with --lan could not open."""
+            found = own_addresses()
+            return (
+                found
+                if len(own) > 1 or not options.lan
+                else tuple(host for host in found if not is_ipv6(host))
+            )
+
         settings = Settings(
             options.record or user_documents_path() / "mikas",
             connection=context.options,
@@ -145,12 +160,12 @@ def show_dashboard(
             own=context.own_catalog,
             tests=own_tests(),
             desktop=desktop,
+            addresses=addresses,
         )
-        hosts = own_addresses() if options.lan else ()
+        hosts = addresses() if options.lan else ()
         certificate = _certificate(options, settings, hosts)
-        own = stack.enter_context(listen(options.host_port, lan=options.lan))
         access = Access(
-            own.getsockname()[1],
+            port,
             lan=options.lan,
             lan_control=options.lan_control,
             hosts=certificate.hosts(hosts) if certificate else hosts,
@@ -168,7 +183,7 @@ def show_dashboard(
             from mikas.dashboard.server import serve
 
             serve(
-                create_app(dashboard, access, certificate=certificate),
+                create_app(dashboard, access, certificate=certificate, here=hosts),
                 own,
                 ready=lambda: _show_address(context, access, options, dashboard),
                 tls=certificate.context if certificate else None,
@@ -197,7 +212,8 @@ def _show_address(
     from mikas.dashboard.api.catalog import problems
 
     urls = {"url": access.url, "lan_url": access.lan_url}
-    found = {**urls, "fingerprint": access.fingerprint}
+    links = [link.url for link in access.lan_links]
+    found = {**urls, "lan_urls": links, "fingerprint": access.fingerprint}
     context.output.result(found, "\n".join(filter(None, urls.values())))
     context.say("Ctrl-C ends it.", "Выход: Ctrl-C.")
     _note_unusable_folder(context, dashboard.settings)
@@ -209,6 +225,13 @@ def _show_address(
         import segno
 
         segno.make(access.lan_url, error="m").terminal(error_drawing(), compact=True)
+        if links[1:]:
+            context.say(
+                "If that address does not open on the phone, one of these may:",
+                "Если этот адрес на телефоне не открывается, попробуйте другие:",
+            )
+            for link in links[1:]:
+                context.output.print_note(f"  {link}")
     if options.lan:
         _note_encryption(context, access)
     if not options.no_browser:

@@ -25,6 +25,7 @@ from mikas.dashboard.api.dependencies import (
     TheDashboard,
     TheRequester,
     Viewer,
+    Words,
     split_names,
 )
 from mikas.dashboard.api.errors import OptionalTexts, TwoTexts, content, errors, made_of, two
@@ -165,8 +166,18 @@ def channel_info(known: Catalog, channel: Parameter | Derived, own: Entries) -> 
     )
 
 
+class LanLinkInfo(BaseModel):
+    """A link for other computers. `url` contains the token."""
+
+    address: str
+    url: str
+    reached: bool = Field(description="another computer has come by this address")
+
+
 class AboutResponse(BaseModel):
     """The server. `lan_url` contains the token; null for clients without control rights.
+
+    `lan_links`: by all addresses, the likeliest first; empty for clients without control rights.
 
     `fingerprint`: SHA-256 of the certificate, by which `lan_url` is served; null: plain HTTP.
     """
@@ -179,6 +190,7 @@ class AboutResponse(BaseModel):
     local: bool = Field(description="this client is on this computer: it may open the network")
     url: str
     lan_url: str | None
+    lan_links: list[LanLinkInfo]
     fingerprint: str | None
     recordings_folder: str
     desktop: bool = Field(
@@ -262,6 +274,9 @@ def about_of(request: Request, dashboard: Dashboard, client: Client) -> AboutRes
         demo=dashboard.connection.is_demo,
         local=bool(request.scope["state"]["local"]),
         lan_url=access.lan_url if client.may_control else None,
+        lan_links=[made_of(LanLinkInfo, it) for it in access.lan_links]
+        if client.may_control
+        else [],
         recordings_folder=str(dashboard.settings.recordings),
         desktop=dashboard.settings.desktop,
         problems=[two(each) for each in unusable] if client.may_control else [],
@@ -269,15 +284,19 @@ def about_of(request: Request, dashboard: Dashboard, client: Client) -> AboutRes
 
 
 @router.get("/about/qr.svg", response_class=Response, responses=errors(404) | _SVG)
-def qr(request: Request, client: Viewer) -> Response:
-    """Return the link for other computers in the network as a QR code."""
+def qr(request: Request, client: Viewer, address: Words | None = None) -> Response:
+    """Return the link for other computers in the network as a QR code.
+
+    `address`: that of the link; by default the likeliest one.
+    """
     import segno
 
     access: Access = request.app.state.access
-    if access.lan_url is None or not client.may_control:
+    links = [it.url for it in access.lan_links if address in (None, it.address)]
+    if not links or not client.may_control:
         raise NotFound(name="/api/about/qr.svg")
     out = io.BytesIO()
-    segno.make(access.lan_url, error="m").save(out, kind="svg", scale=6, xmldecl=False)
+    segno.make(links[0], error="m").save(out, kind="svg", scale=6, xmldecl=False)
     return Response(out.getvalue(), media_type="image/svg+xml")
 
 

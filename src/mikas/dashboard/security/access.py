@@ -21,6 +21,7 @@ virtual car that comes with mikas may be named.
 from __future__ import annotations
 
 import hmac
+import ipaddress
 import secrets
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -29,6 +30,7 @@ from typing import Literal
 from starlette.requests import HTTPConnection
 from starlette.types import Scope
 
+from mikas.dashboard.addresses import is_ipv6, is_number
 from mikas.dashboard.errors import Forbidden, NotFromNetwork, TokenRequired
 from mikas.dashboard.listening import is_loopback
 from mikas.i18n import Text
@@ -39,15 +41,24 @@ Rights = Literal["control", "view"]
 _CAR_OPTIONS = {"scenario", "seed", "model", "faults"}
 # 8 bytes in pairs of digits: too many to make another certificate with the same ones
 _SHORT = 8 * 3 - 1
-_LOCAL = ("127.0.0.1", "localhost", "[::1]")
+_LOCAL = ("127.0.0.1", "localhost", "::1")
 _FORWARDING = ("forwarded", "via", "x-forwarded-for", "x-forwarded-host", "x-real-ip")
+
+
+@dataclass(frozen=True, slots=True)
+class LanLink:
+    """A link for other computers; `reached`: one of them has come by it with the token."""
+
+    address: str
+    url: str
+    reached: bool
 
 
 @dataclass(slots=True)
 class Access:
-    """The rules in force. `hosts`: this computer's names in the network, with `lan`.
+    """The rules in force. `hosts`: this computer's addresses and names as they are now, with `lan`.
 
-    `share` and `unshare` switch the network at run time (`mikas.dashboard.program`).
+    `share`, `follow` and `unshare` change the network at run time (`mikas.dashboard.program`).
 
     `fingerprint`: of the certificate, in pairs of digits; None: the network gets plain HTTP.
     """
@@ -60,11 +71,18 @@ class Access:
     fingerprint: str | None = None
     instance: str = field(default_factory=lambda: secrets.token_hex(8))
     """A mark of this run, which gives no rights (`mikas.dashboard.running`)."""
+    _reached: set[str] = field(default_factory=set, repr=False)
+    """The addresses by which others have come with the token, as in `Host`."""
 
     def share(self, hosts: tuple[str, ...], fingerprint: str, *, control: bool) -> None:
         """Let the network in, by a new token."""
         self.hosts, self.fingerprint, self.lan_control = hosts, fingerprint, control
         self.token, self.lan = _new_token(), True
+        self._reached.clear()
+
+    def follow(self, hosts: tuple[str, ...], fingerprint: str | None) -> None:
+        """Take the addresses as they are now; the token stays, so do those who have it."""
+        self.hosts, self.fingerprint = hosts, fingerprint
 
     def unshare(self) -> None:
         """Refuse the network; the token is void."""
@@ -78,17 +96,30 @@ class Access:
 
     @property
     def lan_url(self) -> str | None:
-        """The link for other computers: with the token, and the begin of the fingerprint.
+        """The link that most likely works."""
+        return next((link.url for link in self.lan_links), None)
 
-        Browsers do not send the latter. A person compares it with the certificate that the browser
-        shows before it opens the page.
+    @property
+    def lan_links(self) -> tuple[LanLink, ...]:
+        """The links for other computers, the likeliest first; names only where no address is.
+
+        Each with the token, and the begin of the fingerprint. Browsers do not send the latter. A
+        person compares it with the certificate that the browser shows before it opens the page.
         """
-        if not self.lan or not self.hosts:
-            return None
-        address = f"{self.hosts[0]}:{self.port}/?token={self.token}"
+        if not self.lan:
+            return ()
+        numbers = [host for host in self.hosts if is_number(host)]
+        hosts = self.hosts if not numbers else self.hosts[: self.hosts.index(numbers[-1]) + 1]
+        return tuple(self._link(host) for host in hosts)
+
+    def _link(self, host: str) -> LanLink:
+        address = self._address(host)
+        url = f"{address}/?token={self.token}"
         if self.fingerprint is None:
-            return f"http://{address}"
-        return f"https://{address}#sha256={self.fingerprint[:_SHORT]}"
+            url = f"http://{url}"
+        else:
+            url = f"https://{url}#sha256={self.fingerprint[:_SHORT]}"
+        return LanLink(host, url, address in self._reached)
 
     @property
     def cookie(self) -> str:
@@ -106,6 +137,8 @@ class Access:
             raise Forbidden(problem=Text("a request through a proxy", "запрос через прокси"))
         if not self._has_token(request):
             raise TokenRequired
+        if request.client is not None and request.client.host not in self.hosts:
+            self._reached.add(_host(request))
         return "control" if self.lan_control else "view"
 
     def is_local(self, scope: Scope) -> bool:
@@ -134,10 +167,14 @@ class Access:
 
     def _addresses(self, *, local: bool = False) -> set[str]:
         hosts = (*_LOCAL, *(self.hosts if self.lan and not local else ()))
-        found = {f"{host.lower()}:{self.port}" for host in hosts}
+        found = {self._address(host) for host in hosts}
         if self.port == 80:
-            found |= {host.lower() for host in hosts}
+            found |= {address.removesuffix(":80") for address in found}
         return found
+
+    def _address(self, host: str) -> str:
+        """Return a host as a URL has it, with the port."""
+        return f"[{host}]:{self.port}" if is_ipv6(host) else f"{host.lower()}:{self.port}"
 
     def _check_page(self, request: HTTPConnection) -> None:
         headers = request.headers
@@ -185,7 +222,12 @@ def is_encrypted(scope: Scope) -> bool:
 
 
 def _host(request: HTTPConnection) -> str:
-    return request.headers.get("host", "").lower()
+    """Return the request's host, an IPv6 address in its shortest form, as browsers write it."""
+    host = request.headers.get("host", "").lower()
+    number, closing, rest = host.removeprefix("[").partition("]")
+    if host.startswith("[") and closing and is_ipv6(number) and is_number(number):
+        return f"[{ipaddress.ip_address(number)}]{rest}"
+    return host
 
 
 def _is_shipped_car(url: str) -> bool:

@@ -67,7 +67,7 @@ def own_certificate(file: Path, hosts: Sequence[str], now: datetime) -> Certific
     """
     _require_library()
     kept, is_private = _kept(file)
-    wanted = _usable(hosts)
+    wanted = _usable(hosts)[:_MOST_NAMES]
     names = _names(kept) if kept else ()
     is_valid = kept and kept.not_valid_before_utc <= now <= kept.not_valid_after_utc - _RENEWED
     if not (is_valid and is_private and set(wanted) <= set(names)):

@@ -65,7 +65,7 @@ export function createApi(host: Transport) {
 
     network: (on: boolean, control: boolean) => put<Api.About>("/network", { on, control }),
     end: () => post<Api.About>("/end"),
-    networkQr: () => address("/about/qr.svg"),
+    networkQr: (host: string) => address("/about/qr.svg", { address: host }),
     freezeFrames: () => get<Api.FreezeFrames>("/freeze-frames"),
     freezeFrame: (id: string) => get<Api.Rows>(`/freeze-frames/${part(id)}`),
     deleteFreezeFrame: (id: string) => remove<Api.FreezeFrames>(`/freeze-frames/${part(id)}`),

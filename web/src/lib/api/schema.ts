@@ -12,6 +12,8 @@ export interface components {
         /**
          * @description The server. `lan_url` contains the token; null for clients without control rights.
          *
+         *     `lan_links`: by all addresses, the likeliest first; empty for clients without control rights.
+         *
          *     `fingerprint`: SHA-256 of the certificate, by which `lan_url` is served; null: plain HTTP.
          */
         AboutResponse: {
@@ -26,6 +28,7 @@ export interface components {
             local: boolean;
             url: string;
             lan_url: string | null;
+            lan_links: components["schemas"]["LanLinkInfo"][];
             fingerprint: string | null;
             recordings_folder: string;
             /** @description an icon has started the program: the page ends it (`/api/end`) */
@@ -582,6 +585,13 @@ export interface components {
             off: components["schemas"]["TwoTexts"];
             /** @description its colour while on; that is no alarm */
             trouble: components["schemas"]["Level"];
+        };
+        /** @description A link for other computers. `url` contains the token. */
+        LanLinkInfo: {
+            address: string;
+            url: string;
+            /** @description another computer has come by this address */
+            reached: boolean;
         };
         /** @description The latest result of a test on this unit. */
         LastOutcome: {

@@ -169,6 +169,9 @@ export const t = dictionary({
     ru: "Сейчас программа доступна только с этого компьютера. Переключатель открывает её для сети: с шифрованием, по ссылке с новым ключом. После выключения ключ не действует и все соединения закрыты. При каждом запуске выключено.",
   },
   lan_here: { en: "This page is already open over the network. The link is shown at the computer with the cable.", ru: "Эта страница уже открыта по сети. Ссылка показана на компьютере с кабелем." },
+  lan_addresses: { en: "Address of this computer. The first one most likely works; if it does not open, take another", ru: "Адрес этого компьютера. Вероятнее всего работает первый; если не открывается, выберите другой" },
+  lan_reached: { en: "works: a phone has come by it", ru: "работает: по нему заходил телефон" },
+  lan_reached_one: { en: "This address works: a phone has come by it.", ru: "Этот адрес работает: по нему заходил телефон." },
   lan_qr: { en: "QR code of the address", ru: "QR-код адреса" },
   program: { en: "The program", ru: "Программа" },
   program_more: {

@@ -13,8 +13,13 @@ export class ConnectionStore {
     ask: async () => (await this.app.api.ports()).ports,
     every: () => (this.app.live.linked ? SCAN_MS : 0),
   });
-  /** Another page may switch the network. */
-  readonly about = new Resource({ of: () => this.app.live.linked, again: () => this.app.live.state?.lan, ask: () => this.app.api.about() });
+  /** Another page may switch the network; its addresses change, and a phone comes by one of them. */
+  readonly about: Resource<true, About> = new Resource({
+    of: () => this.app.live.linked,
+    again: () => this.app.live.state?.lan,
+    ask: () => this.app.api.about(),
+    every: () => (this.app.live.linked && this.about.value?.lan_links.length ? SCAN_MS : 0),
+  });
   readonly network = new ApiRequest<About>();
   /** Counts the answers of the switch: each has another link. */
   shares = $state(0);

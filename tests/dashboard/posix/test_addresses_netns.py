@@ -1,0 +1,160 @@
+"""A program in a network of its own: no default route, a VPN in front, IPv6, a hotspot that comes.
+
+Needs root and iproute2. Skipped without, unless `MIKAS_REQUIRE_NETNS` is set: then it is a failure.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import time
+from contextlib import contextmanager
+
+import pytest
+
+IP = shutil.which("ip", path=f"{os.environ.get('PATH', '')}:/usr/sbin:/sbin")
+
+
+def run(*words, check=True):
+    done = subprocess.run(words, capture_output=True, text=True, timeout=120, check=False)
+    assert not check or done.returncode == 0, (words, done.stderr)
+    return done.stdout
+
+
+def is_possible():
+    if sys.platform != "linux" or IP is None or os.geteuid() != 0:
+        return False
+    name = f"mikas-try-{os.getpid()}"
+    made = subprocess.run([IP, "netns", "add", name], capture_output=True, check=False)
+    subprocess.run([IP, "netns", "del", name], capture_output=True, check=False)
+    return made.returncode == 0
+
+
+pytestmark = [
+    pytest.mark.realtime,
+    pytest.mark.skipif(
+        not os.environ.get("MIKAS_REQUIRE_NETNS") and not is_possible(),
+        reason="network namespaces need Linux, root and iproute2",
+    ),
+]
+
+
+@pytest.fixture
+def computer():
+    """Two namespaces: a computer with the interface `lan`, and a phone at its other end."""
+    names = [f"mikas-{who}-{os.getpid()}" for who in ("computer", "phone")]
+    try:
+        for name in names:
+            run(IP, "netns", "add", name)
+            run(IP, "-n", name, "link", "set", "lo", "up")
+        run(
+            IP,
+            "-n",
+            names[0],
+            "link",
+            "add",
+            "lan",
+            "type",
+            "veth",
+            "peer",
+            "lan",
+            "netns",
+            names[1],
+        )
+        for name, end in zip(names, "21", strict=True):
+            run(IP, "-n", name, "addr", "add", f"10.77.0.{end}/24", "dev", "lan")
+            run(IP, "-n", name, "addr", "add", f"fd77::{end}/64", "dev", "lan", "nodad")
+            run(IP, "-n", name, "link", "set", "lan", "up")
+        yield names
+    finally:
+        for name in names:
+            run(IP, "netns", "del", name, check=False)
+
+
+def link(computer, name, address, *route):
+    """Give the computer another interface that is up."""
+    run(IP, "-n", computer, "link", "add", name, "type", "veth", "peer", f"{name}-end")
+    run(IP, "-n", computer, "addr", "add", address, "dev", name)
+    for end in (name, f"{name}-end"):
+        run(IP, "-n", computer, "link", "set", end, "up")
+    if route:
+        run(IP, "-n", computer, "route", "add", "default", "via", *route, "dev", name)
+
+
+@contextmanager
+def dashboard(computer, folder, *options):
+    environment = {
+        **os.environ,
+        **{f"XDG_{name}_HOME": str(folder) for name in ("STATE", "CONFIG")},
+    }
+    command = [IP, "netns", "exec", computer, sys.executable, "-m", "mikas", "demo", "--no-browser",
+               "--json", "--record", str(folder / "recordings"), *options]  # fmt: skip
+    with (
+        (folder / "errors").open("w") as errors,
+        subprocess.Popen(
+            command, stdout=subprocess.PIPE, stderr=errors, text=True, env=environment
+        ) as process,
+    ):
+        try:
+            yield json.loads(process.stdout.readline())
+        finally:
+            process.terminate()
+            process.wait(120)
+
+
+def status(who, url):
+    """The status of a request to `url` from a namespace, and of one with the token."""
+    code = (
+        "import sys, httpx; c = httpx.Client(verify=False, timeout=60);"
+        "print(c.get(sys.argv[1], follow_redirects=True).status_code)"
+    )
+    return int(run(IP, "netns", "exec", who, sys.executable, "-c", code, url))
+
+
+def asked(computer, url, method="GET", body=None):
+    code = (
+        "import sys, httpx; h = {'X-Mikas-Client': 'tester-0001'};"
+        "print(httpx.request(sys.argv[2], sys.argv[1], headers=h, timeout=60,"
+        " json=eval(sys.argv[3])).text)"
+    )
+    words = sys.executable, "-c", code, url, method, repr(body)
+    return json.loads(run(IP, "netns", "exec", computer, *words))
+
+
+def test_without_a_default_route_and_behind_a_vpn_a_phone_comes_in(computer, tmp_path):
+    here, phone = computer
+    link(here, "tun9", "10.8.0.6/24", "10.8.0.1")
+    link(here, "docker0", "172.17.0.1/16")
+    with dashboard(here, tmp_path, "--lan") as shown:
+        addresses = [url.split("//")[1].split("/")[0] for url in shown["lan_urls"]]
+        port = shown["url"].rsplit(":", 1)[1].strip("/")
+        wanted = ["10.77.0.2", "[fd77::2]", "10.8.0.6", "172.17.0.1"]
+        assert addresses == [f"{host}:{port}" for host in wanted]
+        assert shown["lan_url"] == shown["lan_urls"][0]
+        for url in shown["lan_urls"][:2]:
+            assert status(phone, url.partition("#")[0]) == 200
+        bare = f"https://[fd77:0:0::2]:{port}/"
+        assert status(phone, bare) == 401
+        about = asked(here, f"{shown['url']}api/about")
+        assert [it["reached"] for it in about["lan_links"]] == [True, True, False, False]
+
+
+def test_an_address_that_comes_while_the_switch_is_on_is_opened(computer, tmp_path):
+    here, phone = computer
+    with dashboard(here, tmp_path) as shown:
+        opened = asked(here, f"{shown['url']}api/network", "PUT", {"on": True})
+        assert [it["address"] for it in opened["lan_links"]] == ["10.77.0.2", "fd77::2"]
+        run(IP, "-n", here, "addr", "add", "10.78.0.2/24", "dev", "lan")
+        run(IP, "-n", phone, "addr", "add", "10.78.0.1/24", "dev", "lan")
+        run(IP, "-n", here, "addr", "del", "10.77.0.2/24", "dev", "lan")
+        deadline = time.monotonic() + 120
+        while True:
+            about = asked(here, f"{shown['url']}api/about")
+            if [it["address"] for it in about["lan_links"]] == ["10.78.0.2", "fd77::2"]:
+                break
+            assert time.monotonic() < deadline, about
+        for it in about["lan_links"]:
+            assert status(phone, it["url"].partition("#")[0]) == 200

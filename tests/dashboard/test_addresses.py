@@ -1,0 +1,125 @@
+"""This computer's addresses: their order, and the links as they change while the program runs."""
+
+from __future__ import annotations
+
+import time
+
+import pytest
+
+from dashboard.rig import ME, OTHER, rig
+from mikas.dashboard.addresses import Address, Kind, in_order, kind_of, kind_of_windows
+from mikas.dashboard.security.access import Access
+
+WIFI, CABLE, VPN = Kind.WIRELESS, Kind.OTHER, Kind.VIRTUAL
+
+
+def order(*found):
+    return in_order([Address(number, f"if{at}", kind) for at, (number, kind) in enumerate(found)])
+
+
+@pytest.mark.parametrize(
+    ("found", "wanted"),
+    [
+        ([], []),
+        ([("10.77.0.2", CABLE)], ["10.77.0.2"]),
+        ([("10.8.0.6", VPN), ("192.168.1.5", WIFI)], ["192.168.1.5", "10.8.0.6"]),
+        ([("172.17.0.1", VPN), ("8.8.4.4", CABLE)], ["8.8.4.4", "172.17.0.1"]),
+        ([("10.0.0.3", CABLE), ("192.168.43.1", WIFI)], ["192.168.43.1", "10.0.0.3"]),
+        ([("10.0.0.9", WIFI), ("10.0.1.9", WIFI)], ["10.0.0.9", "10.0.1.9"]),
+        ([("fe80::1", WIFI), ("2a00::1", WIFI), ("fd00::1", WIFI)], ["fd00::1", "2a00::1"]),
+        ([("169.254.3.4", CABLE), ("100.64.0.1", CABLE)], ["100.64.0.1", "169.254.3.4"]),
+        ([("fd00::9", VPN), ("169.254.3.4", CABLE)], ["169.254.3.4", "fd00::9"]),
+        ([("127.0.0.1", CABLE), ("::1", CABLE), ("0.0.0.0", CABLE)], []),
+    ],
+)
+def test_what_a_phone_can_reach_comes_first(found, wanted):
+    assert list(order(*found)) == wanted
+
+
+def test_the_system_says_what_an_interface_is(tmp_path):
+    for path in (
+        "wlan0/device", "wlan0/phy80211", "eth0/device", "br0/bridge", "br0/brif/eth0",
+        "hot/bridge", "hot/brif/wlan0", "own/bridge", "own/brif/veth1", "tap-a",
+    ):  # fmt: skip
+        (tmp_path / path).mkdir(parents=True)
+    (tmp_path / "office").mkdir()
+    (tmp_path / "office/type").write_text("65534\n")
+    (tmp_path / "tap-a/type").write_text("1\n")
+    names = {
+        "wlan0": WIFI, "eth0": CABLE, "br0": CABLE, "hot": WIFI, "own": VPN, "office": VPN,
+        "tap-a": VPN, "en0": CABLE, "utun3": VPN, "tailscale0": VPN, "docker0": VPN,
+        "br-0123456789ab": VPN, "virbr0": VPN, "wg0": VPN, "bridge100": CABLE,
+    }  # fmt: skip
+    assert {name: kind_of(name, system=tmp_path) for name in names} == names
+    assert kind_of("corp", is_point_to_point=True, system=tmp_path) is VPN
+
+
+@pytest.mark.parametrize(
+    ("kind", "texts", "wanted"),
+    [
+        (71, ("Microsoft Wi-Fi Direct Virtual Adapter", "Local Area Connection* 2"), WIFI),
+        (6, ("Intel(R) Ethernet Connection I219-V", "Ethernet"), CABLE),
+        (6, ("Hyper-V Virtual Ethernet Adapter", "vEthernet (WSL)"), VPN),
+        (6, ("TAP-Windows Adapter V9", "Ethernet 3"), VPN),
+        (53, ("WireGuard Tunnel", "office"), VPN),
+    ],
+)
+def test_windows_says_what_an_interface_is(kind, texts, wanted):
+    assert kind_of_windows(kind, texts) is wanted
+
+
+def test_an_ipv6_link_has_brackets_and_names_are_only_links_without_an_address():
+    access = Access(8071, lan=True, hosts=("192.168.1.5", "fd00::5", "car", "car.local"), token="t")
+    assert [link.url for link in access.lan_links] == [
+        "http://192.168.1.5:8071/?token=t",
+        "http://[fd00::5]:8071/?token=t",
+    ]
+    access.follow(("car",), None)
+    assert access.lan_url == "http://car:8071/?token=t"
+
+
+@pytest.fixture
+def it(tmp_path):
+    with rig(tmp_path, None) as it:
+        it.server.guard.clock = lambda: 0.0
+        yield it
+
+
+def about_when(it, accepted):
+    deadline = time.monotonic() + 60
+    while not accepted(about := it.get("/about")):
+        assert time.monotonic() < deadline, about
+    return about
+
+
+def refused(it, host, token):
+    headers = {**OTHER, "Authorization": f"Bearer {token}", "Host": f"{host}:{it.port}"}
+    return it.client.get("/api/about", headers=headers).status_code == 403
+
+
+def test_a_hotspot_that_comes_later_gets_its_link_and_what_has_gone_is_refused(it):
+    settings = it.dashboard.settings
+
+    def here(*found):
+        object.__setattr__(settings, "addresses", lambda: found)
+
+    here("127.0.0.2", "car")
+    asked = it.client.put("/api/network", json={"on": True}, headers=ME).json()
+    token = it.access.token
+    assert [link["address"] for link in asked["lan_links"]] == ["127.0.0.2"]
+    assert refused(it, "127.0.0.3", token)
+    here("127.0.0.3", "127.0.0.2", "car")
+    about = about_when(it, lambda it: len(it["lan_links"]) == 2)
+    assert about["lan_url"].startswith(f"https://127.0.0.3:{it.port}/?token={token}#")
+    assert about["fingerprint"] != asked["fingerprint"]  # made anew, with the address
+    assert not any(link["reached"] for link in about["lan_links"])
+    assert not refused(it, "127.0.0.3", token)
+    (first, second) = it.get("/about")["lan_links"]
+    assert (first["reached"], second["reached"]) == (True, False)
+    here("127.0.0.3", "car")
+    about_when(it, lambda it: len(it["lan_links"]) == 1)
+    assert refused(it, "127.0.0.2", token)
+    for foreign in ("example.com", "[::ffff:127.0.0.3]", "127.0.0.3.nip.io", "[fd00::3]", "car."):
+        assert refused(it, foreign, token), foreign
+    assert it.client.get("/api/about/qr.svg", params={"address": "127.0.0.3"}).status_code == 200
+    assert it.client.get("/api/about/qr.svg", params={"address": "10.1.1.1"}).status_code == 404
