@@ -92,6 +92,20 @@ def test_a_question_of_any_form_is_answered(dataset, sql) -> None:
     assert ask(dataset, sql)
 
 
+def test_a_comment_before_explain_hides_no_statement(dataset) -> None:
+    """Comments nest: what stands behind the inner one may still be comment, or a statement."""
+    for before in ("/* a */ ", "-- a\n/* b */\n", "\n-- a /* b\n"):
+        assert ask(dataset, f"{before}EXPLAIN FROM drives"), before
+    for sql in (
+        "/* a /* b */ EXPLAIN FROM drives -- */ */ EXPLAIN ANALYZE COPY drives TO 'out.csv'",
+        "/* a /* b */ */ EXPLAIN ANALYZE DELETE FROM drives",
+        "-- a\rEXPLAIN FROM drives -- \nEXPLAIN ANALYZE DELETE FROM drives",
+        "-- a\nEXPLAIN ANALYZE DELETE FROM drives",
+    ):
+        with pytest.raises(UsageError):
+            ask(dataset, sql)
+
+
 def test_settings_show_no_password_of_this_computer(dataset, monkeypatch) -> None:
     monkeypatch.setenv("HTTP_PROXY", "http://me:hunter2@proxy:8080")
     monkeypatch.setenv("HOME", "/home/hunter3")

@@ -25,10 +25,13 @@ _FUNCTIONS: Final = frozenset((
 ))  # fmt: skip
 """Functions that may stand for a table: they compute, or describe the views."""
 _OPTION: Final = r"(?:ANALYZE|FORMAT\s+'?\w+'?)"
+_COMMENT: Final = r"(?:--[^\r\n]*\n|/\*(?:(?!/\*|\*/).)*\*/|\s)"  # that no parser takes otherwise
 _EXPLAIN: Final = re.compile(
-    rf"EXPLAIN\s+(?:ANALYZE\b\s*)?(?:\(\s*{_OPTION}(?:\s*,\s*{_OPTION})*\s*\)\s*)?", re.IGNORECASE
+    rf"{_COMMENT}*EXPLAIN\s+(?:ANALYZE\b\s*)?(?:\(\s*{_OPTION}(?:\s*,\s*{_OPTION})*\s*\)\s*)?",
+    re.IGNORECASE | re.DOTALL,
 )
-"""The words before the explained statement, which hide no other text."""
+"""The words before the explained statement, which hide no other text. Since duckdb 2.0.1 comments
+before the statement belong to it."""
 
 
 def is_question(connection: duckdb.DuckDBPyConnection, sql: str) -> bool:
