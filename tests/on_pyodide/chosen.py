@@ -40,6 +40,7 @@ LEFT_OUT = {
     "test_memory_given_back.py": "counts what the desktop's process holds",
     "test_running.py": _SOCKET,
     "test_secrets_of_ports.py": _SOCKET,
+    "test_addresses.py": _SOCKET,
     "test_server.py": _SOCKET,
     "test_server_loops.py": _SOCKET,
     "test_history.py": _TABLES,

@@ -106,7 +106,7 @@ def dashboard(computer, folder, *options):
 
 
 def status(who, url):
-    """The status of a request to `url` from a namespace, and of one with the token."""
+    """The status of the page at `url`, seen from a namespace."""
     code = (
         "import sys, httpx; c = httpx.Client(verify=False, timeout=60);"
         "print(c.get(sys.argv[1], follow_redirects=True).status_code)"
