@@ -12,6 +12,7 @@ place: the other name may be in another folder.
 from __future__ import annotations
 
 import errno
+import hashlib
 import os
 import stat
 from contextlib import suppress
@@ -35,7 +36,12 @@ _ALWAYS: Final[int] = sum(
     for name in ("O_NONBLOCK", "O_CLOEXEC", "O_NOCTTY", "O_BINARY", "O_NOINHERIT")
 )
 
+ABSENT: Final = (FileNotFoundError, NotADirectoryError)
+"""Errors of a path without a file; of the second kind where a folder of the path is none."""
+
 _JUNCTION: Final = 0xA000_0003  # stat.IO_REPARSE_TAG_MOUNT_POINT, on Windows only
+
+_LONGEST: Final = 255  # bytes of a name, of Cyrillic half as many letters
 
 _LINK: Final = Text(
     "this is a link to another file, which is not followed; put the file itself here",
@@ -141,6 +147,19 @@ def read_json(path: Path, most: int) -> Any:  # noqa: ANN401  (any JSON)
         return clean_json(json.loads(read_regular(path, most).decode()))
     except RecursionError:
         raise ValueError("nested too deep") from None
+
+
+def beside(path: Path, ending: str) -> Path:
+    """Return `path` with `ending` after its name, which is cut where the system would refuse it.
+
+    A name that is cut has a digest of the whole, so two such files have two names.
+    """
+    name, room = os.fsencode(path.name), _LONGEST - len(os.fsencode(ending))
+    if len(name) <= room:
+        return path.with_name(f"{path.name}{ending}")
+    mark = f"-{hashlib.sha256(name).hexdigest()[:8]}{ending}"
+    kept = name[: _LONGEST - len(os.fsencode(mark))].decode("utf-8", "ignore")
+    return path.with_name(f"{kept}{mark}")
 
 
 def open_files() -> int:

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from mikas.errors import UsageError, reason_of, usage_error
+from mikas.home import home
 from mikas.i18n import Language
 
 
@@ -21,7 +22,7 @@ def config_path() -> Path:
         return Path(named)
     if sys.platform not in ("win32", "darwin"):  # as platformdirs, without its import
         base = os.environ.get("XDG_CONFIG_HOME", "").strip()
-        folder = Path(base) if base else Path("~/.config").expanduser()
+        folder = Path(base) if base else home() / ".config"
         return folder / "mikas" / "config.toml"
     from platformdirs import user_config_path
 
@@ -58,7 +59,7 @@ def named_language() -> str:
         return named
     try:
         return str(parsed_config(config_path()).get("lang", ""))
-    except (UsageError, RuntimeError):
+    except UsageError:
         return ""
 
 

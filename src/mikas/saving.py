@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any, BinaryIO, Generic, TypeVar
 
 from mikas.errors import naming_file, reason_at
-from mikas.files import open_regular, read_json
+from mikas.files import ABSENT, beside, open_regular, read_json
 from mikas.i18n import Text
 
 Content = TypeVar("Content")
@@ -36,7 +36,7 @@ def save(path: Path, text: str, *, follow: bool = False, private: bool = False) 
     if follow and path.exists() and not path.is_file():
         path.write_text(text, "utf-8")
         return
-    new = path.with_name(f"{path.name}.new")
+    new = beside(path, ".new")
     new.unlink(missing_ok=True)  # of a killed program
     try:
         if private:
@@ -91,7 +91,7 @@ class KeptFile(Generic[Content]):
         """Why the content is not used; None: it is, or there is none."""
         try:
             self._read()
-        except FileNotFoundError:
+        except ABSENT:
             return None
         except OSError as error:
             reason = reason_at(self.path, error)

@@ -83,10 +83,16 @@ def test_whatever_lies_in_its_place_is_replaced(file, tmp_path):
         assert again.fingerprint != made.fingerprint
 
 
-def test_a_place_that_can_not_be_written_is_an_error_with_advice(tmp_path):
+def test_one_that_can_not_be_kept_serves_all_the_same(tmp_path, monkeypatch):
+    """The dashboard did not start with --lan."""
     (tmp_path / "state").touch()
+    place = tmp_path / "state" / "dashboard.pem"
+    made = own_certificate(place, HOSTS, NOW)
+    assert made.names == HOSTS
+    assert str(place) in made.unkept.en
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "absent"))
     with pytest.raises(UsageError, match="--no-tls"):
-        own_certificate(tmp_path / "state" / "dashboard.pem", HOSTS, NOW)
+        own_certificate(place, HOSTS, NOW)
 
 
 def test_without_the_library_the_command_that_installs_it_is_named(file, monkeypatch):

@@ -12,6 +12,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from mikas.home import expanded
 from mikas.i18n import Text
 from mikas.preferences import config_path, parsed_config, wrong_config
 
@@ -60,7 +61,7 @@ def load() -> dict[str, Any]:
         if wanted is not None:
             raise wrong_config(file, f"{name} has to be {wanted.en}", f"{name} — это {wanted.ru}")
     settings["catalog"] = [
-        str(file.parent / Path(name).expanduser()) for name in settings.get("catalog", ())
+        str(file.parent / expanded(name)) for name in settings.get("catalog", ())
     ]
     return settings
 

@@ -55,7 +55,7 @@ def folder_error(folder: Path) -> UsageError | None:
     if there.is_dir() and os.access(there, os.W_OK | os.X_OK):
         return None
     code = errno.EACCES if there.is_dir() else errno.ENOTDIR
-    why = reason_of(OSError(code, os.strerror(code)))
+    why = reason_of(OSError(code, os.strerror(code), str(folder)))
     return UsageError(
         problem=Text(
             f"The folder {folder} is not writable ({there}: {why.en})",

@@ -12,6 +12,7 @@ import sys
 from pathlib import Path
 
 from mikas.errors import UsageError, naming_file
+from mikas.home import expanded, home
 from mikas.i18n import Text
 from mikas.saving import save
 
@@ -30,9 +31,9 @@ _MOVE_IT = Text(
 def plugin_file() -> Path:
     """Return the path of the dissector among this user's Lua plugins of Wireshark."""
     if sys.platform == "win32":
-        roaming = os.environ.get("APPDATA") or Path.home() / "AppData" / "Roaming"
+        roaming = os.environ.get("APPDATA") or home() / "AppData" / "Roaming"
         return Path(roaming) / "Wireshark" / "plugins" / "mikas.lua"
-    return Path.home() / ".local" / "lib" / "wireshark" / "plugins" / "mikas.lua"
+    return home() / ".local" / "lib" / "wireshark" / "plugins" / "mikas.lua"
 
 
 def decoder_file(folder: Path | None = None) -> Path:
@@ -51,7 +52,7 @@ def _decoders() -> Path:
     data = os.environ.get("XDG_DATA_HOME", "").strip()
     if not data and sys.platform == "win32":
         data = os.environ.get("LOCALAPPDATA", "").strip() or "~/AppData/Local"
-    return Path(data or "~/.local/share").expanduser() / "libsigrokdecode" / "decoders"
+    return expanded(data or "~/.local/share") / "libsigrokdecode" / "decoders"
 
 
 def install(file: Path, text: str, mark: str) -> bool:

@@ -10,6 +10,7 @@ from typing import ClassVar
 
 from mikas.cleaning import public_port, public_url, without_secrets
 from mikas.errors.system import REFUSALS
+from mikas.home import NO_HOME, WHY
 from mikas.i18n import Language, Text
 
 
@@ -171,6 +172,8 @@ def reason_of(error: OSError) -> Text:
     """Return the system's reason; in Russian where a translation is known."""
     if isinstance(error, UnfitFile):
         return error.text
+    if str(error.filename).startswith(str(NO_HOME)):
+        return WHY
     if error.errno in REFUSALS and error.errno != errno.EAGAIN:  # of a port it says other things
         return REFUSALS[error.errno]
     words = error.strerror or str(error)

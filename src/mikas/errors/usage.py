@@ -173,10 +173,10 @@ class JournalError(UsageError):
         "Не удаётся записать журнал {file}: {problem}",
     )
     advice = Text(
-        "Changes without a journal entry are not made. Free disk space or correct the folder's "
-        "permissions.",
-        "Изменения без записи в журнал не делаются. Освободите место на диске или исправьте права "
-        "на папку.",
+        "Changes without a journal entry are not made. Free disk space, correct the folder's "
+        "permissions, or name another folder in MIKAS_STATE.",
+        "Изменения без записи в журнал не делаются. Освободите место на диске, исправьте права "
+        "на папку или укажите другую папку в MIKAS_STATE.",
     )
 
 

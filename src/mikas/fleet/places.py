@@ -25,6 +25,7 @@ from mikas.fleet.object_stores import (
     options,
     reason_of_store,
 )
+from mikas.home import expanded
 from mikas.i18n import Text
 
 if TYPE_CHECKING:
@@ -80,7 +81,7 @@ def is_url(place: str) -> bool:
 def as_path(place: str) -> Path:
     """Return the absolute path of a place that is no URL."""
     prefix = next(filter(place.startswith, LOCAL), "")
-    return Path(place.removeprefix(prefix)).expanduser().absolute()
+    return expanded(place.removeprefix(prefix)).absolute()
 
 
 @contextmanager

@@ -21,6 +21,7 @@ from mikas.catalog.loading.build import does_not_exist
 from mikas.catalog.loading.fields import made, read_table, schema_of
 from mikas.catalog.loading.source import CatalogFile, KeyPath, read_source
 from mikas.errors import CatalogError, MikasError, UsageError, reason_of
+from mikas.files import ABSENT
 from mikas.guided.definition import (
     CONSTANTS,
     SECONDS,
@@ -71,7 +72,7 @@ def _files(folder: Path | None, errors: list[CatalogError]) -> list[Path]:
         return []
     try:
         files = sorted(path for path in folder.iterdir() if path.suffix == ".toml")
-    except FileNotFoundError:
+    except ABSENT:
         return []
     except OSError as error:
         reason = reason_of(error)

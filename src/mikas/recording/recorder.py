@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mikas.errors import CaptureError
+from mikas.files import beside
 from mikas.link.base import Direction
 from mikas.recording.annotations.annotator import SessionAnnotator
 from mikas.recording.annotations.events import note_of
@@ -268,6 +269,6 @@ class Recorder:
 def _next(named: Path) -> Path:
     """Return NAME-2.pcapng, or with the first higher number that is free."""
     number = 2
-    while os.path.lexists(path := named.with_name(f"{named.stem}-{number}{named.suffix}")):
+    while os.path.lexists(path := beside(named.with_name(named.stem), f"-{number}{named.suffix}")):
         number += 1
     return path

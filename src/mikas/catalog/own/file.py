@@ -23,6 +23,7 @@ from mikas.catalog.loading.loader import load, load_text
 from mikas.catalog.loading.source import parse_source
 from mikas.catalog.lookup import Catalog
 from mikas.errors import CatalogError, reason_of
+from mikas.files import ABSENT
 from mikas.i18n import Text
 from mikas.saving import save
 
@@ -64,7 +65,7 @@ class OwnCatalog:
         except CatalogError as error:
             if error.file != str(self.path):
                 raise
-            is_there = not isinstance(error.__cause__, FileNotFoundError)
+            is_there = not isinstance(error.__cause__, ABSENT)
             return Loaded(load(*self._more), error if is_there else None)
 
     def entries(self) -> dict[tuple[str, str], Mapping[str, Any]]:
@@ -106,7 +107,7 @@ class OwnCatalog:
             if len(data) > LARGEST:
                 raise self._failed(_TOO_LARGE)
             return toml.text_of(data)
-        except FileNotFoundError:
+        except ABSENT:
             return ""
         except OSError as error:
             raise self._failed(reason_of(error)) from error

@@ -125,8 +125,6 @@ def show_dashboard(
     with ExitStack() as stack:
         # Imports take as long as the handshake listens.
         ahead = None if context.port is None else stack.enter_context(context.open_ahead())
-        from platformdirs import user_documents_path
-
         from mikas.cli.config import own_tests
         from mikas.client.connecting import state_folder
         from mikas.dashboard.addresses import is_ipv6, own_addresses
@@ -135,6 +133,7 @@ def show_dashboard(
         from mikas.dashboard.running import RunningDashboard
         from mikas.dashboard.security.access import Access
         from mikas.dashboard.settings import Settings, VirtualCars, ensure_folder
+        from mikas.home import documents_folder
 
         if options.record is not None:
             ensure_folder(options.record)
@@ -153,7 +152,7 @@ def show_dashboard(
             )
 
         settings = Settings(
-            options.record or user_documents_path() / "mikas",
+            options.record or documents_folder() / "mikas",
             connection=context.options,
             open_port=(VirtualCars(ahead.open) if ahead else VirtualCars()).open,
             language=requested_language(),
@@ -164,6 +163,11 @@ def show_dashboard(
         )
         hosts = addresses() if options.lan else ()
         certificate = _certificate(options, settings, hosts)
+        if certificate and (why := certificate.unkept):
+            context.say(
+                f"The certificate can't be kept, so the next start makes another one ({why.en}).",
+                f"Сертификат не сохранить, при следующем запуске будет новый ({why.ru}).",
+            )
         access = Access(
             port,
             lan=options.lan,

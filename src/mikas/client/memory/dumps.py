@@ -22,7 +22,7 @@ from mikas.commands.base import check_range
 from mikas.commands.unit import version_of, version_text
 from mikas.errors import UsageError, naming_file, reason_at, usage_error
 from mikas.file_locks import hold
-from mikas.files import open_regular, read_json, read_regular
+from mikas.files import beside, open_regular, read_json, read_regular
 from mikas.saving import save
 
 SCHEMA = 1
@@ -78,7 +78,7 @@ class Manifest:
 
 def manifest_path(file: Path) -> Path:
     """Return `dump.bin.json` for `dump.bin`."""
-    return file.with_name(file.name + ".json")
+    return beside(file, ".json")
 
 
 def read_manifest(file: Path) -> Manifest | None:

@@ -22,6 +22,7 @@ from mikas.client.memory.spaces import MemorySpace, Run
 from mikas.commands import LARGEST_BLOCK
 from mikas.commands.base import check_range
 from mikas.errors import ReadBackDiffers, UsageError, hex_dump, naming_file
+from mikas.files import beside
 from mikas.i18n import Text
 from mikas.saving import save
 
@@ -137,7 +138,7 @@ class Restore:
         self._ecu = ecu
         self._space = space
         self._dump = dump
-        self._state = dump.path.with_name(dump.path.name + ".restore.json")
+        self._state = beside(dump.path, ".restore.json")
         self.runs: tuple[Run, ...] = ()
         self.written = 0
         self.differences: list[dumps.Difference] = []

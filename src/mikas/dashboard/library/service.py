@@ -35,6 +35,7 @@ from mikas.dashboard.library.lanes import Lane, LaneLimits
 from mikas.dashboard.library.open_recordings import IDLE, OpenRecording, OpenRecordings
 from mikas.dashboard.memory import give_back_memory
 from mikas.errors import naming_file
+from mikas.files import beside
 from mikas.i18n import Text
 from mikas.recording import CaptureWriter
 from mikas.recording.annotations.annotator import SessionAnnotator
@@ -132,7 +133,7 @@ def _names(stored: object) -> list[str]:
 def _record(file: Path, drive: Drive, model: str) -> None:
     """Record the virtual car, as a session does; all of it or nothing."""
     url = f"sim:?clock=simulated&seed=1&scenario={drive.scenario}&model={model}"
-    part = file.with_name(f"{file.name}.{token_hex(4)}.part")  # another program may make it, too
+    part = beside(file, f".{token_hex(4)}.part")  # another program may make it, too
     try:
         sink = CaptureWriter(part, url=url, overwrite=True)
         with sink, mikas.connect(url, sink=sink) as ecu:

@@ -15,9 +15,10 @@ import os
 import ssl
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Final
 
 from mikas.errors import UnfitFile, UsageError, reason_of
@@ -50,6 +51,8 @@ class Certificate:
     names: tuple[str, ...]
     is_own: bool
     """Made by mikas."""
+    unkept: Text | None = None
+    """Why mikas could not keep it for the next start."""
 
     def hosts(self, here: Sequence[str]) -> tuple[str, ...]:
         """Return the names by which this computer is reached, the one for the link first.
@@ -72,19 +75,31 @@ def own_certificate(file: Path, hosts: Sequence[str], now: datetime) -> Certific
     is_valid = kept and kept.not_valid_before_utc <= now <= kept.not_valid_after_utc - _RENEWED
     if not (is_valid and is_private and set(wanted) <= set(names)):
         names = tuple(dict.fromkeys((*wanted, *names)))[:_MOST_NAMES]
+        text = _made(names, now)
         try:
             file.parent.mkdir(parents=True, exist_ok=True)
-            save(file, _made(names, now), private=True)
+            save(file, text, private=True)
         except OSError as error:
-            why = reason_of(error)
-            raise UsageError(
-                problem=Text(
-                    f"The certificate for --lan can't be written to {file}: {why.en}",
-                    f"Сертификат для --lan не удаётся записать в {file}: {why.ru}",
-                ),
-                advice=PLAIN_ADVICE,
-            ) from error
+            return _for_this_run(file, text, reason_of(error))
     return _loaded(file, file, is_own=True)
+
+
+def _for_this_run(file: Path, text: str, why: Text) -> Certificate:
+    """Return the certificate in `text`, which could not be kept in `file`. Raises `UsageError`."""
+    try:
+        with TemporaryDirectory(prefix="mikas-") as folder:  # OpenSSL reads files only
+            passing = Path(folder, file.name)
+            save(passing, text, private=True)
+            certificate = _loaded(passing, passing, is_own=True)
+    except OSError as error:
+        raise UsageError(
+            problem=Text(
+                f"The certificate for --lan can't be written to {file}: {why.en}",
+                f"Сертификат для --lan не удаётся записать в {file}: {why.ru}",
+            ),
+            advice=PLAIN_ADVICE,
+        ) from error
+    return replace(certificate, unkept=Text(f"{file}: {why.en}", f"{file}: {why.ru}"))
 
 
 def given_certificate(file: Path, key: Path) -> Certificate:

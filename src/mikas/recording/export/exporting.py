@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from mikas.errors import ExportError, MikasError, library, reason_of
+from mikas.files import beside
 from mikas.i18n import Language, Text
 from mikas.recording.export.dialects import PLAIN, Dialect
 from mikas.recording.table.channels import Channel, Rows
@@ -131,7 +132,7 @@ def check_free(out: Path, *, overwrite: bool) -> None:
 
 def write_whole(out: Path, write: Callable[[Path], object], *, overwrite: bool) -> None:
     """Let `write` write `OUT.part`, then rename that to `out`. Raises `ExportError`."""
-    part = out.with_name(out.name + ".part")
+    part = beside(out, ".part")
     try:
         try:
             part.unlink(missing_ok=True)  # of a killed program

@@ -38,7 +38,7 @@ def write(path: Path, sheet: Sheet) -> None:
     """Write the whole sheet."""
     with (
         path.open("wb+") as file,
-        TemporaryDirectory(dir=path.parent, prefix=f"{path.name}.") as folder,
+        TemporaryDirectory(dir=path.parent, prefix=f"{path.name[:100]}.") as folder,
         _collecting(folder) as mdf,
     ):
         started = sheet.started or _UNKNOWN

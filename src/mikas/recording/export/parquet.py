@@ -21,7 +21,7 @@ def write(path: Path, sheet: Sheet) -> None:
     """Write the whole sheet."""
     rows = min(_GROUP, 4_000_000 // (len(sheet.channels) + 1)) // _VECTOR * _VECTOR
     with (
-        TemporaryDirectory(dir=path.parent, prefix=f"{path.name}.") as folder,
+        TemporaryDirectory(dir=path.parent, prefix=f"{path.name[:100]}.") as folder,
         ParquetTable(Path(folder), ["time"], sheet.channels, BATCH) as table,
     ):
         for times, values in sheet.batches():

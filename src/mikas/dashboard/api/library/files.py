@@ -40,6 +40,7 @@ from mikas.dashboard.api.errors import TwoTexts, content, errors
 from mikas.dashboard.library.folder import opened
 from mikas.dashboard.settings import ensure_folder
 from mikas.errors import CaptureError, reason_of
+from mikas.files import beside
 from mikas.i18n import Language
 from mikas.recording.capture.reader import CaptureReader
 
@@ -189,7 +190,7 @@ async def add(
     folder = dashboard.library.folder
     await asyncio.to_thread(ensure_folder, folder.folder)
     path = folder.new_path(name)
-    new = path.with_name(f"{path.name}.{token_hex(4)}.new")  # of this request alone
+    new = beside(path, f".{token_hex(4)}.new")  # of this request alone
 
     def keep() -> Path:
         CaptureReader(new)  # raises for other files
