@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 from client_harness import bench, ecu_on
 
@@ -9,7 +11,7 @@ from mikas import commands
 from mikas.client import doctor
 from mikas.client.connecting import ConnectionOptions
 from mikas.client.doctor import STEPS, Step, examine
-from mikas.errors import BadPortUrl, PortProbed
+from mikas.errors import BadPortUrl, PortKind, PortProbed
 from mikas.i18n import Text
 from mikas.link import Link, open_link
 from virtual_harness import DATA
@@ -18,7 +20,8 @@ ALL = list(STEPS)
 
 
 class Examined:
-    def __init__(self, settings: str = "", url: str = "") -> None:
+    def __init__(self, settings: str = "", url: str = "", kind: PortKind = PortKind.CABLE) -> None:
+        self.kind = kind
         self.links: list[Link] = []
         self.steps = {
             step.name: step
@@ -31,6 +34,7 @@ class Examined:
     def _opened(self, url: str) -> Link:
         self.links.append(open_link(url))
         self.links[-1].baud = 9600  # so says the port, whatever the wire's pace
+        self.links[-1].kind = self.kind
         return self.links[-1]
 
     @property
@@ -118,6 +122,24 @@ def test_a_latency_timer_is_reported_and_disturbs_no_other_step(milliseconds):
     assert "latency timer" in found.steps["latency"].detail.en
     assert found.steps["ecu"].ok is True
     assert found.steps["baud"].ok is True
+
+
+@pytest.mark.parametrize(
+    ("settings", "step"),
+    [
+        ("&supplied=0", "echo"),
+        ("&lost=1", "ecu"),
+        ("&latency_ms=20", "latency"),
+        ("&bad-echo=1", "echo"),
+    ],
+)
+@pytest.mark.parametrize("kind", PortKind)
+def test_each_step_s_advice_fits_the_kind_of_port(settings, step, kind):
+    found = Examined(settings, kind=kind).steps[step]
+    assert found.ok is not True
+    over_network = kind is PortKind.NETWORK
+    assert ("bridge" in found.detail.en) == ("мост" in found.detail.ru) == over_network
+    assert not (over_network and re.search("USB|FT232|Windows", found.detail.en))
 
 
 @pytest.mark.parametrize("unknown", ["silent", "01"])

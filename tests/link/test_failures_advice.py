@@ -37,9 +37,9 @@ def test_an_address_in_the_network_has_nothing_to_unplug(url, reason):
     error = SerialException(f"could not open port: {reason}")
     error.__cause__ = reason
     reported = opening_failed(url, error)
-    assert "Check the host and the port" in str(reported)
+    assert "Check, in order: the host and the port" in str(reported)
     assert "nplug" not in str(reported)
-    assert "Проверьте имя и порт" in reported.text.ru
+    assert "Проверьте по порядку: имя и порт" in reported.text.ru
 
 
 def test_what_is_no_serial_port_at_all_is_a_wrong_name():

@@ -9,11 +9,13 @@ from __future__ import annotations
 from collections.abc import Callable, Generator, Iterator
 from dataclasses import dataclass
 from statistics import median
+from typing import Final
 
 from mikas import commands as c
 from mikas import errors
 from mikas.client.ecu import Ecu
 from mikas.client.support import Support
+from mikas.errors import PortKind
 from mikas.framing import encode
 from mikas.i18n import Text
 from mikas.link import Link
@@ -32,12 +34,32 @@ _LUMPS = 0.008  # s; a USB latency timer delays a response so long, a wire or a 
 _TOLERANCE = 0.2
 _LATE = 0.05  # s that an echo may be late: three times a latency timer, less than the difference
 _DAMAGED_ECHO = Text("not measured: the echo was damaged", "не измерена: эхо повреждено")
-_LATE_ECHO = Text(
-    "not measured: the echo came late. The computer is too busy: close other programs and try "
-    "again.",
-    "не измерена: эхо пришло поздно. Компьютер слишком занят: закройте другие программы и "
-    "повторите.",
-)
+_LATE_ECHO: Final = {
+    PortKind.CABLE: Text(
+        "not measured: the echo came late. The computer is too busy: close other programs and try "
+        "again.",
+        "не измерена: эхо пришло поздно. Компьютер слишком занят: закройте другие программы и "
+        "повторите.",
+    ),
+    PortKind.NETWORK: Text(
+        "not measured: the echo came late. The bridge's Wi-Fi is weak, or this computer is busy.",
+        "не измерена: эхо пришло поздно. Слабый Wi-Fi у моста, либо занят компьютер.",
+    ),
+}
+_IN_LUMPS: Final = {
+    PortKind.CABLE: Text(
+        "the adapter hands bytes over in lumps. It works, but slower; an FT232's latency timer can "
+        "be set to 1 ms (in Windows: Device Manager, the port, Port Settings, Advanced)",
+        "адаптер отдаёт байты порциями. Работает, но медленнее; таймер задержки FT232 можно "
+        "поставить на 1 мс (в Windows: Диспетчер устройств, порт, Параметры порта, Дополнительно)",
+    ),
+    PortKind.NETWORK: Text(
+        "the bridge or the network hands bytes over late. It works, but slower; set the bridge's "
+        "packing time to the shortest, and bring it nearer to the Wi-Fi",
+        "мост или сеть отдаёт байты поздно. Работает, но медленнее; задайте на мосту самое "
+        "короткое время сборки пакетов и поставьте его ближе к Wi-Fi",
+    ),
+}
 _RPM = c.Datum(0x29, 1)
 
 
@@ -137,7 +159,9 @@ def _measured_baud(tester: Tester) -> float | Text:
     rate = 10 * (_LONG - 1) / max(long - short, 1e-6)
     # If the short ones were late, the difference is too small: a slow wire would seem right.
     late = short - 10 * len(encode(bodies[0])) / rate
-    return rate if late < max(_LATE, tester.link.granularity) else _LATE_ECHO
+    if late >= max(_LATE, tester.link.granularity):
+        return _LATE_ECHO[tester.link.kind]
+    return rate
 
 
 def _baud(measured: float | Text, wanted: int) -> Step:
@@ -184,25 +208,19 @@ def _availability(tester: Tester, byte_time: float) -> Generator[Step, None, boo
         bytes_passed = len(reply.wire) + 3
         delays.append(reply.ended - began - bytes_passed * byte_time)
     if delays:
-        yield _latency(max(0.0, median(delays)))
+        yield _latency(max(0.0, median(delays)), tester.link.kind)
     yield _line(len(delays) + len(failed), failed)
     return bool(delays)
 
 
-def _latency(delay: float) -> Step:
+def _latency(delay: float, kind: PortKind) -> Step:
     """Rate the time of an answer beyond the wire's: the unit's reaction, the adapter's delay."""
     milliseconds = f"{delay * 1000:.1f}"
     time = Text(f"{milliseconds} ms a request", f"{milliseconds.replace('.', ',')} мс на запрос")
     if delay < _LUMPS:
         return Step("latency", True, time)
-    text = Text(
-        f"{time.en}: the adapter hands bytes over in lumps. It works, but slower; an FT232's "
-        "latency timer can be set to 1 ms (in Windows: Device Manager, the port, Port Settings, "
-        "Advanced)",
-        f"{time.ru}: адаптер отдаёт байты порциями. Работает, но медленнее; таймер задержки FT232 "
-        "можно поставить на 1 мс (в Windows: Диспетчер устройств, порт, Параметры порта, "
-        "Дополнительно)",
-    )
+    why = _IN_LUMPS[kind]
+    text = Text(f"{time.en}: {why.en}", f"{time.ru}: {why.ru}")
     return Step("latency", None, text)
 
 

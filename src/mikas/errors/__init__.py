@@ -112,6 +112,9 @@ from mikas.errors.exchange import WrongAddress as WrongAddress
 from mikas.errors.exchange import WrongContent as WrongContent
 from mikas.errors.exchange import WrongEchoSetting as WrongEchoSetting
 from mikas.errors.exchange import WrongLength as WrongLength
+from mikas.errors.port_kinds import PortKind as PortKind
+from mikas.errors.port_kinds import errors_met_on as errors_met_on
+from mikas.errors.port_kinds import met_on as met_on
 from mikas.errors.system import refusal_of as refusal_of
 from mikas.errors.system import refused_number as refused_number
 from mikas.errors.usage import AddressOutOfRange as AddressOutOfRange

@@ -49,6 +49,10 @@ class MikasError(Exception):
         # Computed late: a higher layer may add the bytes on the wire.
         return self.text.en
 
+    def use_class_advice(self, advice: Text) -> None:
+        """Take other advice for all errors of this class."""
+        self.advice = self._class_advice = advice.filled(**self.fields)
+
     @property
     def text(self) -> Text:
         """One short paragraph: the failure, bytes sent and received (hex), advice."""
@@ -131,7 +135,7 @@ class AdviceTable:
 
     def parts(self, error: MikasError) -> tuple[Text, ...]:
         """Return the advice for every user, and the entry; neither if it is empty."""
-        entry = self._entry(type(error)) if error.has_class_advice else None
+        entry = self.entry(type(error)) if error.has_class_advice else None
         hint = () if entry is None else (entry.filled(**error.fields),)
         return tuple(part for part in (error.advice, *hint) if part.en)
 
@@ -139,7 +143,8 @@ class AdviceTable:
         """Return the error's paragraph with this advice."""
         return error.text_with(self.advice(error))
 
-    def _entry(self, kind: type[MikasError]) -> Text | None:
+    def entry(self, kind: type[MikasError]) -> Text | None:
+        """Return the entry for a class, with its fields unfilled."""
         for base in kind.__mro__:
             if base in self._entries:
                 return self._entries[base]

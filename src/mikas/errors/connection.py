@@ -131,8 +131,7 @@ class PortFailed(NoConnection):
 
     what = Text("Port {url} could not be opened: {problem}", "Порт {url} не открылся: {problem}")
     advice = Text(
-        "Unplug the adapter and plug it in again; for an address, check host and port.",
-        "Отключите и снова подключите адаптер; для сетевого адреса проверьте имя и порт.",
+        "Unplug the adapter and plug it in again.", "Отключите адаптер и подключите снова."
     )
 
 

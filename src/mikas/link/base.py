@@ -19,6 +19,7 @@ from functools import partial
 from math import inf
 from typing import NamedTuple, Protocol, Self
 
+from mikas.errors import PortKind
 from mikas.i18n import Text
 
 BAUD = 9600  # §1
@@ -57,6 +58,9 @@ class Link(ABC):
 
     baud: int = BAUD
     """Bits a second on the wire (§1)."""
+
+    kind: PortKind = PortKind.CABLE
+    """What lies between this computer and the K-Line, for the words of errors."""
 
     opened: float = inf
     """The clock when the port was opened, if `PortAhead` did so; `read` returns what came since."""
@@ -147,6 +151,7 @@ class LinkWrapper(Link):
         self.link = link
         self.url = link.url
         self.baud = link.baud
+        self.kind = link.kind
         self.opened = link.opened
         self.is_virtual = link.is_virtual
         self.is_simulated = link.is_simulated

@@ -14,12 +14,12 @@ import sys
 
 from serial import SerialTimeoutException
 
-from mikas.errors import NoConnection, PortDenied, PortFailed, PortNotFound
+from mikas.errors import NoConnection, PortDenied, PortFailed, PortKind, PortNotFound, met_on
 from mikas.i18n import Text
 from mikas.link.base import TAKES_NO_BYTES, UNPLUGGED
 from mikas.link.holders import adapter_without_port, port_busy
 from mikas.link.ports import find_ports, listed
-from mikas.link.urls import parse
+from mikas.link.urls import kind_of, parse
 
 SYSTEM_ERRORS: tuple[type[Exception], ...] = (OSError, ValueError)
 """Errors that pyserial raises; `ValueError`: the system or the far end refused a setting."""
@@ -40,10 +40,6 @@ _WINDOWS_BUSY = {5, 32, 170}
 _WINDOWS_UNPLUGGED = {5, 6, 22, 31, 433, 995, 1167}  # depends on the driver
 _WIN_ERROR = re.compile(r"\w+Error\(\d+, .*, None, (\d+)\)", re.DOTALL)
 
-_CHECK_ADDRESS = Text(
-    "Check the host and the port number, and that the program which shares the adapter is running.",
-    "Проверьте имя и порт, и запущена ли там программа, которая раздаёт адаптер.",
-)
 _CHECK_NAME = Text("Serial ports found: {found}.", "Найденные последовательные порты: {found}.")
 
 
@@ -56,12 +52,11 @@ def opening_failed(url: str, error: Exception) -> NoConnection:
         return port_busy(url, parse(url).address)
     if code in _DENIED:
         return PortDenied(url=url)
-    advice = None
-    if parse(url).scheme in ("socket", "rfc2217"):
-        advice = _CHECK_ADDRESS
-    elif code in _NO_TTY:
-        advice = _CHECK_NAME.filled(found=listed(find_ports()))
-    return PortFailed(url=url, problem=_why_not_opened(error, code), advice=advice)
+    problem = _why_not_opened(error, code)
+    kind = kind_of(url)
+    is_wrong_name = code in _NO_TTY and kind is PortKind.CABLE
+    advice = _CHECK_NAME.filled(found=listed(find_ports())) if is_wrong_name else None
+    return met_on(kind, PortFailed(url=url, problem=problem, advice=advice))
 
 
 def why_lost(error: Exception) -> Text:

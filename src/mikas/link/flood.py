@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from mikas.errors import LineFlooded
+from mikas.errors import LineFlooded, met_on
 from mikas.link.base import BITS_PER_BYTE, Chunk, Link, LinkWrapper
 
 BURST: Final = 16.0  # s of the line's bytes that may come at once
@@ -67,11 +67,12 @@ class FloodGuard(LinkWrapper):
 
     def _give_up(self) -> None:
         seconds = max(self._time - self._began, 0.001)
-        self._flooded = LineFlooded(
+        flooded = LineFlooded(
             url=self.url,
             rate=round(self._count / seconds),
             baud=self.baud,
             most=round(self.baud / BITS_PER_BYTE),
             time=self._time,
         )
+        self._flooded = met_on(self.kind, flooded)
         self.link.close()

@@ -25,7 +25,7 @@ from typing import TypeAlias
 
 import serial
 
-from mikas.errors import LinkLost
+from mikas.errors import LinkLost, met_on
 from mikas.i18n import Text
 from mikas.link.base import (
     AT_ONCE,
@@ -44,7 +44,7 @@ from mikas.link.base import (
 from mikas.link.failures import SYSTEM_ERRORS, is_unable, opening_failed, why_lost
 from mikas.link.network import Rfc2217Port, SocketPort, host_and_port
 from mikas.link.ports import find_ports, named
-from mikas.link.urls import parse
+from mikas.link.urls import kind_of, parse
 from mikas.options import OptionParser, check_names
 
 TICK = 0.01  # s of one wait on a port without select
@@ -79,6 +79,7 @@ class SerialLink(Link):
         granularity: float = LATENCY_TIMER,
     ) -> None:
         self.url = url
+        self.kind = kind_of(url)
         self.baud = baud
         self._about = about
         self._can_break = can_break  # turns false once the system has refused
@@ -165,7 +166,8 @@ class SerialLink(Link):
         return self._lost(self._gone, request)
 
     def _lost(self, why: Text, request: bytes | None) -> LinkLost:
-        return LinkLost(url=self.url, problem=why, request=request, time=self.now())
+        lost = LinkLost(url=self.url, problem=why, request=request, time=self.now())
+        return met_on(self.kind, lost)
 
     def _close_port(self) -> None:
         """Close the port, once: a second thread might close a descriptor that is in use again."""

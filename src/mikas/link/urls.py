@@ -18,7 +18,7 @@ from functools import cache
 from typing import TYPE_CHECKING, cast
 from urllib.parse import parse_qsl, urlencode
 
-from mikas.errors import BadPortUrl, UsageError
+from mikas.errors import BadPortUrl, PortKind, UsageError
 from mikas.i18n import Text
 from mikas.link.base import Link
 from mikas.link.flood import FloodGuard
@@ -35,6 +35,7 @@ link. A plain `UsageError` that it raises becomes a `BadPortUrl`.
 
 GROUP = "mikas.links"
 _OF_ADAPTERS = ("serial", "webserial")
+_OF_NETWORKS = ("socket", "rfc2217")
 _NO_NAME = Text("a browser opens no port by its name", "по такому имени браузер порт не открывает")
 _IN_A_BROWSER = Text(
     "A page reaches only cables that were chosen in the browser's list: press “Choose the cable…”. "
@@ -105,6 +106,12 @@ def parse(url: str) -> PortUrl:
     if "\0" in url:
         raise bad_port_url(url, Text("it holds a zero byte", "в нём нулевой байт"))
     return PortUrl(scheme, address, _options(url, query))
+
+
+def kind_of(url: str) -> PortKind:
+    """Return what lies between this computer and the K-Line, of any URL."""
+    is_network = url.partition(":")[0].lower() in _OF_NETWORKS
+    return PortKind.NETWORK if is_network else PortKind.CABLE
 
 
 def bad_port_url(url: str, problem: Text) -> BadPortUrl:

@@ -24,7 +24,7 @@ from mikas.publish.outbox import Message, MessageKind, compact
 from mikas.publish.publication import STATES, Publication
 from mikas.publish.topics import Topics, check_topic, identifier
 from mikas.publish.values import unit_of
-from mikas.sampling.events import LineState, UnitFound
+from mikas.sampling.events import STATE_TEXTS, LineState, UnitFound
 from mikas.sampling.fault_watch import MINERR
 
 DISCOVERY_PREFIX: Final = "homeassistant"
@@ -63,7 +63,7 @@ _TEXTS: Final = {
     "alarm": Text("Alarm", "Тревога"),
     "none": Text("none", "нет"),
 }
-_LINE_STATES: Final = (*STATES.values(), *(state.text for state in LineState))
+_LINE_STATES: Final = (*STATES.values(), *STATE_TEXTS)
 
 
 @dataclass(frozen=True, slots=True)

@@ -20,7 +20,7 @@ from typing import Any, ClassVar, Final
 from mikas.client import Limits, Passport, Reading
 from mikas.client.identity import UnitIdentity
 from mikas.commands.unit import version_text
-from mikas.errors import MikasError
+from mikas.errors import MikasError, PortKind
 from mikas.i18n import Text
 from mikas.sampling.derived import DerivedValue
 from mikas.sampling.plan import Plan
@@ -40,8 +40,12 @@ class LineState(StrEnum):
 
     @property
     def text(self) -> Text:
-        """The state in words."""
+        """The state in words, at a cable."""
         return _WORDS[self]
+
+    def text_on(self, kind: PortKind) -> Text:
+        """Return the state in words, on a port of this kind."""
+        return _OVER_NETWORK.get(self, self.text) if kind is PortKind.NETWORK else self.text
 
 
 _WORDS: Final = {
@@ -57,6 +61,21 @@ _WORDS: Final = {
     LineState.ECU_ALIVE: Text("the ECU answers", "блок отвечает"),
     LineState.SAMPLING: Text("sampling", "идёт опрос"),
 }
+_OVER_NETWORK: Final = {
+    LineState.NO_PORT: Text("no connection to the bridge", "нет связи с мостом"),
+    LineState.NO_ECHO: Text(
+        "no echo: the bridge is silent, its Wi-Fi or its supply?",
+        "нет эха: мост молчит, его Wi-Fi или питание?",
+    ),
+    LineState.ECHO_ONLY: Text(
+        "echo, but the ECU is silent: ignition off, or the bridge's baud rate?",
+        "эхо есть, блок молчит: выключено зажигание или скорость порта моста?",
+    ),
+}
+STATE_TEXTS: Final = tuple(
+    dict.fromkeys(state.text_on(kind) for kind in PortKind for state in LineState)
+)
+"""All words that `StateChanged.text` may be."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,7 +151,7 @@ class Gap(Event):
 class StateChanged(Event):
     """The line's state changed, by `error`. A file of a later version may have other states.
 
-    `text` and `reason` are those of `state` and `error`, or those in the file.
+    `text` and `reason` are those of `state` and `error`, or those in the file. `port`: its kind.
     """
 
     kind = "state"
@@ -140,10 +159,11 @@ class StateChanged(Event):
     error: MikasError | None = field(default=None, metadata=_NOT_IN_JSON)
     text: Text = _NO_TEXT
     reason: Text | None = None
+    port: PortKind = field(default=PortKind.CABLE, metadata=_NOT_IN_JSON)
 
     def __post_init__(self) -> None:
-        if isinstance(self.state, LineState):
-            object.__setattr__(self, "text", self.state.text)
+        if isinstance(self.state, LineState) and self.text == _NO_TEXT:
+            object.__setattr__(self, "text", self.state.text_on(self.port))
         if self.error is not None:
             object.__setattr__(self, "reason", self.error.reason)
 

@@ -17,7 +17,7 @@ from mikas.client.identity import UnitIdentity
 from mikas.commands import Availability
 from mikas.link import Link
 from mikas.link.reconnecting import ReconnectingPort
-from mikas.link.urls import parse
+from mikas.link.urls import kind_of, parse
 from mikas.sampling.events import (
     AdapterMoved,
     CycleFailed,
@@ -139,7 +139,7 @@ class ConnectionSupervisor:
             return
         if self.state is not before or (error is not None and type(error) is not self._reported):
             self._reported = None if error is None else type(error)
-            yield StateChanged(time, self.state, error)
+            yield StateChanged(time, self.state, error, port=kind_of(self.port.url))
 
     def end_run(self) -> None:
         """End the run."""
@@ -228,7 +228,7 @@ class ConnectionSupervisor:
         if self._is_another(unit):
             once, unit = unit, UnitIdentity(ecu.version_code, ecu.passports.read())
             if not once.may_be(unit):
-                raise errors.SyncLost(time=ecu.tester.link.now())
+                raise _sync_lost(ecu)
             return unit
         return unit.filled_from(self._known) if self._known else unit
 
@@ -237,9 +237,9 @@ class ConnectionSupervisor:
         try:
             unit = self._identify(ecu)
         except errors.LineError as error:
-            raise errors.SyncLost(time=ecu.tester.link.now()) from error
+            raise _sync_lost(ecu) from error
         if self._is_another(unit):
-            raise errors.SyncLost(time=ecu.tester.link.now())
+            raise _sync_lost(ecu)
 
     def _broken(
         self, event: LineTrigger, time: float, error: errors.NoConnection | errors.LineError
@@ -300,3 +300,8 @@ def _found(ecu: Ecu, unit: UnitIdentity, *, another: bool) -> UnitFound:
         echo=ecu.tester.line.echo,
         catalog=ecu.catalog.version,
     )
+
+
+def _sync_lost(ecu: Ecu) -> errors.SyncLost:
+    link = ecu.tester.link
+    return errors.met_on(link.kind, errors.SyncLost(time=link.now()))

@@ -18,6 +18,7 @@ from mikas.errors import (
     NotSupported,
     ReadingSuspended,
     WrongLength,
+    met_on,
 )
 from mikas.framing import Frame
 from mikas.tester.line import Line, damaged
@@ -107,6 +108,7 @@ class Stream:
     def _leave_out(self, error: LineError) -> None:
         if self._cut:
             return
+        met_on(self._line.link.kind, error)
         self._on_error(error)
         self._items.append(error)
 
@@ -152,9 +154,11 @@ class Stream:
         """Return the error for `silence` seconds without a response."""
         if self._held:
             return self._unknown(self._held.body)
-        return NoResponse(
-            seconds=self.silence, request=self._request, received=b"", time=self._line.link.now()
+        link = self._line.link
+        silent = NoResponse(
+            seconds=self.silence, request=self._request, received=b"", time=link.now()
         )
+        return met_on(link.kind, silent)
 
     def _unknown(self, body: bytes) -> NotSupported:
         return NotSupported(command=self.command.name, request=self._request, received=body)

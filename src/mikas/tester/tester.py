@@ -22,6 +22,7 @@ from mikas.errors import (
     NotSupported,
     ReadingSuspended,
     SyncLost,
+    errors_met_on,
     usage_error,
 )
 from mikas.link import Link
@@ -291,12 +292,13 @@ class Tester:
         self.check_free()
         self._lock.acquire()
         try:
-            self._ensure_in_sync()
-            self.statistics.requests += 1
-            self.sync.mark_lost()
-            self.sync.streaming = True
-            request = self.line.send(command.body())
-            self.line.await_echo(request)
+            with errors_met_on(self.link.kind):
+                self._ensure_in_sync()
+                self.statistics.requests += 1
+                self.sync.mark_lost()
+                self.sync.streaming = True
+                request = self.line.send(command.body())
+                self.line.await_echo(request)
             stream = Stream(
                 self.line, command, request, end=self._end_stream, on_error=self.statistics.fail
             )
@@ -311,11 +313,12 @@ class Tester:
         assert self.version_code is not None
         command = self._stream.command
         try:
-            self.sync.end_stream(
-                self.version_code,
-                by_strokes=isinstance(command, c.StreamAtStroke),
-                bytes_each=command.response_lengths()[0],
-            )
+            with errors_met_on(self.link.kind):
+                self.sync.end_stream(
+                    self.version_code,
+                    by_strokes=isinstance(command, c.StreamAtStroke),
+                    bytes_each=command.response_lengths()[0],
+                )
         finally:
             self._stream = self._stream_thread = None
             self._lock.release()
@@ -344,7 +347,7 @@ class Tester:
     @contextmanager
     def _holding(self) -> Iterator[None]:
         self.check_free()
-        with self._lock:
+        with self._lock, errors_met_on(self.link.kind):
             yield
 
     def check_free(self) -> None:

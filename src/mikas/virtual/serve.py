@@ -21,6 +21,7 @@ from math import ceil, inf, nextafter
 from typing import Any, TypeVar
 
 from mikas.errors import PortFailed, reason_of
+from mikas.i18n import Text
 from mikas.virtual.bus import Bus
 
 T = TypeVar("T")
@@ -30,6 +31,10 @@ _MOST_OVERDUE = 64  # overdue bytes of one wire before the next wire's turn
 _MOST_WAITING = 1024  # bytes of a tester that wait for the wire: about two of the longest requests
 _GIVES_WAY = 60.0  # s; a tester that is idle for so long can't keep another one out
 _KEEP_ALIVE = {"TCP_KEEPIDLE": 30, "TCP_KEEPINTVL": 10, "TCP_KEEPCNT": 3}  # s, s, probes
+_OTHER_ADDRESS = Text(
+    "Choose another port number, or an address of this computer.",
+    "Выберите другой номер порта или адрес этого компьютера.",
+)
 _SOCKET_BUFFER = 1 << 14  # bytes of the system's buffers for a tester, in each direction
 
 
@@ -185,7 +190,9 @@ class TcpPort(ServedBus):
                 lambda: _Connection(tcp_port), host, port
             )
         except OSError as error:
-            raise PortFailed(url=f"{host}:{port}", problem=reason_of(error)) from error
+            raise PortFailed(
+                url=f"{host}:{port}", problem=reason_of(error), advice=_OTHER_ADDRESS
+            ) from error
         for each in server.sockets:  # connections have the same buffers
             each.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, _SOCKET_BUFFER)
             each.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, _SOCKET_BUFFER)

@@ -57,6 +57,8 @@ export const t = dictionary({
   s_several_do: { en: "Choose one below.", ru: "Выберите один ниже." },
   s_busy: { en: "Another program is using the port", ru: "Порт занят другой программой" },
   s_busy_do: { en: "Close the other diagnostics program or terminal, then connect again.", ru: "Закройте другую программу диагностики или терминал и подключитесь снова." },
+  s_bridge_busy: { en: "The bridge is serving another program", ru: "Мост занят другой программой" },
+  s_bridge_busy_do: { en: "It serves one at a time. Close the other program or phone; if there is none, restart the bridge: an earlier connection still counts there.", ru: "Он обслуживает одного. Закройте другую программу или телефон; если их нет, перезапустите мост: у него ещё числится прежнее соединение." },
   s_denied: { en: "No permission to open the port", ru: "Нет прав на открытие порта" },
   s_denied_do: {
     en: "On Linux: unplug the adapter and plug it in again. If that does not help, once, in a terminal: sudo usermod -aG dialout $USER, then log out and in again.",
@@ -78,6 +80,15 @@ export const t = dictionary({
   },
   s_no_echo: { en: "No response, not even an echo", ru: "Ответа нет, даже эха" },
   s_no_echo_do: { en: "Check, in this order: 12 V at the adapter (it is fed from the car's connector); K-Line and ground; whether this is the right port.", ru: "Проверьте по порядку: есть ли на адаптере 12 В (он питается от разъёма машины); контакт K-Line и массы; тот ли это порт." },
+  s_bridge_silent_do: {
+    en: "Check, in this order: the bridge's Wi-Fi and power; its serial port (9600 baud, 8N1, wired to the adapter); 12 V at the adapter; K-Line and ground.",
+    ru: "Проверьте по порядку: Wi-Fi и питание моста; его последовательный порт (9600 бод, 8N1, соединён с адаптером); есть ли на адаптере 12 В; контакт K-Line и массы.",
+  },
+  s_bridge_echo: { en: "The bridge returns an echo, the ECU does not answer", ru: "Мост возвращает эхо, блок молчит" },
+  s_bridge_echo_do: {
+    en: "Check, in this order: the ignition is on; the bridge's serial port is set to 9600 baud, 8N1; the K-Line wire goes to the right pin; the unit has power; it is a Mikas 5.4 or 7.1.",
+    ru: "Проверьте по порядку: включено ли зажигание; настроен ли порт моста на 9600 бод, 8N1; к тому ли выводу идёт провод K-Line; есть ли питание блока; Микас 5.4 или 7.1 ли это.",
+  },
   s_echo_only: { en: "The adapter works, the ECU does not answer", ru: "Адаптер работает, блок молчит" },
   s_echo_only_do: { en: "Check, in this order: the ignition is on; the K-Line wire goes to the right pin; the unit has power; it is a Mikas 5.4 or 7.1.", ru: "Проверьте по порядку: включено ли зажигание; к тому ли выводу идёт провод K-Line; есть ли питание блока; Микас 5.4 или 7.1 ли это." },
   chain: { en: "The way to the ECU: laptop, adapter, K-Line and 12 V, ECU", ru: "Путь до блока: ноутбук, адаптер, K-Line и 12 В, блок" },

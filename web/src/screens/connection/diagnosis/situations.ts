@@ -35,11 +35,14 @@ export const SITUATIONS = {
   "no-adapter": { kind: "danger", title: "s_no_adapter", advice: null, marks: ["works", "missing", "unknown", "unknown"] },
   closed: { kind: "danger", title: "s_closed", advice: null, marks: ["works", "missing", "unknown", "unknown"] },
   busy: { kind: "danger", title: "s_busy", advice: "s_busy_do", marks: ["works", "shut", "unknown", "unknown"] },
+  "bridge-busy": { kind: "danger", title: "s_bridge_busy", advice: "s_bridge_busy_do", marks: ["works", "shut", "unknown", "unknown"] },
   denied: { kind: "danger", title: "s_denied", advice: "s_denied_do", marks: ["works", "shut", "unknown", "unknown"] },
   "not-openable": { kind: "danger", title: "s_not_openable", advice: null, marks: ["works", "shut", "unknown", "unknown"] },
   elm327: { kind: "danger", title: "s_elm327", advice: "s_elm327_do", marks: ["works", "wrong", "unknown", "unknown"] },
   "no-echo": { kind: "danger", title: "s_no_echo", advice: "s_no_echo_do", marks: ["works", "check", "check", "unknown"] },
   "echo-only": { kind: "danger", title: "s_echo_only", advice: "s_echo_only_do", marks: ["works", "works", "check", "silent"] },
+  "bridge-silent": { kind: "danger", title: "s_no_echo", advice: "s_bridge_silent_do", marks: ["works", "check", "check", "unknown"] },
+  "bridge-echo-only": { kind: "danger", title: "s_bridge_echo", advice: "s_bridge_echo_do", marks: ["works", "check", "check", "silent"] },
   /** Bytes come, but not those of an answer. */
   damaged: { kind: "danger", title: "s_damaged", advice: null, marks: ["works", "check", "check", "unknown"] },
   /** The ECU answers some requests. */

@@ -59,6 +59,28 @@ describe("situationOf", () => {
   ] as const)("%s, %s", (url, reason_code, wanted) => {
     expect(situationOf(state("no-port", { port: url, reason_code }), { ports: [], code: null })).toBe(wanted);
   });
+  it.each([
+    ["no-port", "PortBusy", "bridge-busy"],
+    ["no-port", "PortFailed", "no-adapter"],
+    ["no-port", "LinkLost", "closed"],
+    ["no-echo", null, "bridge-silent"],
+    ["no-echo", "NoEcho", "bridge-silent"],
+    ["echo-only", null, "bridge-echo-only"],
+    ["echo-only", "EchoOnly", "bridge-echo-only"],
+    ["echo-only", "DamagedResponse", "damaged"],
+    ["no-echo", "NotAKLineAdapter", "elm327"],
+  ] as const)("of a bridge in the network: %s, %s", (line, reason_code, wanted) => {
+    for (const url of ["socket://10.0.0.5:4001", "rfc2217://[fd00::5]:4001"])
+      expect(situationOf(state(line, { port: url, reason_code }), { ports: [], code: null })).toBe(wanted);
+  });
+  it("names no USB, plug or 12 V first of a bridge", () => {
+    for (const { advice, title } of Object.entries(SITUATIONS).flatMap(([name, it]) => (name.startsWith("bridge") ? [it] : [])))
+      for (const words of [t(title), advice ? t(advice) : ""]) {
+        expect(words).not.toMatch(/USB|[Pp]lug/);
+        const car = words.search(/12 V|ground/);
+        if (car >= 0) expect(words.slice(0, car)).toMatch(/bridge/);
+      }
+  });
   it("reports an adapter as unplugged only if it was there", () => {
     const missing = state("no-port", { port: USB, reason_code: "PortNotFound" });
     const of = (facts: LineFacts, worked: string | null = null) => situationOf(facts, { ports: [], code: null, worked });

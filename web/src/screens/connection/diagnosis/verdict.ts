@@ -40,8 +40,8 @@ export interface Verdict {
 
 /** Findings of the check that are more exact than these states of the line. */
 const REFINES: Partial<Record<Situation, readonly Situation[]>> = {
-  "wrong-speed": ["echo-only", "no-echo", "damaged"],
-  damaged: ["echo-only"],
+  "wrong-speed": ["echo-only", "no-echo", "bridge-echo-only", "bridge-silent", "damaged"],
+  damaged: ["echo-only", "bridge-echo-only"],
 };
 
 export function verdictOf(state: LineFacts, circumstances: Circumstances, check: Check | null): Verdict {
@@ -97,7 +97,7 @@ export function situationOf(state: LineFacts, { ports, code, worked = null, adap
   if (known === "no-port" && wasThere(state, worked)) return "unplugged";
   if (known) return remote(known, state.port);
   if (state.line === "echo-only" && state.reason_code !== null) return "damaged";
-  if (state.line === "no-echo" || state.line === "echo-only") return state.line;
+  if (state.line === "no-echo" || state.line === "echo-only") return remote(state.line, state.port);
   if (state.line === "no-port") return opening(state) ? "opening" : remote("not-openable", state.port);
   return none ? without : "off";
 }
@@ -106,11 +106,18 @@ export function situationOf(state: LineFacts, { ports, code, worked = null, adap
 const wasThere = (state: LineFacts, worked: string | null): boolean =>
   state.samples > 0 || state.model !== null || (worked !== null && worked === state.port);
 
-/** The same of an adapter that another computer shares. */
+/** The same of an adapter behind a bridge in the network, or shared by another computer. */
+const REMOTE: Partial<Record<Situation, Situation>> = {
+  "no-port": "no-adapter",
+  "not-openable": "no-adapter",
+  unplugged: "closed",
+  busy: "bridge-busy",
+  "no-echo": "bridge-silent",
+  "echo-only": "bridge-echo-only",
+};
+
 function remote(situation: Situation, port: string | null): Situation {
-  if (!/^(socket|rfc2217):/.test(port ?? "")) return situation;
-  if (situation === "no-port" || situation === "not-openable") return "no-adapter";
-  return situation === "unplugged" ? "closed" : situation;
+  return /^(socket|rfc2217):/.test(port ?? "") ? (REMOTE[situation] ?? situation) : situation;
 }
 
 /** The first likely port; the server sorts by likelihood. */
