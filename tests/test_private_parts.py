@@ -31,7 +31,6 @@ _KNOWN = sys.stdlib_module_names | {"mikas", "_typeshed", "sigrokdecode", "pydan
 USES = {
     "aiomqtt": {"publish/client.py": {"_client"}},
     "paho-mqtt": {"publish/client.py": {"_in_messages", "_sock_close", "_sock_recv"}},
-    "pyserial": {"link/network.py": {"_read_buffer", "_socket", "_thread"}},
 }
 UNDOCUMENTED = {"uvicorn": {"Server._protocol"}}
 DISTRIBUTIONS = {"paho": "paho-mqtt", "serial": "pyserial"}  # where the module has another name

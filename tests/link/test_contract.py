@@ -7,7 +7,7 @@ import pytest
 from mikas.link import CaptureTee
 
 from .contract import RealTimeContract, Rig
-from .rigs import asked_rig, hurry_pyserial, rfc2217_rig, tcp_rig
+from .rigs import asked_rig, rfc2217_rig, tcp_rig
 
 pytestmark = pytest.mark.realtime
 
@@ -42,8 +42,7 @@ class TestRfc2217(RealTimeContract):
     gathers = False
 
     @pytest.fixture
-    def rig(self, monkeypatch):
-        hurry_pyserial(monkeypatch)
+    def rig(self):
         with rfc2217_rig() as rig:
             yield rig
 

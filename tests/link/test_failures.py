@@ -8,9 +8,11 @@ import socket
 import pytest
 from serial import SerialException, SerialTimeoutException
 
-from mikas.errors import PortBusy, PortDenied, PortFailed, PortNotFound
+from mikas.errors import PortBusy, PortDenied, PortFailed, PortKind, PortNotFound
 from mikas.link import failures
 from mikas.link.failures import is_unable, opening_failed, why_lost
+from mikas.link.network.rfc2217 import NO_TELNET, NotSet
+from mikas.link.network.tcp import ConnectionEnded
 
 
 def wrapping(inner: Exception, text: str = "could not open port: {}") -> Exception:
@@ -60,14 +62,9 @@ def test_the_reason_decides_the_error(error, raised):
 @pytest.mark.parametrize(
     ("error", "message"),
     [
-        (wrapping(ConnectionRefusedError(111, "Connection refused")), "no program listens there"),
-        (wrapping(socket.gaierror(-2, "Name or service not known")), "host is not known"),
-        (wrapping(TimeoutError("timed out")), "no answer from there"),
-        (wrapping(OSError(errno.EHOSTUNREACH, "No route to host")), ": No route to host."),
         (wrapping(OSError(errno.ENOTTY, "Inappropriate ioctl")), "not a serial port"),
         (wrapping(Exception(errno.ENOTTY, "Inappropriate ioctl")), "not a serial port"),
         (wrapping(Exception(errno.EIO, "Input/output error")), "Input/output error"),
-        (SerialException("Remote does not seem to support RFC2217 or BINARY mode []"), "socket://"),
         (
             ValueError("Failed to set custom baud rate (12345): no"),
             "Failed to set custom baud rate",
@@ -76,10 +73,48 @@ def test_the_reason_decides_the_error(error, raised):
     ],
 )
 def test_other_reasons_are_in_the_message(error, message):
-    failed = opening_failed("socket://host:1", error)
+    failed = opening_failed("COM3", error)
     assert isinstance(failed, PortFailed)
     assert message in str(failed)
     assert "не открылся" in failed.text.ru
+
+
+NETWORK = [
+    (ConnectionRefusedError(errno.ECONNREFUSED, "Connection refused"), "no program listens there"),
+    (socket.gaierror(-2, "Name or service not known"), "host is not known"),
+    (UnicodeError("label empty or too long"), "host is not known"),
+    (TimeoutError(errno.ETIMEDOUT, "timed out"), "no answer from there"),
+    (OSError(errno.EHOSTUNREACH, "No route to host"), "no answer from there"),
+    (OSError(errno.ENETUNREACH, "Network is unreachable"), "has no way to it"),
+    (PermissionError(errno.EPERM, "Operation not permitted"), "a firewall"),
+    (PermissionError(errno.EACCES, "Permission denied"), "a firewall"),
+    (OSError(errno.EMFILE, "Too many open files"), "Too many open files"),
+    (NotSet(NO_TELNET), "try socket://"),
+]
+
+
+@pytest.mark.parametrize(("error", "message"), NETWORK)
+def test_over_a_network_the_reasons_are_its_own(error, message):
+    failed = opening_failed("socket://host:1", error)
+    assert isinstance(failed, PortFailed)
+    assert message in failed.reason.en
+    assert "bridge" in failed.advice.en
+    assert message not in failed.reason.ru or message == "Too many open files"
+    if not isinstance(error, ConnectionError):
+        assert message in why_lost(error, PortKind.NETWORK).en
+
+
+@pytest.mark.parametrize(
+    "error",
+    [
+        ConnectionEnded(errno.ECONNRESET, "closed"),
+        ConnectionResetError(errno.ECONNRESET, "Connection reset by peer"),
+        BrokenPipeError(errno.EPIPE, "Broken pipe"),
+        OSError(errno.EBADF, "Bad file descriptor"),
+    ],
+)
+def test_a_connection_that_has_ended_was_not_unplugged(error):
+    assert why_lost(error, PortKind.NETWORK).en == "closed by the other end"
 
 
 def test_a_missing_port_lists_those_that_exist(monkeypatch):
@@ -107,7 +142,6 @@ def test_what_the_caller_was_just_handling_is_not_the_reason():
     [
         (SerialTimeoutException("Write timeout"), "takes no more bytes"),
         (SerialException("device reports readiness … (device disconnected or …?)"), "unplugged"),
-        (SerialException("connection failed (reader thread died)"), "unplugged"),
         (SerialException("socket disconnected"), "unplugged"),
         (wrapping(OSError(errno.EIO, "Input/output error"), "write failed: {}"), "unplugged"),
         (OSError(errno.ENODEV, "No such device"), "unplugged"),

@@ -12,7 +12,7 @@ from mikas.errors import LineFlooded
 from mikas.link import Chunk, Link, open_link
 from mikas.link.flood import BACKLOG, BURST, FloodGuard
 
-from .rigs import hurry_pyserial, port_of, rfc2217_rig
+from .network.terminal_server import served
 
 LINE = 960.0  # bytes a second at 9600 baud
 
@@ -135,29 +135,19 @@ def test_a_network_port_that_sends_at_full_speed_is_given_up():
 
 
 @pytest.mark.realtime
-def test_a_terminal_server_that_sends_at_full_speed_waits_while_no_one_reads(monkeypatch):
-    """pyserial's own queue takes every byte."""
-    hurry_pyserial(monkeypatch)
-    with rfc2217_rig() as rig:
-        unread = port_of(rig.link)._read_buffer  # noqa: SLF001
-        full = threading.Event()
-        put = unread.put
+def test_a_terminal_server_that_sends_at_full_speed_waits_while_no_one_reads():
+    """What was not read stays in the system, which stops the sender."""
+    waited, closed = threading.Event(), threading.Event()
 
-        def counting(item: object) -> None:
-            if unread.qsize() >= unread.maxsize - 1:
-                full.set()
-            put(item)
+    def flood(client: socket.socket) -> None:
+        client.sendall(b"\xff\xfd\x2c")
+        client.settimeout(1.5)  # longer than the link takes to open
+        try:
+            client.sendall(b"\x55" * 100_000_000)
+        except TimeoutError:
+            waited.set()
+            closed.wait(30)
 
-        unread.put = counting
-
-        def send() -> None:
-            with suppress(OSError):
-                rig.peer.send(b"\x55" * 100_000)
-
-        sender = threading.Thread(target=send)
-        sender.start()
-        assert full.wait(30)
-        assert unread.qsize() <= 1 << 14
-        rig.link.close()  # while the reader thread waits for room
-        sender.join(10)
-        assert not sender.is_alive()
+    with served(flood) as place, open_link(f"rfc2217://{place}"):
+        assert waited.wait(30)
+        closed.set()

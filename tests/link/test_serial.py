@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import socket
-import threading
 from types import SimpleNamespace
 
 import pytest
@@ -17,7 +16,7 @@ from mikas.link.base import AT_ONCE, LATENCY_TIMER
 from mikas.link.serial import TICK, SerialLink
 
 from .contract import FAR, meanwhile, write_until_lost
-from .rigs import asked_rig, hurry_pyserial, port_of, rfc2217_rig, tcp_rig
+from .rigs import asked_rig, port_of, rfc2217_rig, tcp_rig
 
 
 @pytest.fixture
@@ -132,27 +131,6 @@ def test_a_refused_connection_says_that_no_program_listens(scheme):
         open_link(f"{scheme}://127.0.0.1:{port}")
 
 
-@pytest.mark.parametrize("scheme", ["socket", "rfc2217"])
-@pytest.mark.parametrize(
-    ("reason", "message"),
-    [
-        (socket.gaierror(-2, "Name or service not known"), "host is not known"),
-        (TimeoutError("timed out"), "no answer from there"),
-    ],
-)
-def test_a_host_that_can_not_be_reached_is_an_error_in_time(scheme, reason, message, monkeypatch):
-    waits = []
-
-    def fail(address, timeout):
-        waits.append((address, timeout))
-        raise reason
-
-    monkeypatch.setattr(socket, "create_connection", fail)
-    with pytest.raises(PortFailed, match=message):
-        open_link(f"{scheme}://[fe80::1]:4001")
-    assert waits == [(("fe80::1", 4001), 5)]
-
-
 @pytest.mark.realtime
 class TestSocket:
     def test_requests_are_not_held_back(self):
@@ -194,59 +172,22 @@ class TestSocket:
 
 @pytest.mark.realtime
 class TestRfc2217:
-    @pytest.fixture(autouse=True)
-    def hurry(self, monkeypatch):
-        hurry_pyserial(monkeypatch)
-
     def test_the_far_port_gets_the_settings_of_the_url(self):
         with rfc2217_rig("?baud=10400&rts=1&dtr=0") as rig:
             line = rig.peer.line
             assert (line.baudrate, line.bytesize, line.parity) == (10400, 8, "N")
-            assert (line.rts, line.dtr) == (True, False)
+            rig.peer.wait_for_line(rts=True, dtr=False)
             assert rig.link.description.startswith("RFC 2217 127.0.0.1:")
 
     def test_a_break_reaches_the_far_port(self, monkeypatch):
         with rfc2217_rig() as rig:
-            during = []
 
             def look(seconds):
-                during.append(rig.peer.line.break_condition)
+                rig.peer.wait_for_line(break_condition=True)
 
             monkeypatch.setattr(serial_link, "time", SimpleNamespace(sleep=look))
             rig.link.send_break(0.25)
-            assert during == [True]
-            assert rig.peer.line.break_condition is False
-
-    def test_an_end_that_never_reads_can_not_hang_a_write(self):
-        with rfc2217_rig() as rig:
-            blocked = threading.Event()
-            rig.peer.write = lambda _: blocked.wait(FAR)
-            port_of(rig.link)._socket.settimeout(0.05)  # noqa: SLF001
-            rig.peer._came.put = lambda _: blocked.wait(FAR)  # noqa: SLF001
-            try:
-                with pytest.raises(LinkLost, match="takes no more bytes"):
-                    write_until_lost(rig.link, bytes(1_000_000))
-            finally:
-                blocked.set()
-
-    def test_a_plain_tcp_server_has_its_own_message(self, monkeypatch):
-        monkeypatch.setattr(serial.rfc2217.Timeout, "TIME", Hasty())
-        with (
-            socket.create_server(("127.0.0.1", 0)) as server,
-            pytest.raises(PortFailed, match="does not speak RFC 2217"),
-        ):
-            open_link(f"rfc2217://127.0.0.1:{server.getsockname()[1]}")
-
-
-class Hasty:
-    """A clock for pyserial's time-outs on which a second passes at each look."""
-
-    def __init__(self):
-        self.time = 0.0
-
-    def __call__(self):
-        self.time += 1.0
-        return self.time
+            rig.peer.wait_for_line(break_condition=False)
 
 
 class TestPortThatTheSystemCanNotWaitOn:

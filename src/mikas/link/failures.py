@@ -1,5 +1,7 @@
 """Errors of pyserial and the system, translated: why a port does not open, or was lost.
 
+A port on this computer and a connection over a network have no reason in common.
+
 pyserial 3.5 raises one exception for everything. The reason is its `errno` on POSIX, or only the
 wrapped exception (`termios.error`, a socket's), and on Windows the text of a `WinError` inside its
 own text, in the system's language.
@@ -18,6 +20,8 @@ from mikas.errors import NoConnection, PortDenied, PortFailed, PortKind, PortNot
 from mikas.i18n import Text
 from mikas.link.base import TAKES_NO_BYTES, UNPLUGGED
 from mikas.link.holders import adapter_without_port, port_busy
+from mikas.link.network.rfc2217 import NotSet
+from mikas.link.network.tcp import WriteTimeout
 from mikas.link.ports import find_ports, listed
 from mikas.link.urls import kind_of, parse
 
@@ -42,9 +46,30 @@ _WIN_ERROR = re.compile(r"\w+Error\(\d+, .*, None, (\d+)\)", re.DOTALL)
 
 _CHECK_NAME = Text("Serial ports found: {found}.", "Найденные последовательные порты: {found}.")
 
+_NOT_SERIAL = Text("it is not a serial port", "это не последовательный порт")
+_CLOSED_THERE = Text("closed by the other end", "закрыта другой стороной")
+_NO_ANSWER = Text("no answer from there", "узел не отвечает")
+_NO_WAY = Text("this computer has no way to it", "от этого компьютера к нему нет пути")
+_OVER_NETWORK = {
+    errno.ECONNREFUSED: Text("no program listens there", "на этом порту нет программы-сервера"),
+    errno.ETIMEDOUT: _NO_ANSWER,
+    errno.EHOSTUNREACH: _NO_ANSWER,  # also where no computer of its network has the address
+    errno.EHOSTDOWN: _NO_ANSWER,
+    errno.ENETUNREACH: _NO_WAY,
+    errno.ENETDOWN: _NO_WAY,
+    errno.EADDRNOTAVAIL: _NO_WAY,
+    errno.ECONNRESET: _CLOSED_THERE,
+    errno.ECONNABORTED: _CLOSED_THERE,
+    errno.EACCES: Text("a firewall forbids it", "запрещает брандмауэр"),
+    errno.EPERM: Text("a firewall forbids it", "запрещает брандмауэр"),
+}
+
 
 def opening_failed(url: str, error: Exception) -> NoConnection:
     """Return the error to raise when opening `url` raised `error`."""
+    kind = kind_of(url)
+    if kind is PortKind.NETWORK:
+        return met_on(kind, PortFailed(url=url, problem=_why_not_connected(error)))
     code, windows = number_of(error), _windows_number(error)
     if code in _ABSENT or windows in _WINDOWS_ABSENT:
         return adapter_without_port(url) or PortNotFound(url=url, found=listed(find_ports()))
@@ -52,17 +77,19 @@ def opening_failed(url: str, error: Exception) -> NoConnection:
         return port_busy(url, parse(url).address)
     if code in _DENIED:
         return PortDenied(url=url)
-    problem = _why_not_opened(error, code)
-    kind = kind_of(url)
-    is_wrong_name = code in _NO_TTY and kind is PortKind.CABLE
-    advice = _CHECK_NAME.filled(found=listed(find_ports())) if is_wrong_name else None
-    return met_on(kind, PortFailed(url=url, problem=problem, advice=advice))
+    is_tty = code not in _NO_TTY
+    advice = None if is_tty else _CHECK_NAME.filled(found=listed(find_ports()))
+    problem = _own_words(error) if is_tty else _NOT_SERIAL
+    return PortFailed(url=url, problem=problem, advice=advice)
 
 
-def why_lost(error: Exception) -> Text:
+def why_lost(error: Exception, kind: PortKind = PortKind.CABLE) -> Text:
     """Return the reason that follows "the adapter is gone:"."""
-    if isinstance(error, SerialTimeoutException):
+    if isinstance(error, SerialTimeoutException | WriteTimeout):
         return TAKES_NO_BYTES
+    if kind is PortKind.NETWORK:
+        is_closed = isinstance(error, ConnectionError) or number_of(error) == errno.EBADF
+        return _CLOSED_THERE if is_closed else _why_not_connected(error)
     gone = number_of(error) in _UNPLUGGED or _windows_number(error) in _WINDOWS_UNPLUGGED
     if gone or re.search("disconnected|died", str(error)):
         return UNPLUGGED
@@ -85,22 +112,15 @@ def number_of(error: Exception) -> int | None:
     return None
 
 
-def _why_not_opened(error: Exception, code: int | None) -> Text:
-    reason = _wrapped(error)
-    if isinstance(reason, (socket.gaierror, UnicodeError)):
-        return Text("this host is not known", "такой адрес не найден")
-    if isinstance(reason, ConnectionRefusedError):
-        return Text("no program listens there", "на этом порту нет программы-сервера")
-    if isinstance(reason, TimeoutError):
-        return Text("no answer from there", "узел не отвечает")
-    if "RFC2217" in str(error):
-        return Text(
-            "it does not speak RFC 2217 (try socket://)",
-            "он не поддерживает RFC 2217 (попробуйте socket://)",
-        )
-    if code in _NO_TTY:
-        return Text("it is not a serial port", "это не последовательный порт")
-    return _own_words(error)
+def _why_not_connected(error: Exception) -> Text:
+    match error:
+        case NotSet():
+            return error.text
+        case socket.gaierror() | UnicodeError():
+            return Text("this host is not known", "такой адрес не найден")
+        case BrokenPipeError():
+            return _CLOSED_THERE
+    return _OVER_NETWORK.get(number_of(error) or 0) or _own_words(error)
 
 
 def _own_words(error: Exception) -> Text:

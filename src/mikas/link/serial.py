@@ -42,9 +42,10 @@ from mikas.link.base import (
     WallClock,
 )
 from mikas.link.failures import SYSTEM_ERRORS, is_unable, opening_failed, why_lost
-from mikas.link.network import Rfc2217Port, SocketPort, host_and_port
+from mikas.link.network.rfc2217 import Rfc2217Port, Settings
+from mikas.link.network.tcp import TcpPort
 from mikas.link.ports import find_ports, named
-from mikas.link.urls import kind_of, parse
+from mikas.link.urls import host_and_port, kind_of, parse
 from mikas.options import OptionParser, check_names
 
 TICK = 0.01  # s of one wait on a port without select
@@ -57,7 +58,7 @@ _CLOSED_MEANWHILE: tuple[type[Exception], ...] = (TypeError, AttributeError)
 _ERRORS = SYSTEM_ERRORS + _CLOSED_MEANWHILE
 
 
-OpenPort: TypeAlias = serial.Serial | SocketPort | Rfc2217Port
+OpenPort: TypeAlias = serial.Serial | TcpPort
 
 
 class SerialLink(Link):
@@ -85,7 +86,7 @@ class SerialLink(Link):
         self._can_break = can_break  # turns false once the system has refused
         self.granularity = granularity
         self.port = port
-        self._receive = _by_select(port) if port.timeout == 0 else _by_asking(port)
+        self._receive = _receive(port)
         self._clock = WallClock()
         self._gone: Text | None = None
         self._closing = threading.Lock()  # held by the thread that closes the port, for good
@@ -157,7 +158,7 @@ class SerialLink(Link):
         """Return the error to raise after the port's `error`, which is raised if it is a bug."""
         if isinstance(error, _CLOSED_MEANWHILE) and self._gone is None:
             raise error
-        return self._lose(why_lost(error), request)
+        return self._lose(why_lost(error, self.kind), request)
 
     def _lose(self, why: Text, request: bytes | None = None) -> LinkLost:
         """Close the lost adapter; return the error to raise."""
@@ -180,6 +181,12 @@ Receive = Callable[[float], bytes]
 """Takes the seconds to wait; returns bytes as soon as they arrive, or none, perhaps early."""
 
 
+def _receive(port: OpenPort) -> Receive:
+    if isinstance(port, TcpPort) or port.timeout == 0:
+        return _by_select(port)
+    return _by_asking(port)
+
+
 def _by_select(port: OpenPort) -> Receive:
     number = port.fileno()
 
@@ -190,7 +197,7 @@ def _by_select(port: OpenPort) -> Receive:
     return receive
 
 
-def _by_asking(port: OpenPort) -> Receive:
+def _by_asking(port: serial.Serial) -> Receive:
     def receive(seconds: float) -> bytes:
         first = b""
         if not port.in_waiting:
@@ -211,8 +218,17 @@ def open_serial(url: str, options: dict[str, str]) -> SerialLink:
     drives the L line of some and is off.
     """
     check_names(options, ("baud", "dtr", "rts"))
+    given = OptionParser(options)
     port = serial.Serial(timeout=0 if os.name == "posix" else TICK, exclusive=True)
-    baud = _open(port, parse(url).address, url, options)
+    port.port = parse(url).address
+    port.baudrate = baud = _baud(given)
+    port.dtr = given.switch("dtr", default=True)
+    port.rts = given.switch("rts", default=False)
+    port.write_timeout = _patience(baud)
+    try:
+        port.open()
+    except SYSTEM_ERRORS as error:
+        raise opening_failed(url, error) from error
     granularity = AT_ONCE if _ask_low_latency(port) else LATENCY_TIMER
     return SerialLink(url, port, baud=baud, granularity=granularity)
 
@@ -220,37 +236,48 @@ def open_serial(url: str, options: dict[str, str]) -> SerialLink:
 def open_socket(url: str, options: dict[str, str]) -> SerialLink:
     """Open a port served as plain TCP: `socket://host:port`. `baud`: the K-Line's."""
     check_names(options, ("baud",))
-    place = host_and_port(url)
-    port = SocketPort(timeout=0)
-    baud = _open(port, f"socket://{place}", url, options)
-    return SerialLink(
-        url, port, baud=baud, about=f"TCP {place}", can_break=False, granularity=NETWORK
-    )
+    baud = _baud(OptionParser(options))
+    return _connect(url, TcpPort(patience=_patience(baud)), baud, "TCP")
 
 
 def open_rfc2217(url: str, options: dict[str, str]) -> SerialLink:
     """Open a port of a terminal server: `rfc2217://host:port`, options as for `open_serial`."""
     check_names(options, ("baud", "dtr", "rts"))
-    place = host_and_port(url)
-    port = Rfc2217Port(timeout=TICK)
-    baud = _open(port, f"rfc2217://{place}", url, options)
-    return SerialLink(url, port, baud=baud, about=f"RFC 2217 {place}", granularity=NETWORK)
-
-
-def _open(port: OpenPort, address: str, url: str, options: dict[str, str]) -> int:
-    """Open `port` by pyserial's `address`, with the options of `url`; return the baud rate."""
     given = OptionParser(options)
-    port.port = address
-    port.baudrate = baud = given.integer("baud", BAUD, lowest=50, highest=4_000_000)
-    port.dtr = given.switch("dtr", default=True)
-    port.rts = given.switch("rts", default=False)
-    if not isinstance(port, Rfc2217Port):  # which has a time-out of its own
-        port.write_timeout = PATIENCE + LONGEST_REQUEST * BITS_PER_BYTE / baud
+    baud = _baud(given)
+    settings = Settings(
+        baud=baud,
+        dtr=given.switch("dtr", default=True),
+        rts=given.switch("rts", default=False),
+        named=bool(options),
+    )
+    port = Rfc2217Port(settings, patience=_patience(baud))
+    return _connect(url, port, baud, "RFC 2217")
+
+
+def _connect(url: str, port: TcpPort, baud: int, about: str) -> SerialLink:
+    host, number = host_and_port(url)
     try:
-        port.open()
+        port.open((host, number))
     except SYSTEM_ERRORS as error:
         raise opening_failed(url, error) from error
-    return baud
+    place = f"[{host}]:{number}" if ":" in host else f"{host}:{number}"
+    return SerialLink(
+        url,
+        port,
+        baud=baud,
+        about=f"{about} {place}",
+        can_break=port.can_break,
+        granularity=NETWORK,
+    )
+
+
+def _baud(given: OptionParser) -> int:
+    return given.integer("baud", BAUD, lowest=50, highest=4_000_000)
+
+
+def _patience(baud: int) -> float:
+    return PATIENCE + LONGEST_REQUEST * BITS_PER_BYTE / baud
 
 
 def _ask_low_latency(port: serial.Serial) -> bool:

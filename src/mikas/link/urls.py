@@ -16,7 +16,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING, cast
-from urllib.parse import parse_qsl, urlencode
+from urllib.parse import parse_qsl, urlencode, urlsplit
 
 from mikas.errors import BadPortUrl, PortKind, UsageError
 from mikas.i18n import Text
@@ -112,6 +112,23 @@ def kind_of(url: str) -> PortKind:
     """Return what lies between this computer and the K-Line, of any URL."""
     is_network = url.partition(":")[0].lower() in _OF_NETWORKS
     return PortKind.NETWORK if is_network else PortKind.CABLE
+
+
+def host_and_port(url: str) -> tuple[str, int]:
+    """Return the host and the port's number of a network URL. Raises `BadPortUrl`."""
+    parsed = parse(url)
+    try:
+        parts = urlsplit(f"//{parsed.address}")
+        host, port = parts.hostname, parts.port
+    except ValueError:  # the port is not a number below 65536, or a bracket is open
+        host, port = None, None
+    if not host or not port or parts.path or "@" in parsed.address:
+        problem = Text(
+            f"it needs a host and a port number, as in {parsed.scheme}://192.168.0.5:4001",
+            f"нужны адрес и номер порта, например {parsed.scheme}://192.168.0.5:4001",
+        )
+        raise bad_port_url(url, problem)
+    return host, port
 
 
 def bad_port_url(url: str, problem: Text) -> BadPortUrl:
