@@ -6,10 +6,11 @@ import { Stores } from "./stores";
 /** A page over a program of its own: what it has asked, and what the program says on its socket. */
 function page(line: State["line"], port: string) {
   const asked: string[] = [];
-  const socket: LiveSocket = { onmessage: null, onclose: null };
+  const socket: LiveSocket = { onmessage: null, onclose: null, close: () => undefined };
   const stores = new Stores({
     ...served,
     connect: () => socket,
+    patience: { first: Infinity, next: Infinity },
     fetch: (address) => {
       asked.push(address);
       return Promise.resolve(new Response(JSON.stringify({ names: [], times: [], values: [], events: [], ports: [{ url: port }] })));

@@ -48,10 +48,11 @@ export function eachOnItsOwnPage(): void {
 
 export function page(answers: Answers = {}) {
   const asked: Asked[] = [];
-  const socket: LiveSocket = { onmessage: null, onclose: null };
+  const socket: LiveSocket = { onmessage: null, onclose: null, close: () => undefined };
   const stores = new Stores({
     ...served,
     connect: () => socket,
+    patience: { first: Infinity, next: Infinity },
     fetch(address, init) {
       const path = `/${address.split("api/")[1]}`;
       const body: unknown = typeof init?.body === "string" ? JSON.parse(init.body) : undefined;

@@ -44,6 +44,13 @@ _CHOOSE = Text(
     "«Связь» кнопку «Выбрать кабель…» и укажите его в списке браузера. Адаптера там нет? Проверьте "
     "разъём и кабель; в Windows может не быть драйвера.",
 )
+_HANGS = Text("the browser neither opens nor closes it", "браузер его не открывает и не закрывает")
+_UNPLUG = Text(
+    "The adapter or its driver hangs: unplug it and plug it in again. If that does not help, close "
+    "all windows of the browser and open this page again.",
+    "Завис адаптер или его драйвер: отключите адаптер и подключите снова. Если не поможет, "
+    "закройте все окна браузера и откройте эту страницу снова.",
+)
 _BUSY = Text(
     "Likely, in order: another tab or window of this page, another diagnostics program, a terminal "
     "or ModemManager has it open: close that. On Linux without permission: "
@@ -189,6 +196,8 @@ def open_web_serial(url: str, options: dict[str, str]) -> Link:
     if hasattr(opened, "refused"):
         if opened.refused in ("NetworkError", "InvalidStateError"):
             raise PortBusy(url=url, advice=_BUSY)
+        if opened.refused == "TimeoutError":
+            raise PortFailed(url=url, problem=_HANGS, advice=_UNPLUG)
         raise PortFailed(url=url, problem=Text(opened.message, opened.message))
     return WebSerialLink(url, opened, baud=baud, about=port.description)
 

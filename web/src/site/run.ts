@@ -22,6 +22,8 @@ export function run(program: Program, owner: Owner, target: Element): void {
     ...served,
     fetch: program.fetch,
     connect: program.connect,
+    // It starts for seconds, and does one thing at a time: while it reads a long recording, nothing else comes.
+    patience: { first: Infinity, next: 15_000 },
     runsHere: true,
     reachesAdapters: canChoose(),
     choosePort: canChoose() ? choosePort : null,

@@ -1,5 +1,6 @@
 // The live connection: one WebSocket, the state, the latest value of each channel, the last hour as columns, and the events. Reconnects
-// after ½ s, 1, 2, … at most 8 s, and at once when the page becomes visible or the network returns.
+// after ½ s, then after 1 s, hidden after 8 s, and at once when the page becomes visible or the network returns. A socket that brings nothing is
+// lost, too: a network that has gone, or a program that was stopped, closes none.
 import { address } from "../api/http";
 import { frameClock } from "../platform/frameClock.svelte";
 import { clientId, clientName, controlLease, pageId } from "../api/client";
@@ -14,7 +15,10 @@ import type { ApiClient } from "../api/api";
 const KEPT_SECONDS = 3600;
 const FIRST_HISTORY = 900;
 const FULL_DETAIL = 60;
-const DELAYS = [500, 1000, 2000, 4000, 8000];
+/** ms until the socket is opened again: the first time, later, and while nobody sees the page. */
+const DELAYS = { first: 500, next: 1000, hidden: 8000 };
+/** ms between two looks at whether messages come. */
+const LOOK = 250;
 
 export interface Latest {
   value: number;
@@ -64,6 +68,8 @@ export class Live {
   private clock = 0;
   private receivedAt = 0;
   private started = false;
+  /** Looks since the socket was opened, or since its last message: a page that did not run has not looked. */
+  private looks = 0;
   /** Rows that arrived while the history is being loaded. */
   private pending: Rows[] | null = null;
   /** Channels that were changed while the history is being loaded. */
@@ -78,7 +84,7 @@ export class Live {
   onevents: (events: readonly LineEvent[]) => void = () => undefined;
 
   constructor(
-    private readonly host: Pick<Host, "connect">,
+    private readonly host: Pick<Host, "connect" | "patience">,
     private readonly api: ApiClient,
   ) {}
 
@@ -88,6 +94,7 @@ export class Live {
     this.open();
     document.addEventListener("visibilitychange", () => document.hidden || this.reconnectNow());
     window.addEventListener("online", () => this.reconnectNow());
+    setInterval(() => this.look(), LOOK);
   }
 
   /** The program's time now, in seconds. */
@@ -104,6 +111,7 @@ export class Live {
     clearTimeout(this.timer);
     const socket = this.host.connect(address("/live", { client: clientId, name: clientName(), page: pageId }));
     this.socket = socket;
+    this.looks = 0;
     socket.onmessage = (message) => {
       if (socket !== this.socket) return;
       // eslint-disable-next-line @typescript-eslint/consistent-type-assertions -- the program's own message, as its models say
@@ -114,10 +122,21 @@ export class Live {
     };
   }
 
+  /** Give up a socket that has brought nothing for too long. */
+  private look(): void {
+    if (this.socket === null) return;
+    const { first, next } = this.host.patience;
+    this.looks += 1;
+    if (this.looks * LOOK < (this.link === "open" ? next : first)) return;
+    const { socket } = this;
+    this.onLost();
+    socket.close();
+  }
+
   private onLost(): void {
     this.socket = null;
     this.link = "lost";
-    const wait = DELAYS[Math.min(this.attempts, DELAYS.length - 1)]!;
+    const wait = document.hidden ? DELAYS.hidden : this.attempts === 0 ? DELAYS.first : DELAYS.next;
     this.attempts += 1;
     this.timer = setTimeout(() => this.open(), wait);
   }
@@ -130,6 +149,7 @@ export class Live {
   }
 
   private receive(message: LiveMessage): void {
+    this.looks = 0;
     this.receivedAt = performance.now();
     this.clock = message.now;
     if (this.link !== "open") {

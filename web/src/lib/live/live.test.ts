@@ -1,6 +1,6 @@
-import { afterEach, expect, it, vi } from "vitest";
-import type { History } from "../api/types";
-import { served } from "../platform/host";
+import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
+import type { History, State } from "../api/types";
+import { served, type LiveSocket } from "../platform/host";
 import { Stores } from "../../stores";
 
 const { api, live } = new Stores(served);
@@ -29,4 +29,83 @@ it("a channel that is changed while the history is loaded has the values of the 
   answers.at(-1)!(history(5));
   await vi.waitFor(() => expect([...(live.columns.column("A") ?? [])]).toEqual([5, 5]));
   expect(live.extremes.get("A")).toEqual({ min: 5, max: 5 });
+});
+
+describe("a socket that brings nothing", () => {
+  /** A live connection whose sockets the test holds; none closes by itself. */
+  function connection(patience = served.patience) {
+    const sockets: (LiveSocket & { closed: boolean })[] = [];
+    const connect = () => {
+      const socket = {
+        onmessage: null,
+        onclose: null,
+        closed: false,
+        close: () => void (socket.closed = true),
+      } as (typeof sockets)[number];
+      sockets.push(socket);
+      return socket;
+    };
+    const stores = new Stores({ ...served, connect, patience, fetch: () => Promise.reject(new TypeError("no network")) });
+    stores.live.start();
+    const state = { line: "sampling", port: "A", alarms: [], rights: "control", controller: null } as unknown as State;
+    const say = () => sockets.at(-1)!.onmessage!({ data: JSON.stringify({ now: 1, dropped: 0, state }) } as MessageEvent);
+    return { live: stores.live, say, sockets };
+  }
+
+  beforeEach(() => {
+    vi.useFakeTimers();
+    vi.stubGlobal("document", { addEventListener: () => undefined, hidden: false });
+    vi.stubGlobal("requestAnimationFrame", () => 0);
+    vi.stubGlobal("window", { addEventListener: () => undefined });
+  });
+  afterEach(() => {
+    vi.clearAllTimers();
+    vi.unstubAllGlobals();
+    vi.useRealTimers();
+  });
+
+  it("is lost within 3 s, though nothing closes it, and another one is opened", () => {
+    const { live, say, sockets } = connection();
+    say();
+    for (let second = 0; second < 10; second += 1) {
+      vi.advanceTimersByTime(2000);
+      say();
+    }
+    expect([live.link, live.answers, sockets.length]).toEqual(["open", true, 1]);
+    vi.advanceTimersByTime(3000);
+    expect([live.link, live.answers, sockets[0]!.closed]).toEqual(["lost", false, true]);
+    vi.advanceTimersByTime(500);
+    expect(sockets.length).toBe(2);
+    say();
+    expect([live.link, live.answers]).toEqual(["open", true]);
+  });
+  it("has a little longer to be opened, again and again: 5 s after a network has come back it is there", () => {
+    const { live, say, sockets } = connection();
+    say();
+    vi.advanceTimersByTime(200_000);
+    const opened = sockets.length;
+    expect(live.link).toBe("lost");
+    vi.advanceTimersByTime(5000);
+    expect(sockets.length).toBeGreaterThan(opened);
+    say();
+    expect(live.link).toBe("open");
+  });
+  it("is not lost by a page that did not run: it has not looked", () => {
+    const { live, say } = connection();
+    say();
+    vi.advanceTimersByTime(2000);
+    vi.setSystemTime(Date.now() + 3_600_000); // the page slept: no timer ran
+    vi.advanceTimersByTime(500);
+    expect(live.link).toBe("open");
+  });
+  it("in the page without installation starts as long as it takes", () => {
+    const { live, say } = connection({ first: Infinity, next: 15_000 });
+    vi.advanceTimersByTime(120_000);
+    expect(live.link).toBe("connecting");
+    say();
+    vi.advanceTimersByTime(14_000);
+    expect(live.link).toBe("open");
+    vi.advanceTimersByTime(1000);
+    expect(live.link).toBe("lost");
+  });
 });

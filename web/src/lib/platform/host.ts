@@ -8,12 +8,15 @@ import { words } from "./words";
 export interface LiveSocket {
   onmessage: ((event: MessageEvent) => void) | null;
   onclose: ((event: CloseEvent) => void) | null;
+  close(): void;
 }
 
 export interface Host {
   /** Both take addresses of the API, relative to the page. */
   fetch(address: string, init?: RequestInit): Promise<Response>;
   connect(address: string): LiveSocket;
+  /** ms without a message after which a socket is dead, though nothing says so: before its first message, and later. */
+  patience: { first: number; next: number };
   /** Whether the program runs in this page, and ends when the computer sleeps. */
   runsHere: boolean;
   /**
@@ -52,6 +55,8 @@ export const served: Host = {
     url.protocol = url.protocol.replace("http", "ws");
     return new WebSocket(url);
   },
+  // The state comes twice a second. A network that is gone says nothing, for minutes.
+  patience: { first: 4000, next: 2750 },
   runsHere: false,
   choosePort: null,
   reachesAdapters: true,

@@ -18,6 +18,11 @@ export class WorkerSocket implements LiveSocket {
     else if (message.kind === "failed") this.lose(message.message);
   }
 
+  /** Nothing of it is wanted any more; the program ends it when the page opens another one. */
+  close(): void {
+    this.over();
+  }
+
   /** The worker has ended. */
   lose(message: string): void {
     this.closed(LOST, message);

@@ -1,4 +1,4 @@
-import { describe, expect, it, vi } from "vitest";
+import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import { now, OpenPort, SerialHost, type Refusal } from "./serial";
 import type { SerialPort } from "./webSerial";
 
@@ -133,6 +133,52 @@ describe("opening", () => {
     first.close();
     const second = (await host.open(granted!, 9600, true, false).promise) as OpenPort;
     expect([port.closed, second.lost]).toEqual([1, ""]);
+  });
+});
+
+describe("a browser that settles nothing, as with a driver that hangs,", () => {
+  const never = new Promise<never>(() => undefined);
+  beforeEach(() => void vi.useFakeTimers());
+  afterEach(() => void vi.useRealTimers());
+
+  /** What comes of it when all the time that it may take has passed. */
+  async function soon<T>(promise: Promise<T>): Promise<T> {
+    await vi.advanceTimersByTimeAsync(20_000);
+    return promise;
+  }
+
+  it("does not open a port: that is said, and what opens too late is closed", async () => {
+    const port = new FakePort();
+    const host = hostOf(port);
+    const [granted] = await host.ports().promise;
+    let open: () => void = () => undefined;
+    port.open = () => new Promise<void>((resolve) => (open = resolve));
+    expect(await soon(host.open(granted!, 9600, true, false).promise)).toMatchObject({ refused: "TimeoutError" });
+    open();
+    await vi.advanceTimersByTimeAsync(0);
+    expect(port.closed).toBe(1);
+  });
+  it("has lines that are not set: the port is used without", async () => {
+    const port = new FakePort();
+    port.setSignals = () => never;
+    const found = await soon(opened(port));
+    expect(found.lost).toBe("");
+    expect(await soon(found.pullLow(true).promise)).toBe(false);
+  });
+  it("does not close a port: the next one that wants it is refused", async () => {
+    const port = new FakePort();
+    const host = hostOf(port);
+    const [granted] = await host.ports().promise;
+    port.close = () => never;
+    ((await host.open(granted!, 9600, true, false).promise) as OpenPort).close();
+    expect(await soon(host.open(granted!, 9600, true, false).promise)).toMatchObject({ refused: "TimeoutError" });
+  });
+  it("has no list of ports: the one before counts", async () => {
+    const [port, serial] = [new FakePort(), Object.assign(new EventTarget(), { getPorts: async () => [port] as SerialPort[] })];
+    const host = new SerialHost(serial);
+    expect(await names(host)).toEqual([[0x0403, 0x6001, 1]]);
+    serial.getPorts = () => never;
+    expect(await soon(names(host))).toEqual([[0x0403, 0x6001, 1]]);
   });
 });
 

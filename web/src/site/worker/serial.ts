@@ -11,6 +11,12 @@ const LONGEST = 0x7fffffff;
 /** s; whoever has looked for bytes so recently need not let the browser do what it has waiting: to wait is the dear part of an exchange. */
 const RECENTLY = 0.003;
 
+/** ms in which the browser settles what is asked of a port. A driver that hangs settles nothing, and Python would wait for ever. */
+const PATIENCE = { list: 2000, open: 10_000, signals: 2000, close: 5000 };
+
+/** The refusal of a port that the browser neither opens nor closes in that time. */
+const HANGS = "TimeoutError";
+
 /** Bytes of Python. */
 interface PyBytes {
   toJs(): Uint8Array;
@@ -58,7 +64,9 @@ export class SerialHost {
   }
 
   private async look(): Promise<Granted[]> {
-    const present = ((await this.serial?.getPorts().catch(() => [])) ?? []).filter((port) => port.connected !== false);
+    const listed = await within(PATIENCE.list, this.serial?.getPorts() ?? Promise.resolve([])).catch(() => null);
+    if (listed === null) return this.granted;
+    const present = listed.filter((port) => port.connected !== false);
     this.granted = this.granted.filter(({ port }) => present.includes(port));
     for (const port of present) {
       if (this.granted.some((known) => known.port === port)) continue;
@@ -72,15 +80,20 @@ export class SerialHost {
   }
 
   private async opened(port: SerialPort, baudRate: number, dtr: boolean, rts: boolean): Promise<OpenPort | Refusal> {
-    await this.closing.get(port);
     try {
-      await port.open({ baudRate, bufferSize: BUFFER });
+      await within(PATIENCE.close, this.closing.get(port) ?? Promise.resolve());
+      const opened = port.open({ baudRate, bufferSize: BUFFER });
+      await within(PATIENCE.open, opened).catch((error: unknown) => {
+        // It may open yet: then nobody has it, and it is closed.
+        if (errorOf(error).name === HANGS) this.closing.set(port, closedAfter(opened, port));
+        throw error;
+      });
     } catch (error) {
       const { name, message } = errorOf(error);
       return { refused: name, message };
     }
     // Not every adapter has these lines.
-    await port.setSignals({ dataTerminalReady: dtr, requestToSend: rts }).catch(() => undefined);
+    await within(PATIENCE.signals, port.setSignals({ dataTerminalReady: dtr, requestToSend: rts })).catch(() => undefined);
     return new OpenPort(port, (closed) => this.closing.set(port, closed));
   }
 }
@@ -149,7 +162,7 @@ export class OpenPort {
 
   /** Hold the wire low, or let it go; whether the adapter can. */
   pullLow(low: boolean): Pending<boolean> {
-    const did = this.port.setSignals({ break: low });
+    const did = within(PATIENCE.signals, this.port.setSignals({ break: low }));
     return {
       promise: did.then(
         () => true,
@@ -226,6 +239,21 @@ export class OpenPort {
     this.writer?.releaseLock();
     await this.port.close().catch(() => undefined);
   }
+}
+
+/** As `promise`, but broken with `HANGS` if that is not settled in so many milliseconds. */
+function within<T>(milliseconds: number, promise: Promise<T>): Promise<T> {
+  return new Promise((keep, fail) => {
+    const timer = setTimeout(() => fail(new DOMException("The browser does not answer.", HANGS)), milliseconds);
+    promise.then(keep, fail).finally(() => clearTimeout(timer));
+  });
+}
+
+async function closedAfter(opened: Promise<void>, port: SerialPort): Promise<void> {
+  await opened.then(
+    () => port.close(),
+    () => undefined,
+  );
 }
 
 const errorOf = (error: unknown): Error => (error instanceof Error ? error : new Error(String(error)));
