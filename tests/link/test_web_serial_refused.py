@@ -24,6 +24,7 @@ GRANTED = Its(vid=0x0403, pid=0x6001, nth=1)
 def test_a_refusal_says_what_to_do(monkeypatch, refused, error, words):
     opened = Its(refused=refused, message="the browser's words")
     serial = Its(ports=lambda: Its(promise=[GRANTED]), open=lambda *_: Its(promise=opened))
+    monkeypatch.setattr(web_serial, "_chosen", lambda _, ports: ports[0])  # no URL of a desktop
     monkeypatch.setattr(web_serial, "_host", lambda: (serial, lambda promise: promise))
     with pytest.raises(NoConnection) as raised:
         web_serial.open_web_serial("webserial:0403:6001", {})

@@ -2,7 +2,7 @@
 
     connect ─► retained messages ─► "online" ─► whatever comes ─► "offline", disconnect
        ▲                                             │ lost
-       └──────── 1 s, 2 s, 4 s … half a minute ◄─────┘
+       └──────── 1 s, then 2 s; if refused half a minute ◄─────┘
 
 The last will is "offline" too: the broker sends it when the process is killed or the network fails.
 "online" comes after the retained messages, so that no subscriber takes an old
@@ -17,6 +17,7 @@ from __future__ import annotations
 import asyncio
 import logging
 import random
+import socket
 import threading
 from collections.abc import Callable, Coroutine, Iterable
 from concurrent.futures import Future, ThreadPoolExecutor, wait
@@ -25,7 +26,7 @@ from dataclasses import KW_ONLY, dataclass
 from math import inf
 from typing import TYPE_CHECKING, Any, Final, ParamSpec, TypeVar
 
-from mikas.errors import BrokerLost, NoBroker, library
+from mikas.errors import BrokerLost, BrokerNotTrusted, BrokerRefused, NoBroker, library
 from mikas.publish.broker import Broker
 from mikas.publish.failures import connecting_failed, connection_lost, left
 from mikas.publish.outbox import Lost, Message, Outbox
@@ -36,10 +37,14 @@ if TYPE_CHECKING:
 P = ParamSpec("P")
 T = TypeVar("T")
 
-KEEP_ALIVE: Final = 15  # s; after one and a half of them without a sign of life comes the last will
+# A network that is gone closes no connection. So the broker's answer to a ping has to come within
+# `KEEP_ALIVE`, and where the system can, it gives up what is not acknowledged soon.
+KEEP_ALIVE: Final = 3  # s; after one and a half of them without a sign of life comes the last will
+UNACKNOWLEDGED: Final = 2.0  # s
 _ANSWER: Final = 10.0  # s for the broker's answer
 _FIRST_PAUSE: Final = 1.0  # s
-_LONGEST_PAUSE: Final = 30.0
+_LONGEST_PAUSE: Final = 2.0  # so that it is back soon after the network
+_REFUSED_PAUSE: Final = 30.0
 _SHORT: Final = 10.0  # s; a connection that breaks off sooner was hardly one
 _OFTEN: Final = 2
 _SLICE: Final = 0.5  # s
@@ -166,7 +171,8 @@ class BrokerConnection:
             with suppress(TimeoutError):
                 # Not all cars of a fleet at the same moment.
                 await asyncio.wait_for(self._stopping.wait(), pause * random.uniform(0.5, 1))
-            pause = min(2 * pause, _LONGEST_PAUSE)
+            refused = isinstance(error, BrokerRefused | BrokerNotTrusted) or self._short >= _OFTEN
+            pause = min(2 * pause, _REFUSED_PAUSE if refused else _LONGEST_PAUSE)
 
     async def _until_stopped(
         self, session: Coroutine[Any, Any, NoBroker | None]
@@ -222,6 +228,7 @@ class BrokerConnection:
             clean_session=True,
             keepalive=KEEP_ALIVE,
             timeout=_ANSWER,
+            socket_options=_socket_options(),
             will=Will(last.topic, last.payload, last.qos, last.retain),
             logger=_logger,
         )
@@ -280,6 +287,11 @@ class BrokerConnection:
 
     async def _publish(self, client: BoundedClient, message: Message) -> None:
         await client.publish(message.topic, message.payload, message.qos, message.retain)
+
+
+def _socket_options() -> list[tuple[int, int, int]]:
+    name: int | None = getattr(socket, "TCP_USER_TIMEOUT", None)  # Linux
+    return [] if name is None else [(socket.IPPROTO_TCP, name, round(UNACKNOWLEDGED * 1000))]
 
 
 async def _watch(client: BoundedClient) -> None:
