@@ -10,7 +10,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from sampling_harness import SimulatedPlug, ecu_factory, make_sampler, of, take
 
-from mikas.errors import EchoOnly, MikasError, NoEcho, PortBusy, RecordingOver, SyncLost
+from mikas.errors import (
+    ConnectionSilent,
+    EchoOnly,
+    MikasError,
+    NoEcho,
+    PortBusy,
+    RecordingOver,
+    SyncLost,
+)
 from mikas.link.reconnecting import ReconnectingPort
 from mikas.link.urls import open_link
 from mikas.sampling.acquisition import Acquisition
@@ -248,6 +256,29 @@ def test_a_strict_run_ends_before_any_state(reached: list[Cell]) -> None:
     assert reached == [(None, LineTrigger.ENDED)]
 
 
+def test_a_silent_network_may_be_unreachable_next(reached: list[Cell]) -> None:
+    world = World()
+    opened = world.plug.open
+
+    def open_silent() -> object:
+        link = opened()
+
+        def read(deadline: float) -> None:
+            raise ConnectionSilent(url="socket://bridge:1", seconds=2)
+
+        link.read = read
+        world.plug.plugged_in = False
+        return link
+
+    world.plug.open = open_silent
+    with closing(world.sampler.run()) as events:
+        run_on(world, events, reached, (LineState.NO_ECHO, LineTrigger.PORT_MISSING))
+    assert reached[:2] == [
+        (None, LineTrigger.ECHO_MISSING),
+        (LineState.NO_ECHO, LineTrigger.PORT_MISSING),
+    ]
+
+
 SPECIAL: dict[Cell, Callable[[list[Cell]], None]] = {
     (None, LineTrigger.PORT_LOST): test_a_port_lost_at_first_use_is_no_port,
     (
@@ -261,6 +292,7 @@ SPECIAL: dict[Cell, Callable[[list[Cell]], None]] = {
     ): test_a_unit_that_goes_on_refusing_everything_stays_alive,
     (LineState.ECU_ALIVE, LineTrigger.ACCEPTED): test_sampling_begins_with_the_first_accepted_cycle,
     (None, LineTrigger.ENDED): test_a_strict_run_ends_before_any_state,
+    (LineState.NO_ECHO, LineTrigger.PORT_MISSING): test_a_silent_network_may_be_unreachable_next,
 }
 
 

@@ -27,6 +27,7 @@
     │   ├── PortDenied                 no permission to open it
     │   ├── PortFailed                 not opened for another reason
     │   ├── LinkLost                   the adapter disconnected while in use
+    │   │   ├── ConnectionSilent       over a network, nothing came back for seconds
     │   │   ├── LineFlooded            it sends more than a line can carry
     │   │   └── RecordingOver          the recording played by `replay:` has ended
     │   ├── NoEcho                     nothing received, not even the echo (D1)
@@ -78,6 +79,7 @@ from mikas.errors.connection import BrokerNotFound as BrokerNotFound
 from mikas.errors.connection import BrokerNotTrusted as BrokerNotTrusted
 from mikas.errors.connection import BrokerRefused as BrokerRefused
 from mikas.errors.connection import BrokerUnreachable as BrokerUnreachable
+from mikas.errors.connection import ConnectionSilent as ConnectionSilent
 from mikas.errors.connection import EchoOnly as EchoOnly
 from mikas.errors.connection import LineFlooded as LineFlooded
 from mikas.errors.connection import LinkLost as LinkLost

@@ -142,6 +142,21 @@ class LinkLost(NoConnection):
     advice = Text("Check the USB plug and its cable.", "Проверьте разъём USB и кабель.")
 
 
+class ConnectionSilent(LinkLost):
+    """Not one byte came through a network for `seconds`, although something was sent."""
+
+    what = Text(
+        "Nothing has come from {url} for {seconds} s, not even an echo: the connection counts as "
+        "dead and is opened anew",
+        "От {url} за {seconds} с не пришло ничего, даже эха: связь считается потерянной и "
+        "устанавливается заново",
+    )
+    advice = Text(
+        "If that does not help, check the network, and the other end of the connection.",
+        "Если это не поможет, проверьте сеть и другой конец соединения.",
+    )
+
+
 class LineFlooded(LinkLost):
     """More bytes arrived than a line of that baud rate carries. `rate`, `most`: bytes a second."""
 

@@ -137,6 +137,10 @@ class Link(ABC):
         thread within a second.
         """
 
+    def give_up(self) -> None:
+        """As `close`, for a link whose other end may not learn of it, or keeps from closing."""
+        self.close()
+
     def __enter__(self) -> Self:
         return self
 
@@ -182,6 +186,9 @@ class LinkWrapper(Link):
 
     def close(self) -> None:
         self.link.close()
+
+    def give_up(self) -> None:
+        self.link.give_up()
 
 
 class Direction(Enum):

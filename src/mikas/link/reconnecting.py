@@ -4,6 +4,9 @@ A lost `Link` stays lost; this port opens a new one, of the same adapter (`ident
 a stranger's by then. The name is looked up before opening and again after it, so that an adapter
 which took the name in between is let go before a byte is sent.
 
+A connection over a network that died without a word is noticed here (`network.silence`), and
+replaced by the next one.
+
 The port has a clock of its own for the time without a link. A new link whose clock would run back
 (the computer's date was set back) continues the port's clock.
 """
@@ -14,10 +17,11 @@ import time
 from collections.abc import Callable
 from dataclasses import InitVar, dataclass, field
 
-from mikas.errors import AnotherAdapter, PortNotFound
+from mikas.errors import AnotherAdapter, PortKind, PortNotFound
 from mikas.i18n import Text
 from mikas.link.base import CaptureTee, Chunk, Link, LinkWrapper, Sink, WallClock, WireCount
 from mikas.link.identity import KnownAdapter, identity_of, is_same
+from mikas.link.network.silence import SILENT, SILENT_AGAIN, SilenceGuard
 from mikas.link.ports import Port, find_ports, listed, named
 from mikas.link.suspension import LATE_IN_PROGRAM, SuspensionGuard
 from mikas.link.urls import open_link, parse, with_name
@@ -41,6 +45,7 @@ class ReconnectingPort:
     wire: WireCount = field(default_factory=WireCount)
     adapter: KnownAdapter | None = None
     _link: Link | None = None
+    _guard: SilenceGuard | None = None  # of the latest link, over a network
     _clock: Callable[[], float] = field(init=False)
     _ahead: float = 0.0  # the latest link's clock minus `_clock`
 
@@ -53,6 +58,9 @@ class ReconnectingPort:
         Raises `NoConnection`: `AnotherAdapter` if its name or its kind is another's.
         """
         link = self._open_adapter() if parse(self.url).is_adapter else self.open_port(self.url)
+        if link.kind is PortKind.NETWORK:
+            again = self._guard is not None and not self._guard.heard
+            link = self._guard = SilenceGuard(link, SILENT_AGAIN if again else SILENT)
         if self._link is not None and (lag := self.now() - link.now()) > 0:
             link = _AheadLink(link, lag)
         self._link = link

@@ -140,6 +140,12 @@ class SerialLink(Link):
             self._gone = CLOSED_HERE
             self._close_port()
 
+    def give_up(self) -> None:
+        """As `close`; over a network the next connection replaces this one."""
+        if self._gone is None:
+            self._gone = CLOSED_HERE
+            self._close_port(given_up=True)
+
     def _pull_low(self, low: bool) -> None:
         if not self._can_break:
             return
@@ -163,18 +169,21 @@ class SerialLink(Link):
     def _lose(self, why: Text, request: bytes | None = None) -> LinkLost:
         """Close the lost adapter; return the error to raise."""
         self._gone = self._gone or why  # if another thread closed it, that is the reason
-        self._close_port()
+        self._close_port(given_up=True)
         return self._lost(self._gone, request)
 
     def _lost(self, why: Text, request: bytes | None) -> LinkLost:
         lost = LinkLost(url=self.url, problem=why, request=request, time=self.now())
         return met_on(self.kind, lost)
 
-    def _close_port(self) -> None:
+    def _close_port(self, *, given_up: bool = False) -> None:
         """Close the port, once: a second thread might close a descriptor that is in use again."""
         if self._closing.acquire(blocking=False):
             with suppress(*SYSTEM_ERRORS):  # the adapter may be gone already
-                self.port.close()
+                if given_up and isinstance(self.port, TcpPort):
+                    self.port.give_up()
+                else:
+                    self.port.close()
 
 
 Receive = Callable[[float], bytes]

@@ -3,10 +3,13 @@
     every state ── PORT_LOST ─► NO_PORT           every state ── ECHO_MISSING ───► NO_ECHO
     every state ── ENDED ─────► not running       every state ── SILENT, SPOILT ─► ECHO_ONLY
 
-    not running ── PORT_MISSING ─► NO_PORT ─┐
-    not running, NO_ECHO, ECHO_ONLY ────────┴─ IDENTIFIED ─► ECU_ALIVE ── ACCEPTED ─► SAMPLING
-                                                                 ▲                       │
-                                                                 └─────── REFUSED ───────┘
+    not running, NO_PORT, NO_ECHO ── PORT_MISSING ─► NO_PORT
+    not running, NO_PORT, NO_ECHO, ECHO_ONLY ── IDENTIFIED ─► ECU_ALIVE ── ACCEPTED ─► SAMPLING
+                                                                  ▲                       │
+                                                                  └─────── REFUSED ───────┘
+
+A connection over a network that fell silent is opened anew without leaving NO_ECHO, so from there a
+port may be missing.
 
 An event without a cell in the present state's row of `TRANSITIONS` cannot occur there: a bug of the
 caller, and `ImpossibleTransition` is raised. The table knows no port, clock or unit; `supervisor`
@@ -28,7 +31,7 @@ class LineTrigger(Enum):
 
     PORT_MISSING = "the port could not be opened"
     PORT_LOST = "the open port failed: the adapter was unplugged"
-    ECHO_MISSING = "a request was not even echoed: no 12 V at the adapter"
+    ECHO_MISSING = "a request was not even echoed: no 12 V at the adapter, or a silent network"
     SILENT = "a request was echoed and not answered: the ignition is off"
     SPOILT = "responses are damaged, out of step, or of another unit"
     IDENTIFIED = (
@@ -59,7 +62,7 @@ _ANSWERING: Final = {
 TRANSITIONS: Final[Mapping[LineState | None, Mapping[LineTrigger, LineState | None]]] = {
     None: {**_ALWAYS, **_UNOPENED, **_UNSAMPLED},  # not running
     LineState.NO_PORT: {**_ALWAYS, **_UNOPENED, **_UNSAMPLED},
-    LineState.NO_ECHO: {**_ALWAYS, **_UNSAMPLED},
+    LineState.NO_ECHO: {**_ALWAYS, **_UNOPENED, **_UNSAMPLED},
     LineState.ECHO_ONLY: {**_ALWAYS, **_UNSAMPLED},
     LineState.ECU_ALIVE: {**_ALWAYS, **_UNSAMPLED, **_ANSWERING},  # identified: another unit
     LineState.SAMPLING: {**_ALWAYS, **_ANSWERING},

@@ -30,9 +30,11 @@ from mikas.sampling.line_state import LineTrigger, following, trigger_of
 from mikas.sampling.plan import Plan
 from mikas.sampling.running.context import SamplingContext
 
-_RETRY_PORT = 1.0  # s between attempts to open the port
+_RETRY_PORT = 1.0  # s from one attempt to open the port to the next
+_BREATH = 0.1  # s between two of them at least
 _FLOODED = 20.0  # s until a port is opened again that sent more than a line carries
 _PAUSE = 0.5  # s between two cycles; passports that are answered take 0.2 s
+_SILENT = errors.ConnectionSilent
 _CARRIED = 4.0  # s: in less no plug is carried to another car whose unit then answers
 
 
@@ -74,6 +76,7 @@ class ConnectionSupervisor:
         """Open the port; None: sampling was stopped before."""
         before = parse(self.port.url).name
         while not self.context.stopped:
+            began = self.port.now()
             try:
                 link = self.port.open()
                 self._listening_since = link.opened
@@ -82,15 +85,20 @@ class ConnectionSupervisor:
                 return link
             except errors.NoConnection as error:
                 yield from self._broken(LineTrigger.PORT_MISSING, self.port.now(), error)
-                self.port.wait(_RETRY_PORT)
+                spent = self.port.now() - began  # a network may take seconds to fail
+                self.port.wait(max(_RETRY_PORT - spent, _BREATH))
         return None
 
     def port_lost(self, error: errors.LinkLost, time: float) -> Iterator[Event]:
         """Report that the open port failed, and wait. Raises `error` with `strict` before a sample.
 
-        Without the wait, a port that opens and fails at once would be opened without end.
+        Without the wait, a port that opens and fails at once would be opened without end. A silent
+        connection has taken its time.
         """
         self.ecu = None
+        if isinstance(error, errors.ConnectionSilent):
+            yield from self._broken(LineTrigger.ECHO_MISSING, time, error)
+            return
         yield from self._broken(LineTrigger.PORT_LOST, time, error)
         pause = _FLOODED if isinstance(error, errors.LineFlooded) else _RETRY_PORT
         until = self.port.now() + pause
@@ -133,11 +141,15 @@ class ConnectionSupervisor:
     def process(
         self, event: LineTrigger, time: float, error: errors.MikasError | None = None
     ) -> Iterator[Event]:
-        """Enter the state after `event`; report a change of state or of the kind of `error`."""
+        """Enter the state after `event`; report a change of state or of the kind of `error`.
+
+        A connection that fell silent and is silent again brings no news: its requests have no echo.
+        """
         before, self.state = self.state, following(self.state, event)
         if self.state is None:
             return
-        if self.state is not before or (error is not None and type(error) is not self._reported):
+        known = {self._reported, errors.NoEcho} if self._reported is _SILENT else {self._reported}
+        if self.state is not before or (error is not None and type(error) not in known):
             self._reported = None if error is None else type(error)
             yield StateChanged(time, self.state, error, port=kind_of(self.port.url))
 
