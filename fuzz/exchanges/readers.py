@@ -55,7 +55,8 @@ def harness(folder: str, module: str) -> Any:  # noqa: ANN401  (the tests carry 
 
 
 def place_of(source: Source) -> Place:
-    return source.recording, PORTS.index(source.url)
+    port = PORTS.index(source.url)
+    return max(0, source.recording - port), port  # a port of a section is a recording of its own
 
 
 @dataclass(frozen=True, slots=True)

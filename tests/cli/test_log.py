@@ -9,7 +9,8 @@ from cli_harness import is_one_short_paragraph, is_russian
 
 import mikas as library
 from mikas.recording import CaptureReader
-from mikas.recording.capture.reader import Packet, Problem, capture_error
+from mikas.recording.capture.opening import capture_error
+from mikas.recording.capture.reader import Packet, Problem
 
 WITH_A_PORT = [
     ["info", "--quick"],

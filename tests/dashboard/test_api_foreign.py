@@ -9,6 +9,7 @@ import pytest
 
 from dashboard.recordings_rig import record
 from dashboard.rig import ME, rig
+from merged_harness import record as record_car
 from mikas.dashboard.security import middleware
 from mikas.dashboard.security.middleware import MAX_BODY
 
@@ -43,6 +44,18 @@ def test_a_recording_from_elsewhere_is_one_like_any_other(desk, made, tmp_path):
     assert desk.get("/recordings/drive.pcapng/file").content == made
     assert desk.get("/recordings/drive.pcapng")["markers"] == 1
     assert kept(tmp_path) == ["drive.pcapng"]
+
+
+def test_a_file_of_several_cars_becomes_a_file_of_each(desk, tmp_path):
+    one = record_car(tmp_path / "one.pcapng", "A111AA52", version=9).read_bytes()
+    two = record_car(tmp_path / "two.pcapng", "B222BB52", faults="53").read_bytes()
+    assert add(desk, one + two, "both.pcapng").json() == {"id": "both-2.pcapng"}
+    assert kept(tmp_path) == ["both-1.pcapng", "both-2.pcapng"]
+    for name, content in (("both-1.pcapng", one), ("both-2.pcapng", two)):
+        assert desk.get(f"/recordings/{name}/file").content == content
+    (tmp_path / "recordings" / "by-hand.pcapng").write_bytes(one + two)
+    (listed,) = (it for it in desk.get("/recordings")["recordings"] if it["id"] == "by-hand.pcapng")
+    assert "1: A111AA52, 2: B222BB52" in str(listed)
 
 
 def test_no_file_is_replaced_and_no_name_is_a_path(desk, made, tmp_path):

@@ -8,7 +8,7 @@ import os
 import pytest
 
 from mikas.errors import CaptureError
-from mikas.recording.capture.reader import capture_error
+from mikas.recording.capture.opening import capture_error
 from mikas.recording.capture.writer import CaptureWriter
 
 

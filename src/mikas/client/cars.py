@@ -7,7 +7,9 @@ it, and nowhere else (docs/reference/security.md).
 
 from __future__ import annotations
 
+import re
 import threading
+import unicodedata
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, Final
@@ -22,6 +24,8 @@ LONGEST: Final = 100  # characters of a field
 MOST_MILEAGE: Final = 9_999_999  # km
 _MOST_CARS: Final = 500
 _MOST_BYTES: Final = 1 << 20
+# The letters of Russian plates look like Latin ones, and are typed as either.
+_LOOKALIKES: Final = str.maketrans("АВЕКМНОРСТУХ", "ABEKMHOPCTYX")
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,6 +54,16 @@ class CarDetails:
             other.mileage if self.mileage is None else self.mileage,
             self.workshop or other.workshop,
         )
+
+
+def plain_plate(text: str) -> str:
+    """Return a plate without spaces, in capitals and in one alphabet: `а 123 вс 52`, `A123BC52`.
+
+    A text that is not all of letters of plates keeps its own: `Волга 2` is `ВОЛГА2`.
+    """
+    name = re.sub(r"[\s·-]+", "", unicodedata.normalize("NFKC", text)).upper()
+    latin = name.translate(_LOOKALIKES)
+    return latin if latin.isascii() else name
 
 
 NO_CAR: Final = CarDetails()

@@ -7,14 +7,13 @@ the same passport, so a passport may stand for several cars (`KnownBy.UNIT`).
 
 from __future__ import annotations
 
-import re
 import unicodedata
 from enum import StrEnum
 from hashlib import sha256
 from typing import Final, NamedTuple
 from urllib.parse import quote
 
-from mikas.client.cars import CarDetails
+from mikas.client.cars import CarDetails, plain_plate
 from mikas.commands.unit import version_text
 from mikas.recording.annotations.events import RecordedUnit
 from mikas.virtual import VIRTUAL_PASSPORT
@@ -22,8 +21,6 @@ from mikas.virtual import VIRTUAL_PASSPORT
 UNKNOWN: Final = "__HIVE_DEFAULT_PARTITION__"  # what the field's tools read as NULL
 LONGEST: Final = 60  # characters of a name
 _LONGEST_FOLDER: Final = 200  # bytes of its folder, of which systems take 255
-# The letters of Russian plates look like Latin ones, and are typed as either.
-_LOOKALIKES: Final = str.maketrans("АВЕКМНОРСТУХ", "ABEKMHOPCTYX")
 
 
 class KnownBy(StrEnum):
@@ -59,13 +56,8 @@ def car_key(given: str, details: CarDetails, unit: RecordedUnit | None) -> CarKe
 
 
 def plate_key(text: str) -> str:
-    """Return a plate without spaces, in capitals and in one alphabet: `а 123 вс 52`, `A123BC52`.
-
-    A text that is not all of letters of plates keeps its own: `Волга 2` is `ВОЛГА2`.
-    """
-    name = re.sub(r"[\s·-]+", "", unicodedata.normalize("NFKC", text)).upper()
-    latin = name.translate(_LOOKALIKES)
-    return _cut(latin if latin.isascii() else name)
+    """Return `plain_plate` of a text, cut to what a folder's name can have."""
+    return _cut(plain_plate(text))
 
 
 def _name_key(text: str) -> str:

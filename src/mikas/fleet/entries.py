@@ -57,8 +57,8 @@ NOT_ITS_OWN: Final = Text(
 class LedgerEntry:
     """One recording. `heads`: digests of its beginning; `version`: of what interpreted it; `given`:
     the car given for it; `sources`: where it was found, each with its stamp then; `replaces`: its
-    beginnings, which count no more, whoever writes them; `tables`: of each file size and SHA-256,
-    none in an entry of an earlier version.
+    beginnings, which count no more, whoever writes them; `cars`: of a file with several;
+    `tables`: of each file size and SHA-256, none in an entry of an earlier version.
     """
 
     key: str
@@ -77,6 +77,7 @@ class LedgerEntry:
     sources: dict[str, str] = field(default_factory=dict)
     replaces: tuple[str, ...] = ()
     obsolete: tuple[str, ...] = ()
+    cars: tuple[str, ...] = ()
 
     @property
     def name(self) -> str:
@@ -208,7 +209,7 @@ def _are_tables(value: object) -> bool:
     return value is None or (isinstance(value, dict) and all(map(is_stamp, value.values())))
 
 
-_LISTS: Final = ("heads", "files", "replaces", "obsolete")
+_LISTS: Final = ("heads", "files", "replaces", "obsolete", "cars")
 _FORMS: Final[Mapping[str, Callable[[object], bool]]] = {
     "key": _is(_KEY),
     "sha256": _is("[0-9a-f]{64}"),
@@ -223,6 +224,7 @@ _FORMS: Final[Mapping[str, Callable[[object], bool]]] = {
     "tables": _are_tables,
     "sources": _are_sources,
     "replaces": _is_list(_KEY),
+    "cars": _is_list(r"(?s).{0,60}"),
     "obsolete": _is_list(rf"{_DATA}|{FOLDER}/{_KEY}\.json"),
 }
 """What each part may be; None: it is not there."""
@@ -247,7 +249,8 @@ def _check(entry: LedgerEntry, file: str) -> None:
         day = of_day.removeprefix("day=")
         if not file_name.startswith(f"{entry.key}-") or not _is_day(day):
             raise ValueError("files")
-        if f"/{partition(entry.car, day)}/" not in name:
+        cars = entry.cars or (entry.car,)
+        if not any(f"/{partition(car, day)}/" in name for car in cars):
             raise ValueError("car")
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass, field
 from hashlib import sha256
 from math import isfinite
@@ -29,6 +30,7 @@ from mikas.recording.capture.reader import Source
 from mikas.recording.export.sheet import program
 from mikas.recording.recorded_faults import FaultReadings
 from mikas.recording.recording import Recording
+from mikas.recording.splitting import cars_in, split
 from mikas.recording.table.channels import Rows, with_gaps
 from mikas.report.measurements.measurements import MeasurementCollector, Measurements
 from mikas.report.measurements.statistics import ChannelStatistics
@@ -38,6 +40,12 @@ _Numbered = TypeVar("_Numbered", Note, Event)
 NOTHING = Text(
     "it is a recording, but nothing of a car is in it: no response and no fault reading",
     "это запись, но о машине в ней ничего нет: ни ответов блока, ни считанных ошибок",
+)
+_GIVEN = Text(
+    "it holds recordings of several cars, and --car names one; make a file of each with "
+    "`mikas split`",
+    "в файле записи нескольких машин, а --car называет одну; сделайте по файлу на каждую: "
+    "`mikas split`",
 )
 
 
@@ -57,7 +65,9 @@ class InterpretingSettings:
 
 @dataclass(frozen=True, slots=True)
 class Interpreted:
-    """The files of a recording by name in the dataset, and its figures."""
+    """The files of a recording by name in the dataset, and its figures. `cars`: several cars'
+    names, empty for an unknown one; else `car` is the one.
+    """
 
     files: dict[str, Path]
     car: str | None
@@ -65,6 +75,7 @@ class Interpreted:
     rows: int
     seconds: float
     damaged: int
+    cars: tuple[str, ...] = ()
 
 
 @dataclass(slots=True)
@@ -92,10 +103,47 @@ def interpret(
 ) -> Interpreted:
     """Write the tables of a recording into `folder`. `name`: of its file; `key`: of its content.
 
-    Raises `CaptureError` for a file without a recording, `OSError` for a full disk.
+    The drives of each car in it go to that car. Raises `CaptureError` for a file without a
+    recording, `OSError` for a full disk.
     """
+    if len(cars_in(path)) < 2:
+        return _of_one_car(path, name, key, settings, folder)
+    if settings.car:
+        raise CaptureError(name, _GIVEN)
+    made: list[Interpreted] = []
+    for number, (_, part) in enumerate(split(path, folder / "car.pcapng")):
+        place = folder / str(number)
+        place.mkdir()
+        first = sum(each.drives for each in made)
+        with suppress(_NothingOfCar):
+            made.append(_of_one_car(part, name, key, settings, place, first=first))
+        part.unlink()
+    if not made:
+        raise CaptureError(name, NOTHING)
+    return Interpreted(
+        {file: place for each in made for file, place in each.files.items()},
+        None, sum(each.drives for each in made), sum(each.rows for each in made),
+        sum(each.seconds for each in made), sum(each.damaged for each in made),
+        tuple(each.car or "" for each in made),
+    )  # fmt: skip
+
+
+class _NothingOfCar(CaptureError):
+    """A recording without a response and without a fault reading."""
+
+
+def _of_one_car(
+    path: Path,
+    name: str,
+    key: str,
+    settings: InterpretingSettings,
+    folder: Path,
+    *,
+    first: int = 0,
+) -> Interpreted:
+    """Write the tables of one car. `first`: the number of its first drive in the file."""
     recording = Recording(path, settings.catalog, settings.interpretation)
-    reader = _Reader(recording, name, key, settings)
+    reader = _Reader(recording, name, key, settings, first)
     with TableWriter(folder, recording.channels) as writer:
         for drive, rows in reader.rows():
             writer.add_samples(drive.number, rows, reader.zero or 0.0)
@@ -103,10 +151,11 @@ def interpret(
         reader.add_without_rows()
         reader.write_finished(writer)
         if not reader.count:
-            raise CaptureError(name, NOTHING)
-        ids = [_id(key, number) for number in range(reader.count)]
+            raise _NothingOfCar(name, NOTHING)
+        ids = [_id(key, first + number) for number in range(reader.count)]
         facts = {"program": settings.version, "recording": key, "file": name}
-        file_name = f"{key}-{sha256(settings.version.encode()).hexdigest()[:8]}.parquet"
+        version = f"{settings.version}\n{first}" if first else settings.version
+        file_name = f"{key}-{sha256(version.encode()).hexdigest()[:8]}.parquet"
         files = {
             f"{table}/{partition(reader.car.name, day)}/{file_name}": file
             for table, day, file in writer.write(ids, facts)
@@ -128,9 +177,14 @@ class _Reader:
     """
 
     def __init__(
-        self, recording: Recording, name: str, key: str, settings: InterpretingSettings
+        self,
+        recording: Recording,
+        name: str,
+        key: str,
+        settings: InterpretingSettings,
+        first: int,
     ) -> None:
-        self._recording, self._name, self._key = recording, name, key
+        self._recording, self._name, self._key, self._first = recording, name, key, first
         self._settings = settings
         self.count, self.row_count, self.seconds = 0, 0, 0.0
         self._finished: list[_Drive] = []
@@ -216,7 +270,7 @@ class _Reader:
         """Write the small rows of the drives that have ended, and drop what they collected."""
         while self._finished:
             drive = self._finished.pop(0)
-            identity = _id(self._key, drive.number)
+            identity = _id(self._key, self._first + drive.number)
             for table, time, row in self._small_rows(drive):
                 writer.add_row(table, time, {"drive": identity, **row})
 

@@ -141,6 +141,7 @@ def _work(file: FoundFile, dataset: str, settings: InterpretingSettings, run: st
     entry = LedgerEntry(
         key, digest, size, _heads(opening), settings.version, settings.car, made.car, made.drives,
         made.rows, made.seconds, made.damaged, tuple(made.files), tables, sources,
+        cars=made.cars,
     )  # fmt: skip
     return FileOutcome(file, entry, is_new=True, opening=opening)
 

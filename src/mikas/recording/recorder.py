@@ -25,7 +25,7 @@ from mikas.recording.annotations.events import note_of
 from mikas.recording.annotations.fields import LONGEST_TEXT
 from mikas.recording.capture.coalescer import Coalescer
 from mikas.recording.capture.notes import Note
-from mikas.recording.capture.reader import capture_error
+from mikas.recording.capture.opening import capture_error
 from mikas.recording.capture.writer import CaptureWriter
 from mikas.sampling.events import Event, Marker, TextNote, UnitFound
 

@@ -42,6 +42,7 @@ class Recording:
         names: Iterable[str] = (),
         *,
         raw: RawRecording | None = None,
+        last_car: bool = False,
     ) -> None:
         from mikas.recording.table.conversion import Converter
         from mikas.recording.table.raw_recording import RawRecording
@@ -50,7 +51,7 @@ class Recording:
             names = (names,)
         wanted = [named(catalog, name) for name in names]
         Converter(catalog, interpretation, ())  # raises, before the file is read
-        self.raw = raw or RawRecording(path, catalog.size_of)
+        self.raw = raw or RawRecording(path, catalog.size_of, last_car=last_car)
         self.path = self.raw.path
         self.catalog = catalog
         self.interpretation = interpretation
@@ -226,7 +227,8 @@ class Recording:
         """
         catalog = catalog or self.catalog
         raw = self.raw if catalog.codes == self.catalog.codes else None
-        return Recording(self.path, catalog, interpretation, names, raw=raw)
+        several = len(self.raw.cars) > 1
+        return Recording(self.path, catalog, interpretation, names, raw=raw, last_car=several)
 
     def to_pandas(self) -> Any:  # noqa: ANN401  (pandas may not be installed)
         """Return a `pandas.DataFrame`; its index: seconds since the start; units are in `attrs`."""

@@ -19,9 +19,9 @@ from mikas import commands as c
 from mikas.catalog import Catalog, shipped
 from mikas.client.cars import NO_CAR, CarDetails
 from mikas.errors import CaptureError, MikasError
-from mikas.files import open_regular
 from mikas.i18n import Text
 from mikas.link.base import Direction
+from mikas.recording.annotations.cars import several
 from mikas.recording.annotations.events import (
     RecordedUnit,
     car_of,
@@ -32,11 +32,13 @@ from mikas.recording.annotations.events import (
 from mikas.recording.annotations.fields import LONGEST_COMMENT
 from mikas.recording.capture import blocks as pcapng
 from mikas.recording.capture.notes import Note, index
-from mikas.recording.capture.reader import Blocks, CaptureReader, Packet, capture_error, reason_of
+from mikas.recording.capture.opening import capture_error, opened_capture, reason_of
+from mikas.recording.capture.reader import Blocks, Packet
 from mikas.recording.capture.scan import scan
 from mikas.recording.exchanges import count_responses
 from mikas.recording.exchanges.scalar import DecodedFrame
 from mikas.recording.inspect import decode
+from mikas.recording.splitting import cars_in_sections
 from mikas.recording.table.channels import PLAINLY_UNIX
 from mikas.sampling.events import Gap, Marker, TextNote
 
@@ -98,8 +100,7 @@ def summarise(path: str | os.PathLike[str], catalog: Catalog | None = None) -> S
     size = 0
     try:
         size = path.stat().st_size
-        CaptureReader(path)  # raises, if it is no capture
-        with open_regular(path, follow=True, buffering=0) as file:
+        with opened_capture(path) as file:
             return _summary(path, _Sections(file), catalog)
     except CaptureError as error:
         return Summary(path, size, problem=error.problem)
@@ -168,6 +169,9 @@ def summary_of(recording: Recording) -> Summary:
 
 
 def _summary(path: Path, sections: _Sections, catalog: Catalog) -> Summary:
+    cars = cars_in_sections(sections.file, sections.index)
+    if len(cars) > 1:
+        return Summary(path, sections.index.size, problem=several(cars))
     samples, is_exact = _samples(path, sections, catalog)
     return replace(
         _described(path, sections.index.notes, list(_spans(sections)), samples, catalog),

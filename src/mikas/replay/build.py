@@ -24,6 +24,7 @@ from mikas.commands.base import ERROR
 from mikas.commands.unit import version_of
 from mikas.errors import CaptureError
 from mikas.i18n import Text
+from mikas.recording.annotations.cars import cars_of, several
 from mikas.recording.annotations.fields import passport_of
 from mikas.recording.capture.notes import Kind, Note
 from mikas.recording.capture.reader import Problem, Source
@@ -56,12 +57,15 @@ def load(path: str | os.PathLike[str], catalog: Catalog | None = None) -> Replay
     data = build(read_exchanges(path, catalog.size_of), catalog)
     if not data.frames:
         raise CaptureError(str(Path(path)), _NOTHING)
+    if len(data.cars) > 1:
+        raise CaptureError(str(Path(path)), several(data.cars))
     return data
 
 
 def build(items: Iterable[Exchanges | Problem | Note], catalog: Catalog) -> ReplayData:
     """Return the content of `items`. Never raise for any content."""
     builder, notes = ReplayBuilder(catalog), []
+    ports: dict[int, str] = {}
     for item in items:
         if isinstance(item, Problem):
             builder.data.problems += 1
@@ -69,9 +73,11 @@ def build(items: Iterable[Exchanges | Problem | Note], catalog: Catalog) -> Repl
             builder.outages.add_note(item)
             notes.append(item)
         else:
+            ports.setdefault(item.source.recording, item.source.url)
             _Stretch(builder, builder.enter(item), item).add_exchanges()
     data = builder.finish()
     _add_noted_identity(data, notes)
+    data.cars = cars_of(notes, ports, catalog)
     return data
 
 

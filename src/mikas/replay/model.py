@@ -8,12 +8,13 @@ from __future__ import annotations
 
 from array import array
 from bisect import bisect_right
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, field
 from math import inf
 from typing import Generic, TypeVar
 
 from mikas import commands as c
+from mikas.recording.annotations.cars import RecordedCar
 from mikas.recording.exchanges.layouts import Layout
 from mikas.virtual.quirks import EcuQuirks
 
@@ -90,7 +91,7 @@ class ReplayData:
     commands not in §3. `silences`: when the ECU had no supply, in order; `holes`: when the line was
     not recorded, in order. `refused`: by parameter code, whether the ECU refused it. `refusals`:
     responses to commands that the ECU lacks, or that were not recorded. `answered`: commands that
-    were answered at least once.
+    were answered at least once. `cars`: those of the file.
     """
 
     begin: float = 0.0
@@ -99,6 +100,7 @@ class ReplayData:
     echo: bool = True
     frames: int = 0
     problems: int = 0
+    cars: Sequence[RecordedCar] = ()
     places: dict[int, list[tuple[Series, int, int]]] = field(default_factory=dict)
     version: ChangingValue[int] = field(default_factory=ChangingValue)
     passports: tuple[ChangingValue[str], ...] = field(

@@ -79,6 +79,7 @@ def find_in_recording(
             sessions=1 + last,
             ports=max(1, sum(each.recording == last for each in ports)),
             damaged=recording.problem_count,
+            cars=tuple(each.name for each in recording.raw.cars),
         ),
         notes=tuple(filter(None, (comment_of(mine), *words))),
         tests=results_of(mine),

@@ -15,6 +15,7 @@ from typing import Final
 from mikas.catalog import Catalog, Fault, Model
 from mikas.client.cars import NO_CAR, CarDetails
 from mikas.guided.result import TestResult
+from mikas.i18n import Text
 from mikas.recording.freeze_frames import AppearedFault
 from mikas.sampling.events import FaultReading, Gap
 
@@ -40,7 +41,7 @@ class Conditions:
     `date` None: the clock was a simulated one. `method`: the last one; `other_methods`: there were
     others before. `errors`: exchanges that failed since connecting. `sessions`: how many the file
     holds; the report is of the last. `ports`: of that session; the report is of the one with most
-    values. `damaged`: places that could not be read.
+    values. `damaged`: places that could not be read. `cars`: those of the file.
     """
 
     file: str = ""
@@ -55,6 +56,7 @@ class Conditions:
     sessions: int = 1
     ports: int = 1
     damaged: int = 0
+    cars: tuple[Text, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -66,6 +66,11 @@ COMMANDS: dict[str, tuple[str, Text]] = {
         "find the moments of a recording at which a condition holds (needs no port)",
         "найти в записи моменты, когда выполняется условие (порт не нужен)",
     ),
+    "split": home(
+        "recordings.split",
+        "make a file of each car from a recording of several (needs no port)",
+        "сделать из записи нескольких машин по файлу на каждую (порт не нужен)",
+    ),
     "report": home(
         "recordings.report",
         "a report on the car, from a recording or measured now",

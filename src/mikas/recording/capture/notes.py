@@ -65,6 +65,8 @@ class Kind(StrEnum):
 
 
 _KINDS: Final = frozenset(Kind)
+LEFT_OUT: Final = "left-out"
+"""Kind of a note that stands in a separated capture only: what could not be placed in it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -175,7 +177,7 @@ def _places(file: BinaryIO, size: int) -> Iterator[tuple[int, int]]:
         file.seek(start)
         window = read_whole(file, _WINDOW + _OVERLAP)
         # Plain searches are twenty times as fast as the expression, which decides then.
-        begins = {*_all(window, _SECTION_START, 0), *_all(window, TAG, _BEFORE_TAG)}
+        begins = {*find_all(window, _SECTION_START, 0), *find_all(window, TAG, _BEFORE_TAG)}
         places = [
             (start + begin, _SECTION if match[1] else _NOTE_REVERSED if match[2] else _NOTE)
             for begin in begins
@@ -183,7 +185,7 @@ def _places(file: BinaryIO, size: int) -> Iterator[tuple[int, int]]:
         ]
         places += [
             (start + at - _BEFORE_DATA, _FAULTS)
-            for at in _all(window, _READ_FAULTS, 0)
+            for at in find_all(window, _READ_FAULTS, 0)
             if at < _WINDOW and (start + at) % 4 == 0 and _is_short_packet(window, at)
         ]
         yield from sorted(places)
@@ -197,8 +199,8 @@ def _is_short_packet(window: bytes, at: int) -> bool:
     return padding == b"\0" and bytes(3) in (length[1:], length[:3])  # in either byte order
 
 
-def _all(window: bytes, pattern: bytes, before: int) -> Iterator[int]:
-    """Yield where blocks may begin that have `pattern` after `before` bytes."""
+def find_all(window: bytes, pattern: bytes, before: int) -> Iterator[int]:
+    """Yield where blocks of `window` may begin that have `pattern` after `before` bytes."""
     at = window.find(pattern)
     while at >= 0:
         if at >= before:

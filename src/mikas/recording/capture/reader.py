@@ -6,28 +6,21 @@ interfaces, unknown blocks and other programs' notes are skipped.
 
 from __future__ import annotations
 
-import errno
 import os
-from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, BinaryIO, Final
+from typing import TYPE_CHECKING, Final
 
 from mikas.cleaning import clean_line, public_port
-from mikas.errors import CaptureError, DiskFull, UnfitFile
-from mikas.errors import reason_of as system_reason_of
-from mikas.files import open_regular
 from mikas.i18n import Text
 from mikas.link.base import BITS_PER_BYTE, Direction
 from mikas.recording.capture import blocks as pcapng
 from mikas.recording.capture.clock import RecordingClock
-from mikas.recording.capture.notes import Note, index, read_block
+from mikas.recording.capture.notes import LEFT_OUT, Note, index, read_block
+from mikas.recording.capture.opening import opened, opened_capture
 from mikas.recording.capture.scan import (
-    LARGEST,
     RawBlock,
-    Scanner,
     Unreadable,
-    is_section_start,
     scan,
 )
 
@@ -42,8 +35,6 @@ _LATEST: Final = 1 << 52  # µs; in 2112: a later time is in another unit
 _BAUDS: Final = range(50, 4_000_001)  # no adapter has other ones
 _SHOWN: Final = 32  # bytes of a packet that is passed over
 _MOST_INTERFACES: Final = 256  # of a recording; one has one, merged recordings have a few
-_ZIP: Final = b"PK\x03\x04"
-_CLASSIC_PCAP: Final = ("a1b2c3d4", "d4c3b2a1", "a1b23c4d", "4d3cb2a1", "a1b2cd34", "34cdb2a1")
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,7 +91,7 @@ class CaptureReader:
             pass
 
     def __iter__(self) -> Iterator[Packet | Problem]:
-        with _opened(self.path) as file:
+        with opened(self.path) as file:
             blocks = Blocks()
             for item in scan(file):
                 for each in blocks.read(item):
@@ -112,27 +103,8 @@ class CaptureReader:
 
         They are found without reading the packets, in a fraction of the time.
         """
-        with _opened(self.path) as file:
+        with opened(self.path) as file:
             yield from index(file).notes
-
-
-@contextmanager
-def opened_capture(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
-    """Open a capture at its begin. Raises `CaptureError` as `CaptureReader` does."""
-    with _opened(path) as file:
-        if problem := _problem(file):
-            raise CaptureError(str(Path(path)), problem, 0)
-        file.seek(0)
-        yield file
-
-
-@contextmanager
-def _opened(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
-    try:
-        with open_regular(Path(path), follow=True, buffering=0) as file:
-            yield file
-    except OSError as error:
-        raise capture_error(path, error) from error
 
 
 class Blocks:
@@ -196,7 +168,10 @@ class Blocks:
             case pcapng.EnhancedPacket():
                 yield from self._packet(block, offset)
             case pcapng.Custom():
-                if note := read_block(block):
+                note = read_block(block)
+                if note is not None and note.kind == LEFT_OUT:
+                    yield Problem(offset, _left_out(note))
+                elif note is not None:
                     yield replace(note, recording=self._recording, offset=offset)
             case pcapng.SimplePacket():  # always of the first interface
                 if not self._interfaces or self._is_ours(0):
@@ -260,74 +235,14 @@ def _shown(data: bytes) -> str:
     return f"{digits} …" if len(data) > _SHOWN else digits
 
 
-def _problem(file: BinaryIO) -> Text | None:
-    """Return why the file is no capture; None if it is one."""
-    head = file.read(12)
-    if not head:
-        return _EMPTY
-    if not is_section_start(head):
-        if head[:4].hex() in _CLASSIC_PCAP:
-            return _CLASSIC
-        if head.startswith(b"\x1f\x8b"):
-            return _COMPRESSED
-        if head.startswith(_ZIP) or not Scanner(file, LARGEST).goes_on_as_one():
-            return _NOT_PCAPNG
-    other = _foreign_link_type(file)
-    return None if other is None else _OTHER_LINK_TYPE.filled(type=other)
+def _left_out(note: Note) -> Text:
+    """Return why something that `separation` could not place is missing."""
+    if note.data.get("mixed") is True:
+        return _MIXED
+    count = note.data.get("count")
+    return _NOTES_LEFT_OUT.filled(count=count if isinstance(count, int) else "?")
 
 
-def _foreign_link_type(file: BinaryIO) -> int | None:
-    """Return the link type if only other interfaces are described before the first packet."""
-    other = None
-    for item in scan(file):
-        if isinstance(item, Unreadable):
-            continue
-        if item.kind in (pcapng.ENHANCED, pcapng.SIMPLE):
-            break
-        with suppress(pcapng.Malformed):
-            block = pcapng.parse(item.kind, item.body, item.order)
-            if isinstance(block, pcapng.Interface):
-                if block.link_type == pcapng.LINKTYPE_USER0:
-                    return None
-                other = block.link_type
-    return other
-
-
-def reason_of(error: OSError) -> Text:
-    """Return why a file could not be read or written, for a person."""
-    if isinstance(error, UnfitFile):
-        return error.text
-    return _REASONS.get(error.errno or 0, system_reason_of(error))
-
-
-def capture_error(
-    path: str | os.PathLike[str], error: OSError, why: Text | None = None
-) -> CaptureError:
-    """Return the error of a capture that could not be read or written. `why`: if not as usual."""
-    kind = DiskFull if error.errno in FULL else CaptureError
-    return kind(os.fspath(path), why or reason_of(error))
-
-
-_EMPTY = Text("the file is empty", "файл пуст")
-_NOT_PCAPNG = Text(
-    "this is not a recording of the line (a capture in pcapng); recordings are made on the Live "
-    "screen (key R), by `mikas log -o FILE.pcapng` or by `--capture`",
-    "это не запись линии (pcapng); записи делаются на экране «Приборы» (клавиша R), командой "
-    "`mikas log -o ФАЙЛ.pcapng` или ключом `--capture`",
-)
-_CLASSIC = Text(
-    "this is a capture in the old pcap format, which does not say who sent what; "
-    "only pcapng can be read",
-    "это запись в старом формате pcap, где не указано, кто что послал; читается только pcapng",
-)
-_COMPRESSED = Text(
-    "this file is compressed; unpack it first (gunzip)",
-    "файл сжат; сначала распакуйте его (gunzip)",
-)
-_OTHER_LINK_TYPE = Text(
-    "this is a pcapng of another kind (link type {type}); a K-Line capture has 147",
-    "это pcapng другого рода (тип канала {type}); у записи K-Line он 147",
-)
 _OTHER_INTERFACE = Text(
     "packets of another kind of interface (link type {type}, not 147) are passed over",
     "пакеты интерфейса другого рода (тип канала {type}, а не 147) пропущены",
@@ -351,6 +266,16 @@ _TOO_MANY_INTERFACES = Text(
     "this recording describes more than 256 ports; this one is passed over",
     "в этой записи описано больше 256 портов; этот пропущен",
 )
+_MIXED = Text(
+    "recordings of several units lie mixed in one port, so it is unknown whose a value is: nothing "
+    "of them is read; `mergecap -I none` keeps them apart",
+    "записи нескольких блоков перемешаны в одном порту, и чьё значение — неизвестно: отсюда не "
+    "читается ничего; `mergecap -I none` оставляет их раздельными",
+)
+_NOTES_LEFT_OUT = Text(
+    "notes ({count}) are left out: another program moved them, so their port is unknown",
+    "пометки ({count}) пропущены: другая программа переместила их, и их порт неизвестен",
+)
 _VERSION = Text(
     "a part of the file has pcapng version {version}, which is not known here; it is passed over",
     "часть файла в неизвестной версии pcapng ({version}); она пропущена",
@@ -371,19 +296,3 @@ _PACKET_CUT = Text(
     "the next packet was recorded without its last bytes ({count})",
     "следующий пакет записан без последних байтов ({count})",
 )
-FULL: Final = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
-_REASONS: Final = {
-    **dict.fromkeys(
-        FULL,
-        Text(
-            "there is no room left; what was recorded so far is whole",
-            "места больше нет; записанное до сих пор цело",
-        ),
-    ),
-    errno.EEXIST: Text(
-        "the file exists already; choose another name",
-        "файл уже есть; выберите другое имя",
-    ),
-    errno.ENOENT: Text("no such file or folder", "нет такого файла или папки"),
-    errno.EISDIR: Text("this is a folder; name a file in it", "это папка; укажите файл в ней"),
-}

@@ -25,7 +25,8 @@ from mikas.files import open_regular
 from mikas.i18n import Text
 from mikas.recording.capture import blocks as pcapng
 from mikas.recording.capture.notes import Note, block_of
-from mikas.recording.capture.reader import FLAGS, FULL, CaptureReader, capture_error
+from mikas.recording.capture.opening import FULL, capture_error
+from mikas.recording.capture.reader import FLAGS, CaptureReader
 from mikas.saving import write_all
 
 if TYPE_CHECKING:

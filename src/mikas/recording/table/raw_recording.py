@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import os
 from collections import Counter, defaultdict
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -20,7 +20,8 @@ from numpy.typing import NDArray
 
 from mikas.cancellation import check_cancelled
 from mikas.commands import ERASE_FAULTS, ReadFaults
-from mikas.errors import MikasError
+from mikas.errors import CaptureError, MikasError
+from mikas.recording.annotations.cars import RecordedCar, cars_of, several
 from mikas.recording.capture.notes import Note
 from mikas.recording.capture.reader import Problem, Source
 from mikas.recording.exchanges import read_exchanges
@@ -101,28 +102,53 @@ class RawRecording:
 
     `problems`: the unreadable places, up to a thousand; `problem_count` counts all. `ports`: those
     with responses; `row_counts`: those with rows, in the order of the file. `fault_readings`: those
-    on the wire. `source`: of the first packet. `spans`: of each session, the time of the first
-    packet and the latest. `codes`: those with a value.
+    on the wire. `spans`: of each session, the time of the first
+    packet and the latest.
 
-    Raises `CaptureError` for a file that is no capture.
+    `cars`: those of the file. It is all of one car: of several only the `last_car`'s is here.
+
+    Raises `CaptureError` for a file that is no capture, and for one of several cars.
     """
 
-    def __init__(self, path: str | os.PathLike[str], size_of: Callable[[int], int | None]) -> None:
+    def __init__(
+        self,
+        path: str | os.PathLike[str],
+        size_of: Callable[[int], int | None],
+        *,
+        last_car: bool = False,
+    ) -> None:
         self.path = Path(path)
         self.notes: list[Note] = []
         self.problems: list[Problem] = []
         self.problem_count = 0
-        self.source: Source | None = None
+        self._sources: list[Source] = []  # in the order of their first packets
         self.spans: dict[int, tuple[float, float]] = {}
         self.ports: set[Source] = set()
         self.row_counts: Counter[Source] = Counter()
         self.fault_readings: defaultdict[Source, list[FaultReading]] = defaultdict(list)
-        self.codes: set[int] = set()
+        self._codes: defaultdict[Source, set[int]] = defaultdict(set)
         self._size_of = size_of
         self._layouts = Layouts(size_of)
         self._refused: dict[Source, Index] = {}
         self._held: list[RawRows] | None = []
+        self._kept: frozenset[int] | None = None  # sessions of one car; None: all
         self._read()
+        ports = {port.recording: port.url for port in self._sources}
+        self.cars: Sequence[RecordedCar] = cars_of(self.notes, ports)
+        if len(self.cars) > 1:
+            if not last_car:
+                raise CaptureError(str(self.path), several(self.cars))
+            self._keep_last_car()
+
+    @property
+    def codes(self) -> set[int]:
+        """The codes with a value."""
+        return set().union(*self._codes.values())
+
+    @property
+    def source(self) -> Source | None:
+        """The port of the first packet."""
+        return next(iter(self._sources), None)
 
     @property
     def last_session(self) -> int | None:
@@ -140,7 +166,9 @@ class RawRecording:
         found: Iterable[RawRows] = known if known is not None else self._again()
         for rows in found:
             check_cancelled()
-            if session in (None, rows.source.recording):
+            number = rows.source.recording
+            is_kept = self._kept is None or number in self._kept
+            if is_kept and session in (None, number):
                 yield rows.without(self._refused[rows.source])
 
     def _read(self) -> None:
@@ -149,13 +177,15 @@ class RawRecording:
         held = 0
         for exchanges, groups, rows in self._walk(self._note):
             source = exchanges.source
-            self.source = self.source or source
+            if source not in self._refused:
+                self._sources.append(source)
+                self._refused[source] = np.empty(0, np.int64)
             begin, end = self.spans.get(source.recording, (exchanges.begin, exchanges.begin))
             self.spans[source.recording] = begin, max(end, exchanges.end)
             if len(exchanges.responses.times):
                 self.ports.add(source)
             port = refusals.setdefault(source, RefusalColumns(exchanges.bodies))
-            self.codes |= port.add_responses(groups, exchanges.responses)
+            self._codes[source] |= port.add_responses(groups, exchanges.responses)
             self._take_faults(exchanges, erased)
             if not len(rows.times):
                 continue
@@ -166,8 +196,21 @@ class RawRecording:
             elif self._held is not None:
                 self._held.append(rows)
         for source, port in refusals.items():
-            self.codes |= port.conclude()
+            self._codes[source] |= port.conclude()
             self._refused[source] = np.sort(np.array(port.refused, np.int64))
+
+    def _keep_last_car(self) -> None:
+        """Drop all that is of other cars than that of the last session with rows."""
+        last = self.last_session
+        by_row = [car for car in self.cars if last in car.recordings]
+        self._kept = frozenset((by_row or self.cars)[-1].recordings)
+        self.notes = [note for note in self.notes if note.recording in self._kept]
+        self.spans = {number: it for number, it in self.spans.items() if number in self._kept}
+        for ports in (self._codes, self.row_counts, self.fault_readings):
+            for port in [port for port in ports if port.recording not in self._kept]:
+                del ports[port]
+        self.ports = {port for port in self.ports if port.recording in self._kept}
+        self._sources = [port for port in self._sources if port.recording in self._kept]
 
     def _again(self) -> Iterator[RawRows]:
         return (rows for _, _, rows in self._walk(lambda _: None) if len(rows.times))

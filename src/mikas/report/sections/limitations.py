@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Final
 
 from mikas.catalog import Confidence, Parameter, shipped
 from mikas.i18n import Text, counted, joined
 from mikas.recording.formatting import within
 from mikas.report.findings import Findings
 from mikas.report.sections.summary import doubtful_idle
+
+_MOST_CARS: Final = 10  # that are named
 
 
 def unknowns(found: Findings) -> tuple[Text, ...]:
@@ -114,7 +117,15 @@ def _of_the_data(found: Findings) -> Iterator[Text]:
             "used.",
             f"{listed}: описание протокола здесь сомнительно; принято правдоподобное толкование.",
         )
-    if how.sessions > 1:
+    if len(how.cars) > 1:
+        others = joined(", ", how.cars[-_MOST_CARS:])
+        yield Text(
+            f"The file holds recordings of {len(how.cars)} cars ({others.en}); this report is of "
+            "the last recording's car alone. “mikas split” makes a file of each.",
+            f"В файле записи нескольких машин, их {len(how.cars)} ({others.ru}); этот отчёт — "
+            "только о машине последней записи. «mikas split» делает по файлу на каждую.",
+        )
+    elif how.sessions > 1:
         yield Text(
             f"The file holds {how.sessions} sessions; this report covers the last one.",
             f"В файле несколько сеансов ({how.sessions}); отчёт — о последнем.",

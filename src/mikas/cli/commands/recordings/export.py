@@ -12,7 +12,7 @@ import click
 
 from mikas.cli.click_extensions import OVERWRITE, command, option, output_option
 from mikas.cli.context import CommandContext
-from mikas.cli.language import current_language, localized
+from mikas.cli.language import current_language, localized, tr
 from mikas.cli.options.parameter_types import existing_file
 from mikas.errors import usage_error
 from mikas.i18n import plural
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 
 from mikas.recording import CaptureReader
+from mikas.recording.capture.reader import Problem
 from mikas.recording.inspect import Describer, to_json, to_text
 from mikas.recording.inspect import decode as decode_frames
 
@@ -153,6 +154,7 @@ def decode(context: CommandContext, file: Path) -> None:
     catalog = context.options.catalog
     describer = partial(Describer, catalog, context.options.interpretation)
     zero: float | None = None
+    number = 0
     for item in decode_frames(CaptureReader(file), describer, catalog.size_of):
         if context.output.json:
             line = to_json(item)
@@ -161,4 +163,9 @@ def decode(context: CommandContext, file: Path) -> None:
             continue
         if zero is None:
             zero = getattr(item, "begin", None)
+        if not isinstance(item, Problem) and item.source.recording != number:
+            number = item.source.recording
+            context.output.line(
+                tr(f"recording {number + 1}: ", f"запись {number + 1}: ") + item.source.url
+            )
         context.output.line(to_text(item, current_language(), zero=zero or 0.0))

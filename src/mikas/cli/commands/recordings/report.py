@@ -25,6 +25,7 @@ from mikas.json_values import json_of, picked
 from mikas.sampling.events import UnitFound
 
 if TYPE_CHECKING:
+    from mikas.recording.recording import Recording
     from mikas.report.findings import ChannelFinding, Findings
     from mikas.report.measurements.alarms import Alarm
 
@@ -80,11 +81,25 @@ def report(
     check_output(out, overwrite=overwrite)
 
     if file is not None:
-        found = find_in_recording(Recording(file, context.options.catalog), car=car.details)
+        recording = Recording(file, context.options.catalog, last_car=True)
+        _name_cars(context, recording)
+        found = find_in_recording(recording, car=car.details)
     else:
         found = _measured_now(context, duration or _SECONDS, car)
     write_page(out, render(found, current_language()), overwrite=overwrite)
     _print_summary(context, out, found)
+
+
+def _name_cars(context: CommandContext, recording: Recording) -> None:
+    """Print that the report is of one of several cars."""
+    from mikas.recording.annotations.cars import several
+
+    if len(recording.raw.cars) > 1:
+        words = several(recording.raw.cars)
+        context.say(
+            f"{recording.path}: {words.en}. The report is of the last recording's car.",
+            f"{recording.path}: {words.ru}. Отчёт — о машине последней записи.",
+        )
 
 
 def _measured_now(context: CommandContext, seconds: float, car: CarOptions) -> Findings:

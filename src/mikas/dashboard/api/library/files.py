@@ -42,7 +42,7 @@ from mikas.dashboard.settings import ensure_folder
 from mikas.errors import CaptureError, reason_of
 from mikas.files import beside
 from mikas.i18n import Language
-from mikas.recording.capture.reader import CaptureReader
+from mikas.recording.splitting import cars_in, split
 
 router = APIRouter(prefix="/recordings", tags=["recordings"])
 
@@ -193,7 +193,8 @@ async def add(
     new = beside(path, f".{token_hex(4)}.new")  # of this request alone
 
     def keep() -> Path:
-        CaptureReader(new)  # raises for other files
+        if len(cars_in(new)) > 1:  # raises for other files
+            return [part for _, part in split(new, folder.new_path(name))][-1]
         while True:
             with suppress(FileExistsError):  # another program has just taken that name
                 free = folder.new_path(name)

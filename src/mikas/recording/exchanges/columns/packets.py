@@ -20,13 +20,13 @@ from mikas.cancellation import check_cancelled
 from mikas.link.base import Direction
 from mikas.recording.capture import blocks as pcapng
 from mikas.recording.capture.notes import Note
+from mikas.recording.capture.opening import opened_capture
 from mikas.recording.capture.reader import (
     FLAGS,
     Blocks,
     Packet,
     Problem,
     Source,
-    opened_capture,
 )
 from mikas.recording.capture.scan import LARGEST, RawBlock, Scanner, read_whole
 from mikas.recording.exchanges.arrays import Bytes, Floats, Index, Mask

@@ -1,0 +1,93 @@
+"""The cars of a file: which of its recordings are of one car.
+
+Files are joined end to end (`cat`), or merged by other tools, and one car's drives stay one car's.
+A plate says best whose a recording is, then the car's name, then the unit. Where nothing says it,
+recordings of one port are taken as one car's.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+from mikas.catalog import Catalog, shipped
+from mikas.client.cars import CarDetails, plain_plate
+from mikas.i18n import Text
+from mikas.recording.annotations.events import RecordedUnit, car_of, unit_of
+from mikas.recording.capture.notes import Note
+
+_MOST_NAMED: Final = 10
+
+
+@dataclass(frozen=True, slots=True)
+class RecordedCar:
+    """One car of a file. `recordings`: their numbers; `port`: of the first one."""
+
+    recordings: tuple[int, ...]
+    details: CarDetails
+    unit: RecordedUnit | None
+    port: str
+
+    @property
+    def name(self) -> Text:
+        """The car's name or plate; else the unit's model, or the port."""
+        model = self.unit.model if self.unit else None
+        words = self.details.name or (None if model else self.port)
+        if words is not None:
+            return Text(words or "?", words or "?")
+        return model or Text("?", "?")
+
+    def is_same(self, other: RecordedCar) -> bool:
+        """Return whether both are recordings of one car, as far as they show it."""
+        mine, others = self.details, other.details
+        if mine.plate and others.plate:
+            return plain_plate(mine.plate) == plain_plate(others.plate)
+        if mine.car and others.car:
+            return mine.car.casefold().split() == others.car.casefold().split()
+        if self.unit is not None and other.unit is not None:
+            return self.unit.identity.may_be(other.unit.identity)
+        return self.port == other.port or not (self.port and other.port)
+
+    def joined(self, other: RecordedCar) -> RecordedCar:
+        """Return both as one car's; the latter's details count more."""
+        numbers = (*self.recordings, *other.recordings)
+        unit = self.unit or other.unit
+        return RecordedCar(numbers, other.details.over(self.details), unit, self.port)
+
+
+def cars_of(
+    notes: Iterable[Note], ports: Mapping[int, str], catalog: Catalog | None = None
+) -> list[RecordedCar]:
+    """Return the cars of a file, in the order of their first recordings.
+
+    `ports`: of each recording with packets, by its number.
+    """
+    by_recording: dict[int, list[Note]] = defaultdict(list)
+    for note in notes:
+        by_recording[note.recording].append(note)
+    found: list[RecordedCar] = []
+    for number in sorted({*ports, *by_recording}):
+        mine, port = by_recording[number], ports.get(number, "")
+        car = RecordedCar((number,), car_of(mine), unit_of(mine, catalog or shipped()), port)
+        same = (at for at in range(len(found) - 1, -1, -1) if found[at].is_same(car))
+        at = next(same, None)
+        if at is None:
+            found.append(car)
+        else:
+            found[at] = found[at].joined(car)
+    return found
+
+
+def several(cars: Sequence[RecordedCar]) -> Text:
+    """Return that a file holds several cars' recordings, and what to do."""
+    named = [car.name for car in cars[:_MOST_NAMED]]
+    more = "…" if len(cars) > _MOST_NAMED else ""
+    en = ", ".join(f"{number}: {name.en}" for number, name in enumerate(named, 1)) + more
+    ru = ", ".join(f"{number}: {name.ru}" for number, name in enumerate(named, 1)) + more
+    return Text(
+        f"it holds recordings of {len(cars)} cars ({en}); `mikas split` makes a file of each",
+        f"в файле записи нескольких машин, их {len(cars)} ({ru}); `mikas split` делает из него по "
+        "файлу на каждую",
+    )
