@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 from contextlib import suppress
 
 import httpx
@@ -56,6 +57,13 @@ def test_a_file_of_several_cars_becomes_a_file_of_each(desk, tmp_path):
     (tmp_path / "recordings" / "by-hand.pcapng").write_bytes(one + two)
     (listed,) = (it for it in desk.get("/recordings")["recordings"] if it["id"] == "by-hand.pcapng")
     assert "1: A111AA52, 2: B222BB52" in str(listed)
+
+
+def test_a_packed_recording_is_kept_unpacked(desk, made, tmp_path):
+    assert add(desk, gzip.compress(made), "drive.pcapng.gz").status_code == 200
+    assert kept(tmp_path) == ["drive.pcapng"]
+    assert desk.get("/recordings/drive.pcapng/file").content == made
+    assert add(desk, b"\x04\x22\x4d\x18" + bytes(99)).status_code == 400
 
 
 def test_no_file_is_replaced_and_no_name_is_a_path(desk, made, tmp_path):

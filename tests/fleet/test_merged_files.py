@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 from dataclasses import replace
 
 from fleet_rig import SETTINGS, add_here, ask, counts, make
@@ -55,3 +56,12 @@ def test_a_given_car_for_a_file_of_several_is_refused(tmp_path):
     result = add_here(path, to=tmp_path / "set", settings=replace(SETTINGS, car="mine"))
     assert counts(result) == (0, 0, 0, 1)
     assert "mikas split" in str(result.bad)
+
+
+def test_a_packed_copy_is_the_same_recording(tmp_path):
+    one, _ = cars(tmp_path)
+    (tmp_path / "in").mkdir()
+    (tmp_path / "in" / "one.pcapng.gz").write_bytes(gzip.compress(one.read_bytes()))
+    assert counts(add_here(tmp_path / "in", to=tmp_path / "set")) == (1, 0, 0, 0)
+    assert counts(add_here(one, tmp_path / "in", to=tmp_path / "set")) == (0, 0, 2, 0)
+    assert [row[:2] for row in ask(tmp_path / "set", CARS)] == [(ONE, 1)]

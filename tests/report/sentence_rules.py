@@ -378,8 +378,10 @@ RULES: dict[str, Callable[[Findings], bool]] = {
     "{}: the protocol's source is doubtful here; the plausible interpretation is used.": lambda f: (
         any(getattr(each, "errata", ()) for each in f.measured.channels)
     ),
+    "The file holds recordings of {} cars ({}); this report is of the last recording's car alone. "
+    "“mikas split” makes a file of each.": lambda f: len(f.subject.conditions.cars) > 1,
     "The file holds {} sessions; this report covers the last one.": lambda f: (
-        f.subject.conditions.sessions > 1
+        f.subject.conditions.sessions > 1 and len(f.subject.conditions.cars) < 2
     ),
     "The session used {} ports; this report covers the one with most values.": lambda f: (
         f.subject.conditions.ports > 1

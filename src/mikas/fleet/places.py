@@ -10,7 +10,7 @@ import errno
 import os
 import re
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path, PurePosixPath
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
@@ -27,6 +27,8 @@ from mikas.fleet.object_stores import (
 )
 from mikas.home import expanded
 from mikas.i18n import Text
+from mikas.recording.capture.opening import copy_plain, is_packed
+from mikas.recording.capture.packed import packed_suffix
 
 if TYPE_CHECKING:
     from fsspec import AbstractFileSystem
@@ -258,18 +260,30 @@ def _at_url(url: str, info: dict[str, Any]) -> FoundFile:
 
 
 def _is_recording(name: str) -> bool:
-    return name.lower().endswith(".pcapng")
+    return name.lower().removesuffix(packed_suffix(name)).endswith(".pcapng")
 
 
 @contextmanager
 def as_local(url: str) -> Iterator[Path]:
-    """Give the file at `url` as one of this computer; a remote one is copied for the time."""
-    if not is_url(url):
-        yield as_path(url)
-        return
-    system, path = file_system(url)
-    with TemporaryDirectory(prefix="mikas-", ignore_cleanup_errors=True) as folder:
-        copy = Path(folder) / (PurePosixPath(path).name or "recording.pcapng")
-        with errors_of(url):
-            system.get_file(path, str(copy))
-        yield copy
+    """Give the file at `url` as one of this computer; a remote one is copied for the time, and so
+    is a packed one, unpacked: it is the same recording as the plain file.
+    """
+    with ExitStack() as closing:
+
+        def folder() -> Path:
+            made = TemporaryDirectory(prefix="mikas-", ignore_cleanup_errors=True)
+            return Path(closing.enter_context(made))
+
+        if is_url(url):
+            system, path = file_system(url)
+            local = folder() / (PurePosixPath(path).name or "recording.pcapng")
+            with errors_of(url):
+                system.get_file(path, str(local))
+        else:
+            local = as_path(url)
+        packed = False
+        with suppress(OSError):  # reported where it is read
+            packed = is_packed(local)
+        if packed:
+            local = copy_plain(local, folder() / "recording.pcapng")
+        yield local

@@ -1,8 +1,8 @@
 """The cars of a file: which of its recordings are of one car.
 
 Files are joined end to end (`cat`), or merged by other tools, and one car's drives stay one car's.
-A plate says best whose a recording is, then the car's name, then the unit. Where nothing says it,
-recordings of one port are taken as one car's.
+A plate says best whose a recording is, then the car's name, then the unit. One without all of
+these is taken for the car of its port.
 """
 
 from __future__ import annotations
@@ -48,7 +48,14 @@ class RecordedCar:
             return mine.car.casefold().split() == others.car.casefold().split()
         if self.unit is not None and other.unit is not None:
             return self.unit.identity.may_be(other.unit.identity)
+        if self.is_known == other.is_known:
+            return not self.is_known
         return self.port == other.port or not (self.port and other.port)
+
+    @property
+    def is_known(self) -> bool:
+        """Whether anything says whose the recordings are."""
+        return bool(self.details) or self.unit is not None
 
     def joined(self, other: RecordedCar) -> RecordedCar:
         """Return both as one car's; the latter's details count more."""

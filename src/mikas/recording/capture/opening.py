@@ -1,15 +1,16 @@
 """Opening a capture: the reasons why a file is none, and what is read in its place.
 
-What other tools have merged is separated (`separation`): all readers open a capture here, and
-meet one port in a section.
+What is packed is unpacked (`packed`), and what other tools have merged is separated
+(`separation`): all readers open a capture here, and meet one port in a section.
 """
 
 from __future__ import annotations
 
 import errno
 import os
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import ExitStack, contextmanager, nullcontext, suppress
 from pathlib import Path
+from shutil import copyfileobj
 from typing import TYPE_CHECKING, BinaryIO, Final
 
 from mikas.errors import CaptureError, DiskFull, UnfitFile
@@ -17,13 +18,13 @@ from mikas.errors import reason_of as system_reason_of
 from mikas.files import open_regular
 from mikas.i18n import Text
 from mikas.recording.capture import blocks as pcapng
+from mikas.recording.capture.packed import packing_of, unpacked
 from mikas.recording.capture.scan import LARGEST, Scanner, Unreadable, is_section_start, scan
 from mikas.recording.capture.separation import separated
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-_ZIP: Final = b"PK\x03\x04"
 _CLASSIC_PCAP: Final = ("a1b2c3d4", "d4c3b2a1", "a1b23c4d", "4d3cb2a1", "a1b2cd34", "34cdb2a1")
 
 
@@ -40,13 +41,36 @@ def opened_capture(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
 @contextmanager
 def opened(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
     """Open a capture that may be none, with the recordings in it apart."""
+    with _plain(path) as file:
+        apart = separated(file)
+        with apart or nullcontext(file) as ready:
+            yield ready
+
+
+@contextmanager
+def _plain(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
+    """Open a file, unpacked if it is packed."""
     try:
-        with ExitStack() as closing:
-            file = closing.enter_context(open_regular(Path(path), follow=True, buffering=0))
-            apart = separated(file)
-            yield file if apart is None else closing.enter_context(apart)
+        with open_regular(Path(path), follow=True, buffering=0) as file:
+            plain = unpacked(file)
+            with plain or nullcontext(file) as ready:
+                yield ready
     except OSError as error:
         raise capture_error(path, error) from error
+
+
+def is_packed(path: str | os.PathLike[str]) -> bool:
+    """Return whether a file is packed: it can be read, but nothing can be added to it."""
+    with open_regular(Path(path), follow=True, buffering=0) as file:
+        return packing_of(file.read(512)) is not None
+
+
+def copy_plain(path: Path, out: Path) -> Path:
+    """Write a packed recording as it is without packing; return `out`. Raises `CaptureError`."""
+    with ExitStack() as closing:
+        file = closing.enter_context(_plain(path))
+        copyfileobj(file, closing.enter_context(out.open("wb")))
+    return out
 
 
 def _problem(file: BinaryIO) -> Text | None:
@@ -57,9 +81,7 @@ def _problem(file: BinaryIO) -> Text | None:
     if not is_section_start(head):
         if head[:4].hex() in _CLASSIC_PCAP:
             return _CLASSIC
-        if head.startswith(b"\x1f\x8b"):
-            return _COMPRESSED
-        if head.startswith(_ZIP) or not Scanner(file, LARGEST).goes_on_as_one():
+        if not Scanner(file, LARGEST).goes_on_as_one():
             return _NOT_PCAPNG
     other = _foreign_link_type(file)
     return None if other is None else _OTHER_LINK_TYPE.filled(type=other)
@@ -108,10 +130,6 @@ _CLASSIC = Text(
     "this is a capture in the old pcap format, which does not say who sent what; "
     "only pcapng can be read",
     "это запись в старом формате pcap, где не указано, кто что послал; читается только pcapng",
-)
-_COMPRESSED = Text(
-    "this file is compressed; unpack it first (gunzip)",
-    "файл сжат; сначала распакуйте его (gunzip)",
 )
 _OTHER_LINK_TYPE = Text(
     "this is a pcapng of another kind (link type {type}); a K-Line capture has 147",

@@ -19,13 +19,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, Final, Self
 
 from mikas.cleaning import public_port
-from mikas.errors import CaptureError
+from mikas.errors import CaptureError, UnfitFile
 from mikas.file_locks import hold
 from mikas.files import open_regular
 from mikas.i18n import Text
 from mikas.recording.capture import blocks as pcapng
 from mikas.recording.capture.notes import Note, block_of
-from mikas.recording.capture.opening import FULL, capture_error
+from mikas.recording.capture.opening import FULL, capture_error, is_packed
 from mikas.recording.capture.reader import FLAGS, CaptureReader
 from mikas.saving import write_all
 
@@ -199,6 +199,8 @@ def append_note(path: Path, note: Note) -> None:
     """
     CaptureReader(path)
     try:
+        if is_packed(path):
+            raise UnfitFile(errno.EINVAL, _PACKED)
         with open_regular(path, "r+b", buffering=0) as file:
             hold(file)
             order = pcapng.BYTE_ORDERS.get(file.read(12)[8:]) or "<"
@@ -238,6 +240,10 @@ _NOT_BEGUN: Final = {
         "the name is too long; choose a shorter one", "имя длинное; выберите покороче"
     ),
 }
+_PACKED = Text(
+    "it is packed, so nothing can be added to it; unpack it first",
+    "файл сжат, и добавить в него ничего нельзя; сначала распакуйте его",
+)
 _DELETED = Text(
     "the file was deleted while being recorded; nothing more is kept",
     "файл удалён во время записи; больше ничего не сохраняется",

@@ -42,6 +42,8 @@ from mikas.dashboard.settings import ensure_folder
 from mikas.errors import CaptureError, reason_of
 from mikas.files import beside
 from mikas.i18n import Language
+from mikas.recording.capture.opening import copy_plain, is_packed
+from mikas.recording.capture.packed import packed_suffix
 from mikas.recording.splitting import cars_in, split
 
 router = APIRouter(prefix="/recordings", tags=["recordings"])
@@ -186,15 +188,23 @@ async def add(
     request: Request,
     name: Annotated[str, Query(max_length=300, description="of the file, elsewhere")],
 ) -> AddedRecording:
-    """Add a recording made elsewhere, a .pcapng; the body is the file."""
+    """Add a recording made elsewhere, a .pcapng; the body is the file.
+
+    A packed one is kept unpacked; one of several cars as a file of each, and the last is returned.
+    """
     folder = dashboard.library.folder
     await asyncio.to_thread(ensure_folder, folder.folder)
+    name = name[: len(name) - len(packed_suffix(name))]
     path = folder.new_path(name)
     new = beside(path, f".{token_hex(4)}.new")  # of this request alone
+    plain = beside(path, f".{token_hex(4)}.plain")
 
     def keep() -> Path:
         if len(cars_in(new)) > 1:  # raises for other files
             return [part for _, part in split(new, folder.new_path(name))][-1]
+        if is_packed(new):
+            copy_plain(new, plain)
+            plain.replace(new)
         while True:
             with suppress(FileExistsError):  # another program has just taken that name
                 free = folder.new_path(name)
@@ -217,4 +227,5 @@ async def add(
     finally:
         with suppress(OSError):
             await asyncio.to_thread(new.unlink, missing_ok=True)
+            await asyncio.to_thread(plain.unlink, missing_ok=True)
     return AddedRecording(id=kept.name)
