@@ -62,7 +62,7 @@ class Added:
 @dataclass(frozen=True, slots=True)
 class AddingPlan:
     """The files to look at, the number of those that are as they were, and the entries that do not
-    count any more, as their tables are gone. `found`: all files, by place as shown.
+    count any more, as their tables can't be used. `found`: all files, by place as shown.
     """
 
     files: tuple[FoundFile, ...]
@@ -119,11 +119,15 @@ def add(
     lasting = dataset if is_url(dataset) else str(as_path(dataset))  # whatever a worker's folder
     files_of: dict[str, Sequence[FoundFile]] = {settings.car: planned.files}  # by the given car
     states = States(planned.ledger, planned.found, planned.files)
+    anew = False  # whatever the dataset has
     try:
         states.settle()
         while files_of:
             car, files = files_of.popitem()
-            job = partial(work, dataset=lasting, settings=replace(settings, car=car), run=run)
+            job = partial(
+                work, dataset=lasting, settings=replace(settings, car=car), run=run,
+                anew=anew,
+            )  # fmt: skip
             again: dict[str, list[FoundFile]] = defaultdict(list)
             for outcome in runner.outcomes(job, files):
                 try:
@@ -138,13 +142,14 @@ def add(
                 else:
                     on_file(outcome)
             files_of |= again
+            anew = True
         if result.added:
             planned.ledger.refresh()
             states.settle()
         for entry in planned.lost:
             if entry.key in planned.ledger.entries:
                 result.remade.append(next(iter(entry.sources), entry.key))
-            else:
+            elif entry.name not in planned.ledger.refused:
                 result.bad.append(BadFile(next(iter(entry.sources), entry.key), _LOST))
         for name, reason in planned.ledger.refused.items():
             result.bad.append(BadFile(f"{shown(lasting).rstrip('/')}/{name}", reason))
@@ -167,9 +172,7 @@ def _take(outcome: FileOutcome, ledger: Ledger, states: States, result: Added) -
         result.bad.append(BadFile(shown(file.url), reason))
         return None
     if not outcome.is_new and entry.name in ledger.refused:
-        ledger.files.remove(entry.name)  # a stranger's, of this recording: it is made anew
-        del ledger.refused[entry.name]
-        return entry.given
+        return entry.given  # of this recording, but a stranger's, or its tables can't be used
     if not outcome.is_new:
         ledger.entries.setdefault(entry.key, entry)  # of another run
         _skip(file, entry, ledger, result)
@@ -178,6 +181,7 @@ def _take(outcome: FileOutcome, ledger: Ledger, states: States, result: Added) -
     if before is not None and before.is_current(entry.version, entry.given):
         ledger.refresh()  # a copy was read meanwhile, or another run has replaced it
         if (before := ledger.entries.get(entry.key)) is not None:
+            _remove_tables(entry, ledger, but=before.files)
             _skip(file, before, ledger, result)
             return None
     if (whole := states.longer(outcome)) is not None:
@@ -189,12 +193,13 @@ def _take(outcome: FileOutcome, ledger: Ledger, states: States, result: Added) -
     if given:
         _remove_tables(entry, ledger)
         return given
-    replaces = [*(before.replaces if before else ())]
+    former = ledger.known(entry.key)
+    replaces = [*(former.replaces if former else ())]
     sources: dict[str, str] = {}
     for each, is_beginning in older:
         sources |= each.sources
         replaces += (each.key, *each.replaces) if is_beginning else ()
-    sources |= (before.sources if before else {}) | entry.sources
+    sources |= (former.sources if former else {}) | entry.sources
     entry = replace(entry, replaces=tuple(dict.fromkeys(replaces)), sources=sources)
     ledger.commit(entry, [each for each, _ in older])
     states.note(entry)
@@ -211,7 +216,8 @@ def _skip(file: FoundFile, entry: LedgerEntry, ledger: Ledger, result: Added) ->
     ledger.note_source(entry.key, file.url, file.stamp)
 
 
-def _remove_tables(entry: LedgerEntry, ledger: Ledger) -> None:
-    """Remove the tables of an entry that does not come to count."""
+def _remove_tables(entry: LedgerEntry, ledger: Ledger, but: Sequence[str] = ()) -> None:
+    """Remove the tables of an entry that does not come to count, `but` those of another one."""
     for name in entry.files:
-        ledger.files.remove(name)
+        if name not in but:
+            ledger.files.remove(name)

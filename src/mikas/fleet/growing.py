@@ -49,7 +49,7 @@ class States:
         self._of: dict[_Level, list[str]] = defaultdict(list)  # keys by their level …
         self._beginning_as: dict[_Level, list[str]] = defaultdict(list)  # … and those below it
         self._whole: dict[str, str] = {}
-        for entry in self._ledger.entries.values():
+        for entry in (*self._ledger.entries.values(), *self._ledger.away.values()):
             self.note(entry)
 
     def note(self, entry: LedgerEntry) -> None:
@@ -83,7 +83,7 @@ class States:
                 seen.add(known.key)
                 yield known, True
         for key in dict.fromkeys(self._at.get(shown(url), ())):
-            known_there = self._ledger.entries.get(key)
+            known_there = self._ledger.known(key)
             if known_there is not None and key not in seen and entry.may_replace(known_there):
                 yield known_there, False
 
@@ -156,7 +156,7 @@ class States:
 
     def _with(self, digests: set[tuple[int, str]]) -> Iterator[LedgerEntry]:
         for length, digest in sorted(digests):
-            known = self._ledger.entries.get(digest[:32])
+            known = self._ledger.known(digest[:32])
             if known is not None and (known.bytes, known.sha256) == (length, digest):
                 yield known
 

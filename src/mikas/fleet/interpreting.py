@@ -154,8 +154,9 @@ def _of_one_car(
             raise _NothingOfCar(name, NOTHING)
         ids = [_id(key, first + number) for number in range(reader.count)]
         facts = {"program": settings.version, "recording": key, "file": name}
-        version = f"{settings.version}\n{first}" if first else settings.version
-        file_name = f"{key}-{sha256(version.encode()).hexdigest()[:8]}.parquet"
+        # Tables of their own for each car, and for a copy, which may be read at the same time.
+        written = sha256(f"{settings.version}\n{name}\n{first}".encode())
+        file_name = f"{key}-{written.hexdigest()[:8]}.parquet"
         files = {
             f"{table}/{partition(reader.car.name, day)}/{file_name}": file
             for table, day, file in writer.write(ids, facts)

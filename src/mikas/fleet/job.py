@@ -84,18 +84,24 @@ class FileOutcome:
 
 
 def work(
-    file: FoundFile, dataset: str, settings: InterpretingSettings, run: str = ""
+    file: FoundFile,
+    dataset: str,
+    settings: InterpretingSettings,
+    run: str = "",
+    *,
+    anew: bool = False,
 ) -> FileOutcome:
     """Add the tables of one recording to the dataset, unless its entry says that they are there.
 
-    `run`: the name of the run, by which its unfinished files are known.
+    `run`: the name of the run, by which its unfinished files are known. `anew`: whatever its entry
+    says.
     """
     if file.bad is not None:
         return FileOutcome(file, bad=file.bad)
     if file.bytes > LARGEST:
         return FileOutcome(file, bad=_TOO_LARGE)
     try:
-        return _work(file, dataset, settings, run)
+        return _work(file, dataset, settings, run, anew=anew)
     except CaptureError as error:
         return FileOutcome(file, bad=error.problem)
     except FleetError as error:
@@ -115,7 +121,9 @@ def work(
         return FileOutcome(file, bad=_BUG.filled(kind=kind[:300]))
 
 
-def _work(file: FoundFile, dataset: str, settings: InterpretingSettings, run: str) -> FileOutcome:
+def _work(
+    file: FoundFile, dataset: str, settings: InterpretingSettings, run: str, *, anew: bool
+) -> FileOutcome:
     from mikas.fleet.interpreting import interpret
 
     target = store(dataset)
@@ -126,7 +134,7 @@ def _work(file: FoundFile, dataset: str, settings: InterpretingSettings, run: st
         digest, size, opening = digest_of(path)
         key = digest[:32]
         if (entry := _known(target, key)) is not None:
-            if entry.is_current(settings.version, settings.car):
+            if entry.is_current(settings.version, settings.car) and not anew:
                 return FileOutcome(file, entry)
             settings = replace(settings, car=settings.car or entry.given)
         name = PurePath(shown(file.url)).name

@@ -62,6 +62,12 @@ _CHANGED: Final = Text(
     "{name}: the file is not as it was written; `mikas fleet add` makes it anew from its recording",
     "{name}: файл не такой, каким был записан; `mikas fleet add` создаст его заново из записи",
 )
+_AWAY: Final = Text(
+    "{reason}; its recording ({recording}) does not count until this is mended or it is added "
+    "again",
+    "{reason}; её запись ({recording}) не считается, пока это не исправлено или её не добавили "
+    "снова",
+)
 _LATER: Final = Text(
     "this dataset was made by a later version of mikas; update this one",
     "этот набор создан более новой версией mikas; обновите эту",
@@ -71,14 +77,16 @@ _LATER: Final = Text(
 class Ledger:
     """The entries of a dataset, all in memory. Raises `FleetError`.
 
-    `refused`: by name of their file, the entries that do not count, and why; `readings`: how many
-    times the entries were read.
+    `refused`: by name of their file, the entries that do not count, and why; `away`: those of them
+    that are sound, but whose tables can't be used now; `readings`: how many times the entries were
+    read.
     """
 
     def __init__(self, files: Store) -> None:
         self.files = files
         self.entries: dict[str, LedgerEntry] = {}
         self.refused: dict[str, Text] = {}
+        self.away: dict[str, LedgerEntry] = {}
         self.readings = 0
         self._written: set[str] = set()  # names of own files, which a store may list late
         self._noted: set[str] = set()
@@ -93,6 +101,7 @@ class Ledger:
         read = self.files.contents(FOLDER, SUFFIX, LONGEST)
         for name in sorted(self._written - read.files.keys() - read.unfit.keys()):
             read.add(name, self.files.read(f"{FOLDER}/{name}", LONGEST))
+        reasons = self.refused
         self.refused = {f"{FOLDER}/{name}": reason for name, reason in read.unfit.items()}
         found = {}
         for name, data in read.files.items():
@@ -108,6 +117,9 @@ class Ledger:
             for key, entry in found.items()
             if key not in self._replaced and entry.name not in self.refused
         }
+        away, self.away = self.away, {}
+        for key in away.keys() & self.entries.keys():
+            self.refuse(self.entries[key], reasons[away[key].name])
 
     def _settle(self, found: Mapping[str, LedgerEntry]) -> None:
         """Find the entries that others replace, and refuse those that would replace another
@@ -133,17 +145,27 @@ class Ledger:
 
     def _commit(self, entry: LedgerEntry, older: Sequence[LedgerEntry]) -> None:
         gone: list[str] = []
-        before = self.entries.get(entry.key)
+        before = self.known(entry.key)
         for each in (*([before] if before else []), *older):
             gone += [name for name in each.files if name not in entry.files]
             gone += [each.name] if each.key != entry.key else []
         entry = replace(entry, obsolete=tuple(gone))
         self._write(entry)
         for each in older:
-            self.entries.pop(each.key, None)
+            self._forget(each)
             self._replaced.add(each.key)
+        self._forget(entry)
         self.entries[entry.key] = entry
         self.clear(entry)
+
+    def known(self, key: str) -> LedgerEntry | None:
+        """Return an entry that counts, or would if its tables could be used."""
+        return self.entries.get(key) or self.away.get(key)
+
+    def _forget(self, entry: LedgerEntry) -> None:
+        self.entries.pop(entry.key, None)
+        self.away.pop(entry.key, None)
+        self.refused.pop(entry.name, None)
 
     def clear(self, entry: LedgerEntry) -> None:
         """Remove what an entry has made obsolete. Of another recording that has no sound entry
@@ -164,13 +186,34 @@ class Ledger:
                 raise
 
     def drop_lost(self, *, check: bool = False) -> list[LedgerEntry]:
-        """Let no entry count whose files can't be used; return those entries. `check`: read all."""
+        """Let no entry count whose files can't be used; return those entries. `check`: read all.
+
+        An entry is removed if its files are changed or surely gone. Others may be back, as those
+        on a disk that is away: such an entry stays and is named in `refused`.
+        """
         lost = self._surely_lost()
         lost |= self._changed() if check else {}
-        for entry in lost:
-            self.files.remove(entry.name)
-            del self.entries[entry.key]
+        for entry, reason in lost.items():
+            if all(map(self._is_there_or_gone, entry.files)):
+                self.files.remove(entry.name)
+                del self.entries[entry.key]
+            else:
+                recording = next(iter(entry.sources), entry.key)
+                self.refuse(entry, _AWAY.filled(reason=reason, recording=recording))
         return [*lost]
+
+    def _is_there_or_gone(self, name: str) -> bool:
+        """Return whether a file can be used, or its folder is there without it."""
+        if name in self.sizes:
+            return True
+        folder, _, own = name.rpartition("/")
+        above, _, last = folder.rpartition("/")
+        try:
+            return last in self.files.names(above) and own not in self.files.names(folder)
+        except FleetError as error:
+            if not is_of_file(error):
+                raise
+            return False
 
     def refuse_lost(self) -> None:
         """Let no entry count whose files can't be used, and change nothing: `refused` names it."""
@@ -180,7 +223,7 @@ class Ledger:
     def refuse(self, entry: LedgerEntry, reason: Text) -> None:
         """Let an entry not count, for this reason."""
         self.refused[entry.name] = reason
-        del self.entries[entry.key]
+        self.away[entry.key] = self.entries.pop(entry.key)
 
     def _surely_lost(self) -> dict[LedgerEntry, Text]:
         lost = self._lost()
@@ -209,8 +252,8 @@ class Ledger:
         changed = {}
         for entry in self.entries.values():
             for name, stamp in entry.tables.items():
-                data = self.files.read(name, LARGEST_TABLE) or b""
-                if stamp_of(len(data), sha256(data).hexdigest()) != stamp:
+                data = self.files.read(name, LARGEST_TABLE)
+                if data is not None and stamp_of(len(data), sha256(data).hexdigest()) != stamp:
                     changed[entry] = _CHANGED.filled(name=name)
                     break
         return changed
