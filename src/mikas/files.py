@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import Any, BinaryIO, Final, Literal
 
 from mikas.cleaning import clean_json
-from mikas.errors import UnfitFile
+from mikas.errors import UnfitFile, UsageError
 from mikas.i18n import Text
 
 Mode = Literal["rb", "r+b", "a+b"]
@@ -59,6 +59,10 @@ _TWO_NAMES: Final = Text(
 _REPLACED: Final = Text(
     "another program has just replaced this file; try again",
     "другая программа только что заменила этот файл; попробуйте ещё раз",
+)
+_NO_CURRENT: Final = Text(
+    "{name}: the current folder was removed; go to another one, or give the whole path",
+    "{name}: текущая папка удалена; перейдите в другую или укажите путь целиком",
 )
 _TOO_LARGE: Final = Text(
     "the file is larger than {most} KB, the most that is read here",
@@ -160,6 +164,19 @@ def beside(path: Path, ending: str) -> Path:
     mark = f"-{hashlib.sha256(name).hexdigest()[:8]}{ending}"
     kept = name[: _LONGEST - len(os.fsencode(mark))].decode("utf-8", "ignore")
     return path.with_name(f"{kept}{mark}")
+
+
+def absolute(path: Path) -> Path:
+    """Return the absolute path. Raises `UsageError` if the current folder was removed."""
+    try:
+        return path.absolute()
+    except FileNotFoundError as error:
+        raise UsageError(problem=_NO_CURRENT.filled(name=path)) from error
+
+
+def utf_8(path: Path) -> str:
+    """Return a path for a library that takes UTF-8, whatever the locale. Raises `ValueError`."""
+    return os.fsencode(path).decode()
 
 
 def open_files() -> int:

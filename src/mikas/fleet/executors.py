@@ -14,8 +14,9 @@ import threading
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
+from pathlib import Path
 from pickle import PicklingError
 from typing import TYPE_CHECKING, Final, TypeAlias
 
@@ -174,7 +175,8 @@ def _started() -> _Worker:
     far_end, lifeline = spawn.Pipe(duplex=False)
     try:
         process = spawn.Process(target=serve_jobs, args=(far, far_end), daemon=True)
-        process.start()
+        with _somewhere():
+            process.start()
     except BaseException:
         near.close()
         lifeline.close()
@@ -183,6 +185,23 @@ def _started() -> _Worker:
         far.close()
         far_end.close()
     return _Worker(process, near, lifeline)
+
+
+@contextmanager
+def _somewhere() -> Iterator[None]:
+    """Stand in a folder that is there: a new process begins in that of this one."""
+    try:
+        Path.cwd()
+    except FileNotFoundError:
+        before = os.open(".", os.O_RDONLY)
+        os.chdir("/")
+        try:
+            yield
+        finally:
+            os.fchdir(before)
+            os.close(before)
+    else:
+        yield
 
 
 def serve_jobs(pipe: Connection, lifeline: Connection) -> None:

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from mikas.cleaning import LOCAL, SECRET_VARIABLES, public_url, secrets_of, without
 from mikas.errors import FleetError, MikasError, MissingExtra, UnfitFile, library, reason_of
+from mikas.files import absolute
 from mikas.fleet.object_stores import (
     PROTOCOLS,
     is_bare,
@@ -83,7 +84,7 @@ def is_url(place: str) -> bool:
 def as_path(place: str) -> Path:
     """Return the absolute path of a place that is no URL."""
     prefix = next(filter(place.startswith, LOCAL), "")
-    return expanded(place.removeprefix(prefix)).absolute()
+    return absolute(expanded(place.removeprefix(prefix)))
 
 
 @contextmanager

@@ -23,7 +23,7 @@ from typing import Any, Final
 from uuid import uuid4
 
 from mikas.errors import FleetError, UnfitFile
-from mikas.files import check_regular, check_unlinked, read_regular, too_large
+from mikas.files import check_regular, check_unlinked, read_regular, too_large, utf_8
 from mikas.fleet.places import (
     PARTS,
     as_path,
@@ -32,7 +32,6 @@ from mikas.fleet.places import (
     info_of,
     is_of_file,
     is_url,
-    is_utf_8,
     shown,
 )
 from mikas.i18n import Text
@@ -137,8 +136,10 @@ class DiskStore(Store):
     def __init__(self, place: str) -> None:
         super().__init__(place)
         self.root = as_path(place)
-        if not is_utf_8(str(self.root)):
-            raise FleetError(shown(place), _NOT_UTF_8)
+        try:
+            utf_8(self.root)
+        except ValueError:
+            raise FleetError(shown(place), _NOT_UTF_8) from None
 
     def read(self, name: str, most: int) -> bytes | None:
         with self._errors_of(name), suppress(FileNotFoundError):

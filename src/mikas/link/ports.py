@@ -95,7 +95,9 @@ def named(address: str, ports: Iterable[Port]) -> Port | None:
 
 
 def _real(address: str) -> str:
-    return os.path.normcase(os.path.realpath(address))
+    with suppress(OSError):  # of a folder that was removed
+        address = os.path.realpath(address)
+    return os.path.normcase(address)
 
 
 def listed(ports: Iterable[Port]) -> Text:

@@ -17,6 +17,7 @@ import duckdb
 import numpy as np
 
 from mikas.errors import refused_number
+from mikas.files import utf_8
 from mikas.recording.table.channels import Channel
 
 if TYPE_CHECKING:
@@ -40,10 +41,10 @@ class ParquetTable:
         self._channels = channels
         with _disk_errors():
             self.database = duckdb.connect(
-                str(folder / "rows.db"),
+                utf_8(folder / "rows.db"),
                 config={
                     "memory_limit": _MEMORY,
-                    "temp_directory": str(folder / "spilt"),
+                    "temp_directory": utf_8(folder / "spilt"),
                     "threads": str(_THREADS),
                 },
             )
@@ -90,7 +91,7 @@ class ParquetTable:
         """Write what a query finds to `path`. `facts`: JSON, the file's metadata `mikas`."""
         metadata = f"KV_METADATA {{mikas: {quoted(facts)}}}"
         listed = ", ".join(("FORMAT parquet", "COMPRESSION zstd", *options, metadata))
-        self.database.execute(f"COPY ({query}) TO {quoted(str(path))} ({listed})")
+        self.database.execute(f"COPY ({query}) TO {quoted(utf_8(path))} ({listed})")
 
 
 def quoted(value: str) -> str:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import BinaryIO, Final
 
 from mikas.cancellation import check_cancelled
+from mikas.files import beside
 from mikas.recording.annotations.cars import RecordedCar, cars_of
 from mikas.recording.capture import blocks as pcapng
 from mikas.recording.capture.notes import FileIndex, index
@@ -65,7 +66,7 @@ def split(path: Path, target: Path) -> Iterator[tuple[RecordedCar, Path]]:
             try:
                 while True:
                     number += 1
-                    part = target.with_name(f"{target.stem}-{number}.pcapng")
+                    part = beside(target.with_name(target.stem), f"-{number}.pcapng")
                     with suppress(FileExistsError), part.open("xb") as out:
                         for section in car.recordings:
                             _copy(file, edges[section], edges[section + 1], out)

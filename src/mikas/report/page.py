@@ -18,6 +18,7 @@ from markupsafe import Markup
 from mikas.cancellation import check_cancelled
 from mikas.catalog import Fault
 from mikas.errors import ExportError
+from mikas.files import absolute
 from mikas.i18n import Language, Text
 from mikas.recording.export.exporting import check_free, write_whole
 from mikas.recording.export.sheet import program
@@ -300,7 +301,7 @@ def check_output(out: Path, *, overwrite: bool) -> None:
             ),
         )
     check_free(out, overwrite=overwrite)
-    if not out.absolute().parent.is_dir():
+    if not absolute(out).parent.is_dir():
         raise ExportError(str(out), Text("there is no such folder", "такой папки нет"))
 
 

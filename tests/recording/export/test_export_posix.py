@@ -6,6 +6,7 @@ import errno
 import gc
 import os
 import resource
+import sys
 from contextlib import contextmanager
 
 import numpy as np
@@ -78,3 +79,16 @@ def test_a_file_beside_the_export_that_cannot_be_made_prints_none(
     monkeypatch.undo()
     assert list(tmp_path.iterdir()) == []
     assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems refuse such a name")
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_a_name_that_is_not_utf_8_is_written(tmp_path, suffix):
+    """duckdb raised `RuntimeError: std::bad_cast`."""
+    folder = tmp_path / os.fsdecode(b"\xff")
+    folder.mkdir()
+    out = folder / os.fsdecode(b"\xfe" + suffix.encode())
+    rows = [Rows(np.arange(3.0), {c.name: np.arange(3.0) for c in CHANNELS})]
+    assert export(out, CHANNELS, rows).rows == 3
+    assert list(folder.iterdir()) == [out]
+    assert out.stat().st_size > 0

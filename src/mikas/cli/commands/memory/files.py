@@ -20,6 +20,7 @@ from mikas.client.memory import dumps
 from mikas.client.memory.restoring import DumpFile, Restore
 from mikas.commands.base import Space, check_range
 from mikas.errors import naming_file, usage_error
+from mikas.files import absolute
 from mikas.i18n import byte_count
 
 BLOCK = option(
@@ -89,7 +90,7 @@ def dump(
         )
     end = Space(space).last if last is None else last
     check_range(space, first, end - first + 1)
-    if not out.absolute().parent.is_dir():
+    if not absolute(out).parent.is_dir():
         raise dumps.file_error(out, "there is no such folder", "такой папки нет")
     with context.ecu() as ecu:
         memory = ecu.memory[space]

@@ -17,6 +17,7 @@ from mikas.cli.context import CommandContext
 from mikas.cli.language import current_language
 from mikas.cli.render import terminal
 from mikas.errors import usage_error
+from mikas.files import absolute
 from mikas.i18n import Text
 
 _FILTER = "mikas.param.TWAT > 90"
@@ -134,8 +135,8 @@ def sigrok(context: CommandContext, *, install: bool, folder: Path | None) -> No
     written = _install(context, decoder_file(folder), text, MARK)
     if folder is not None:
         context.say(
-            f"sigrok finds it where SIGROKDECODE_DIR={folder.absolute()} is set.",
-            f"sigrok найдёт его, если задано SIGROKDECODE_DIR={folder.absolute()}.",
+            f"sigrok finds it where SIGROKDECODE_DIR={absolute(folder)} is set.",
+            f"sigrok найдёт его, если задано SIGROKDECODE_DIR={absolute(folder)}.",
         )
     if _is_absent("pulseview", "sigrok-cli"):
         context.say(
