@@ -282,3 +282,20 @@ def test_a_page_comes_back_by_itself_when_the_program_is_started_again(visitor, 
             each.is_line("sampling")
             expect(each.value("TWAT")).to_have_text("88")
             expect(each.value("UOZ")).to_have_text("−3.5")
+
+
+def test_each_address_of_the_computer_has_its_code_and_the_page_says_which_works(own, visitor):
+    settings = own.dashboard.settings
+    object.__setattr__(settings, "addresses", lambda: ("127.0.0.2", "127.0.0.3", "car"))
+    tab = visitor(own.url).show("connection")
+    tab.page.get_by_role("switch").check()
+    tab.page.get_by_role("radio", name="127.0.0.3").check()
+    link = own.access.lan_links[1].url
+    tab.says(link)
+    assert tab.until("() => document.querySelector('img[alt^=QR]').naturalWidth > 0")
+    phone = visitor(f"https://127.0.0.3:{own.port}")
+    phone.refused = True
+    phone.page.goto(link)
+    phone.is_line("sampling")
+    expect(tab.page.get_by_role("radio", name="127.0.0.3 · works")).to_be_checked()
+    expect(tab.page.get_by_role("radio", name="127.0.0.2")).not_to_be_checked()
