@@ -9,6 +9,7 @@ import pytest
 
 from mikas.errors import AnotherAdapter, PortNotFound
 from mikas.link import CaptureTee, Chunk, Link
+from mikas.link.base import WallClock
 from mikas.link.ports import Port
 from mikas.link.reconnecting import ReconnectingPort
 
@@ -229,8 +230,7 @@ def test_time_goes_on_though_the_date_is_set_between_two_links(hours):
         desk.nap(1)
         observed.append(plug.now())
     assert observed == sorted(observed)
-    if hours <= 0:
-        assert observed[-1] == desk.slept  # and none of it was lost or made up
+    assert observed[-1] == desk.slept  # and none of it was lost or made up
 
 
 def test_a_link_whose_clock_was_put_ahead_is_the_link_in_all_else():
@@ -253,10 +253,25 @@ def test_a_link_whose_clock_was_put_ahead_is_the_link_in_all_else():
     assert behind.closed
 
 
+def test_a_sleep_in_which_the_clock_stood_still_is_added_to_the_clock_and_its_link():
+    desk = Desk(ftdi("/dev/ttyUSB0"))
+    wall = WallClock(lambda: desk.slept, lambda: desk.slept + desk.date_set)
+    plug = ReconnectingPort(
+        "/dev/ttyUSB0", find=lambda: desk.ports, open_port=desk.open, wall=wall, wait=desk.nap
+    )
+    link = plug.open()
+    desk.nap(5)
+    desk.date_set = 3600
+    assert (link.now(), plug.dated()) == (5, (5, 3605))
+    plug.slept(3600)
+    assert (link.now(), link.read(3607.0).time, plug.dated()) == (3605, 3607, (3605, 3605))
+    assert plug.open().now() == 3605
+
+
 def test_a_simulated_links_clock_is_followed():
     times = iter([100.0, 150.0])
-    plug = ReconnectingPort(
-        "sim:", open_port=lambda url: QuietLink(url, 0.0, lambda: 7.0), clock=times.__next__
-    )
+    link = QuietLink("sim:", 0.0, lambda: 7.0)
+    link.is_simulated = True
+    plug = ReconnectingPort("sim:", open_port=lambda url: link, clock=times.__next__)
     plug.open()
     assert plug.now() == 57.0

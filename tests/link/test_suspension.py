@@ -16,7 +16,7 @@ from mikas.browser.web_serial import WebSerialLink
 from mikas.errors import LinkLost, ReadingSuspended
 from mikas.i18n import Text
 from mikas.link import CaptureTee, Chunk, Link, open_link
-from mikas.link.base import NETWORK, WallClock, _steady
+from mikas.link.base import NETWORK, LinkWrapper, WallClock, _steady
 from mikas.link.flood import FloodGuard
 from mikas.link.reconnecting import ReconnectingPort
 from mikas.link.suspension import LATE, WAIT, SuspensionGuard
@@ -268,7 +268,8 @@ def test_every_port_is_guarded_inside_the_guard_against_floods_which_does_not_se
 
 def test_a_virtual_unit_is_guarded_where_it_is_sampled():
     with ReconnectingPort("sim:").open() as link:
-        assert isinstance(link, SuspensionGuard)
+        assert isinstance(link, LinkWrapper)
+        assert isinstance(link.link, SuspensionGuard)
 
 
 def test_a_virtual_unit_on_a_busy_computer_loses_nothing_as_its_bytes_keep_their_times():

@@ -134,6 +134,7 @@ FIELDS = {
     "learnt": ("methods", "rates", "method", "dropped", "returned"),
     "faults": ("readings",),
     "about": ("text",),
+    "clock": ("seconds", "slept", "before", "after"),
 }
 LISTS = ("passports", "names", "every", "readings")
 NEEDED = {

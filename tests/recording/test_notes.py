@@ -33,6 +33,7 @@ from mikas.recording.capture.reader import Packet
 from mikas.sampling.alarms import Alarms
 from mikas.sampling.events import (
     AdapterMoved,
+    ClockChanged,
     FaultReading,
     Gap,
     LineState,
@@ -121,6 +122,7 @@ def test_each_kind_of_note_holds_what_is_documented():
         note_of(Gap(4.0, 4.0, 6.0, why)),
         note_of(StateChanged(5.0, LineState.ECHO_ONLY, reason=why)),
         note_of(AdapterMoved(5.5, "/dev/ttyUSB1", "/dev/ttyUSB0")),
+        note_of(ClockChanged(6.0, -3600.0, slept=False, before=7200.0, after=3600.0)),
         note_of(alarm),
         note_of(ParameterDropped(8.0, "TAIR", Limits(max_list=8, refused=[0x99]))),
         faults_note(9.0, [FaultReading(7.0, (13, 53)), FaultReading(8.5, (), erased=True)]),
@@ -142,6 +144,12 @@ def test_each_kind_of_note_holds_what_is_documented():
         "reason": {"en": "silence", "ru": "тишина"},
     }
     assert data[Kind.STATE]["state"] == "echo-only"
+    assert data[Kind.CLOCK] == {
+        "seconds": -3600.0,
+        "slept": False,
+        "before": 7200.0,
+        "after": 3600.0,
+    }
     assert data[Kind.ALARM]["channel"] == "TWAT"
     assert data[Kind.ALARM]["value"] == 150.0
     assert data[Kind.LEARNT]["refused"] == [0x99]

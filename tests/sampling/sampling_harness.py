@@ -33,6 +33,8 @@ class SimulatedPlug:
         self.plugged_in = True
         self.link: WatchedLink | None = None
         self.wire = WireCount()
+        self.date: Callable[[], float] | None = None
+        """The computer's date; None: it is not watched."""
         self._now = 0.0
         self._at: list[tuple[float, Callable[[], object]]] = []
 
@@ -49,6 +51,12 @@ class SimulatedPlug:
         self._now = self.now() + seconds
         self.bus.advance(self._now)
         self.look()
+
+    def dated(self) -> tuple[float, float] | None:
+        return None if self.date is None else (self.now(), self.date())
+
+    def slept(self, seconds: float) -> None:
+        self.wait(seconds)
 
     def at(self, time: float, happens: Callable[[], object]) -> None:
         """At this time, or soon after, while the sampler is at work."""

@@ -30,7 +30,7 @@ from mikas.errors import (
     PortNotFound,
 )
 from mikas.link import Link, Port
-from mikas.link.reconnecting import ReconnectingPort, _AheadLink
+from mikas.link.reconnecting import ReconnectingPort, _SteadyLink
 from mikas.sampling.acquisition import Acquisition
 from mikas.sampling.events import (
     AdapterMoved,
@@ -212,7 +212,7 @@ def test_a_date_set_while_the_adapter_is_out_makes_no_time_run_back(method, hour
     shift = [0.0]
 
     def open_link(url: str) -> Link:
-        return _AheadLink(socket.open(), shift[0])
+        return _SteadyLink(socket.open(), shift[0])
 
     plug = ReconnectingPort("sim:", open_port=open_link, clock=socket.now, wait=socket.wait)
     reported = []

@@ -23,6 +23,7 @@ from mikas.link.reconnecting import ReconnectingPort
 from mikas.recording.recorder import Recorder
 from mikas.sampling.acquisition import Acquisition
 from mikas.sampling.events import (
+    ClockChanged,
     CycleFailed,
     FaultReading,
     Gap,
@@ -93,7 +94,7 @@ class SamplingRun:
         due = -inf
         with closing(self._acquire()) as events:
             for event in events:
-                if isinstance(event, FaultReading | Gap):
+                if isinstance(event, FaultReading | Gap | ClockChanged):
                     yield event
                     continue
                 if isinstance(event, CycleFailed) and self._is_searching(event):
@@ -229,6 +230,7 @@ def sampling_session(
                 out.unlink()
         raise
     finally:
+        session.conclude()
         recorder.stop()
         if acquisition.unended is not None:
             context.output.print_note(localized(ADVICE.text(acquisition.unended)))

@@ -269,18 +269,27 @@ class WallClock:
     """The clock of links in real time: UNIX time at its creation, steady from there.
 
     Changes of the system's date do not affect it, so intervals are exact. It may drift from UNIX
-    time over hours. `steady` counts the seconds.
+    time over hours. `steady` counts the seconds, `date` is the computer's, in UNIX time.
     """
 
-    __slots__ = ("_offset", "_steady")
+    __slots__ = ("_offset", "_steady", "date")
 
-    def __init__(self, steady: Callable[[], float] = _steady()) -> None:  # noqa: B008
+    def __init__(
+        self,
+        steady: Callable[[], float] = _steady(),  # noqa: B008
+        date: Callable[[], float] | None = None,
+    ) -> None:
         self._steady = steady
-        self._offset = time.time() - steady()
+        self.date = date or time.time
+        self._offset = self.date() - steady()
 
     def now(self) -> float:
         """Return the seconds since 1970; a float resolves about 0.25 µs."""
         return self._offset + self._steady()
+
+    def skip(self, seconds: float) -> None:
+        """Add the seconds of a sleep in which the steady clock stood still, as in a browser."""
+        self._offset += seconds
 
 
 class AwakeClock(WallClock):

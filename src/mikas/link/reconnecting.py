@@ -7,8 +7,9 @@ which took the name in between is let go before a byte is sent.
 A connection over a network that died without a word is noticed here (`network.silence`), and
 replaced by the next one.
 
-The port has a clock of its own for the time without a link. A new link whose clock would run back
-(the computer's date was set back) continues the port's clock.
+The port has a clock of its own, which runs without a link and is never set. Each new link continues
+it, also if the computer's date was set in between. `dated` is what the date is compared with, and
+`slept` adds a sleep in which the clock stood still.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import InitVar, dataclass, field
+from typing import Final
 
 from mikas.errors import AnotherAdapter, PortKind, PortNotFound
 from mikas.i18n import Text
@@ -26,10 +28,14 @@ from mikas.link.ports import Port, find_ports, listed, named
 from mikas.link.suspension import LATE_IN_PROGRAM, SuspensionGuard
 from mikas.link.urls import open_link, parse, with_name
 
+_MOMENT: Final = 0.1  # s between the reading of two clocks; else the thread was stopped
+
 
 @dataclass(slots=True, kw_only=True, eq=False)
 class ReconnectingPort:
-    """Opens the same port repeatedly. `sink` records every link; `clock` is for tests.
+    """Opens the same port repeatedly. `sink` records every link.
+
+    `wall`: the clock of all links, and the computer's date; `clock`: one without a date, for tests.
 
     `wait`: sleeps for some seconds; Ctrl-C interrupts it. `wire`: the bytes on the line, where a
     sink records them. `adapter`: the one that is opened; None: the first one at `url`, or known by
@@ -40,6 +46,7 @@ class ReconnectingPort:
     find: Callable[[], list[Port]] = find_ports
     open_port: Callable[[str], Link] = open_link
     clock: InitVar[Callable[[], float] | None] = None
+    wall: WallClock | None = None
     wait: Callable[[float], object] = time.sleep
     sink: Sink | None = None
     wire: WireCount = field(default_factory=WireCount)
@@ -50,7 +57,10 @@ class ReconnectingPort:
     _ahead: float = 0.0  # the latest link's clock minus `_clock`
 
     def __post_init__(self, clock: Callable[[], float] | None) -> None:
-        self._clock = clock or WallClock().now
+        if clock is None:
+            self.wall = self.wall or WallClock()
+            clock = self.wall.now
+        self._clock = clock
 
     def open(self) -> Link:
         """Open the adapter under its present name, which `url` then is.
@@ -61,12 +71,14 @@ class ReconnectingPort:
         if link.kind is PortKind.NETWORK:
             again = self._guard is not None and not self._guard.heard
             link = self._guard = SilenceGuard(link, SILENT_AGAIN if again else SILENT)
-        if self._link is not None and (lag := self.now() - link.now()) > 0:
-            link = _AheadLink(link, lag)
+        if not link.is_simulated:
+            if link.is_virtual:  # `open_link` returns it as it is
+                link = SuspensionGuard(link, LATE_IN_PROGRAM)
+            link = _SteadyLink(link, self.now() - link.now())
+        elif self._link is not None and (lag := self.now() - link.now()) > 0:
+            link = _SteadyLink(link, lag)
         self._link = link
         self._ahead = link.now() - self._clock()
-        if link.is_virtual and not link.is_simulated:  # `open_link` returns it as it is
-            link = SuspensionGuard(link, LATE_IN_PROGRAM)
         return link if self.sink is None else CaptureTee(link, self.sink, self.wire)
 
     def _open_adapter(self) -> Link:
@@ -92,6 +104,23 @@ class ReconnectingPort:
         now = self._clock() + self._ahead
         return now if self._link is None else max(now, self._link.now())
 
+    def dated(self) -> tuple[float, float] | None:
+        """Return `now` and the computer's date of the same moment.
+
+        None: time is simulated, or the thread was stopped in between.
+        """
+        if self.wall is None or (self._link is not None and self._link.is_simulated):
+            return None
+        now, date = self.now(), self.wall.date()
+        return (now, date) if self.now() - now < _MOMENT else None
+
+    def slept(self, seconds: float) -> None:
+        """Add a sleep in which the clock stood still; between two exchanges."""
+        if self.wall is not None:
+            self.wall.skip(seconds)
+        if isinstance(self._link, _SteadyLink):
+            self._link.ahead += seconds
+
 
 def _changed(address: str, after: Port | None, present: list[Port]) -> PortNotFound:
     """Return the error of a port that became another adapter's while it was opened."""
@@ -104,20 +133,20 @@ def _changed(address: str, after: Port | None, present: list[Port]) -> PortNotFo
     return AnotherAdapter(url=address, problem=problem)
 
 
-class _AheadLink(LinkWrapper):
+class _SteadyLink(LinkWrapper):
     """`link`, with a clock that is `ahead` of its own."""
 
     def __init__(self, link: Link, ahead: float) -> None:
         super().__init__(link)
         self.opened = link.opened + ahead
-        self._ahead = ahead
+        self.ahead = ahead
 
     def read(self, deadline: float) -> Chunk:
-        chunk = self.link.read(deadline - self._ahead)
-        return Chunk(chunk.data, chunk.time + self._ahead)
+        chunk = self.link.read(deadline - self.ahead)
+        return Chunk(chunk.data, chunk.time + self.ahead)
 
     def gather(self, until: float) -> None:
-        self.link.gather(until - self._ahead)
+        self.link.gather(until - self.ahead)
 
     def now(self) -> float:
-        return self.link.now() + self._ahead
+        return self.link.now() + self.ahead

@@ -24,10 +24,11 @@ from mikas.recording.annotations.annotator import SessionAnnotator
 from mikas.recording.annotations.events import note_of
 from mikas.recording.annotations.fields import LONGEST_TEXT
 from mikas.recording.capture.coalescer import Coalescer
+from mikas.recording.capture.dating import moved
 from mikas.recording.capture.notes import Note
 from mikas.recording.capture.opening import capture_error
 from mikas.recording.capture.writer import CaptureWriter
-from mikas.sampling.events import Event, Marker, TextNote, UnitFound
+from mikas.sampling.events import ClockChanged, Event, Marker, TextNote, UnitFound
 
 if TYPE_CHECKING:
     from mikas.i18n import Text
@@ -59,6 +60,7 @@ class _Open:
     writer: CaptureWriter
     sink: Coalescer | CaptureWriter
     since: float | None
+    later: float  # seconds that its times are later than the link's clock: the date was set before
     failure: CaptureError | None = None
     written: int = 0  # samples in the file at the failure
 
@@ -85,6 +87,8 @@ class Recorder:
         self._lock = threading.RLock()
         self._open: _Open | None = None
         self._time: float | None = None  # the latest of a byte or an event, on the link's clock
+        self.later = 0.0
+        """The seconds that the date is later than the link's clock, as far as it was set since."""
 
     # For its users
 
@@ -173,7 +177,7 @@ class Recorder:
             self._advance(time)
             if (running := self._running) is not None:
                 try:  # not `_failing`: this is called for each piece of bytes
-                    running.sink.record(direction, data, time)
+                    running.sink.record(direction, data, time + running.later)
                 except CaptureError as error:
                     self._fail(running, error)
 
@@ -193,10 +197,12 @@ class Recorder:
                 self._continue_in_next_file(self._running, event)
                 return
             self._write(self._annotator.notes_of(event))
+            if isinstance(event, ClockChanged) and not event.slept:
+                self.later += event.seconds
             running = self._running
             if running is not None and isinstance(running.sink, Coalescer):
                 with self._failing(running):
-                    running.sink.tick(event.time)
+                    running.sink.tick(event.time + running.later)
 
     # The file
 
@@ -207,7 +213,7 @@ class Recorder:
     def _create(self, path: Path, named: Path, url: str, *, pipe: bool = False) -> _Open:
         writer = CaptureWriter(path, url=url, pipe=pipe)
         sink = Coalescer(writer) if self._joined else writer
-        return _Open(named, url, writer, sink, self._time)
+        return _Open(named, url, writer, sink, self._time, self.later)
 
     def _begin(self, opened: _Open) -> None:
         self._open = opened
@@ -236,7 +242,7 @@ class Recorder:
         for note in notes:  # all of them, also after a failure: the annotator's state follows
             if (running := self._running) is not None:
                 with self._failing(running):
-                    running.sink.note(note)
+                    running.sink.note(moved(note, running.later))
 
     def _close(self) -> None:
         if (running := self._running) is not None:

@@ -31,7 +31,8 @@ from mikas.recording.annotations.events import (
 )
 from mikas.recording.annotations.fields import LONGEST_COMMENT
 from mikas.recording.capture import blocks as pcapng
-from mikas.recording.capture.notes import Note, index
+from mikas.recording.capture.dating import dated_index
+from mikas.recording.capture.notes import Note
 from mikas.recording.capture.opening import capture_error, opened_capture, reason_of
 from mikas.recording.capture.reader import Blocks, Packet
 from mikas.recording.capture.scan import scan
@@ -116,14 +117,14 @@ class _Sections:
 
     def __init__(self, file: BinaryIO) -> None:
         self.file = file
-        self.index = index(file)
+        self.index = dated_index(file)
         self.edges = [*self.index.sections, self.index.size]
         self._heads: dict[int, tuple[Blocks, Packet | None]] = {}  # of the latest section
 
     def head(self, section: int) -> tuple[Blocks, Packet | None]:
         """Return a section's ports and its first packet."""
         if section not in self._heads:
-            blocks = Blocks()
+            blocks = Blocks({0: self.index.corrections.get(section, 0.0)})
             packets = self._packets(blocks, section, self.edges[section], None)
             first = next(packets, None)
             next(packets, None)  # the second one settles the clock

@@ -21,7 +21,7 @@ from mikas.client import Limits, Passport, Reading
 from mikas.client.identity import UnitIdentity
 from mikas.commands.unit import version_text
 from mikas.errors import MikasError, PortKind
-from mikas.i18n import Text
+from mikas.i18n import Text, joined
 from mikas.sampling.derived import DerivedValue
 from mikas.sampling.plan import Plan
 
@@ -188,6 +188,64 @@ class AdapterMoved(Event):
     def text(self) -> Text:
         """The move in words."""
         return Text(f"the adapter is now at {self.port}", f"адаптер теперь на {self.port}")
+
+
+@dataclass(frozen=True, slots=True)
+class ClockChanged(Event):
+    """The computer's date moved by `seconds` against its clock, from `before` to `after`.
+
+    `slept`: the computer slept, and `time` has this sleep in it; the values before and after have
+    their true dates. Else the date was set: all times of the session are to be read by `seconds`
+    later.
+    """
+
+    kind = "clock"
+    seconds: float
+    slept: bool
+    before: float
+    after: float
+
+    @property
+    def text(self) -> Text:
+        """The change in words."""
+        length = _span(abs(self.seconds))
+        if self.slept:
+            return _SLEPT.filled(length=length)
+        return (_SET_BACK if self.seconds < 0 else _SET_AHEAD).filled(length=length)
+
+    def as_json(self) -> dict[str, Any]:
+        """As `Event.as_json`, with the text."""
+        return {**Event.as_json(self), "text": _plain(self.text)}
+
+
+def _span(seconds: float) -> Text:
+    """Return a length of time, by its two largest units."""
+    left, parts = round(seconds), list[Text]()
+    for size, unit in ((86400, Text("d", "дн.")), (3600, Text("h", "ч")), (60, Text("min", "мин"))):
+        count, left = divmod(left, size)
+        parts += [Text(f"{count} {unit.en}", f"{count} {unit.ru}")] if count or parts else []
+    parts.append(Text(f"{left} s", f"{left} с"))
+    return joined(" ", parts[:2])
+
+
+_SLEPT: Final = Text(
+    "The computer slept for {length}; nothing was measured in that time",
+    "Компьютер спал {length}, за это время ничего не измерено",
+)
+_SET_AHEAD: Final = Text(
+    "The computer's date was set ahead by {length}; no time passed, and all values have the new "
+    "date",
+    "Дата компьютера переведена вперёд на {length}; время при этом не прошло, все данные "
+    "датированы по-новому",
+)
+_SET_BACK: Final = Text(
+    "The computer's date was set back by {length}; no time passed, and all values have the new "
+    "date",
+    "Дата компьютера переведена назад на {length}; время при этом не прошло, все данные "
+    "датированы по-новому",
+)
+SLEPT: Final = Text("The computer slept.", "Компьютер спал.")
+"""The reason of a gap."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -81,6 +81,7 @@ class GapTracker:
         self._last: float | None = None  # the latest values, or the end of a later gap
         self._pause: _Reason | None = None  # of the requested pause
         self._disconnected = False
+        self._slept = False  # in the open gap
 
     def gaps_of(self, event: Event) -> list[Gap]:
         """Follow `event`."""
@@ -95,7 +96,7 @@ class GapTracker:
                     reason = event.reason or event.text
                     began = self._begin(event.time, reason, error)
                     assert self.open is not None
-                    if event.state is not self._state:
+                    if event.state is not self._state and not self._slept:
                         self.open = replace(self.open, reason=reason, error=error)
                         self._state = event.state
                     return began
@@ -105,6 +106,16 @@ class GapTracker:
         """Begin a requested pause; the first of several reasons counts."""
         if self._pause is None:
             self._pause = reason, None
+
+    def slept(self, reason: Text) -> None:
+        """Let the present gap be a sleep of the computer, or else the time until the next values.
+
+        The states after it are none of its reasons.
+        """
+        if self.open is None:
+            self.pause(reason)
+        else:
+            self.open, self._slept = replace(self.open, reason=reason, error=None), True
 
     def disconnect(self, time: float, reason: Text, error: MikasError | None = None) -> list[Gap]:
         """End a connection and its gap; a pause lasts until the next connection's values."""
@@ -137,6 +148,7 @@ class GapTracker:
         self._arrivals.interrupt()
         began = time if self._last is None else min(time, self._last)
         self.open, self._state = Gap(began, began, None, reason, error), None
+        self._slept = False
         return [*gaps, self.open]
 
     def _sampled(self, time: float) -> list[Gap]:

@@ -4,8 +4,8 @@
                 ◄── jobs ───  gaps, stored faults, another unit, counts
 
 Commands, the dashboard and recordings only match the events: gaps, whether another unit answers,
-and when the faults are read is decided here alone. A session has one connection after the
-other; a gap may last from one to the next.
+when the faults are read, and what the computer's date does is decided here alone. A session has one
+connection after the other; a gap may last from one to the next.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ from mikas.errors import MikasError
 from mikas.i18n import Text
 from mikas.sampling import events
 from mikas.sampling.acquisition import Acquisition
+from mikas.sampling.date_watch import DateWatch, Jump
 from mikas.sampling.fault_watch import IN_STREAMS, FaultWatch
 from mikas.sampling.gaps import GapTracker
 
@@ -60,7 +61,9 @@ class SamplingSession:
         self._on_faults = on_faults or self._keep
         self.faults = FaultWatch(in_streams)
         """Knows the readings that it did not make by `know`, in the sampling thread."""
-        self._readings: deque[events.FaultReading] = deque()  # made by jobs, to be yielded
+        self._made: deque[events.Event] = deque()  # by jobs, to be yielded
+        self._dates = DateWatch()
+        self._sleep: tuple[Jump, Future[None]] | None = None  # to be added between two cycles
         self._gaps = GapTracker()
         self._open: events.Gap | None = None  # as the recorder has it
         self._lock = threading.Lock()  # of the tracker
@@ -96,10 +99,11 @@ class SamplingSession:
         if gaps or self._gaps.open is not self._open:
             self._record(gaps)
         self.record(event)
-        if self._readings:
+        if self._made:
             yield from self.readings()
         yield from gaps
         yield event
+        yield from self._follow_date(broken=bool(gaps) or not self._answers)
         if self._acquisition is not None and self.wants_faults() and self.faults.is_due(event):
             self._read(routine=True)
 
@@ -132,6 +136,54 @@ class SamplingSession:
         with self._lock:
             return self._gaps.silence(now)
 
+    # The computer's date
+
+    def _follow_date(self, *, broken: bool) -> Iterator[events.ClockChanged]:
+        """Yield the change of the clock that is certain by now; `broken`: no values come."""
+        if self._acquisition is None:
+            return
+        port = self._acquisition.port
+        if self._sleep is not None:
+            jump, added = self._sleep
+            lost = not self._answers and added.cancel()  # then nothing is on the line
+            if lost or added.done():
+                self._sleep = None
+                if lost or added.exception() is not None:
+                    yield self._slept(jump)
+        elif (dated := port.dated()) is not None:
+            found = self._dates.look(*dated, broken=broken or self._gaps.open is not None)
+            if found is None:
+                return
+            if not found.slept:
+                yield self._changed(found, dated[0])
+            elif self._answers:  # a request may be under way
+                self._sleep = found, self._acquisition.call(partial(self._sleep_between, found))
+            else:
+                yield self._slept(found)
+
+    def _sleep_between(self, jump: Jump, _: Ecu) -> None:
+        self._made.append(self._slept(jump))
+
+    def _slept(self, jump: Jump) -> events.ClockChanged:
+        assert self._acquisition is not None
+        port = self._acquisition.port
+        port.slept(jump.seconds)
+        with self._lock:
+            self._gaps.slept(events.SLEPT)
+        self._record([])
+        return self._changed(jump, port.now())
+
+    def _changed(self, jump: Jump, time: float) -> events.ClockChanged:
+        changed = events.ClockChanged(time, jump.seconds, jump.slept, jump.before, jump.after)
+        log(changed)
+        self.record(changed)
+        return changed
+
+    def conclude(self) -> None:
+        """Record a change of the date that was not certain yet: the session ends."""
+        if (jump := self._dates.conclude()) is not None:
+            self._changed(jump, jump.time)
+
     # The stored faults
 
     def read_now(self) -> Future[None] | None:
@@ -155,14 +207,14 @@ class SamplingSession:
         if not self.faults.refused and (reading := self.faults.read(ecu, routine=routine)):
             self._on_faults(reading)
 
-    def readings(self) -> Iterator[events.FaultReading]:
-        """Yield the readings that were made since the last event."""
-        while self._readings:
-            yield self._readings.popleft()
+    def readings(self) -> Iterator[events.Event]:
+        """Yield the readings and changes of the clock that were made since the last event."""
+        while self._made:
+            yield self._made.popleft()
 
     def _keep(self, reading: events.FaultReading) -> None:
         self.record(reading)
-        self._readings.append(reading)
+        self._made.append(reading)
 
     def _record(self, gaps: list[events.Gap]) -> None:
         """Record the gaps that are over, and the open one if it or its reason is new."""
@@ -192,7 +244,7 @@ def log(event: events.Event) -> None:
             _logger.info("gap ended after %.1f s: %s", ended - began, why)
         case events.StateChanged(text=text, reason=reason):
             _logger.info("state: %s%s", text.en, f" ({reason.en})" if reason else "")
-        case events.AdapterMoved(text=text):
+        case events.AdapterMoved(text=text) | events.ClockChanged(text=text):
             _logger.info("%s", text.en)
         case events.UnitFound(version_code=code, passport=passport, another=another):
             pieces = ", ".join(filter(None, passport.pieces)) if passport else ""

@@ -70,7 +70,7 @@ class Notices:
                 yield from self._failed(event)
             case events.StateChanged():
                 yield from self._state(event)
-            case events.AdapterMoved():
+            case events.AdapterMoved() | events.ClockChanged():
                 yield f"{capital(localized(event.text))}."
             case events.UnitFound(another=True):
                 self._shown_state = None  # the earlier unit is not back

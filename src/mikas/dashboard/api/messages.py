@@ -63,6 +63,7 @@ _IN_BOTH: Final = (
     ),
     _model(events.Gap),
     _model(events.AdapterMoved),
+    _model(events.ClockChanged, text=TwoTexts),
     _model(events.UnitFound, version_code=str | None),
     _model(events.MethodChosen),
     _model(events.ParameterDropped),

@@ -221,7 +221,7 @@ class ConnectionMonitor:
                     self.method = event.method
                     self.rates = {name: round(rate, 2) for name, rate in event.rates.items()}
                     self.log(event)
-                case events.AdapterMoved() | events.Gap():
+                case events.AdapterMoved() | events.ClockChanged() | events.Gap():
                     self.log(event)
                 case events.ParameterDropped() | events.ParameterReturned():
                     self._dropped(event)

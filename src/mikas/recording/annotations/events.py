@@ -37,6 +37,7 @@ from mikas.recording.capture.notes import Kind, Note
 from mikas.sampling.events import (
     AdapterMoved,
     AlarmChanged,
+    ClockChanged,
     Event,
     FaultReading,
     Gap,
@@ -67,6 +68,8 @@ def note_of(event: Event, interpretation: str = "corrected") -> Note:
     match event:
         case TextNote() | StateChanged() | AdapterMoved():
             pass
+        case ClockChanged():
+            data = picked(event, "seconds", "slept", "before", "after")
         case Gap():
             time = event.began
         case Marker():
@@ -289,8 +292,8 @@ def _event(note: Note, catalog: Catalog) -> Event | None:
         case Kind.STATE if (state := line_of(data.get("state"))) is not None:
             text, reason = both_of(data.get("text")) or _NO_TEXT, both_of(data.get("reason"))
             return StateChanged(time, state, text=text, reason=reason, recording=recording)
-        case Kind.ADAPTER if (port := line_of(data.get("port"))) is not None:
-            return AdapterMoved(time, port, line_of(data.get("before")) or "", recording=recording)
+        case Kind.ADAPTER | Kind.CLOCK:
+            return _of_the_computer(note)
         case Kind.ALARM if (name := line_of(data.get("channel"))) is not None:
             return AlarmChanged(
                 time,
@@ -324,6 +327,22 @@ def _event(note: Note, catalog: Catalog) -> Event | None:
             model = None if version is None else catalog.model(version).text
             return UnitFound(time, version, passport, model=model, recording=recording)
     return None
+
+
+def _of_the_computer(note: Note) -> AdapterMoved | ClockChanged | None:
+    """Return the event of an adapter's or a clock's note."""
+    time, data, recording = note.time, note.data, note.recording
+    if note.kind == Kind.ADAPTER:
+        if (port := line_of(data.get("port"))) is None:
+            return None
+        return AdapterMoved(time, port, line_of(data.get("before")) or "", recording=recording)
+    seconds, before, after = (
+        time_of(data.get(key)) for key in ("seconds", "before", "after")
+    )  # a length beyond the calendar is none
+    if seconds is None:
+        return None
+    slept = data.get("slept") is True
+    return ClockChanged(time, seconds, slept, before or 0.0, after or 0.0, recording=recording)
 
 
 def gap_of(note: Note) -> tuple[float, float | None]:

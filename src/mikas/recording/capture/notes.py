@@ -30,6 +30,7 @@ from mikas.recording.capture.scan import RawBlock, Scanner, read_whole, scan
 
 ENTERPRISE: Final = 32473  # RFC 5612: for documentation
 TAG: Final = b"mikas/1\n"
+CLOCK_TAG: Final = b'"clock"'  # in each note of a `Kind.CLOCK`, hardly in another
 LONGEST: Final = 1 << 21  # bytes of a note; 100,000 characters in JSON are at most 1.2 million
 _WINDOW: Final = 1 << 20
 _OVERLAP: Final = 64  # longer than any pattern with the bytes before it in its block
@@ -62,6 +63,7 @@ class Kind(StrEnum):
     FAULTS = "faults"
     TEST = "test"
     CAR = "car"
+    CLOCK = "clock"
 
 
 _KINDS: Final = frozenset(Kind)
@@ -118,7 +120,8 @@ def read_block(block: pcapng.Custom) -> Note | None:
 class FileIndex:
     """Offsets in a file of `size` bytes, rising. `orders`: the byte order of each section.
 
-    `fault_requests`: the last packets that may be a request for the stored faults (02).
+    `fault_requests`: the last packets that may be a request for the stored faults (02);
+    `corrections`: seconds that `notes` were moved by (`capture.dating`), by recording.
     """
 
     size: int = 0
@@ -126,6 +129,7 @@ class FileIndex:
     orders: list[pcapng.Order] = field(default_factory=list)
     notes: list[Note] = field(default_factory=list)
     fault_requests: deque[int] = field(default_factory=lambda: deque(maxlen=_FAULT_REQUESTS))
+    corrections: Mapping[int, float] = field(default_factory=dict)
 
     def section(self, offset: int) -> int:
         """Return the number of the section at `offset`; -1: before the first one."""

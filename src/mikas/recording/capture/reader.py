@@ -16,7 +16,8 @@ from mikas.i18n import Text
 from mikas.link.base import BITS_PER_BYTE, Direction
 from mikas.recording.capture import blocks as pcapng
 from mikas.recording.capture.clock import RecordingClock
-from mikas.recording.capture.notes import LEFT_OUT, Note, index, read_block
+from mikas.recording.capture.dating import corrections_in, dated_index, moved
+from mikas.recording.capture.notes import LEFT_OUT, Note, read_block
 from mikas.recording.capture.opening import opened, opened_capture
 from mikas.recording.capture.scan import (
     RawBlock,
@@ -25,7 +26,7 @@ from mikas.recording.capture.scan import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping
 
 FLAGS: Final = {Direction.SENT: pcapng.OUTBOUND, Direction.RECEIVED: pcapng.INBOUND}
 _DIRECTIONS: Final = {flags: direction for direction, flags in FLAGS.items()}
@@ -92,7 +93,7 @@ class CaptureReader:
 
     def __iter__(self) -> Iterator[Packet | Problem]:
         with opened(self.path) as file:
-            blocks = Blocks()
+            blocks = Blocks(corrections_in(file))
             for item in scan(file):
                 for each in blocks.read(item):
                     if not isinstance(each, Note):
@@ -104,7 +105,7 @@ class CaptureReader:
         They are found without reading the packets, in a fraction of the time.
         """
         with opened(self.path) as file:
-            yield from index(file).notes
+            yield from dated_index(file).notes
 
 
 class Blocks:
@@ -112,11 +113,13 @@ class Blocks:
 
     Blocks before the first section are those of a recording that has lost its beginning. If its
     first packet has the form that this program writes, its port is known except for the name.
-    `clocks`: of the present ports, by number. A shallow copy goes on from the same place.
+    `clocks`: of the present ports, by number. `corrections`: seconds to add to the times of each
+    recording (`capture.dating`). A shallow copy goes on from the same place.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, corrections: Mapping[int, float] | None = None) -> None:
         self._recording = -1
+        self._corrections = corrections or {}
         self._section: pcapng.Section | None = None
         self._interfaces: tuple[tuple[pcapng.Interface, Source], ...] = ()
         self.clocks: tuple[RecordingClock, ...] = ()
@@ -130,6 +133,11 @@ class Blocks:
     def is_settled(self) -> bool:
         """Whether the clock of a port is settled: its next packets change nothing here."""
         return any(clock.is_settled for clock in self.clocks)
+
+    @property
+    def correction(self) -> float:
+        """The seconds to add to the times of the present recording."""
+        return self._corrections.get(max(0, self._recording), 0.0)
 
     def read(self, item: RawBlock | Unreadable) -> Iterator[Packet | Problem | Note]:
         """Yield the block's packet, note or problems."""
@@ -172,6 +180,7 @@ class Blocks:
                 if note is not None and note.kind == LEFT_OUT:
                     yield Problem(offset, _left_out(note))
                 elif note is not None:
+                    note = moved(note, self.correction)
                     yield replace(note, recording=self._recording, offset=offset)
             case pcapng.SimplePacket():  # always of the first interface
                 if not self._interfaces or self._is_ours(0):
@@ -217,7 +226,7 @@ class Blocks:
         if direction is None:
             yield Problem(offset, _NO_DIRECTION)
             return
-        time = interface.time(block.ticks)
+        time = interface.time(block.ticks) + self.correction
         clock, is_possible = self.clocks[number].after_packet(time)
         if clock is not self.clocks[number]:
             self.clocks = (*self.clocks[:number], clock, *self.clocks[number + 1 :])

@@ -24,7 +24,8 @@ from mikas.file_locks import hold
 from mikas.files import open_regular
 from mikas.i18n import Text
 from mikas.recording.capture import blocks as pcapng
-from mikas.recording.capture.notes import Note, block_of
+from mikas.recording.capture.dating import corrections, moved
+from mikas.recording.capture.notes import Note, block_of, index
 from mikas.recording.capture.opening import FULL, capture_error, is_packed
 from mikas.recording.capture.reader import FLAGS, CaptureReader
 from mikas.saving import write_all
@@ -195,6 +196,7 @@ class CaptureWriter:
 def append_note(path: Path, note: Note) -> None:
     """Add a note to a recording that is not being written; whole, or not at all.
 
+    `note.time`: as readers give the times of its last recording (`capture.dating`).
     Raises `CaptureError` if the file is no capture or can't be written.
     """
     CaptureReader(path)
@@ -203,6 +205,9 @@ def append_note(path: Path, note: Note) -> None:
             raise UnfitFile(errno.EINVAL, _PACKED)
         with open_regular(path, "r+b", buffering=0) as file:
             hold(file)
+            found = index(file)
+            note = moved(note, -corrections(found.notes).get(len(found.sections) - 1, 0.0))
+            file.seek(0)
             order = pcapng.BYTE_ORDERS.get(file.read(12)[8:]) or "<"
             end = file.seek(0, os.SEEK_END)
             try:

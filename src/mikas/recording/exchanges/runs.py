@@ -16,6 +16,7 @@ from typing import BinaryIO, Final
 from mikas.cancellation import check_cancelled
 from mikas.link.base import Direction
 from mikas.recording.capture import blocks as pcapng
+from mikas.recording.capture.dating import corrections_in
 from mikas.recording.capture.notes import Note
 from mikas.recording.capture.opening import opened_capture
 from mikas.recording.capture.reader import (
@@ -66,7 +67,7 @@ def walk(
     blocks: Blocks | None = None,
 ) -> Iterator[PacketRun | Problem | Note]:
     """Yield runs, each one packet or more, problems and notes, of a part of an open file."""
-    scanner, blocks = Scanner(file, stop), blocks or Blocks()
+    scanner, blocks = Scanner(file, stop), blocks or Blocks(corrections_in(file))
     window, begin = b"", 0
     while offset < scanner.size:
         check_cancelled()
@@ -104,7 +105,7 @@ def _plain(
         return None, at
     run, clock = PacketRun(source), blocks.clocks[port]
     earliest, latest, per_second = clock.earliest, clock.latest, interface.ticks_per_second
-    zero = interface.tsoffset * per_second
+    zero, correction = interface.tsoffset * per_second, blocks.correction
     add_time, add_data, add_sent = run.times.append, run.data.append, run.sent.append
     last = len(window) - _HEAD - _TAIL
     while at <= last:
@@ -114,7 +115,7 @@ def _plain(
         if kind != pcapng.ENHANCED or number != port or captured < original or not is_whole:
             break
         is_sent = tails.get(window[end - _TAIL : end - 4])
-        time = (zero + (high << 32 | low)) / per_second
+        time = (zero + (high << 32 | low)) / per_second + correction
         if is_sent is None or window[end - 4 : end] != window[at + 4 : at + 8]:
             break
         if not earliest <= time <= latest:

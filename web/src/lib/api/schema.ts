@@ -274,6 +274,20 @@ export interface components {
             /** @description that decoded it */
             interpretation?: string | null;
         };
+        /** @description The computer's date moved by `seconds` against its clock, from `before` to `after`. */
+        ClockEvent: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "clock";
+            time: number;
+            seconds: number;
+            slept: boolean;
+            before: number;
+            after: number;
+            text: components["schemas"]["TwoTexts"];
+        };
         /**
          * @description How well a statement is known.
          * @enum {string}
@@ -519,7 +533,7 @@ export interface components {
             names: string[];
             times: number[];
             values: (number | null)[][];
-            events: (components["schemas"]["StateEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["AdapterEvent"] | components["schemas"]["UnitEvent"] | components["schemas"]["MethodEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["ReturnedEvent"] | components["schemas"]["AlarmEvent"] | components["schemas"]["MarkerEvent"] | components["schemas"]["FaultsEvent"] | components["schemas"]["ErrorEvent"] | components["schemas"]["RecordingEvent"])[];
+            events: (components["schemas"]["StateEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["AdapterEvent"] | components["schemas"]["ClockEvent"] | components["schemas"]["UnitEvent"] | components["schemas"]["MethodEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["ReturnedEvent"] | components["schemas"]["AlarmEvent"] | components["schemas"]["MarkerEvent"] | components["schemas"]["FaultsEvent"] | components["schemas"]["ErrorEvent"] | components["schemas"]["RecordingEvent"])[];
         };
         /** @description A moment: the times of its first and last row; `peak` null: nothing is compared. */
         HitInfo: {
@@ -622,7 +636,7 @@ export interface components {
             /** @description in the first, and when it has changed */
             state?: components["schemas"]["State"];
             data?: components["schemas"]["LiveRows"];
-            events?: (components["schemas"]["StateEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["AdapterEvent"] | components["schemas"]["UnitEvent"] | components["schemas"]["MethodEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["ReturnedEvent"] | components["schemas"]["AlarmEvent"] | components["schemas"]["MarkerEvent"] | components["schemas"]["FaultsEvent"] | components["schemas"]["ErrorEvent"] | components["schemas"]["RecordingEvent"])[];
+            events?: (components["schemas"]["StateEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["AdapterEvent"] | components["schemas"]["ClockEvent"] | components["schemas"]["UnitEvent"] | components["schemas"]["MethodEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["ReturnedEvent"] | components["schemas"]["AlarmEvent"] | components["schemas"]["MarkerEvent"] | components["schemas"]["FaultsEvent"] | components["schemas"]["ErrorEvent"] | components["schemas"]["RecordingEvent"])[];
             pong?: number | string;
         };
         /** @description Columns over time. null: no value in that row. */
@@ -897,7 +911,7 @@ export interface components {
             channels: string[];
             first: number | null;
             last: number | null;
-            events: (components["schemas"]["StateEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["AdapterEvent"] | components["schemas"]["UnitEvent"] | components["schemas"]["MethodEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["ReturnedEvent"] | components["schemas"]["AlarmEvent"] | components["schemas"]["MarkerEvent"] | components["schemas"]["FaultsEvent"] | components["schemas"]["NoteEvent"])[];
+            events: (components["schemas"]["StateEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["AdapterEvent"] | components["schemas"]["ClockEvent"] | components["schemas"]["UnitEvent"] | components["schemas"]["MethodEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["ReturnedEvent"] | components["schemas"]["AlarmEvent"] | components["schemas"]["MarkerEvent"] | components["schemas"]["FaultsEvent"] | components["schemas"]["NoteEvent"])[];
             problems: components["schemas"]["RecordingProblem"][];
             method: string | null;
         };

@@ -55,11 +55,13 @@ it("loses and repeats no error, and shows those without a gap by themselves, new
   expect(shown.map(({ time }) => time)).toEqual(shown.map(({ time }) => time).sort((a, b) => b - a));
 });
 
-it("keeps the latest, and nothing but errors, gaps and moved adapters", () => {
+it("keeps the latest, and nothing but errors, gaps, moved adapters and dates", () => {
   const markers: LineEvent[] = [{ kind: "marker", time: 1, label: "" }];
   const many = Array.from({ length: 300 }, (_, at) => error(at, "e"));
-  const shown = incidents([...markers, ...many, { kind: "adapter", time: 400, port: "b", before: "a" } as LineEvent]);
+  const text = { en: "slept", ru: "спал" };
+  const clock: LineEvent = { kind: "clock", time: 401, seconds: 60, slept: true, before: 341, after: 401, text };
+  const shown = incidents([...markers, ...many, { kind: "adapter", time: 400, port: "b", before: "a" } as LineEvent, clock]);
   expect(shown.length).toBe(100);
-  expect(shown[0]!.moved!.kind).toBe("adapter");
-  expect(shown.at(-1)!.time).toBe(201);
+  expect(shown.slice(0, 2).map(({ moved }) => moved!.kind)).toEqual(["clock", "adapter"]);
+  expect(shown.at(-1)!.time).toBe(202);
 });

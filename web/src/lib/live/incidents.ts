@@ -5,7 +5,8 @@ import type { LineEvent } from "../api/types";
 
 type Gap = LineEvent & { kind: "gap" };
 type Failure = LineEvent & { kind: "error" };
-type Moved = LineEvent & { kind: "adapter" };
+/** What is shown besides gaps and errors: another port, another date of the computer. */
+type Moved = LineEvent & { kind: "adapter" | "clock" };
 
 /** An error as it is shown: `text` and `bytes` false if the gap's reason has them already. */
 export interface Shown {
@@ -29,7 +30,8 @@ const MOST = 100;
 export function incidents(events: readonly LineEvent[]): Incident[] {
   const found = events.flatMap((event): Incident[] => {
     if (event.kind === "gap") return [{ time: event.began, gap: event, moved: null, count: 0, errors: [] }];
-    return event.kind === "adapter" ? [{ time: event.time, gap: null, moved: event, count: 0, errors: [] }] : [];
+    const moved = event.kind === "adapter" || event.kind === "clock" ? event : null;
+    return moved ? [{ time: moved.time, gap: null, moved, count: 0, errors: [] }] : [];
   });
   const gaps = found.filter(({ gap }) => gap);
   for (const event of events) {

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from mikas.cancellation import check_cancelled
 from mikas.link.base import Direction
 from mikas.recording.capture import blocks as pcapng
+from mikas.recording.capture.dating import corrections_in
 from mikas.recording.capture.notes import Note
 from mikas.recording.capture.opening import opened_capture
 from mikas.recording.capture.reader import (
@@ -141,7 +142,7 @@ class PacketColumns:
             if described.link_type != pcapng.LINKTYPE_USER0:
                 continue
             clock = blocks.clocks[number]
-            times = seconds(described, high[chosen], low[chosen])
+            times = seconds(described, high[chosen], low[chosen]) + blocks.correction
             possible = clock.is_settled & (times >= clock.earliest) & (times <= clock.latest)
             plain[chosen[~possible]] = False
             chosen = chosen[possible]
@@ -217,7 +218,7 @@ class _Walk:
         self._file = file
         self._size = window
         self._scanner = Scanner(file)
-        self._blocks = Blocks()
+        self._blocks = Blocks(corrections_in(file))
         self._window: Window | None = None
 
     def items(self) -> Iterator[Packets | Problem | Note]:

@@ -1,0 +1,238 @@
+"""A recording has its true dates, whatever the computer's date does while it is made."""
+
+from __future__ import annotations
+
+from contextlib import closing
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from sampling_harness import SimulatedPlug, ecu_factory
+
+from mikas.link.base import WallClock
+from mikas.link.reconnecting import ReconnectingPort
+from mikas.recording.annotations.events import events_of, note_of
+from mikas.recording.capture import blocks as pcapng
+from mikas.recording.capture.reader import CaptureReader, Packet
+from mikas.recording.capture.scan import RawBlock, scan
+from mikas.recording.capture.writer import append_note
+from mikas.recording.recorder import Recorder
+from mikas.recording.summary import summarise
+from mikas.recording.table.raw_recording import RawRecording
+from mikas.sampling.acquisition import Acquisition
+from mikas.sampling.events import SLEPT, ClockChanged, Event, Gap, Marker
+from mikas.sampling.session import SamplingSession
+from protocol_codes import SECTION_4
+from virtual_harness import make_bus
+
+BEGAN = 1_700_000_000.0
+NIGHT = 12 * 3600.0
+YEARS = 4 * 365 * 86400.0
+
+
+class Computer(SimulatedPlug):
+    """A computer whose date may jump against its clock, which does not run while it sleeps."""
+
+    def __init__(self) -> None:
+        super().__init__(make_bus())
+        self.jumped = 0.0
+        self.wall = WallClock(self.now, lambda: BEGAN + self.now() + self.jumped)
+        self.recorder = Recorder()
+        self.session = SamplingSession(self.recorder.record_event)
+        self.session.wants_faults = lambda: False
+        self.port = ReconnectingPort(
+            "sim:", open_port=self._open_real, wall=self.wall, wait=self.wait, sink=self.recorder
+        )
+
+    def _open_real(self, _: str):
+        link = self.open()
+        link.is_simulated = link.is_virtual = False
+        return link
+
+    def jump(self, seconds: float) -> None:
+        self.jumped += seconds
+
+    def silent(self, begin: float, end: float) -> None:
+        """Let the adapter be without 12 V meanwhile."""
+        self.at(begin, self.unsupply)
+        self.at(end, self.mend)
+
+    def run(self, seconds: float, method: str = "batch", rate: float | None = 5) -> list[Event]:
+        acquisition = Acquisition(
+            self.port, ecu_factory(), SECTION_4, ["FREQ", "TWAT"], method=method, rate=rate
+        )
+        found: list[Event] = []
+        with closing(self.session.run(acquisition)) as events:
+            for event in events:
+                found.append(event)
+                if self.now() > seconds:
+                    break
+        self.session.conclude()
+        return found
+
+
+def record(path: Path, computer: Computer, seconds: float = 16, **how: object) -> list[Event]:
+    computer.recorder.start(path, url="sim:")
+    events = computer.run(seconds, **how)
+    computer.recorder.stop()
+    return events
+
+
+def packets(path: Path) -> list[Packet]:
+    return [item for item in CaptureReader(path) if isinstance(item, Packet)]
+
+
+def raw_times(path: Path) -> list[float]:
+    """The packets' times as another program reads them."""
+    with path.open("rb", buffering=0) as file:
+        raw = [item for item in scan(file) if isinstance(item, RawBlock)]
+    read = [pcapng.parse(item.kind, item.body, item.order) for item in raw]
+    return [block.ticks / 1e6 for block in read if isinstance(block, pcapng.EnhancedPacket)]
+
+
+def row_times(path: Path) -> list[float]:
+    raw = RawRecording(path, SECTION_4.size_of)
+    return [time for rows in raw.stretches() for time in rows.times.tolist()]
+
+
+def clock_notes(path: Path) -> list[ClockChanged]:
+    found = events_of(CaptureReader(path).notes(), SECTION_4)
+    return [event for event in found if isinstance(event, ClockChanged)]
+
+
+@pytest.fixture(scope="module")
+def steady(tmp_path_factory) -> Path:
+    path = tmp_path_factory.mktemp("steady") / "steady.pcapng"
+    record(path, Computer())
+    return path
+
+
+def spaced(times: list[float]) -> list[float]:
+    return [round(after - before, 5) for before, after in pairwise(times)]
+
+
+@pytest.mark.parametrize(
+    ("seconds", "method"),
+    [(it, "batch") for it in (YEARS, NIGHT, 60.0, 1.5, -1.5, -NIGHT, -YEARS)] + [(-60, "stream")],
+)
+def test_a_date_that_is_set_while_values_come_dates_all_of_the_recording(tmp_path, seconds, method):
+    alone, path = tmp_path / "alone.pcapng", tmp_path / "a.pcapng"
+    record(alone, Computer(), 12, method=method)
+    computer = Computer()
+    computer.at(6.0, lambda: computer.jump(seconds))
+    events = record(path, computer, 12, method=method)
+    assert not [event for event in events if isinstance(event, Gap)]
+    [change] = clock_notes(path)
+    assert (change.seconds, change.slept) == (pytest.approx(seconds, abs=0.01), False)
+    assert change.after - change.before == pytest.approx(seconds, abs=0.01)
+    assert spaced(raw_times(path)) == spaced(raw_times(alone))  # in order for other programs
+    times = [packet.time for packet in packets(path)]
+    assert times == pytest.approx([packet.time + seconds for packet in packets(alone)], abs=0.01)
+    assert row_times(path) == pytest.approx([t + seconds for t in row_times(alone)], abs=0.01)
+    assert spaced(row_times(path)) == spaced(row_times(alone))
+    assert summarise(path).date == pytest.approx(summarise(alone).date + seconds, abs=0.01)
+
+
+@pytest.mark.parametrize("method", ["batch", "stream"])
+@pytest.mark.parametrize("jumped_at", [9.0, 12.0])
+def test_a_sleep_is_a_gap_of_its_true_length_and_all_values_have_true_dates(
+    tmp_path, method, jumped_at
+):
+    alone, path = tmp_path / "alone.pcapng", tmp_path / "a.pcapng"
+    awake, computer = Computer(), Computer()
+    for each in (awake, computer):
+        each.silent(10.0, 14.0)
+    computer.at(jumped_at, lambda: computer.jump(NIGHT))
+    record(alone, awake, 25, method=method)
+    record(path, computer, 25, method=method)
+    [change] = clock_notes(path)
+    assert (change.seconds, change.slept) == (pytest.approx(NIGHT, abs=0.01), True)
+    expected = [e for e in events_of(CaptureReader(alone).notes(), SECTION_4) if type(e) is Gap]
+    gaps = [e for e in events_of(CaptureReader(path).notes(), SECTION_4) if type(e) is Gap]
+    [gap], [shorter] = gaps, expected
+    assert gap.reason == SLEPT
+    assert gap.began == pytest.approx(shorter.began, abs=0.5)
+    assert gap.ended - gap.began == pytest.approx(NIGHT + shorter.ended - shorter.began, abs=5)
+    times = row_times(path)
+    assert times == sorted(times)
+    before = [time for time in times if time < gap.began + 1]
+    assert before == pytest.approx(row_times(alone)[: len(before)], abs=0.01)
+    assert len(before) < len(times)
+    assert all(time >= gap.ended - 1 for time in times[len(before) :])
+    assert min(times[len(before) :]) - max(before) > NIGHT
+
+
+@pytest.mark.parametrize("seconds", [YEARS, NIGHT, -NIGHT])
+def test_a_recording_begun_next_morning_in_the_same_connection_has_its_true_date(tmp_path, seconds):
+    computer, path = Computer(), tmp_path / "next.pcapng"
+    computer.at(5.0, lambda: computer.jump(seconds))
+    computer.at(10.0, lambda: computer.recorder.start(path, url="sim:"))
+    computer.run(12.0)
+    computer.recorder.stop()
+    assert clock_notes(path) == []
+    for time in (raw_times(path)[0], packets(path)[0].time, next(CaptureReader(path).notes()).time):
+        assert time == pytest.approx(BEGAN + 10 + seconds, abs=1)
+
+
+def test_an_edit_of_a_recording_whose_date_was_set_hits_its_marker(tmp_path):
+    computer, path = Computer(), tmp_path / "a.pcapng"
+    computer.at(5.0, lambda: computer.recorder.marker(label="hill"))
+    computer.at(10.0, lambda: computer.jump(YEARS + 0.123))
+    record(path, computer)
+
+    def markers() -> list[Marker]:
+        found = events_of(CaptureReader(path).notes(), SECTION_4)
+        return [event for event in found if isinstance(event, Marker)]
+
+    [marker] = markers()
+    append_note(path, note_of(replace(marker, label="bridge", renamed=True)))
+    assert markers() == [replace(marker, label="bridge")]
+    append_note(path, note_of(replace(marker, removed=True)))
+    assert markers() == []
+
+
+def test_the_date_that_was_set_just_before_the_end_is_noted(tmp_path):
+    computer, path = Computer(), tmp_path / "a.pcapng"
+    computer.at(14.0, lambda: computer.jump(-NIGHT))
+    computer.recorder.start(path, url="sim:")
+    computer.run(16.0)
+    computer.recorder.stop()
+    [change] = clock_notes(path)
+    assert change.seconds == pytest.approx(-NIGHT, abs=0.01)
+
+
+def test_a_file_of_an_unknown_writer_is_read_with_any_note_of_a_clock(steady, tmp_path):
+    for seconds in ("1e400", "-1e300", '"x"', "true", "null", "[]", "9" * 30):
+        path = tmp_path / "a.pcapng"
+        data = f'{{"kind":"clock","time":1,"data":{{"seconds":{seconds}}}}}'.encode()
+        block = pcapng.encode(pcapng.Custom(32473, b"mikas/1\n" + data))
+        path.write_bytes(steady.read_bytes() + block)
+        assert packets(path) == packets(steady)
+
+
+jumps = st.lists(
+    st.tuples(st.floats(3, 12), st.floats(-YEARS, YEARS).filter(lambda it: abs(it) > 2)),
+    min_size=1,
+    max_size=3,
+)
+
+
+@settings(max_examples=10, deadline=None)
+@given(jumps)
+def test_random_jumps_move_no_value_against_its_neighbours(steady, jumped):
+    computer = Computer()
+    for moment, seconds in jumped:
+        computer.at(moment, lambda seconds=seconds: computer.jump(seconds))
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "a.pcapng"
+        record(path, computer)
+        assert spaced(raw_times(path)) == spaced(raw_times(steady))
+        assert spaced(row_times(path)) == spaced(row_times(steady))
+        assert [it.data for it in packets(path)] == [it.data for it in packets(steady)]
+        noted = sum(change.seconds for change in clock_notes(path))
+        assert noted == pytest.approx(computer.jumped, abs=1.1)
+        assert row_times(path) == pytest.approx([it + noted for it in row_times(steady)], abs=0.01)
