@@ -28,6 +28,8 @@
     │   ├── PortFailed                 not opened for another reason
     │   ├── LinkLost                   the adapter disconnected while in use
     │   │   ├── ConnectionSilent       over a network, nothing came back for seconds
+    │   │   ├── OtherService           over a network, another service answers there
+    │   │   ├── PortTaken              over a network, another client has it (also a PortBusy)
     │   │   ├── LineFlooded            it sends more than a line can carry
     │   │   └── RecordingOver          the recording played by `replay:` has ended
     │   ├── NoEcho                     nothing received, not even the echo (D1)
@@ -88,11 +90,13 @@ from mikas.errors.connection import NoConnection as NoConnection
 from mikas.errors.connection import NoEcho as NoEcho
 from mikas.errors.connection import NoPortGiven as NoPortGiven
 from mikas.errors.connection import NotAKLineAdapter as NotAKLineAdapter
+from mikas.errors.connection import OtherService as OtherService
 from mikas.errors.connection import PortBusy as PortBusy
 from mikas.errors.connection import PortDenied as PortDenied
 from mikas.errors.connection import PortFailed as PortFailed
 from mikas.errors.connection import PortNotFound as PortNotFound
 from mikas.errors.connection import PortProbed as PortProbed
+from mikas.errors.connection import PortTaken as PortTaken
 from mikas.errors.connection import RecordingOver as RecordingOver
 from mikas.errors.connection import TakenByBrltty as TakenByBrltty
 from mikas.errors.exchange import AnswersLate as AnswersLate

@@ -157,6 +157,20 @@ class ConnectionSilent(LinkLost):
     )
 
 
+class PortTaken(PortBusy, LinkLost):
+    """The other end of a network port says that another client has it. `holder`: its words."""
+
+
+class OtherService(LinkLost):
+    """Another service answers at the network port `url`. `service`; `said`: its words, if any."""
+
+    what = Text(
+        "At {url} there is no serial port, but {service}{said}",
+        "По адресу {url} не последовательный порт, а {service}{said}",
+    )
+    advice = Text("Check the host and the port number.", "Проверьте адрес и номер порта.")
+
+
 class LineFlooded(LinkLost):
     """More bytes arrived than a line of that baud rate carries. `rate`, `most`: bytes a second."""
 

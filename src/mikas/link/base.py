@@ -19,7 +19,7 @@ from functools import partial
 from math import inf
 from typing import NamedTuple, Protocol, Self
 
-from mikas.errors import PortKind
+from mikas.errors import LineError, NoConnection, PortKind
 from mikas.i18n import Text
 
 BAUD = 9600  # §1
@@ -137,6 +137,13 @@ class Link(ABC):
         thread within a second.
         """
 
+    def explained(self, error: NoConnection | LineError) -> NoConnection | LineError:
+        """Return the error to raise for a handshake that failed with `error`.
+
+        It is another one where the other end of a network port has said what it is.
+        """
+        return error
+
     def give_up(self) -> None:
         """As `close`, for a link whose other end may not learn of it, or keeps from closing."""
         self.close()
@@ -189,6 +196,9 @@ class LinkWrapper(Link):
 
     def give_up(self) -> None:
         self.link.give_up()
+
+    def explained(self, error: NoConnection | LineError) -> NoConnection | LineError:
+        return self.link.explained(error)
 
 
 class Direction(Enum):

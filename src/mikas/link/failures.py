@@ -20,6 +20,7 @@ from mikas.errors import NoConnection, PortDenied, PortFailed, PortKind, PortNot
 from mikas.i18n import Text
 from mikas.link.base import TAKES_NO_BYTES, UNPLUGGED
 from mikas.link.holders import adapter_without_port, port_busy
+from mikas.link.network.other_end import CLOSED_THERE, in_handshake
 from mikas.link.network.rfc2217 import NotSet
 from mikas.link.network.tcp import WriteTimeout
 from mikas.link.ports import find_ports, listed
@@ -47,7 +48,6 @@ _WIN_ERROR = re.compile(r"\w+Error\(\d+, .*, None, (\d+)\)", re.DOTALL)
 _CHECK_NAME = Text("Serial ports found: {found}.", "Найденные последовательные порты: {found}.")
 
 _NOT_SERIAL = Text("it is not a serial port", "это не последовательный порт")
-_CLOSED_THERE = Text("closed by the other end", "закрыта другой стороной")
 _NO_ANSWER = Text("no answer from there", "узел не отвечает")
 _NO_WAY = Text("this computer has no way to it", "от этого компьютера к нему нет пути")
 _OVER_NETWORK = {
@@ -58,17 +58,22 @@ _OVER_NETWORK = {
     errno.ENETUNREACH: _NO_WAY,
     errno.ENETDOWN: _NO_WAY,
     errno.EADDRNOTAVAIL: _NO_WAY,
-    errno.ECONNRESET: _CLOSED_THERE,
-    errno.ECONNABORTED: _CLOSED_THERE,
+    errno.ECONNRESET: CLOSED_THERE,
+    errno.ECONNABORTED: CLOSED_THERE,
     errno.EACCES: Text("a firewall forbids it", "запрещает брандмауэр"),
     errno.EPERM: Text("a firewall forbids it", "запрещает брандмауэр"),
 }
 
 
-def opening_failed(url: str, error: Exception) -> NoConnection:
-    """Return the error to raise when opening `url` raised `error`."""
+def opening_failed(url: str, error: Exception, first: bytes = b"") -> NoConnection:
+    """Return the error to raise when opening `url` raised `error`.
+
+    `first`: what the other end of a network port has said.
+    """
     kind = kind_of(url)
     if kind is PortKind.NETWORK:
+        if isinstance(error, NotSet) and (other := in_handshake(url, 0, first, telnet=True)):
+            return other
         return met_on(kind, PortFailed(url=url, problem=_why_not_connected(error)))
     code, windows = number_of(error), _windows_number(error)
     if code in _ABSENT or windows in _WINDOWS_ABSENT:
@@ -89,7 +94,7 @@ def why_lost(error: Exception, kind: PortKind = PortKind.CABLE) -> Text:
         return TAKES_NO_BYTES
     if kind is PortKind.NETWORK:
         is_closed = isinstance(error, ConnectionError) or number_of(error) == errno.EBADF
-        return _CLOSED_THERE if is_closed else _why_not_connected(error)
+        return CLOSED_THERE if is_closed else _why_not_connected(error)
     gone = number_of(error) in _UNPLUGGED or _windows_number(error) in _WINDOWS_UNPLUGGED
     if gone or re.search("disconnected|died", str(error)):
         return UNPLUGGED
@@ -119,7 +124,7 @@ def _why_not_connected(error: Exception) -> Text:
         case socket.gaierror() | UnicodeError():
             return Text("this host is not known", "такой адрес не найден")
         case BrokenPipeError():
-            return _CLOSED_THERE
+            return CLOSED_THERE
     return _OVER_NETWORK.get(number_of(error) or 0) or _own_words(error)
 
 

@@ -25,7 +25,7 @@ from typing import TypeAlias
 
 import serial
 
-from mikas.errors import LinkLost, met_on
+from mikas.errors import LineError, LinkLost, NoConnection, met_on
 from mikas.i18n import Text
 from mikas.link.base import (
     AT_ONCE,
@@ -42,6 +42,7 @@ from mikas.link.base import (
     WallClock,
 )
 from mikas.link.failures import SYSTEM_ERRORS, is_unable, opening_failed, why_lost
+from mikas.link.network.other_end import at_the_end, in_handshake
 from mikas.link.network.rfc2217 import Rfc2217Port, Settings
 from mikas.link.network.tcp import TcpPort
 from mikas.link.ports import find_ports, named
@@ -173,8 +174,24 @@ class SerialLink(Link):
         return self._lost(self._gone, request)
 
     def _lost(self, why: Text, request: bytes | None) -> LinkLost:
-        lost = LinkLost(url=self.url, problem=why, request=request, time=self.now())
-        return met_on(self.kind, lost)
+        port = self.port
+        if isinstance(port, TcpPort) and port.ended_there:
+            lost = at_the_end(self.url, port.number, port.first, port.last, telnet=port.telnet)
+        else:
+            lost = met_on(self.kind, LinkLost(url=self.url, problem=why))
+        lost.request, lost.time = request, self.now()
+        return lost
+
+    def explained(self, error: NoConnection | LineError) -> NoConnection | LineError:
+        """As `Link.explained`."""
+        port = self.port
+        if isinstance(error, LinkLost) or not isinstance(port, TcpPort):
+            return error
+        other = in_handshake(self.url, port.number, port.first, telnet=port.telnet)
+        if other is None:
+            return error
+        other.request, other.received, other.time = error.request, error.received, error.time
+        return other
 
     def _close_port(self, *, given_up: bool = False) -> None:
         """Close the port, once: a second thread might close a descriptor that is in use again."""
@@ -269,7 +286,9 @@ def _connect(url: str, port: TcpPort, baud: int, about: str) -> SerialLink:
     try:
         port.open((host, number))
     except SYSTEM_ERRORS as error:
-        raise opening_failed(url, error) from error
+        if port.ended_there:
+            raise at_the_end(url, number, port.first, port.last, telnet=port.telnet) from error
+        raise opening_failed(url, error, port.first) from error
     place = f"[{host}]:{number}" if ":" in host else f"{host}:{number}"
     return SerialLink(
         url,

@@ -18,6 +18,7 @@ from mikas.errors import (
     EcuRefused,
     LineError,
     MikasError,
+    NoConnection,
     NoResponse,
     NotSupported,
     ReadingSuspended,
@@ -78,7 +79,7 @@ class Tester:
         Raises `NoEcho`, `EchoOnly`, `EchoDiffers`, `NotAKLineAdapter`, `LineNotQuiet`,
         `AnswersLate`, `LinkLost`.
         """
-        with self._holding():
+        with self._holding(), self._explaining():
             self._ahead.forget()
             for attempt in range(self.retries + 1):
                 self.sync.mark_lost()
@@ -101,6 +102,17 @@ class Tester:
             assert self.version_code is not None
             self._known.update(c.Availability.CODES)
             return self.version_code
+
+    @contextmanager
+    def _explaining(self) -> Iterator[None]:
+        """Raise the error of the link's other end, where that explains the one raised inside."""
+        try:
+            yield
+        except (LineError, NoConnection) as error:
+            explained = self.link.explained(error)
+            if explained is error:
+                raise
+            raise explained from error
 
     def _check_time_out(self, error: LineError) -> None:
         """After `error` of the handshake: raise `AnswersLate` if the response comes too late."""

@@ -130,13 +130,15 @@ class Rfc2217Port(TcpPort):
     `can_break`: whether the server speaks RFC 2217, not Telnet alone.
     """
 
+    telnet = True
+
     def __init__(self, settings: Settings, *, patience: float) -> None:
         super().__init__(patience=patience)
         self.can_break = False
         self._settings = settings
         self._decoder = Decoder(_COM_PORT)
         self._binary = True  # what is sent
-        self._first = b""  # received before the settings are agreed on
+        self._before = b""  # received before the settings are agreed on
         self._agreed: dict[tuple[bool, int], bool] = {}  # by whether it is done here, and option
         self._unanswered: dict[Setting, int] = {}
 
@@ -172,10 +174,10 @@ class Rfc2217Port(TcpPort):
             return any(known) or len(known) == 2
 
         self._wait(FIRST_ANSWER, decided)
-        if self._first.startswith(opening):  # the K-Line's echo; a server's answer has other verbs
+        if self._before.startswith(opening):  # the K-Line's echo; a server's answer has other verbs
             raise NotSet(RAW_PORT)
         if not self._decoder.spoken:
-            raise NotSet(NO_TELNET if self.heard else NO_ANSWER)
+            raise NotSet(NO_TELNET if self.first else NO_ANSWER)
         self.can_break = self._agreed.get(ours, False) or self._agreed.get(theirs, False)
         if self.can_break:
             self._set_up()
@@ -202,8 +204,8 @@ class Rfc2217Port(TcpPort):
     def read(self, size: int) -> bytes:
         """Return the data that have arrived; none if it was the server's own talk."""
         received = self._receive(size)
-        if len(self._first) < _MOST_FIRST:
-            self._first += received
+        if len(self._before) < _MOST_FIRST:
+            self._before += received
         data, events = self._decoder.feed(received)
         self._note(data)
         for event in events:

@@ -23,7 +23,7 @@ from typing import Any, Final
 
 CONNECTING: Final = 2.0  # s
 RESOLVING: Final = 3.0  # s
-MOST_HEARD: Final = 512  # bytes that `heard` keeps
+MOST_KEPT: Final = 256  # bytes that `first` and `last` keep
 
 _NEXT_ADDRESS: Final = 0.3  # s until the next address is tried too
 _USER_TIMEOUT: Final = 10_000  # ms without an acknowledgement; whoever asks has given up by then
@@ -54,21 +54,25 @@ class WriteTimeout(TimeoutError):
 class TcpPort:
     """A connection. Its calls raise `OSError`.
 
-    `patience`: seconds that a write may wait. `heard`: the first bytes since connecting.
+    `patience`: seconds that a write may wait. `first`, `last`: bytes that came since connecting.
+    `telnet`: whether they are free of Telnet's own. `number`: of the port there.
     """
 
     timeout = 0  # the system can wait on `fileno`
+    telnet = False
     can_break = False
     break_condition: bool = False
     _socket: socket.socket
 
     def __init__(self, *, patience: float) -> None:
-        self.heard = b""
+        self.first = self.last = b""
+        self.number = 0
         self._patience = patience
-        self._ended_there = False
+        self.ended_there = False
 
     def open(self, place: Place) -> None:
         """Connect."""
+        self.number = place[1]
         self._socket = _connected(place)
         self._ends = self._socket.getpeername(), self._socket.getsockname()
 
@@ -96,7 +100,7 @@ class TcpPort:
 
     def give_up(self) -> None:
         """Close a connection whose other end may not learn of it; the next one replaces it."""
-        if not self._ended_there:
+        if not self.ended_there:
             there, here = self._ends
             _given_up[there] = here
             with suppress(OSError):
@@ -105,8 +109,9 @@ class TcpPort:
         self._socket.close()
 
     def _note(self, data: bytes) -> None:
-        if len(self.heard) < MOST_HEARD:
-            self.heard += data[: MOST_HEARD - len(self.heard)]
+        if len(self.first) < MOST_KEPT:
+            self.first += data[: MOST_KEPT - len(self.first)]
+        self.last = (self.last + data)[-MOST_KEPT:]
 
     def _receive(self, size: int) -> bytes:
         try:
@@ -114,10 +119,10 @@ class TcpPort:
         except BlockingIOError:
             return b""
         except ConnectionError:
-            self._ended_there = True
+            self.ended_there = True
             raise
         if not data:
-            self._ended_there = True
+            self.ended_there = True
             raise ConnectionEnded(errno.ECONNRESET, "closed by the other end")
         return data
 
@@ -131,15 +136,21 @@ class TcpPort:
                 if (seconds := until - time.monotonic()) <= 0:
                     raise WriteTimeout("write timeout") from None
                 select.select([], [self._socket], [], seconds)
+            except ConnectionError:
+                self.ended_there = True
+                with suppress(OSError):  # the end of the connection follows what came before it
+                    while True:
+                        self.read(MOST_KEPT)
+                raise
 
     def _closed_there(self) -> bool:
         try:
-            self._ended_there = not self._socket.recv(1, socket.MSG_PEEK)
+            self.ended_there = not self._socket.recv(1, socket.MSG_PEEK)
         except BlockingIOError:
             return False
         except ConnectionError:
-            self._ended_there = True
-        return self._ended_there
+            self.ended_there = True
+        return self.ended_there
 
 
 def _connected(place: Place) -> socket.socket:
