@@ -62,13 +62,14 @@ class Computer:
 
 COMPUTERS = {
     "no home, files for the owner alone": Computer(None, keeps=False, umask="077"),
-    "an empty HOME, a terminal of another language": Computer(
-        "", keeps=False, environment={"LANG": "xx_YY.KOI8-R", "LC_ALL": "xx_YY.KOI8-R"}
+    "an empty HOME, no folder for temporary files, a terminal of another language": Computer(
+        "",
+        keeps=False,
+        environment={
+            "LANG": "xx_YY.KOI8-R", "LC_ALL": "xx_YY.KOI8-R", "TMPDIR": "/nonexistent",
+        },
     ),
     "the root as HOME, closed streams": Computer("/", keeps=False, oddity="closed"),
-    "an absent HOME, no folder for temporary files": Computer(
-        "/nonexistent", keeps=False, environment={"TMPDIR": "/nonexistent"}
-    ),
     "a read-only HOME, a current folder that can't be read": Computer(
         "{folder}/sealed", keeps=False, oddity="unreadable"
     ),
@@ -81,7 +82,7 @@ COMPUTERS = {
     "signs of patterns, files for all": Computer(
         "{folder}/-[a]*? дом", prefix=PATTERN, is_relative=True, umask="000"
     ),
-    "names at the limit": Computer(prefix="ж" * 122),
+    "an absent HOME, names at the limit": Computer("/nonexistent", keeps=False, prefix="ж" * 122),
     "a full disk": Computer(oddity="full", writes_none=True),
 }  # fmt: skip
 NEED_ROOT = ("no home, files for the owner alone", "a full disk")
