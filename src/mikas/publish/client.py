@@ -19,6 +19,7 @@ import aiomqtt
 from paho.mqtt import client as paho
 from paho.mqtt.enums import MQTTErrorCode
 
+CONNECTING: Final = 2.5  # s of one attempt: what was sent into a network that is gone comes never
 LARGEST: Final = 1 << 20  # bytes of a packet; Home Assistant's discovery of 29 channels has 17 kB
 BURST: Final = 4 << 20  # bytes at once
 RATE: Final = 8 << 10  # bytes a second for ever: answers to pings
@@ -37,12 +38,18 @@ class BoundedClient(aiomqtt.Client):
     def __init__(self, *args: Any, **options: Any) -> None:
         super().__init__(*args, max_queued_incoming_messages=WAITING, **options)
         self._client.__class__ = _BoundedPaho  # aiomqtt makes its own one
+        self._client.connect_timeout = CONNECTING
         self._allowance = self._client.allowance = Allowance()  # type: ignore[attr-defined]
 
     @property
     def has_left(self) -> bool:
         """Whether the broker was left because of what it sent."""
         return self._allowance.exceeded
+
+    @property
+    def timed_out(self) -> TimeoutError | None:
+        """The system's error of a connection over which nothing came any more."""
+        return self._client.timed_out  # type: ignore[attr-defined,no-any-return]
 
     async def publish(self, *args: Any, **options: Any) -> None:
         """As aiomqtt's."""
@@ -96,13 +103,18 @@ class Allowance:
 
 class _BoundedPaho(paho.Client):
     allowance: Allowance
+    timed_out: TimeoutError | None = None  # which the library takes for a closed connection
 
     def _sock_recv(self, bufsize: int) -> bytes:
         """As paho's, which asks for all of a packet as soon as it knows its size."""
         self.allowance.ask(bufsize)
         if self._in_messages:  # QoS 2, which was not subscribed to, and is kept until released
             self.allowance.exceed()
-        data = super()._sock_recv(bufsize)
+        try:
+            data = super()._sock_recv(bufsize)
+        except TimeoutError as error:  # what was sent was not acknowledged
+            self.timed_out = error
+            raise
         self.allowance.took(len(data))
         return data
 

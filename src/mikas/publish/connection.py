@@ -40,8 +40,8 @@ T = TypeVar("T")
 # A network that is gone closes no connection. So the broker's answer to a ping has to come within
 # `KEEP_ALIVE`, and where the system can, it gives up what is not acknowledged soon.
 KEEP_ALIVE: Final = 3  # s; after one and a half of them without a sign of life comes the last will
-UNACKNOWLEDGED: Final = 2.0  # s
-_ANSWER: Final = 10.0  # s for the broker's answer
+UNACKNOWLEDGED: Final = 1.5  # s
+_ANSWER: Final = 4.0  # s for the broker's answer; a network that is back has another chance soon
 _FIRST_PAUSE: Final = 1.0  # s
 _LONGEST_PAUSE: Final = 2.0  # so that it is back soon after the network
 _REFUSED_PAUSE: Final = 30.0
@@ -205,7 +205,7 @@ class BrokerConnection:
                 return left(url, reached=reached)
             if not reached:
                 return connecting_failed(url, error)
-            return connection_lost(url, error, again=self._short >= _OFTEN)
+            return connection_lost(url, client.timed_out or error, again=self._short >= _OFTEN)
         finally:
             client.let_go()
             self.is_connected = False

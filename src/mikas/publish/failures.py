@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import socket
 import ssl
 from typing import TYPE_CHECKING, Final
@@ -112,5 +113,7 @@ def left(url: str, *, reached: bool) -> errors.NoBroker:
 
 def connection_lost(url: str, error: Exception, *, again: bool) -> errors.BrokerLost:
     """Return the error of a connection that broke off. `again`: as the ones before, at once."""
-    problem = _NO_ANSWER if "timed out" in str(error) else _CLOSED
+    cause = error if isinstance(error, OSError) else error.__context__
+    is_silent = isinstance(cause, TimeoutError) or re.search("timed out|[Kk]eep ?alive", str(error))
+    problem = _NO_ANSWER if is_silent else _CLOSED
     return errors.BrokerLost(url=url, problem=problem, advice=_SAME_CLIENT if again else None)
