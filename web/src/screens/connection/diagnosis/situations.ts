@@ -56,6 +56,7 @@ export type Situation = keyof typeof SITUATIONS;
 export const BY_CODE: Readonly<Record<string, Situation>> = {
   PortBusy: "busy",
   PortProbed: "busy",
+  PortTaken: "busy",
   AdapterTaken: "not-openable",
   TakenByBrltty: "not-openable",
   AdapterWithoutDriver: "not-openable",
@@ -63,10 +64,12 @@ export const BY_CODE: Readonly<Record<string, Situation>> = {
   PortNotFound: "no-port",
   NoPortGiven: "several",
   PortFailed: "not-openable",
+  OtherService: "not-openable",
   LinkLost: "unplugged",
   AnotherAdapter: "unplugged",
   RecordingOver: "recording-ended",
   NoEcho: "no-echo",
+  ConnectionSilent: "no-echo",
   EchoOnly: "echo-only",
   NotAKLineAdapter: "elm327",
 };

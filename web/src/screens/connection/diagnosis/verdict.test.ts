@@ -61,6 +61,9 @@ describe("situationOf", () => {
   });
   it.each([
     ["no-port", "PortBusy", "bridge-busy"],
+    ["no-port", "PortTaken", "bridge-busy"],
+    ["no-port", "OtherService", "no-adapter"],
+    ["no-echo", "ConnectionSilent", "bridge-silent"],
     ["no-port", "PortFailed", "no-adapter"],
     ["no-port", "LinkLost", "closed"],
     ["no-echo", null, "bridge-silent"],
