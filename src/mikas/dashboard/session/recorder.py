@@ -23,6 +23,7 @@ from mikas.dashboard.settings import ensure_folder
 from mikas.errors import MikasError
 from mikas.i18n import Text
 from mikas.recording.annotations.events import car_note, faults_note, note_of
+from mikas.recording.capture.dating import moved
 from mikas.recording.capture.notes import Note
 from mikas.recording.capture.writer import append_note
 from mikas.recording.recorder import Recorder, RecordingStatus
@@ -155,7 +156,8 @@ class SessionRecorder:
             raise NotFound(name=_MARKER)
         self._connection.monitor.log(marker)
         if (path := self._marked.get(marker.time)) is not None:
-            self.append_note(path, note_of(marker))  # the recording may have ended since
+            dated = moved(note_of(marker), self.recorder.later)
+            self.append_note(path, dated)  # the recording may have ended since
 
     def write_text(self, text: str) -> None:
         """Write a note into the recording. Raises `Busy` if there is none."""
@@ -164,9 +166,12 @@ class SessionRecorder:
         self.recorder.text(text)
 
     def append_note(self, path: Path, note: Note) -> None:
-        """Write a note into a recording's file, which may be in progress. Raises `CaptureError`."""
+        """Write a note into a recording's file, which may be in progress. Raises `CaptureError`.
+
+        `note.time`: as readers give the times of that recording.
+        """
         if path == self._path:
-            self.recorder.note(note)
+            self.recorder.note(moved(note, -self.recorder.later))
         else:
             append_note(path, note)
 
