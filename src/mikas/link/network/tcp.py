@@ -16,6 +16,7 @@ import os
 import select
 import socket
 import struct
+import sys
 import threading
 import time
 from contextlib import suppress
@@ -28,7 +29,8 @@ MOST_KEPT: Final = 256  # bytes that `first` and `last` keep
 _NEXT_ADDRESS: Final = 0.3  # s until the next address is tried too
 _USER_TIMEOUT: Final = 10_000  # ms without an acknowledgement; whoever asks has given up by then
 _KEEPALIVE: Final = {"TCP_KEEPIDLE": 10, "TCP_KEEPALIVE": 10, "TCP_KEEPINTVL": 5, "TCP_KEEPCNT": 3}
-_AT_ONCE: Final = struct.pack("ii", 1, 0)  # SO_LINGER: RST, and nothing of it stays here
+# SO_LINGER: RST, and nothing of the connection stays here. Windows has two shorts.
+_AT_ONCE: Final = struct.pack("hh" if sys.platform == "win32" else "ii", 1, 0)
 _PORT_IN_USE: Final = {errno.EADDRINUSE, errno.EADDRNOTAVAIL, errno.EINVAL, errno.EACCES}
 _UNDER_WAY: Final = {0, errno.EINPROGRESS, errno.EWOULDBLOCK, errno.EALREADY}
 
