@@ -22,10 +22,32 @@ def test_a_date_that_runs_with_the_clock_is_no_jump_and_neither_is_its_drift():
     assert looks(*seen) == [None] * len(seen)
 
 
-def test_drift_of_a_day_is_corrected_second_by_second():
-    found = [it for it in looks(*((it, it * 0.0001, False) for it in range(0, 86400, 5))) if it]
-    assert [round(it.seconds, 1) for it in found] == [1.0] * 8
-    assert not any(it.slept for it in found)
+@pytest.mark.parametrize("ppm", [500, -500, 50])
+@pytest.mark.parametrize("step", [0.2, 60.0, 3600.0])
+def test_drift_is_noted_seldom_as_a_set_date_and_no_date_is_wrong_for_more(ppm, step):
+    day = 86_400
+    count = int(day / step)
+    watch, noted = DateWatch(), 0.0
+    for number in range(count + 1):
+        now = number * step
+        drift = now * ppm * 1e-6
+        found = watch.look(now, DATE + now + drift, broken=number % 7 == 0)
+        if found is not None:
+            assert not found.slept
+            assert abs(found.seconds) >= 9.9
+            noted += found.seconds
+        assert abs(noted - drift) < 11.5
+    assert watch.conclude() is None
+
+
+@pytest.mark.parametrize("rate", [0.083, 0.3, 0.006])
+@pytest.mark.parametrize("seconds", [60.0, -60.0])
+def test_a_date_that_is_slewed_to_another_is_noted_once_when_it_rests(rate, seconds):
+    lasts = abs(seconds) / rate
+    moments = [it * 0.5 for it in range(int((lasts + 30) / 0.5))]
+    seen = [(it, seconds * max(0.0, min(1.0, (it - 10) / lasts)), False) for it in moments]
+    [found] = [it for it in looks(*seen) if it]
+    assert found.seconds == pytest.approx(seconds, abs=0.2)
 
 
 def test_a_jump_while_values_come_sets_the_date_after_some_seconds():

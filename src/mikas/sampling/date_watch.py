@@ -7,7 +7,10 @@ passed, the clock is right, and all dates were wrong until now.
 
 Two clocks can't tell one from the other, but the line can: no computer sleeps while values come.
 Forward, and while none come, or shortly before they stop, it was a sleep; else the date was set.
-Differences below `_LEAST` are drift and no jump; drift adds up to one that is corrected as such.
+
+Differences below `_LEAST` are no jump. A clock that drifts from the date, as fast as NTP may slew
+one, is followed: its drift is noted as a set date when it has added up to `_MOST_DRIFT`. A date
+that is slewed faster is noted once, when it rests.
 """
 
 from __future__ import annotations
@@ -15,6 +18,9 @@ from __future__ import annotations
 from typing import Final, NamedTuple
 
 _LEAST: Final = 1.0  # s
+_DRIFT: Final = 0.001  # twice the 500 ppm of NTP: the crystal has a drift of its own
+_MOST_DRIFT: Final = 10.0  # s; of a crystal with 50 ppm in two days
+_REST: Final = 0.02  # s in `_PATIENCE`; the slews of w32time and chrony are faster
 _PATIENCE: Final = 4.0  # s in which values stop after a sleep: time-outs, an adapter that is reset
 _LONGEST_SLEEP: Final = 30 * 86400.0  # s; a date without a battery lies years back
 GRAIN: Final = 1024  # parts of a second: such a correction of a date can be taken back exactly
@@ -35,6 +41,8 @@ class DateWatch:
 
     def __init__(self) -> None:
         self._difference: float | None = None  # of date and clock, without the jumps so far
+        self._drift = 0.0  # in it, not noted yet
+        self._looked = 0.0
         self._jump: Jump | None = None  # as first seen, not judged yet
 
     def look(self, now: float, date: float, *, broken: bool) -> Jump | None:
@@ -42,20 +50,33 @@ class DateWatch:
 
         After a sleep, `now` is to have it in it from the next look on.
         """
+        elapsed, self._looked = now - self._looked, now
         if self._difference is None:
             self._difference = date - now
             return None
-        before = now + self._difference
-        seconds = round((date - before) * GRAIN) / GRAIN
-        if abs(seconds) < _LEAST:
+        most = _DRIFT * max(0.0, elapsed)
+        moved = date - now - self._difference
+        if abs(moved) < _LEAST + most:
             self._jump = None
-            return None
-        if self._jump is None or abs(seconds - self._jump.seconds) >= _LEAST:
-            self._jump = Jump(now, seconds, before, date, slept=False)
+            return self._drifted(min(max(moved, -most), most), now, date)
+        seconds = _in_grains(moved)
+        if self._jump is None or abs(seconds - self._jump.seconds) >= _REST:
+            self._jump = Jump(now, seconds, now + self._difference, date, slept=False)
         slept = broken and 0 < seconds <= _LONGEST_SLEEP
         if not slept and not broken and now - self._jump.time < _PATIENCE:
             return None
         return self._judged(slept=slept)
+
+    def _drifted(self, seconds: float, now: float, date: float) -> Jump | None:
+        """Follow a drift of `seconds`; return all of it once it is too much."""
+        assert self._difference is not None
+        self._difference += seconds
+        self._drift += seconds
+        if abs(self._drift) < _MOST_DRIFT:
+            return None
+        drift = _in_grains(self._drift)
+        self._drift -= drift
+        return Jump(now, drift, date - drift, date, slept=False)
 
     def conclude(self) -> Jump | None:
         """Return the jump that was not certain yet, at the end of a session: the date was set."""
@@ -68,3 +89,7 @@ class DateWatch:
         if not slept:
             self._difference += jump.seconds
         return jump
+
+
+def _in_grains(seconds: float) -> float:
+    return round(seconds * GRAIN) / GRAIN
