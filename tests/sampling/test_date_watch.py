@@ -23,7 +23,7 @@ def test_a_date_that_runs_with_the_clock_is_no_jump_and_neither_is_its_drift():
 
 
 @pytest.mark.parametrize("ppm", [500, -500, 50])
-@pytest.mark.parametrize("step", [0.2, 60.0, 3600.0])
+@pytest.mark.parametrize("step", [2.0, 60.0, 3600.0])
 def test_drift_is_noted_seldom_as_a_set_date_and_no_date_is_wrong_for_more(ppm, step):
     day = 86_400
     count = int(day / step)

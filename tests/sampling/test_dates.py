@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from contextlib import closing
 from dataclasses import replace
 from itertools import pairwise
@@ -24,7 +25,7 @@ from mikas.recording.recorder import Recorder
 from mikas.recording.summary import summarise
 from mikas.recording.table.raw_recording import RawRecording
 from mikas.sampling.acquisition import Acquisition
-from mikas.sampling.events import SLEPT, ClockChanged, Event, Gap, Marker
+from mikas.sampling.events import SLEPT, ClockChanged, Event, Gap, Marker, UnitFound
 from mikas.sampling.session import SamplingSession
 from protocol_codes import SECTION_4
 from virtual_harness import make_bus
@@ -44,6 +45,7 @@ class Computer(SimulatedPlug):
         self.recorder = Recorder()
         self.session = SamplingSession(self.recorder.record_event)
         self.session.wants_faults = lambda: False
+        self.recorder.conclude = self.session.conclude
         self.port = ReconnectingPort(
             "sim:", open_port=self._open_real, wall=self.wall, wait=self.wait, sink=self.recorder
         )
@@ -71,15 +73,18 @@ class Computer(SimulatedPlug):
                 found.append(event)
                 if self.now() > seconds:
                     break
-        self.session.conclude()
         return found
 
 
-def record(path: Path, computer: Computer, seconds: float = 16, **how: object) -> list[Event]:
+def record(path: Path, computer: Computer, seconds: float = 9, **how: object) -> list[Event]:
     computer.recorder.start(path, url="sim:")
     events = computer.run(seconds, **how)
     computer.recorder.stop()
     return events
+
+
+def another_unit(time: float) -> UnitFound:
+    return UnitFound(time, 0x0B, None, another=True)
 
 
 def packets(path: Path) -> list[Packet]:
@@ -111,20 +116,38 @@ def steady(tmp_path_factory) -> Path:
     return path
 
 
+@pytest.fixture(scope="module")
+def undisturbed(tmp_path_factory) -> Callable[..., Path]:
+    """Recordings without a jump, each made once."""
+    folder = tmp_path_factory.mktemp("undisturbed")
+
+    def made(seconds: float, method: str, *silent: float) -> Path:
+        path = folder / f"{method}-{seconds}-{silent}.pcapng"
+        if not path.exists():
+            computer = Computer()
+            if silent:
+                computer.silent(*silent)
+            record(path, computer, seconds, method=method)
+        return path
+
+    return made
+
+
 def spaced(times: list[float]) -> list[float]:
     return [round(after - before, 5) for before, after in pairwise(times)]
 
 
 @pytest.mark.parametrize(
     ("seconds", "method"),
-    [(it, "batch") for it in (YEARS, NIGHT, 60.0, 1.5, -1.5, -NIGHT, -YEARS)] + [(-60, "stream")],
+    [(it, "batch") for it in (YEARS, NIGHT, 1.5, -1.5, -YEARS)] + [(-60, "stream")],
 )
-def test_a_date_that_is_set_while_values_come_dates_all_of_the_recording(tmp_path, seconds, method):
-    alone, path = tmp_path / "alone.pcapng", tmp_path / "a.pcapng"
-    record(alone, Computer(), 12, method=method)
+def test_a_date_that_is_set_while_values_come_dates_all_of_the_recording(
+    undisturbed, tmp_path, seconds, method
+):
+    alone, path = undisturbed(9.0, method), tmp_path / "a.pcapng"
     computer = Computer()
-    computer.at(6.0, lambda: computer.jump(seconds))
-    events = record(path, computer, 12, method=method)
+    computer.at(3.5, lambda: computer.jump(seconds))
+    events = record(path, computer, 9.0, method=method)
     assert not [event for event in events if isinstance(event, Gap)]
     [change] = clock_notes(path)
     assert (change.seconds, change.slept) == (pytest.approx(seconds, abs=0.01), False)
@@ -138,17 +161,15 @@ def test_a_date_that_is_set_while_values_come_dates_all_of_the_recording(tmp_pat
 
 
 @pytest.mark.parametrize("method", ["batch", "stream"])
-@pytest.mark.parametrize("jumped_at", [9.0, 12.0])
+@pytest.mark.parametrize("jumped_at", [3.5, 5.5])
 def test_a_sleep_is_a_gap_of_its_true_length_and_all_values_have_true_dates(
-    tmp_path, method, jumped_at
+    undisturbed, tmp_path, method, jumped_at
 ):
-    alone, path = tmp_path / "alone.pcapng", tmp_path / "a.pcapng"
-    awake, computer = Computer(), Computer()
-    for each in (awake, computer):
-        each.silent(10.0, 14.0)
+    alone, path = undisturbed(13.0, method, 4.0, 7.0), tmp_path / "a.pcapng"
+    computer = Computer()
+    computer.silent(4.0, 7.0)
     computer.at(jumped_at, lambda: computer.jump(NIGHT))
-    record(alone, awake, 25, method=method)
-    record(path, computer, 25, method=method)
+    record(path, computer, 13.0, method=method)
     [change] = clock_notes(path)
     assert (change.seconds, change.slept) == (pytest.approx(NIGHT, abs=0.01), True)
     expected = [e for e in events_of(CaptureReader(alone).notes(), SECTION_4) if type(e) is Gap]
@@ -180,8 +201,8 @@ def test_a_recording_begun_next_morning_in_the_same_connection_has_its_true_date
 
 def test_an_edit_of_a_recording_whose_date_was_set_hits_its_marker(tmp_path):
     computer, path = Computer(), tmp_path / "a.pcapng"
-    computer.at(5.0, lambda: computer.recorder.marker(label="hill"))
-    computer.at(10.0, lambda: computer.jump(YEARS + 0.123))
+    computer.at(3.5, lambda: computer.recorder.marker(label="hill"))
+    computer.at(4.0, lambda: computer.jump(YEARS + 0.123))
     record(path, computer)
 
     def markers() -> list[Marker]:
@@ -195,14 +216,44 @@ def test_an_edit_of_a_recording_whose_date_was_set_hits_its_marker(tmp_path):
     assert markers() == []
 
 
-def test_the_date_that_was_set_just_before_the_end_is_noted(tmp_path):
-    computer, path = Computer(), tmp_path / "a.pcapng"
-    computer.at(14.0, lambda: computer.jump(-NIGHT))
-    computer.recorder.start(path, url="sim:")
-    computer.run(16.0)
-    computer.recorder.stop()
+@pytest.mark.parametrize("seconds", [NIGHT, -NIGHT, YEARS])
+@pytest.mark.parametrize("end", ["session", "stop", "start", "next file", "another unit"])
+def test_the_date_that_was_set_just_before_the_end_of_a_file_is_noted_in_it(tmp_path, seconds, end):
+    computer, path, later = Computer(), tmp_path / "a.pcapng", tmp_path / "a-2.pcapng"
+    ends = {
+        "stop": computer.recorder.stop,
+        "start": lambda: computer.recorder.start(later, url="sim:"),
+        "next file": computer.recorder.next_file,
+        "another unit": lambda: computer.recorder.record_event(another_unit(computer.now())),
+    }
+    computer.at(4.0, lambda: computer.jump(seconds))
+    if end in ends:
+        computer.at(6.0, ends[end])
+    events = record(path, computer, 7.0 if end in ends else 6.0)
     [change] = clock_notes(path)
-    assert change.seconds == pytest.approx(-NIGHT, abs=0.01)
+    assert (change.seconds, change.slept) == (pytest.approx(seconds, abs=0.01), False)
+    assert packets(path)[0].time == pytest.approx(BEGAN + seconds, abs=5)
+    if end in ends:
+        assert [it.seconds for it in events if isinstance(it, ClockChanged)] == [change.seconds]
+    if later.exists():
+        assert clock_notes(later) == []
+        assert packets(later)[0].time == pytest.approx(BEGAN + 6 + seconds, abs=1)
+
+
+def test_a_sleep_that_no_values_followed_moves_no_recording_that_ends_with_it(tmp_path):
+    computer, path = Computer(), tmp_path / "a.pcapng"
+    computer.silent(4.0, 9.0)
+
+    def wake_and_stop() -> None:
+        computer.jump(NIGHT)
+        computer.recorder.stop()
+
+    computer.at(4.1, wake_and_stop)
+    computer.recorder.start(path, url="sim:")
+    [change] = [it for it in computer.run(9.0) if isinstance(it, ClockChanged)]
+    assert change.slept
+    assert clock_notes(path) == []
+    assert packets(path)[0].time == pytest.approx(BEGAN, abs=5)
 
 
 def test_a_file_of_an_unknown_writer_is_read_with_any_note_of_a_clock(steady, tmp_path):
@@ -215,7 +266,7 @@ def test_a_file_of_an_unknown_writer_is_read_with_any_note_of_a_clock(steady, tm
 
 
 jumps = st.lists(
-    st.tuples(st.floats(3, 12), st.floats(-YEARS, YEARS).filter(lambda it: abs(it) > 2)),
+    st.tuples(st.floats(2.5, 8), st.floats(-YEARS, YEARS).filter(lambda it: abs(it) > 2)),
     min_size=1,
     max_size=3,
 )

@@ -218,6 +218,7 @@ def sampling_session(
     context.output.detail(tr("port", "порт"), port)
     session = SamplingSession(recorder.record_event, in_streams=in_streams)
     session.wants_faults = lambda: False
+    recorder.conclude = session.conclude
     run = SamplingRun(session, acquisition, recorder, options)
     try:
         yield run
@@ -230,7 +231,6 @@ def sampling_session(
                 out.unlink()
         raise
     finally:
-        session.conclude()
         recorder.stop()
         if acquisition.unended is not None:
             context.output.print_note(localized(ADVICE.text(acquisition.unended)))

@@ -98,6 +98,7 @@ class Dashboard:
             self.connection, self.fault_history, folder, self.cars, options.interpretation
         )
         self.session.record = self.recorder.record_event
+        self.recorder.recorder.conclude = self.session.conclude
         self.guided = GuidedTests(
             settings, self.connection, self.plan, self.recorder.recorder, self.catalogs
         )

@@ -71,6 +71,8 @@ class Recorder:
     `interpretation`: of values, for the notes of plans. `joined`: a packet for each response, not
     for each chunk. `on_file`: called with each file that follows another one, in the thread that
     caused it. `car`: as of `SessionAnnotator`. Only `start` and `note` raise; any thread may call.
+
+    `conclude`: called before a file ends, for the events that its session still holds back.
     """
 
     def __init__(
@@ -82,6 +84,8 @@ class Recorder:
         car: Callable[[UnitFound], Note | None] | None = None,
     ) -> None:
         self.on_file = on_file
+        self.conclude: Callable[[], object] = lambda: None
+        """To be set before the first event."""
         self._joined = joined
         self._annotator = SessionAnnotator(interpretation, car)
         self._lock = threading.RLock()
@@ -104,6 +108,7 @@ class Recorder:
         """
         with self._lock:
             named = Path(path)
+            self.conclude()
             opened = self._create(named, named, url, pipe=pipe)
             self.stop()
             self._begin(opened)
@@ -111,6 +116,7 @@ class Recorder:
     def stop(self) -> RecordingStatus | None:
         """End the recording; return its progress, None if there was none."""
         with self._lock:
+            self.conclude()
             self._write(self._annotator.last_notes())
             self._close()
             status = self.status
@@ -197,8 +203,8 @@ class Recorder:
                 self._continue_in_next_file(self._running, event)
                 return
             self._write(self._annotator.notes_of(event))
-            if isinstance(event, ClockChanged) and not event.slept:
-                self.later += event.seconds
+            if isinstance(event, ClockChanged):
+                self.later += event.later
             running = self._running
             if running is not None and isinstance(running.sink, Coalescer):
                 with self._failing(running):
@@ -221,6 +227,7 @@ class Recorder:
 
     def _continue_in_next_file(self, before: _Open, another: UnitFound | None = None) -> None:
         """Close the file and begin the next one. `another`: the unit that is the reason."""
+        self.conclude()
         self._write(self._annotator.last_notes(another.time if another else None))
         self._close()
         if another is not None:

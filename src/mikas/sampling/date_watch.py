@@ -79,8 +79,14 @@ class DateWatch:
         return Jump(now, drift, date - drift, date, slept=False)
 
     def conclude(self) -> Jump | None:
-        """Return the jump that was not certain yet, at the end of a session: the date was set."""
-        return None if self._jump is None else self._judged(slept=False)
+        """Return the jump that was not certain yet, at the end of a recording: the date was set.
+
+        Not if it may be a sleep, and was first seen by the latest look: no values came since.
+        """
+        jump = self._jump
+        if jump is None or (jump.time == self._looked and 0 < jump.seconds <= _LONGEST_SLEEP):
+            return None
+        return self._judged(slept=False)
 
     def _judged(self, *, slept: bool) -> Jump:
         assert self._jump is not None

@@ -206,6 +206,11 @@ class ClockChanged(Event):
     after: float
 
     @property
+    def later(self) -> float:
+        """The seconds that are added to the session's times."""
+        return 0.0 if self.slept else self.seconds
+
+    @property
     def text(self) -> Text:
         """The change in words."""
         length = _span(abs(self.seconds))

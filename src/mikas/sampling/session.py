@@ -38,7 +38,7 @@ class SamplingSession:
     at once, in its job; without it a reading is recorded in its job, and yielded before the next
     event.
 
-    One thread takes the events; any thread may call `silence` and `read_now`.
+    One thread takes the events; any thread may call `silence`, `read_now` and `conclude`.
     """
 
     def __init__(
@@ -56,6 +56,8 @@ class SamplingSession:
         """Whether the stored faults are read when they may have changed."""
         self.record = record
         """To be set before the first event."""
+        self.later = 0.0
+        """The seconds that the date is later than the link's clock, as far as it was set since."""
         self._acquisition: Acquisition | None = None
         self._answers = False  # a unit, on the present connection
         self._on_faults = on_faults or self._keep
@@ -66,7 +68,7 @@ class SamplingSession:
         self._sleep: tuple[Jump, Future[None]] | None = None  # to be added between two cycles
         self._gaps = GapTracker()
         self._open: events.Gap | None = None  # as the recorder has it
-        self._lock = threading.Lock()  # of the tracker
+        self._lock = threading.Lock()  # of the tracker and the dates
 
     def run(self, acquisition: Acquisition) -> Generator[events.Event, None, None]:
         """Yield the events of a connection, recorded before. Raises as `Acquisition.run`."""
@@ -151,7 +153,8 @@ class SamplingSession:
                 if lost or added.exception() is not None:
                     yield self._slept(jump)
         elif (dated := port.dated()) is not None:
-            found = self._dates.look(*dated, broken=broken or self._gaps.open is not None)
+            with self._lock:
+                found = self._dates.look(*dated, broken=broken or self._gaps.open is not None)
             if found is None:
                 return
             if not found.slept:
@@ -175,14 +178,24 @@ class SamplingSession:
 
     def _changed(self, jump: Jump, time: float) -> events.ClockChanged:
         changed = events.ClockChanged(time, jump.seconds, jump.slept, jump.before, jump.after)
+        self.later += changed.later
         log(changed)
         self.record(changed)
         return changed
 
     def conclude(self) -> None:
-        """Record a change of the date that was not certain yet: the session ends."""
-        if (jump := self._dates.conclude()) is not None:
-            self._changed(jump, jump.time)
+        """Record a change of the date that is not certain yet: a recording, or the session, ends.
+
+        It is yielded before the next event.
+        """
+        port = None if self._acquisition is None else self._acquisition.port
+        with self._lock:
+            jump = None
+            if port is not None and self._sleep is None and (dated := port.dated()) is not None:
+                jump = self._dates.look(*dated, broken=False)
+            jump = jump or self._dates.conclude()
+        if jump is not None:
+            self._made.append(self._changed(jump, jump.time))
 
     # The stored faults
 
