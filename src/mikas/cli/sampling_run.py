@@ -80,6 +80,11 @@ class SamplingRun:
         return self._failed_before + (self._ecu.tester.statistics.failed if self._ecu else 0)
 
     @property
+    def later(self) -> float:
+        """The seconds that the date is later than the events' clock."""
+        return self.session.later
+
+    @property
     def rate(self) -> float:
         """Samples a second, on average."""
         return self.samples / self.seconds if self.seconds > 0 else 0.0

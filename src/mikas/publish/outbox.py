@@ -33,7 +33,7 @@ class MessageKind(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Message:
-    """A `payload` for `topic`. `time`: of the link's clock.
+    """A `payload` for `topic`. `time`: its date.
 
     `rows`: samples in it, of which `since` is the first one's time and `time` the last one's.
     """

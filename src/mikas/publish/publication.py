@@ -1,5 +1,8 @@
 """The messages of one session, made of its events. No network, and no clock but the events' times.
 
+When the computer's date was set, messages have the new date from then on, and those that the broker
+keeps are made again.
+
 Values come at their first sample, then in each interval, and at once when the line breaks: all of
 them None then. State, unit, faults and alarms come when they change; the broker keeps them.
 `current` of faults and alarms says whether they are of a unit that answers now.
@@ -59,6 +62,9 @@ class Publication:
         self._faults_current = False
         self._told: tuple[int, ...] | None = None  # the faults of the latest event
         self._alarms: dict[str, events.AlarmChanged] = {}  # the present ones
+        self._state: tuple[float | None, dict[str, Any]] = (None, {})  # the latest, and its time
+        self._unit: events.UnitFound | None = None
+        self._later = 0.0  # seconds that the date is later than the events' clock
 
     def begin(self) -> list[Message]:
         """Return the messages before the first event: nothing is known yet."""
@@ -71,7 +77,7 @@ class Publication:
 
     def last_messages(self, time: float | None = None) -> list[Message]:
         """Return the messages after the last event."""
-        return [*self._batch.messages(), self._own_state("stopped", time)]
+        return [*self._batch.messages(self._later), self._own_state("stopped", time)]
 
     def messages_of(self, event: Event) -> list[Message]:
         """Return the messages of `event`; a gap's follow with those of the event after it."""
@@ -108,6 +114,9 @@ class Publication:
                 yield self._alarm_message(event.time)
             case events.ParameterDropped(name=name) if self._alarms.pop(name, None):
                 yield self._alarm_message(event.time)
+            case events.ClockChanged(later=later) if later:
+                self._later += later
+                yield from self._kept(event.time)
 
     def _state_changed(self, event: events.StateChanged) -> Iterator[Message]:
         state = event.as_json()
@@ -126,9 +135,8 @@ class Publication:
             yield self._fault_message(event.time)
 
     def _unit_found(self, event: events.UnitFound) -> Iterator[Message]:
-        unit = event.as_json() | {"time": rounded(event.time)}
-        del unit["kind"]
-        yield self._message(self.topics.unit, unit, event.time)
+        self._unit = event
+        yield self._unit_message(event)
         if event.another:
             self._latest.clear()
             self._alarms.clear()
@@ -137,8 +145,22 @@ class Publication:
             yield self._fault_message(event.time)
             yield self._alarm_message(event.time)
 
+    def _kept(self, time: float) -> Iterator[Message]:
+        """Yield the messages that the broker keeps and that have times."""
+        yield self._state_message(*self._state)
+        if self._unit is not None:
+            yield self._unit_message(self._unit)
+        yield self._fault_message(time)
+        yield self._alarm_message(time)
+
+    def _unit_message(self, event: events.UnitFound) -> Message:
+        unit = event.as_json() | {"time": self._date(event.time)}
+        del unit["kind"]
+        return self._message(self.topics.unit, unit, event.time)
+
     def _state_message(self, time: float | None, state: dict[str, Any]) -> Message:
-        whole = {"time": rounded(time), "reason": None, "code": None}
+        self._state = time, state
+        whole = {"time": self._date(time), "reason": None, "code": None}
         whole |= {key: value for key, value in state.items() if key != "time"}
         return self._message(self.topics.state, whole, time)
 
@@ -162,20 +184,20 @@ class Publication:
         content |= {"count": None, "faults": None}
         if (read := self._faults) is not None:
             stored = [self.catalog.fault(code).as_json() for code in read.codes]
-            content |= {"time": rounded(read.time), "count": len(stored), "faults": stored}
+            content |= {"time": self._date(read.time), "count": len(stored), "faults": stored}
         return self._message(self.topics.faults, content, time)
 
     def _alarm_message(self, time: float | None) -> Message:
         present = [
             {
                 **picked(alarm, "name", "level", "side", "limit"),
-                "since": rounded(alarm.time),
+                "since": self._date(alarm.time),
                 "text": alarm.text._asdict(),
             }
             for alarm in self._alarms.values()
         ]
         content = {
-            "time": rounded(time),
+            "time": self._date(time),
             "current": self._answers,
             "count": len(present),
             "alarms": present,
@@ -183,7 +205,11 @@ class Publication:
         return self._message(self.topics.alarms, content, time)
 
     def _message(self, topic: str, content: dict[str, Any], time: float | None) -> Message:
-        return Message(topic, json_payload(content), MessageKind.RETAINED, time=time)
+        date = self._date(time)
+        return Message(topic, json_payload(content), MessageKind.RETAINED, time=date)
+
+    def _date(self, time: float | None) -> float | None:
+        return None if time is None else rounded(time + self._later)
 
     # What happened
 
@@ -199,15 +225,16 @@ class Publication:
                 happened.append(event)
             case events.ParameterDropped() | events.ParameterReturned():
                 happened.append(event)
-            case events.MethodChosen() | events.AlarmChanged():
+            case events.MethodChosen() | events.AlarmChanged() | events.ClockChanged():
                 happened.append(event)
         for each in happened:
-            content = {**each.as_json(), "time": rounded(each.time)}
+            content = {**each.as_json(), "time": self._date(each.time)}
+            if isinstance(each, events.Gap):
+                content |= {"began": self._date(each.began), "ended": self._date(each.ended)}
             if isinstance(each, events.MethodChosen):
                 content["rates"] = {name: round(rate, 2) for name, rate in each.rates.items()}
-            yield Message(
-                self.topics.event, json_payload(content), MessageKind.EVENT, time=each.time
-            )
+            date = self._date(each.time)
+            yield Message(self.topics.event, json_payload(content), MessageKind.EVENT, time=date)
 
     # Values
 
@@ -219,21 +246,21 @@ class Publication:
         if self._due is None or time >= self._due:
             self._due = next_due(time if self._due is None else self._due, time, self.every)
             yield from self._latest_values(time)
-            yield from self._batch.messages()
+            yield from self._batch.messages(self._later)
         elif self._batch.is_full:
-            yield from self._batch.messages()
+            yield from self._batch.messages(self._later)
 
     def _latest_values(self, time: float) -> Iterator[Message]:
-        latest, qos = self._latest.at(time), self.qos
+        latest, qos, date = self._latest.at(time), self.qos, self._date(time)
         content: dict[str, Any] = {
-            "time": rounded(time),
+            "time": date,
             "values": latest.values,
             "ages": latest.ages,
             "gap": latest.is_gap,
         }
         if latest.is_gap and self._reason is not None:
             content["reason"] = self._reason._asdict()
-        yield Message(self.topics.values, json_payload(content), MessageKind.LIVE, qos, time)
+        yield Message(self.topics.values, json_payload(content), MessageKind.LIVE, qos, date)
         if self.each:
             for name, value in latest.values.items():
-                yield Message(self.topics.value(name), compact(value), MessageKind.LIVE, qos, time)
+                yield Message(self.topics.value(name), compact(value), MessageKind.LIVE, qos, date)

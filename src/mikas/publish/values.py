@@ -97,7 +97,7 @@ class SampleBatch:
         self._topic = topic
         self._names = tuple(names)
         self._qos = qos
-        self._rows: list[list[Plain]] = []
+        self._rows: list[tuple[float, list[Plain]]] = []
         self._count = 0  # of all rows before these
         self._since = self._time = 0.0  # of the first row and of the last one
         self._session: float | None = None
@@ -108,7 +108,7 @@ class SampleBatch:
             self._session = rounded(time)
         if not self._rows:
             self._since = time
-        self._rows.append([rounded(time), *map(values.get, self._names)])
+        self._rows.append((time, [*map(values.get, self._names)]))
         self._time = time
 
     @property
@@ -116,18 +116,22 @@ class SampleBatch:
         """Whether the rows are to be sent before their interval is over."""
         return len(self._rows) >= _MOST_ROWS
 
-    def messages(self) -> Iterator[Message]:
-        """Yield the message of the rows so far, and begin the next one; none without rows."""
+    def messages(self, later: float) -> Iterator[Message]:
+        """Yield the message of the rows so far, and begin the next one; none without rows.
+
+        `later`: seconds that are added to all times.
+        """
         if not self._rows:
             return
-        rows, self._rows = self._rows, []
+        rows = [[rounded(time + later), *values] for time, values in self._rows]
+        self._rows = []
         first, self._count = self._count, self._count + len(rows)
         payload = json_payload(
             {"session": self._session, "first": first, "names": self._names, "samples": rows}
         )
         yield Message(
             *(self._topic, payload, MessageKind.SAMPLES, self._qos),
-            time=self._time,
+            time=self._time + later,
             rows=len(rows),
-            since=self._since,
+            since=self._since + later,
         )

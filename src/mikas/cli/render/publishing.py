@@ -42,7 +42,7 @@ class PublishingReport:
     def add_event(self, event: Event) -> None:
         """Follow an event of sampling."""
         if isinstance(event, StateChanged) and self._output.json:
-            self._data("line", event.as_json() | {"time": round(event.time, 6)})
+            self._data("line", event.as_json() | {"time": round(event.time + self._run.later, 6)})
         self.progress.draw(event.time)
 
     def broker_changed(self, change: BrokerChange) -> None:

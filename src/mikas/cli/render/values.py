@@ -53,7 +53,7 @@ def json_line(session: SamplingRun, output: Output, event: Event) -> None:
         return
     fresh, names = fresh_values(event), [each.name for each in session.acquisition.channels]
     line: dict[str, object] = {
-        "time": round(event.time, 6),
+        "time": round(event.time + session.later, 6),
         "values": {name: fresh[name].value if name in fresh else None for name in names},
         "gap": isinstance(event, CycleFailed),
     }
@@ -70,7 +70,7 @@ def plain_line(session: SamplingRun, output: Output, event: Event) -> None:
     if session.samples + session.gap_cycles == 1:
         output.line("\t".join([tr("time", "время"), *names]))
     cells = (value_text(fresh[name]) if name in fresh else "–" for name in names)
-    output.line("\t".join([decimal(f"{event.time:.3f}"), *cells]))
+    output.line("\t".join([decimal(f"{event.time + session.later:.3f}"), *cells]))
 
 
 def fresh_values(event: Sampled | CycleFailed) -> dict[str, Reading | DerivedValue]:
