@@ -342,7 +342,9 @@ RULES: dict[str, Callable[[Findings], bool]] = {
     "none": no_gap,
     "not noted in this file": lambda f: f.subject.conditions.interruptions is None,
     "{} since connecting": lambda f: f.subject.conditions.errors is not None,
-    "{} more": lambda f: len(f.subject.conditions.interruptions or ()) > 3,
+    "{} more": lambda f: (
+        len(f.subject.conditions.interruptions or ()) > 3 or len(f.subject.conditions.clock) > 3
+    ),
     "The model of the unit: it was not identified.": lambda f: not identified(f),
     "The unit's passports: they were not read.": lambda f: identified(f) and not pieces(f),
     "The unit's passports: it does not report them.": lambda f: (

@@ -31,7 +31,7 @@ from mikas.report.findings import BandPosition, Findings, Outcome, find
 from mikas.report.page import render
 from mikas.report.sections.summary import summary_sentence
 from mikas.report.subject import ClearedFaults, ReportedUnit
-from mikas.sampling.events import Gap
+from mikas.sampling.events import ClockChanged, Gap
 
 DOCS = Path(__file__).parents[2] / "docs"
 RULED = (
@@ -49,7 +49,8 @@ WORDS = {
     "Control unit", "Model",
     "Program", "Calibration", "Alarms", "Stored faults", "measured", "Values at warm idle",
     "Value", "Median", "90 % within", "Normal", "Rating", "Charts", "How it was measured",
-    "Length", "Samples", "Method", "Adapter", "Echo", "yes", "no", "Gaps", "Line errors",
+    "Length", "Samples", "Method", "Adapter", "Echo", "yes", "no", "Gaps", "Clock",
+    "Line errors",
     "Catalog", "Warm idle", "What remains unknown", "Made by {}", "%d.%m.%Y %H:%M",
     "{}, {} readings/s", "one request per parameter (61)", "several parameters per request (61)",
     "a list in the unit (64, 63)", "a stream from the unit (71)",
@@ -183,6 +184,7 @@ def only(*names: str):
 
 
 _NO_TEXTS = (Text("", ""), Text("", ""), GuidedConfidence.LOW)
+CLOCK = ClockChanged(START + 9, 3600.0, slept=False, before=START, after=START + 3600)
 GAP = Gap(START + 15, START + 10, START + 15, Text("no echo", "нет эха"))
 
 
@@ -204,6 +206,7 @@ def cases(tmp_path: Path) -> list[Findings]:
         erased(13, 53, read=60), erased(13, read=5000), erased(99, read=60, erased=False),
         erased(12, read=60), erased(13, read=60, stored=(13,)),
         found(interruptions=None), found(interruptions=(GAP,) * 5, sessions=3, ports=2, damaged=1),
+        found(clock=(CLOCK,)), found(clock=(CLOCK,) * 4),
         found(sessions=2, cars=(Text("A 1", "А 1"), Text("B 2", "Б 2"))),
         found(file="", port="sim:"), found(file="", date=None), found(port="sim:?scenario=city"),
         found(errors=2, method="stream", other_methods=True),

@@ -228,13 +228,12 @@ class Publication:
             case events.MethodChosen() | events.AlarmChanged() | events.ClockChanged():
                 happened.append(event)
         for each in happened:
-            content = {**each.as_json(), "time": self._date(each.time)}
-            if isinstance(each, events.Gap):
-                content |= {"began": self._date(each.began), "ended": self._date(each.ended)}
+            dated = each.moved(self._later)
+            content = {**dated.as_json(), "time": rounded(dated.time)}
             if isinstance(each, events.MethodChosen):
                 content["rates"] = {name: round(rate, 2) for name, rate in each.rates.items()}
-            date = self._date(each.time)
-            yield Message(self.topics.event, json_payload(content), MessageKind.EVENT, time=date)
+            topic, payload = self.topics.event, json_payload(content)
+            yield Message(topic, payload, MessageKind.EVENT, time=rounded(dated.time))
 
     # Values
 

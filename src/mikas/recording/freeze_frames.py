@@ -10,7 +10,7 @@ minute. The frames of a recording are in `recorded_faults.py`.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import isfinite, isnan, nan
 from typing import Any, Final
@@ -60,6 +60,12 @@ class FreezeFrame:
     def id(self) -> str:
         """The name of the frame among those of its unit."""
         return f"{self.seen:.3f}-{self.code}"
+
+    def moved(self, seconds: float) -> FreezeFrame:
+        """Return the frame that is `seconds` later."""
+        times = tuple(time + seconds for time in self.times)
+        without, seen = self.without + seconds, self.seen + seconds
+        return replace(self, without=without, seen=seen, times=times)
 
     def as_json(self) -> dict[str, Any]:
         """Return the frame as it is kept in a file."""

@@ -30,7 +30,7 @@ from mikas.report.subject import (
     ReportSubject,
     cleared_faults,
 )
-from mikas.sampling.events import Gap, MethodChosen, TextNote
+from mikas.sampling.events import ClockChanged, Gap, MethodChosen, TextNote
 
 
 def find_in_recording(
@@ -58,6 +58,7 @@ def find_in_recording(
     recorded, events = unit_of(mine, catalog), events_of(mine, catalog)
     methods = [event.method for event in events if isinstance(event, MethodChosen)]
     gaps = tuple(event for event in events if isinstance(event, Gap))
+    clock = tuple(event for event in events if isinstance(event, ClockChanged))
     words = [event.text for event in events if isinstance(event, TextNote)]
     subject = ReportSubject(
         catalog=catalog,
@@ -80,6 +81,7 @@ def find_in_recording(
             ports=max(1, sum(each.recording == last for each in ports)),
             damaged=recording.problem_count,
             cars=tuple(each.name for each in recording.raw.cars),
+            clock=clock,
         ),
         notes=tuple(filter(None, (comment_of(mine), *words))),
         tests=results_of(mine),

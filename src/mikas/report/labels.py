@@ -95,6 +95,7 @@ LABELS: Final = {
     "gaps": Text("Gaps", "Пропуски"),
     "gaps_none": Text("none", "нет"),
     "gaps_unknown": Text("not noted in this file", "в этом файле не отмечены"),
+    "clock": Text("Clock", "Часы"),
     "errors": Text("Line errors", "Ошибки линии"),
     "since_connecting": Text("{count} since connecting", "{count} с начала соединения"),
     "other_methods": Text("others before", "до этого другие"),

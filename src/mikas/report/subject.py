@@ -17,7 +17,7 @@ from mikas.client.cars import NO_CAR, CarDetails
 from mikas.guided.result import TestResult
 from mikas.i18n import Text
 from mikas.recording.freeze_frames import AppearedFault
-from mikas.sampling.events import FaultReading, Gap
+from mikas.sampling.events import ClockChanged, FaultReading, Gap
 
 _MOST_CLEARED: Final = 20
 
@@ -41,7 +41,8 @@ class Conditions:
     `date` None: the clock was a simulated one. `method`: the last one; `other_methods`: there were
     others before. `errors`: exchanges that failed since connecting. `sessions`: how many the file
     holds; the report is of the last. `ports`: of that session; the report is of the one with most
-    values. `damaged`: places that could not be read. `cars`: those of the file.
+    values. `damaged`: places that could not be read. `cars`: those of the file. `clock`: what the
+    computer's date did meanwhile.
     """
 
     file: str = ""
@@ -57,6 +58,7 @@ class Conditions:
     ports: int = 1
     damaged: int = 0
     cars: tuple[Text, ...] = ()
+    clock: tuple[ClockChanged, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

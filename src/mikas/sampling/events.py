@@ -13,9 +13,9 @@ value is never among the fresh ones: a wrong value is worse than a gap.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from enum import StrEnum
-from typing import Any, ClassVar, Final
+from typing import Any, ClassVar, Final, Self
 
 from mikas.client import Limits, Passport, Reading
 from mikas.client.identity import UnitIdentity
@@ -91,6 +91,10 @@ class Event:
         shown = (each.name for each in fields(self) if each.metadata.get("json", True))
         return {"kind": self.kind} | {name: _plain(getattr(self, name)) for name in shown}
 
+    def moved(self, seconds: float) -> Self:
+        """Return the event that is `seconds` later, with a gap's begin and end."""
+        return replace(self, time=self.time + seconds)
+
 
 def _plain(value: object) -> object:
     match value:
@@ -142,6 +146,11 @@ class Gap(Event):
     ended: float | None
     reason: Text | None = None
     error: MikasError | None = field(default=None, compare=False, metadata=_NOT_IN_JSON)
+
+    def moved(self, seconds: float) -> Self:
+        """As `Event.moved`."""
+        ended = None if self.ended is None else self.ended + seconds
+        return replace(self, time=self.time + seconds, began=self.began + seconds, ended=ended)
 
 
 # The line and the unit

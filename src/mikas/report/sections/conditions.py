@@ -29,7 +29,7 @@ _METHODS: Final = {
 _STROKE: Final = Text(
     "a response every engine cycle (7F–83)", "ответ на каждый рабочий цикл (7F–83)"
 )
-_MOST_PAUSES: Final = 3
+_MOST_LISTED: Final = 3
 _SENTENCE_END: Final = re.compile(
     r" \((?:sent|received|послано|принято|не принято) |\.(?:\s|$)"
 )  # a reason's first sentence: the bytes that were on the wire, or its end
@@ -56,6 +56,8 @@ def rows(found: Findings, language: Language) -> Iterator[tuple[str, str]]:
     if how.echo is not None:
         yield label("echo"), label("yes" if how.echo else "no")
     yield label("gaps"), _gaps(how.interruptions, measured.began or 0.0, label, language)
+    if how.clock:
+        yield label("clock"), _list([each.text.to(language) for each in how.clock], language)
     if how.errors is not None:
         yield label("errors"), label("since_connecting", count=how.errors)
     yield label("catalog"), found.subject.catalog.version
@@ -85,12 +87,17 @@ def _gaps(pauses: tuple[Gap, ...] | None, began: float, label: Labels, language:
     if not pauses:
         return label("gaps_none")
     texts = []
-    for pause in pauses[:_MOST_PAUSES]:
+    for pause in pauses:
         ended = "…" if pause.ended is None else clock(pause.ended - began)
         why = ""
         if pause.reason is not None:
             why = f" ({_SENTENCE_END.split(pause.reason.to(language))[0]})"
         texts.append(f"{clock(pause.began - began)}–{ended}{why}")
-    more = len(pauses) - _MOST_PAUSES
+    return f"{len(pauses)}: {_list(texts, language)}"
+
+
+def _list(texts: list[str], language: Language) -> str:
+    """Return the first texts, and how many follow."""
+    more = len(texts) - _MOST_LISTED
     rest = Text(f"{more} more", f"ещё {more}").to(language) if more > 0 else ""
-    return "; ".join(filter(None, (f"{len(pauses)}: {texts[0]}", *texts[1:], rest)))
+    return "; ".join(filter(None, (*texts[:_MOST_LISTED], rest)))

@@ -25,7 +25,7 @@ from mikas.dashboard.errors import NotConnected
 from mikas.i18n import Language
 from mikas.recording.freeze_frames import AppearedFault, new_faults
 from mikas.recording.table.channels import Rows
-from mikas.sampling.events import Event, Gap, UnitFound
+from mikas.sampling.events import ClockChanged, Event, Gap, UnitFound
 
 if TYPE_CHECKING:
     from mikas.catalog import Catalog
@@ -114,16 +114,19 @@ def _of_connection(dashboard: Dashboard) -> Findings:
     rows, events = _of_this_unit(dashboard.history.rows(MINUTES * 60), events)
     if unit is None and not len(rows.times):
         raise NotConnected
+    later = dashboard.session.later
+    rows, events = Rows(rows.times + later, rows.values), [it.moved(later) for it in events]
     rows = _judged(rows, catalog, dashboard.settings.connection.interpretation)
     measuring = MeasurementCollector(catalog, rows.values, events)
     measuring.add(rows)
     stored, measured = dashboard.fault_history.latest, measuring.measured
+    readings = dashboard.fault_history.readings
     subject = ReportSubject(
         catalog=catalog,
         unit=_unit(unit, catalog),
         faults=stored.faults if stored else None,
-        faults_read=stored.time if stored else None,
-        cleared=cleared_faults(dashboard.fault_history.readings, catalog),
+        faults_read=stored.time + later if stored else None,
+        cleared=cleared_faults([it.moved(later) for it in readings], catalog),
         car=car_of_connection(dashboard),
         conditions=Conditions(
             date=date_of(measured.began),
@@ -133,6 +136,7 @@ def _of_connection(dashboard: Dashboard) -> Findings:
             method=method,
             interruptions=tuple(_pauses(events, measured.began)),
             errors=errors_,
+            clock=tuple(it for it in events if isinstance(it, ClockChanged)),
         ),
         tests=tuple(it.result for it in dashboard.guided.results if it.in_report)[::-1],
         appeared=tuple(_appeared(dashboard))[::-1],
@@ -143,14 +147,15 @@ def _of_connection(dashboard: Dashboard) -> Findings:
 def _appeared(dashboard: Dashboard) -> Iterator[AppearedFault]:
     """Yield the faults that appeared on this connection, with the frames taken then."""
     catalog, frames = dashboard.catalog, dashboard.freeze_frames.frames
+    later = dashboard.session.later
     other = _otherwise_read(catalog, dashboard.settings.connection.interpretation)
     for code, before, read in new_faults(dashboard.fault_history.readings):
         found = (it for it in frames if it.code == code and before < it.seen <= read)
         frame = next(found, None)
         if frame is not None:
             then = {name: value for name, value in frame.then.items() if name not in other}
-            frame = replace(frame, then=then)
-        yield AppearedFault(code, before, read, frame)
+            frame = replace(frame, then=then).moved(later)
+        yield AppearedFault(code, before + later, read + later, frame)
 
 
 def _of_this_unit(rows: Rows, events: list[Event]) -> tuple[Rows, list[Event]]:
