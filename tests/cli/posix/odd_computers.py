@@ -1,8 +1,9 @@
 """Command lines on odd computers: a program of its own, which `test_odd_computers.py` starts.
 
 Each line of stdin is a computer in JSON, `{"environment", "umask", "folder", "current", "files",
-"oddity", "missing", "lines"}`: `files` are copied into `folder` by their new names, `current` is a
-folder in it, the libraries `missing` can't be imported.
+"oddity", "missing", "is_one_process", "lines"}`: `files` are copied into `folder` by their new
+names, `current` is a folder in it, the libraries `missing` can't be imported; on one that
+`is_one_process`, `fleet add` starts no other.
 The computer gets a fork of this process, which has imported the large libraries, and its lines are
 run there in order. Each line of stdout is the answer in JSON: `[status, printed]` for each line. A
 command that serves until Ctrl-C gets it as soon as it has said so.
@@ -11,6 +12,7 @@ command that serves until Ctrl-C gets it as soon as it has said so.
 from __future__ import annotations
 
 import faulthandler
+import gc
 import importlib
 import json
 import os
@@ -19,7 +21,7 @@ import signal
 import sys
 import tempfile
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from io import TextIOWrapper
 from pathlib import Path
@@ -27,6 +29,10 @@ from typing import BinaryIO
 
 from mikas.cli.main import main
 from mikas.cli.render import terminal
+from mikas.fleet import executors
+from mikas.fleet.executors import Runner, Work
+from mikas.fleet.job import FileOutcome
+from mikas.fleet.places import FoundFile
 
 LARGE = ("asammdf", "duckdb", "mikas.dashboard.app", "mikas.dashboard.server")
 
@@ -41,6 +47,17 @@ class Printed(TextIOWrapper):
         if "Ctrl-C ends it" in text:
             os.kill(os.getpid(), signal.SIGINT)
         return length
+
+
+class HereRunner(Runner):
+    """This process itself: a new one imports for a second."""
+
+    def __init__(self, workers: int) -> None: ...
+
+    def close(self) -> None: ...
+
+    def outcomes(self, work: Work, files: Iterable[FoundFile]) -> Iterator[FileOutcome]:
+        return map(work, files)
 
 
 def fill(folder: Path) -> None:
@@ -99,6 +116,8 @@ def on_computer(computer: dict, answer: int, log: BinaryIO) -> None:
     os.chdir(folder / computer["current"])
     ODDITIES[computer["oddity"]](folder)
     sys.modules.update(dict.fromkeys(computer["missing"]))
+    if computer["is_one_process"]:
+        executors.ProcessRunner = HereRunner
     if computer["oddity"] != "closed":
         nothing = os.open(os.devnull, os.O_RDONLY)
         for number, descriptor in enumerate((nothing, log.fileno(), log.fileno())):
@@ -114,6 +133,7 @@ def on_computer(computer: dict, answer: int, log: BinaryIO) -> None:
 def serve() -> None:
     for name in LARGE:  # not by the processes that a command starts
         importlib.import_module(name)
+    gc.freeze()  # else each fork copies them
     errors = os.dup(2)
     for line in sys.stdin:
         computer = json.loads(line)

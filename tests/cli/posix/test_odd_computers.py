@@ -46,7 +46,7 @@ KEPT = ("write", "list set", "mem write", "mem goto", "wireshark --install", "si
 class Computer:
     """`home`: HOME, in which {folder} is the user's folder; None: absent. `prefix`: of the names
     of all files. `oddity`: see `odd_computers.py`. `is_relative`: the names are, to the current
-    folder. `writes_none`: no output can be written there.
+    folder. `writes_none`: no output can be written there. `is_one_process`: as there.
     """
 
     home: str | None = "{folder}"
@@ -57,11 +57,14 @@ class Computer:
     is_relative: bool = False
     writes_none: bool = False
     missing: tuple[str, ...] = ()
+    is_one_process: bool = True
     environment: dict[str, str] = field(default_factory=dict)
 
 
 COMPUTERS = {
-    "no home, files for the owner alone": Computer(None, keeps=False, umask="077"),
+    "no home, files for the owner alone": Computer(
+        None, keeps=False, umask="077", is_one_process=False
+    ),
     "an empty HOME, no folder for temporary files, a terminal of another language": Computer(
         "",
         keeps=False,
@@ -69,12 +72,14 @@ COMPUTERS = {
             "LANG": "xx_YY.KOI8-R", "LC_ALL": "xx_YY.KOI8-R", "TMPDIR": "/nonexistent",
         },
     ),
-    "the root as HOME, closed streams": Computer("/", keeps=False, oddity="closed"),
+    "the root as HOME, closed streams": Computer(
+        "/", keeps=False, oddity="closed", is_one_process=False
+    ),
     "a read-only HOME, a current folder that can't be read": Computer(
         "{folder}/sealed", keeps=False, oddity="unreadable"
     ),
     "a device as HOME, a current folder that is gone": Computer(
-        "/dev/null", keeps=False, oddity="gone"
+        "/dev/null", keeps=False, oddity="gone", is_one_process=False
     ),
     "names in a current folder that is gone": Computer(
         oddity="gone", is_relative=True, writes_none=True
@@ -119,7 +124,8 @@ def lines(folder: str, prefix: str) -> list[list[str]]:
     return [
         ["--version"], ["ports"], ["params"], ["doctor", *SIM], ["info", *SIM],
         ["read", "TWAT", "--capture", at("c.pcapng"), *SIM],
-        ["scan", "-o", at("s.toml"), *SIM], ["watch", "TWAT", "--count", "2", *SIM],
+        ["scan", "--retries", "0", "-o", at("s.toml"), *SIM],
+        ["watch", "TWAT", "--count", "2", *SIM],
         ["log", "-o", at("log.pcapng"), "TWAT", "--count", "2", *SIM],
         ["publish", f"mqtt://127.0.0.1:{free_port()}", "TWAT", "--count", "1", *SIM],
         ["faults", *SIM], ["write", "UOZ", "5", *yes], ["list", "set", "TWAT", *yes],
@@ -227,6 +233,7 @@ def results(
             for name in ("in.pcapng", "2.pcapng")
         },
         "oddity": computer.oddity, "missing": computer.missing, "lines": words,
+        "is_one_process": computer.is_one_process,
     })  # fmt: skip
 
 
