@@ -9,12 +9,11 @@ import inspect
 import re
 import sys
 import tomllib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from functools import cache, partial
 from importlib import import_module
 from operator import attrgetter
 from pathlib import Path
-from textwrap import dedent
 
 import pytest
 from packaging.requirements import Requirement
@@ -25,6 +24,10 @@ PYPROJECT = (ROOT / "pyproject.toml").read_text("utf-8")
 _PRIVATE = re.compile("_[a-z_]*[A-Za-z]")
 _PUBLIC = {"_asdict", "_exit", "_replace"}  # documented, of named tuples and of `os`
 _OWN_PYTHON = "browser/"  # it takes the place of parts of one Python, which the site brings itself
+_KINDS = (
+    ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef, ast.arg, ast.Name, ast.Attribute,
+    ast.Import, ast.ImportFrom, ast.Call,
+)  # fmt: skip
 _KNOWN = sys.stdlib_module_names | {"mikas", "_typeshed", "sigrokdecode", "pydantic"}
 
 # By package and file: parts that have an underscore, or that no document has.
@@ -36,21 +39,29 @@ UNDOCUMENTED = {"uvicorn": {"Server._protocol"}}
 DISTRIBUTIONS = {"paho": "paho-mqtt", "serial": "pyserial"}  # where the module has another name
 
 
+Nodes = tuple[ast.AST, ...]
+
+
 @cache
-def files() -> list[tuple[str, ast.Module]]:
+def files() -> list[tuple[str, Nodes]]:
     names = (path.relative_to(SOURCE).as_posix() for path in sorted(SOURCE.rglob("*.py")))
     mine = [name for name in names if not name.startswith(_OWN_PYTHON)]
-    return [(name, ast.parse((SOURCE / name).read_text("utf-8"))) for name in mine]
+    return [(name, nodes_of((SOURCE / name).read_text("utf-8"))) for name in mine]
+
+
+def nodes_of(source: str) -> Nodes:
+    """The nodes of interest."""
+    return tuple(node for node in ast.walk(ast.parse(source)) if isinstance(node, _KINDS))
 
 
 def is_private(name: str) -> bool:
     return _PRIVATE.fullmatch(name) is not None and name not in _PUBLIC
 
 
-def names_in(tree: ast.AST) -> set[str]:
+def names_in(nodes: Iterable[ast.AST]) -> set[str]:
     """The private names that a piece of source makes."""
     found = set()
-    for node in ast.walk(tree):
+    for node in nodes:
         match node:
             case ast.FunctionDef(name=name) | ast.AsyncFunctionDef(name=name) | ast.arg(arg=name):
                 found.add(name)
@@ -61,20 +72,20 @@ def names_in(tree: ast.AST) -> set[str]:
     return set(filter(is_private, found))
 
 
-def names_used_in(tree: ast.AST) -> set[str]:
-    used = {node.attr for node in ast.walk(tree) if isinstance(node, ast.Attribute)}
+def names_used_in(nodes: Iterable[ast.AST]) -> set[str]:
+    used = {node.attr for node in nodes if isinstance(node, ast.Attribute)}
     return set(filter(is_private, used))
 
 
 @cache
 def own_names() -> set[str]:
-    return {name for _, tree in files() for name in names_in(tree)}
+    return {name for _, nodes in files() for name in names_in(nodes)}
 
 
-def of_others(tree: ast.Module) -> Iterator[str]:
+def of_others(nodes: Nodes) -> Iterator[str]:
     """Private names of other packages: used, and made nowhere here; imported; written as texts."""
-    yield from names_used_in(tree) - own_names()
-    for node in ast.walk(tree):
+    yield from names_used_in(nodes) - own_names()
+    for node in nodes:
         if isinstance(node, ast.ImportFrom) and node.level == 0 and node.module:
             package = node.module.partition(".")[0]
             names = [*node.module.split("."), *(each.name for each in node.names)]
@@ -89,27 +100,28 @@ def of_others(tree: ast.Module) -> Iterator[str]:
             yield from (it for it in names if is_private(it) and it not in sys.stdlib_module_names)
 
 
-def of_bases(tree: ast.Module) -> Iterator[tuple[str, str]]:
+def of_bases(nodes: Nodes) -> Iterator[tuple[str, str]]:
     """The package and a private name of it that a class here shares with a base from there."""
-    modules = foreign_imports(tree)
-    for node in (it for it in ast.walk(tree) if isinstance(it, ast.ClassDef)):
+    modules = foreign_imports(nodes)
+    for node in (it for it in nodes if isinstance(it, ast.ClassDef)):
         for base in map(ast.unparse, node.bases):
             first, _, rest = base.partition("[")[0].partition(".")
             if first not in modules:
                 continue
             kind = attrgetter(rest)(modules[first]()) if rest else modules[first]()
-            mine = names_in(node) | names_used_in(node)
+            inner = [*ast.walk(node)]
+            mine = names_in(inner) | names_used_in(inner)
             for each in inspect.getmro(kind) if inspect.isclass(kind) else ():
                 package = each.__module__.partition(".")[0]
                 if package not in sys.stdlib_module_names:
-                    for shared in mine & names_in(source_of(each)):
+                    for shared in mine & names_made_by(each):
                         yield DISTRIBUTIONS.get(package, package), shared
 
 
-def foreign_imports(tree: ast.Module) -> dict[str, Callable[[], object]]:
+def foreign_imports(nodes: Nodes) -> dict[str, Callable[[], object]]:
     """By name in a module, what gets it from its package: of all packages but Python's and ours."""
     found: dict[str, Callable[[], object]] = {}
-    for node in ast.walk(tree):
+    for node in nodes:
         if isinstance(node, ast.Import):
             for each in node.names:
                 package = each.name.partition(".")[0]
@@ -128,20 +140,29 @@ def imported(module: str, name: str) -> object:
     return getattr(whole, name) if hasattr(whole, name) else import_module(f"{module}.{name}")
 
 
-def source_of(kind: type) -> ast.AST:
+@cache
+def names_made_by(kind: type) -> set[str]:
+    classes = (it for it in classes_of(kind.__module__) if it.name == kind.__name__)
+    return {name for each in classes for name in names_in(ast.walk(each))}
+
+
+@cache
+def classes_of(module: str) -> list[ast.ClassDef]:
+    """The classes of a module; none if its source is not of Python."""
     try:
-        return ast.parse(dedent(inspect.getsource(kind)))
-    except (OSError, TypeError):  # not of Python
-        return ast.Module([], [])
+        tree = ast.parse(inspect.getsource(sys.modules[module]))
+    except (OSError, TypeError):
+        return []
+    return [node for node in ast.walk(tree) if isinstance(node, ast.ClassDef)]
 
 
 def test_each_private_part_of_a_library_is_listed() -> None:
     found: dict[str, set[str]] = {}
     by_package: dict[str, dict[str, set[str]]] = {}
-    for name, tree in files():
-        if parts := set(of_others(tree)):
+    for name, nodes in files():
+        if parts := set(of_others(nodes)):
             found.setdefault(name, set()).update(parts)
-        for package, part in of_bases(tree):
+        for package, part in of_bases(nodes):
             by_package.setdefault(package, {}).setdefault(name, set()).add(part)
             found.setdefault(name, set()).add(part)
     listed: dict[str, set[str]] = {}
