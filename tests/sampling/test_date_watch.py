@@ -14,7 +14,9 @@ NIGHT = 43_200.0
 def looks(*seen: tuple[float, float, bool]) -> list[Jump | None]:
     """What a watch finds at each clock, with the date so far ahead, and values or none."""
     watch = DateWatch()
-    return [watch.look(now, DATE + now + ahead, broken=broken) for now, ahead, broken in seen]
+    return [
+        watch.look(DATE + now, DATE + now + ahead, broken=broken) for now, ahead, broken in seen
+    ]
 
 
 def test_a_date_that_runs_with_the_clock_is_no_jump_and_neither_is_its_drift():
@@ -31,7 +33,7 @@ def test_drift_is_noted_seldom_as_a_set_date_and_no_date_is_wrong_for_more(ppm, 
     for number in range(count + 1):
         now = number * step
         drift = now * ppm * 1e-6
-        found = watch.look(now, DATE + now + drift, broken=number % 7 == 0)
+        found = watch.look(DATE + now, DATE + now + drift, broken=number % 7 == 0)
         if found is not None:
             assert not found.slept
             assert abs(found.seconds) >= 9.9
@@ -53,7 +55,7 @@ def test_a_date_that_is_slewed_to_another_is_noted_once_when_it_rests(rate, seco
 def test_a_jump_while_values_come_sets_the_date_after_some_seconds():
     first, *found = looks((0, 0, False), (1, NIGHT, False), (3, NIGHT, False), (5, NIGHT, False))
     assert (first, found[:2]) == (None, [None, None])
-    assert found[2] == Jump(1, NIGHT, DATE + 1, DATE + 1 + NIGHT, slept=False)
+    assert found[2] == Jump(DATE + 1, NIGHT, DATE + 1, DATE + 1 + NIGHT, slept=False)
 
 
 @pytest.mark.parametrize("since", [False, True])
@@ -70,19 +72,24 @@ def test_no_sleep_goes_back_or_is_of_months(seconds):
     assert (found.seconds, found.slept) == (seconds, False)
 
 
+def test_a_date_that_was_set_before_the_first_look_is_a_jump():
+    *_, found = looks((0, NIGHT, False), (3, NIGHT, False), (5, NIGHT, False))
+    assert found == Jump(DATE, NIGHT, DATE, DATE + NIGHT, slept=False)
+
+
 def test_a_date_that_is_set_to_and_fro_is_no_jump():
     assert looks((0, 0, False), (1, NIGHT, False), (2, 0, False), (9, 0, False)) == [None] * 4
 
 
 def test_the_end_of_a_session_decides():
     watch = DateWatch()
-    watch.look(0, DATE, broken=False)
-    watch.look(1, DATE - 99, broken=False)
+    watch.look(DATE, DATE, broken=False)
+    watch.look(DATE + 1, DATE - 99, broken=False)
     jump = watch.conclude()
     assert jump is not None
     assert (jump.seconds, jump.slept) == (-100, False)
     assert watch.conclude() is None
-    assert watch.look(9, DATE - 91, broken=False) is None
+    assert watch.look(DATE + 9, DATE - 91, broken=False) is None
 
 
 @pytest.mark.parametrize(

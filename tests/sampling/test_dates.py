@@ -141,6 +141,18 @@ def test_a_recording_begun_next_morning_in_the_same_connection_has_its_true_date
         assert time == pytest.approx(BEGAN + 10 + seconds, abs=1)
 
 
+@pytest.mark.parametrize("seconds", [YEARS, -NIGHT])
+def test_a_date_that_was_set_between_the_program_and_its_first_connection_is_noted(
+    tmp_path, seconds
+):
+    computer, path = Computer(), tmp_path / "a.pcapng"
+    computer.jump(seconds)
+    record(path, computer)
+    [change] = clock_notes(path)
+    assert change.seconds == pytest.approx(seconds, abs=0.01)
+    assert packets(path)[0].time == pytest.approx(BEGAN + seconds, abs=5)
+
+
 def test_an_edit_of_a_recording_whose_date_was_set_hits_its_marker(tmp_path):
     computer, path = Computer(), tmp_path / "a.pcapng"
     computer.at(3.5, lambda: computer.recorder.marker(label="hill"))

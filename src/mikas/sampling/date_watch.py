@@ -40,9 +40,9 @@ class DateWatch:
     """Compares the date with the clock, at each `look`."""
 
     def __init__(self) -> None:
-        self._difference: float | None = None  # of date and clock, without the jumps so far
+        self._difference = 0.0  # of date and clock, without the jumps so far: it began as the date
         self._drift = 0.0  # in it, not noted yet
-        self._looked = 0.0
+        self._looked: float | None = None
         self._jump: Jump | None = None  # as first seen, not judged yet
 
     def look(self, now: float, date: float, *, broken: bool) -> Jump | None:
@@ -50,10 +50,7 @@ class DateWatch:
 
         After a sleep, `now` is to have it in it from the next look on.
         """
-        elapsed, self._looked = now - self._looked, now
-        if self._difference is None:
-            self._difference = date - now
-            return None
+        elapsed, self._looked = 0.0 if self._looked is None else now - self._looked, now
         most = _DRIFT * max(0.0, elapsed)
         moved = date - now - self._difference
         if abs(moved) < _LEAST + most:
@@ -69,7 +66,6 @@ class DateWatch:
 
     def _drifted(self, seconds: float, now: float, date: float) -> Jump | None:
         """Follow a drift of `seconds`; return all of it once it is too much."""
-        assert self._difference is not None
         self._difference += seconds
         self._drift += seconds
         if abs(self._drift) < _MOST_DRIFT:
@@ -90,7 +86,6 @@ class DateWatch:
 
     def _judged(self, *, slept: bool) -> Jump:
         assert self._jump is not None
-        assert self._difference is not None
         jump, self._jump = self._jump._replace(slept=slept), None
         if not slept:
             self._difference += jump.seconds
