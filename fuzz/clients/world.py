@@ -60,6 +60,7 @@ class SteadyClock(WallClock):
     def __init__(self) -> None:
         super().__init__()
         self._lock, self._now, self._read = threading.Lock(), time.time(), time.perf_counter()
+        self.date = self.now
 
     def now(self) -> float:
         with self._lock:
@@ -245,7 +246,7 @@ def _dashboard(folder: Path) -> Dashboard:
         state=folder / "state",
         find=list,
         open_port=lambda url: RealTimeVirtualLink(bus, url=url),
-        link_clock=clock.now,
+        wall=clock,
     )
     dashboard = Dashboard(settings, port="sim:", lan=True)
     dashboard.plan.request = PlanSettings(dict.fromkeys(_NAMES, 1), "batch", None)

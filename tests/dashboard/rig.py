@@ -15,6 +15,7 @@ from urllib.parse import parse_qsl
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.settings import PlanSettings, Settings
 from mikas.errors import PortNotFound
+from mikas.link import WallClock
 from mikas.link.ports import Port
 from mikas.link.virtual import RealTimeVirtualLink
 from mikas.virtual.build import build_bus
@@ -43,6 +44,8 @@ class FastClock:
         self._lock = threading.Lock()
         self._now = time.time()
         self._asked = time.perf_counter()
+        self.set_by = 0.0
+        """The seconds by which the computer's date was set."""
 
     def now(self):
         with self._lock:
@@ -50,6 +53,10 @@ class FastClock:
             self._now += min((asked - self._asked) * SPEED, STALL)
             self._asked = asked
             return self._now
+
+    def date(self):
+        """The computer's date."""
+        return self.now() + self.set_by
 
     def sleep(self, seconds):
         """The computer was asleep for so long."""
@@ -202,7 +209,7 @@ def rig(
         state=tmp_path / "state",
         find=lambda: list(cars.ports),
         open_port=cars.open,
-        link_clock=cars.clock.now,
+        wall=WallClock(cars.clock.now, cars.clock.date),
         addresses=lambda: ("127.0.0.2", "garage"),
         language=language,
         desktop=desktop,

@@ -28,6 +28,7 @@ from mikas.dashboard.api.live import Broadcaster, Listener
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.security.control import Client
 from mikas.dashboard.settings import PlanSettings, Settings
+from mikas.link import WallClock
 from mikas.link.ahead import PortAhead
 from mikas.publish.connection import BrokerChange
 from mikas.publish.outbox import Message, MessageKind, Outbox
@@ -138,7 +139,6 @@ def dashboard(drive: Drive, folder: Path) -> str:
     with pytest.MonkeyPatch.context() as patch:
         equip(patch, garage, folder)
         patch.setattr(live, "PERIOD", 3600.0)  # only this rig lets messages be made
-        patch.setattr("mikas.dashboard.session.connection.time.time", garage.now)
         told = asyncio.run(_visit(drive, garage, folder))
     return _text("messages", told) + "".join(_files(folder))
 
@@ -149,7 +149,7 @@ async def _visit(drive: Drive, garage: Garage, folder: Path) -> list[str]:
         state=folder / "state",
         find=garage.find,
         open_port=garage.open,
-        link_clock=garage.now,
+        wall=WallClock(garage.now, garage.now),
     )
     it = Dashboard(settings, port=CABLE.url, clock=garage.now)
     wanted = [name.partition("/") for name in CHANNELS]

@@ -18,7 +18,7 @@ PARTS = {
         "test_monitor_alarms.py", "test_monitor_dropped.py", "test_monitor_errors.py",
         "test_monitor_gaps.py", "test_port_threads.py", "test_session_connection.py",
         "test_session_fault_history.py", "test_session_freeze_frames.py",
-        "test_session_recorder.py",
+        "test_session_recorder.py", "test_true_dates.py",
     ),
 }  # fmt: skip
 

@@ -45,7 +45,6 @@ from mikas.dashboard.session.recorder import SessionRecorder
 from mikas.dashboard.settings import PortSettings, Settings
 from mikas.errors import MikasError
 from mikas.i18n import Text
-from mikas.link.base import WallClock
 from mikas.sampling import events
 from mikas.sampling.session import SamplingSession
 
@@ -72,7 +71,6 @@ class Dashboard:
         self.control = ControlLease(clock, changed=self.write_lock.close)
         self.confirmations = ConfirmationStore(clock)
         self.history = History()
-        self._wall = WallClock()
         self.session = SamplingSession(on_faults=self._add_faults)
         self.monitor = ConnectionMonitor(self.history, self.session)
         self.fault_history = FaultHistory(self._on_faults)
@@ -190,7 +188,6 @@ class Dashboard:
             self.settings,
             request,
             sink=self.recorder.recorder,
-            wall=self._wall,
             confirm=self.changes.approval.confirm,
             on_event=self._on_event,
             on_end=self._on_end,

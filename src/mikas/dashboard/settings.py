@@ -19,7 +19,7 @@ from mikas.client.parameters.polling import Method
 from mikas.dashboard.addresses import own_addresses
 from mikas.errors import UsageError, reason_of
 from mikas.i18n import Language, Text
-from mikas.link import Link, Port, find_ports, open_link
+from mikas.link import Link, Port, WallClock, find_ports, open_link
 from mikas.link.urls import parse
 
 if TYPE_CHECKING:
@@ -68,8 +68,9 @@ def folder_error(folder: Path) -> UsageError | None:
 @dataclass(frozen=True, slots=True)
 class Settings:
     """`recordings`: the folder of recordings, with `dumps` in it. `state`: presets, learnt limits,
-    the journal; None: `state_folder()`. `find`, `open_port`, `link_clock`: the system's ports and
-    the links' clock, which tests replace. `own`: the user's own catalog, which the dashboard may
+    the journal; None: `state_folder()`. `find`, `open_port`, `wall`: the system's ports, and one
+    clock for all connections, so that a date that is set moves none against another; tests replace
+    them. `own`: the user's own catalog, which the dashboard may
     change; None: one in the folder of the state, which other commands do not read.
     """
 
@@ -78,7 +79,7 @@ class Settings:
     connection: ConnectionOptions = field(default_factory=ConnectionOptions)
     find: Callable[[], list[Port]] = find_ports
     open_port: Callable[[str], Link] = open_link
-    link_clock: Callable[[], float] | None = None
+    wall: WallClock = field(default_factory=WallClock)
     addresses: Callable[[], tuple[str, ...]] = own_addresses
     """This computer's addresses and names in the network."""
     language: Language | None = None

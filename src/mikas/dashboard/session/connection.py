@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import asyncio
 import threading
-import time
 from collections.abc import AsyncIterator, Callable, Sequence
 from concurrent.futures import Future
 from contextlib import asynccontextmanager
@@ -189,9 +188,9 @@ class Connection:
         return await result_in_turn(thread.acquisition.call(in_turn), seconds)
 
     def now(self) -> float:
-        """Return the time of the link's clock; without a link, the computer's."""
+        """Return the time of the links' clock."""
         thread = self.thread
-        return time.time() if thread is None else thread.now()
+        return self._settings.wall.now() if thread is None else thread.now()
 
     @property
     def is_demo(self) -> bool:

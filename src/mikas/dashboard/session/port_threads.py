@@ -23,7 +23,7 @@ from mikas.dashboard.errors import InternalError
 from mikas.dashboard.settings import PlanSettings, PortSettings, Settings
 from mikas.errors import MikasError
 from mikas.link import Link
-from mikas.link.base import Sink, WallClock
+from mikas.link.base import Sink
 from mikas.link.reconnecting import ReconnectingPort
 from mikas.sampling.acquisition import Acquisition
 from mikas.sampling.events import Event
@@ -77,8 +77,7 @@ class SamplingThread(threading.Thread):
     """Samples from the port until `stop`.
 
     `on_event` gets the events; `on_end` the error, if sampling ended by itself. `before`: as for
-    `Acquisition`. `wall`: one clock for all connections of a session, so that a date that is set
-    moves none of them against another.
+    `Acquisition`.
     """
 
     def __init__(
@@ -92,7 +91,6 @@ class SamplingThread(threading.Thread):
         on_event: Callable[[SamplingThread, Event], None],
         on_end: Callable[[SamplingThread, MikasError | None], None],
         before: UnitIdentity | None = None,
-        wall: WallClock | None = None,
     ) -> None:
         super().__init__(name="mikas sampling", daemon=True)
         self.url = port.url
@@ -105,8 +103,7 @@ class SamplingThread(threading.Thread):
             port.url,
             find=settings.find,
             open_port=self._stoppable.open,
-            clock=settings.link_clock,
-            wall=None if settings.link_clock else wall,
+            wall=settings.wall,
             wait=self._stoppable.stopping.wait,
             sink=sink,
         )
