@@ -84,6 +84,7 @@ NAVIGATION: tuple[Entry | Section, ...] = (
             _page("reference/scenarios.md", "Scenarios", "Сценарии"),
             _page("reference/api.md", "The dashboard's interface", "Интерфейс панели"),
             _page("reference/security.md", "Security", "Безопасность"),
+            _page("reference/field.md", "In the field", "В полевых условиях"),
             _page("reference/facts.md", "Facts about the car", "Сведения о машине"),
         ),
     ),
