@@ -1,7 +1,7 @@
 """Markdown as the web shows it (CommonMark), rewritten for Python-Markdown, which Zensical has.
 
 Python-Markdown wants four spaces for each level of a list, and an empty line before a list or a
-table that follows a paragraph.
+table that follows a paragraph. A fence with more words than the language it takes for a paragraph.
 """
 
 from __future__ import annotations
@@ -36,6 +36,10 @@ def rewritten(text: str) -> str:
             level -= 1
         elif token.type in _NEEDS_GAP and token.map and level == 0:
             gaps.add(token.map[0])
+        elif token.type == "fence" and token.map and token.info:
+            fence = token.map[0]
+            before, mark, info = lines[fence].partition(token.markup)
+            lines[fence] = before + mark + info.split()[0]
     made: list[str] = []
     for number, line in enumerate(lines):
         if number in gaps and made and made[-1].strip():

@@ -78,7 +78,12 @@ def test_only_the_targets_that_are_given_change():
         ("Words:\n| a |\n|---|\n| b |", "Words:\n\n| a |\n|---|\n| b |"),
         ("# A\n\n```\n- a\n  - b\n```", "# A\n\n```\n- a\n  - b\n```"),
         ("- a\n  ```\n  b\n    c\n  ```", "-   a\n    ```\n    b\n      c\n    ```"),
+        ("```console no-run\n$ a\n```\n\n## B", "```console\n$ a\n```\n\n## B"),
+        (
+            "- a\n\n  ```text\n  ```python no-run\n  ```",
+            "-   a\n\n    ```text\n    ```python no-run\n    ```",
+        ),
     ],
 )
-def test_lists_and_tables_in_the_dialect_of_python_markdown(text, in_the_dialect):
+def test_lists_tables_and_code_in_the_dialect_of_python_markdown(text, in_the_dialect):
     assert rewritten(text) == in_the_dialect + "\n"
