@@ -19,6 +19,7 @@ from mikas.json_values import picked
 
 DONE, BUG, USAGE, NO_CONNECTION, LINE, REFUSED, NOT_CONFIRMED = range(7)
 INTERRUPTED = 130
+_IMPORTING = "<frozen importlib._bootstrap_external>"
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +57,16 @@ def failure_of(error: Exception) -> FailureReport:
     if (refusal := errors.refusal_of(error)) is not None:
         message = f"{capital(localized(refusal))}."
         return FailureReport(USAGE, "SystemRefused", message, message)
+    if (compiled := _damaged_compiled_file(error)) is not None:
+        message = tr(
+            f"{compiled} is damaged, as after a full disk or a power cut.",
+            f"{compiled}: файл повреждён, так бывает после нехватки места или отключения питания.",
+        )
+        advice = tr(
+            "Delete this file, Python makes it anew; if that does not help, reinstall mikas.",
+            "Удалите его, Python создаст новый; если не поможет, переустановите mikas.",
+        )
+        return FailureReport(USAGE, "DamagedFile", message, f"{message} {advice}", (advice,))
     kind = f"{type(error).__name__}: {error}"
     message = tr(f"This is a bug in mikas ({kind}).", f"Это ошибка в программе mikas ({kind}).")
     advice = tr(
@@ -63,6 +74,19 @@ def failure_of(error: Exception) -> FailureReport:
         "Сообщите о ней, приложив вывод той же команды с ключом -v.",
     )
     return FailureReport(BUG, "InternalError", message, f"{message} {advice}", (advice,))
+
+
+def _damaged_compiled_file(error: Exception) -> str | None:
+    """Return the compiled file of Python (.pyc) at whose import `error` was raised, or None."""
+    if isinstance(error, ImportError):  # it holds no code; such an error has no frames of importlib
+        return error.path if (error.path or "").endswith(".pyc") else None
+    trace = error.__traceback__
+    while trace is not None and trace.tb_next is not None:
+        trace = trace.tb_next
+    if trace is None or trace.tb_frame.f_code.co_filename != _IMPORTING:
+        return None
+    path = trace.tb_frame.f_locals.get("bytecode_path")
+    return path if isinstance(path, str) else None
 
 
 _STATUSES: tuple[tuple[type[errors.MikasError], int], ...] = (

@@ -60,6 +60,15 @@ class HereRunner(Runner):
         return map(work, files)
 
 
+def empty(folder: Path) -> None:
+    """Remove what an earlier computer has left on the disk."""
+    for each in folder.iterdir():
+        if each.is_dir():
+            shutil.rmtree(each)
+        else:
+            each.unlink()
+
+
 def fill(folder: Path) -> None:
     """Leave no room on the disk."""
     with (folder / "fill").open("wb", buffering=0) as file, suppress(OSError):
@@ -109,6 +118,7 @@ def on_computer(computer: dict, answer: int, log: BinaryIO) -> None:
     tempfile.tempdir = None
     os.umask(int(computer["umask"], 8))
     folder = Path(native(computer["folder"]))
+    empty(folder)
     for name, file in computer["files"].items():
         shutil.copyfile(file, folder / native(name))
     for name, mode in (("current", 0o777), ("sealed", 0o555)):
@@ -154,6 +164,7 @@ def serve() -> None:
             sys.stdout.write(f"{pipe.read() or None}\n")
         os.waitpid(child, 0)
         sys.stdout.flush()
+    gc.unfreeze()  # some libraries complain about it at the exit
 
 
 if __name__ == "__main__":

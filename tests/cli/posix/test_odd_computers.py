@@ -14,7 +14,7 @@ import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -283,6 +283,45 @@ def test_a_command_names_the_extra_that_is_not_installed(library, extra, line, f
     ((status, text),) = results(computer, folder, drive, run, [line])
     assert f'pip install "mikas[{extra}]"' in text
     assert status == 2
+
+
+@ROOT_ONLY
+@pytest.mark.parametrize("name", ["no home, files for the owner alone", "a full disk"])
+def test_what_can_not_be_kept_is_said_once(name, folder, drive, disk, run):
+    computer = COMPUTERS[name]
+    log = ["log", "-o", f"{folder}/log.pcapng", "TWAT", "--duration", "9", "--plate", "A1", *SIM]
+    words = [log, ["dash", "--no-browser", "--lan"], ["demo", "--no-browser"]]
+    place = disk if name == "a full disk" else folder
+    environment = {**computer.environment, "MIKAS_STATE": f"{place}/sealed/state"}
+    odd = replace(computer, environment=environment)
+    (logged, dash, demo) = results(odd, place, drive, run, words)
+    assert [logged[0], dash[0], demo[0]] == [0, 130, 130]
+    assert logged[1].count("can't be kept for the next one") == 1, logged
+    assert dash[1].count("can't be kept, so the next start") == 1, dash
+    if name != "a full disk":  # where the first recording says it
+        assert [text.count("is not writable") for _, text in (dash, demo)] == [1, 1], (dash, demo)
+
+
+@ROOT_ONLY
+def test_the_library_reads_and_writes_without_a_home(folder):
+    line = (
+        "import mikas, pathlib\n"
+        "with mikas.connect('sim:?clock=simulated', confirm=lambda _: True) as ecu:\n"
+        "    print(*ecu.read('TWAT'), ecu.faults())\n"
+        "    try:\n"
+        "        ecu.write_parameter('UOZ', 5)\n"
+        "    except mikas.MikasError as error:\n"
+        "        print(error)\n"
+    )
+    done = subprocess.run(
+        [*STRANGER, sys.executable, "-c", line], cwd=folder, check=False, capture_output=True,
+        env={"PATH": os.environ["PATH"]}, text=True,
+    )  # fmt: skip
+    assert done.stdout.startswith("TWAT"), done
+    assert "no home folder; set HOME" in done.stdout
+    assert "MIKAS_STATE" in done.stdout
+    assert done.stderr == ""
+    assert [*folder.iterdir()] == []
 
 
 def test_a_name_at_the_limit_of_the_system_gets_a_second_one(tmp_path):

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -17,6 +16,7 @@ from mikas.cli.options.parameter_types import whole
 from mikas.errors import UsageError
 
 if TYPE_CHECKING:
+    from mikas.cli.context import CommandContext
     from mikas.client.cars import CarDetails
     from mikas.recording.capture.notes import Note
     from mikas.sampling.events import UnitFound
@@ -62,7 +62,7 @@ class CarOptions:
 
         return car_details(asdict(self))
 
-    def note_maker(self) -> Callable[[UnitFound], Note | None]:
+    def note_maker(self, context: CommandContext) -> Callable[[UnitFound], Note | None]:
         """Return the `car` of a `Recorder`: options are of the first unit, not of another one."""
         from mikas.client.cars import NO_CAR, CarBook
         from mikas.client.connecting import STATE_VARIABLE, state_folder
@@ -77,8 +77,15 @@ class CarOptions:
             known = replace(kept, mileage=None) if kept else replace(NO_CAR, workshop=book.workshop)
             details = known if unit.another else given.over(known)
             if given and not unit.another:
-                with suppress(UsageError):  # the recording has them anyway
+                try:
                     book.keep(unit.identity, details)
+                except UsageError as error:
+                    context.say(
+                        "The car's details are in this recording, but can't be kept for the next "
+                        f"one: {error.reason.en}.",
+                        "Данные машины есть в этой записи, но для следующей не сохранились: "
+                        f"{error.reason.ru}.",
+                    )
             return car_note(unit.time, details) if details else None
 
         return note
