@@ -8,6 +8,7 @@ import threading
 import pytest
 
 from mikas.link import virtual
+from mikas.link.base import AwakeClock
 from mikas.link.virtual import RealTimeVirtualLink
 from mikas.virtual.build import build_bus
 
@@ -45,3 +46,11 @@ def test_the_engine_runs_without_a_link_as_long_as_the_car_is_kept(seen):
     gc.collect()
     thread.join(30)
     assert not thread.is_alive()
+
+
+def test_a_virtual_car_catches_up_no_night_of_sleep() -> None:
+    steady = [0.0]
+    clock = AwakeClock(lambda: steady[0])
+    began = clock.now()
+    for steady[0], expected in ((1.0, 1.0), (2.0, 2.0), (43_202.0, 602.0), (43_203.0, 603.0)):
+        assert clock.now() - began == pytest.approx(expected, abs=1e-3)

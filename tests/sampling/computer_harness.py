@@ -26,7 +26,8 @@ class Computer(SimulatedPlug):
     def __init__(self) -> None:
         super().__init__(make_bus())
         self.jumped = 0.0
-        self.wall = WallClock(self.now, lambda: BEGAN + self.now() + self.jumped)
+        self.suspended = 0.0  # in which only the virtual car's clock stood still
+        self.wall = WallClock(self.steady, lambda: BEGAN + self.steady() + self.jumped)
         self.recorder = Recorder()
         self.session = SamplingSession(self.recorder.record_event)
         self.session.wants_faults = lambda: False
@@ -39,6 +40,12 @@ class Computer(SimulatedPlug):
         link = self.open()
         link.is_simulated = link.is_virtual = False
         return link
+
+    def steady(self) -> float:
+        return self.now() + self.suspended
+
+    def suspend(self, seconds: float) -> None:
+        self.suspended += seconds
 
     def jump(self, seconds: float) -> None:
         self.jumped += seconds

@@ -55,6 +55,8 @@ class SimulatedPlug:
     def dated(self) -> tuple[float, float] | None:
         return None if self.date is None else (self.now(), self.date())
 
+    stood_still = 0.0
+
     def slept(self, seconds: float) -> None:
         self.wait(seconds)
 

@@ -129,6 +129,26 @@ def test_a_sleep_is_a_gap_of_its_true_length_and_all_values_have_true_dates(
     assert min(times[len(before) :]) - max(before) > NIGHT
 
 
+@pytest.mark.parametrize("method", ["batch", "stream"])
+def test_a_virtual_car_that_stood_still_in_a_sleep_goes_on_with_true_dates(
+    undisturbed, tmp_path, method
+):
+    alone, path, later = undisturbed(9.0, method), tmp_path / "a.pcapng", tmp_path / "b.pcapng"
+    computer = Computer()
+    computer.at(4.0, lambda: computer.suspend(NIGHT))
+    computer.at(7.0, lambda: computer.recorder.start(later, url="sim:"))
+    record(path, computer, 9.0, method=method)
+    [change] = clock_notes(path)
+    assert (change.seconds, change.slept) == (pytest.approx(NIGHT, abs=0.5), True)
+    [gap] = [e for e in events_of(CaptureReader(path).notes(), SECTION_4) if type(e) is Gap]
+    assert (gap.reason, gap.ended - gap.began) == (SLEPT, pytest.approx(NIGHT, abs=2))
+    times = row_times(path)
+    assert times[0] == pytest.approx(row_times(alone)[0], abs=0.01)
+    assert max(spaced(times)) == pytest.approx(NIGHT, abs=2)
+    assert packets(later)[0].time == pytest.approx(BEGAN + 7 + NIGHT, abs=1)
+    assert clock_notes(later) == []
+
+
 @pytest.mark.parametrize("seconds", [YEARS, NIGHT, -NIGHT])
 def test_a_recording_begun_next_morning_in_the_same_connection_has_its_true_date(tmp_path, seconds):
     computer, path = Computer(), tmp_path / "next.pcapng"

@@ -10,6 +10,7 @@ called from another. The contract suite `tests/link/contract.py` checks the sent
 from __future__ import annotations
 
 import sys
+import threading
 import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable
@@ -17,7 +18,7 @@ from dataclasses import dataclass
 from enum import Enum
 from functools import partial
 from math import inf
-from typing import NamedTuple, Protocol, Self
+from typing import Final, NamedTuple, Protocol, Self
 
 from mikas.errors import LineError, NoConnection, PortKind
 from mikas.i18n import Text
@@ -302,10 +303,29 @@ class WallClock:
         self._offset += seconds
 
 
+_LONGEST_STEP: Final = 600.0  # s that a virtual car catches up at once, in about a second
+
+
 class AwakeClock(WallClock):
-    """As `WallClock`, but it stands still while the computer sleeps: a virtual car's."""
+    """As `WallClock`, but it stands still while the computer sleeps: a virtual car's.
 
-    __slots__ = ()
+    On some systems `steady` runs on in a sleep. So no step is longer than `_LONGEST_STEP`; a car
+    that is used asks every second.
+    """
 
-    def __init__(self) -> None:
-        super().__init__(time.perf_counter)
+    __slots__ = ("_latest", "_lock")
+
+    def __init__(self, steady: Callable[[], float] = time.perf_counter) -> None:
+        super().__init__(steady)
+        self._lock = threading.Lock()
+        self._latest = super().now()
+
+    def now(self) -> float:
+        """Return the seconds since 1970, without those of a sleep."""
+        with self._lock:
+            now = super().now()
+            if (slept := now - self._latest - _LONGEST_STEP) > 0:
+                self.skip(-slept)
+                now -= slept
+            self._latest = now
+            return now

@@ -28,6 +28,7 @@ from mikas.link.ports import Port, find_ports, listed, named
 from mikas.link.suspension import LATE_IN_PROGRAM, SuspensionGuard
 from mikas.link.urls import open_link, parse, with_name
 
+_LAG: Final = 1.0  # s; less is the time between the reading of two clocks
 _MOMENT: Final = 0.1  # s between the reading of two clocks; else the thread was stopped
 
 
@@ -114,12 +115,25 @@ class ReconnectingPort:
         now, date = self.now(), self.wall.date()
         return (now, date) if self.now() - now < _MOMENT else None
 
+    @property
+    def stood_still(self) -> float:
+        """The seconds of a sleep in which the latest link's clock stood still, and this one not.
+
+        A virtual car's time does not pass then. 0: none.
+        """
+        if self.wall is None or not isinstance(self._link, _SteadyLink):
+            return 0.0
+        lag = self._clock() + self._ahead - self._link.now()
+        return lag if lag >= _LAG and not self._link.is_simulated else 0.0
+
     def slept(self, seconds: float) -> None:
-        """Add a sleep in which the clock stood still; between two exchanges."""
-        if self.wall is not None:
-            self.wall.skip(seconds)
+        """Add a sleep in which the link's clock stood still; between two exchanges."""
+        behind = seconds
         if isinstance(self._link, _SteadyLink):
             self._link.ahead += seconds
+            behind = self._link.now() - self._clock() - self._ahead
+        if self.wall is not None:
+            self.wall.skip(max(0.0, behind))
 
 
 def _changed(address: str, after: Port | None, present: list[Port]) -> PortNotFound:

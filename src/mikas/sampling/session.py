@@ -155,6 +155,8 @@ class SamplingSession:
         elif (dated := port.dated()) is not None:
             with self._lock:
                 found = self._dates.look(*dated, broken=broken or self._gaps.open is not None)
+            if found is None and (stood := port.stood_still):
+                found = Jump(dated[0], stood, dated[1] - stood, dated[1], slept=True)
             if found is None:
                 return
             if not found.slept:
