@@ -243,6 +243,15 @@ def test_files_that_are_left_out_of_the_list_are_named_with_the_reason(
     assert why[""] == "older files that are not listed: 2; move some to another folder"
 
 
+@pytest.mark.parametrize("name", ["a.pcapng.gz", "a.pcapng.ZST", "a.zip", "a.pcapng.lz4"])
+def test_a_packed_recording_that_is_not_listed_is_named(tmp_path: Path, name: str) -> None:
+    """Nothing was said of it."""
+    (tmp_path / name).write_bytes(b"")
+    files, (left_out,) = RecordingFolder(tmp_path).all()
+    assert (files, left_out.name) == ([], name)
+    assert "unpack it" in left_out.problem.en
+
+
 def test_a_folder_of_a_hundred_thousand_names_is_looked_at_in_part(
     tmp_path: Path, monkeypatch
 ) -> None:

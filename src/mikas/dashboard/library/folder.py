@@ -29,6 +29,7 @@ from mikas.errors import CaptureError, UnfitFile, UsageError, reason_at, reason_
 from mikas.file_locks import check_free
 from mikas.files import check_regular, open_regular
 from mikas.i18n import Text
+from mikas.recording.capture.packed import packed_suffix
 
 SUFFIX: Final = ".pcapng"
 _MAX_SHOWN: Final = 60  # characters of an id that was not found
@@ -53,6 +54,10 @@ _MOST_FOUND: Final = 240  # bytes of a name in a folder; the program adds `.json
 _NAME: Final = Text(
     "the name has characters that can't be shown or used, or is too long; rename the file",
     "в имени есть знаки, которые нельзя показать, или оно слишком длинное; переименуйте файл",
+)
+_PACKED: Final = Text(
+    "the file is packed; unpack it in this folder",
+    "файл сжат; распакуйте его в этой папке",
 )
 _OLDER: Final = Text(
     "older files that are not listed: {count}; move some to another folder",
@@ -101,6 +106,8 @@ def files_in(folder: Path, suffix: str, most: int) -> Listing:
         try:
             status = entry.stat(follow_symlinks=False)
             check_regular(status)
+            if not entry.name.endswith(suffix):
+                raise UnfitFile(errno.EINVAL, _PACKED)
             if not is_file_name(entry.name, suffix):
                 raise UnfitFile(errno.EINVAL, _NAME)
             found.append((-status.st_mtime_ns, entry.name))
@@ -121,11 +128,12 @@ def files_in(folder: Path, suffix: str, most: int) -> Listing:
 
 
 def _entries(folder: Path, suffix: str) -> Iterator[os.DirEntry[str]]:
-    """Yield the entries with this suffix; hidden files are somebody's own."""
+    """Yield the entries with this suffix, and packed ones; hidden files are somebody's own."""
     try:
         with os.scandir(folder) as entries:
             for entry in islice(entries, _MOST_SEEN):
-                if entry.name.endswith(suffix) and not entry.name.startswith("."):
+                is_one = entry.name.endswith(suffix) or packed_suffix(entry.name)
+                if is_one and not entry.name.startswith("."):
                     yield entry
     except OSError:  # nothing was kept yet, or the drive is gone
         return
