@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import BinaryIO, Final
 
 from mikas.cancellation import check_cancelled
+from mikas.cleaning import clean_line, public_port
 from mikas.files import beside
 from mikas.recording.annotations.cars import RecordedCar, cars_of
 from mikas.recording.capture import blocks as pcapng
@@ -49,7 +50,7 @@ def _port(file: BinaryIO, begin: int, stop: int, order: pcapng.Order) -> str | N
         with suppress(pcapng.Malformed):
             block = pcapng.parse(item.kind, item.body, item.order)
             if isinstance(block, pcapng.Interface) and not name:
-                name = block.name
+                name = public_port(clean_line(block.name))
     return None
 
 
@@ -67,13 +68,27 @@ def split(path: Path, target: Path) -> Iterator[tuple[RecordedCar, Path]]:
                 while True:
                     number += 1
                     part = beside(target.with_name(target.stem), f"-{number}.pcapng")
-                    with suppress(FileExistsError), part.open("xb") as out:
+                    with suppress(FileExistsError), _whole(part) as out:
                         for section in car.recordings:
                             _copy(file, edges[section], edges[section + 1], out)
                         break
             except OSError as error:
                 raise capture_error(part, error) from error
             yield car, part
+
+
+@contextmanager
+def _whole(path: Path) -> Iterator[BinaryIO]:
+    """Open a new file, which an exception removes: half a recording looks like a whole one."""
+    with path.open("xb") as out:
+        try:
+            yield out
+            out.flush()
+        except BaseException:
+            with suppress(OSError):  # the last bytes that wait are refused, too
+                out.close()
+            path.unlink(missing_ok=True)
+            raise
 
 
 def _copy(file: BinaryIO, begin: int, end: int, out: BinaryIO) -> None:

@@ -2,7 +2,7 @@
 
 Files are joined end to end (`cat`), or merged by other tools, and one car's drives stay one car's.
 A plate says best whose a recording is, then the car's name, then the unit. One without all of
-these is taken for the car of its port.
+these is the only known car's that was on its port; else each port is a car of its own.
 """
 
 from __future__ import annotations
@@ -23,18 +23,21 @@ _MOST_NAMED: Final = 10
 
 @dataclass(frozen=True, slots=True)
 class RecordedCar:
-    """One car of a file. `recordings`: their numbers; `port`: of the first one."""
+    """One car of a file. `recordings`: their numbers; `ports`: where it was, the first one first.
+
+    The port of a recording that has lost its beginning is "".
+    """
 
     recordings: tuple[int, ...]
     details: CarDetails
     unit: RecordedUnit | None
-    port: str
+    ports: tuple[str, ...]
 
     @property
     def name(self) -> Text:
         """The car's name or plate; else the unit's model, or the port."""
         model = self.unit.model if self.unit else None
-        words = self.details.name or (None if model else self.port)
+        words = self.details.name or (None if model else self.ports[0])
         if words is not None:
             return Text(words or "?", words or "?")
         return model or Text("?", "?")
@@ -48,9 +51,7 @@ class RecordedCar:
             return mine.car.casefold().split() == others.car.casefold().split()
         if self.unit is not None and other.unit is not None:
             return self.unit.identity.may_be(other.unit.identity)
-        if self.is_known == other.is_known:
-            return not self.is_known
-        return self.port == other.port or not (self.port and other.port)
+        return False
 
     @property
     def is_known(self) -> bool:
@@ -59,9 +60,10 @@ class RecordedCar:
 
     def joined(self, other: RecordedCar) -> RecordedCar:
         """Return both as one car's; the latter's details count more."""
-        numbers = (*self.recordings, *other.recordings)
+        numbers = tuple(sorted((*self.recordings, *other.recordings)))
+        ports = tuple(dict.fromkeys((*self.ports, *other.ports)))
         unit = self.unit or other.unit
-        return RecordedCar(numbers, other.details.over(self.details), unit, self.port)
+        return RecordedCar(numbers, other.details.over(self.details), unit, ports)
 
 
 def cars_of(
@@ -74,17 +76,28 @@ def cars_of(
     by_recording: dict[int, list[Note]] = defaultdict(list)
     for note in notes:
         by_recording[note.recording].append(note)
-    found: list[RecordedCar] = []
+    known: list[RecordedCar] = []
+    unknown: dict[str, RecordedCar] = {}  # by port
     for number in sorted({*ports, *by_recording}):
-        mine, port = by_recording[number], ports.get(number, "")
-        car = RecordedCar((number,), car_of(mine), unit_of(mine, catalog or shipped()), port)
-        same = (at for at in range(len(found) - 1, -1, -1) if found[at].is_same(car))
+        mine = by_recording[number]
+        port = ports.get(number, "").partition("?")[0]  # its options may be others at another time
+        car = RecordedCar((number,), car_of(mine), unit_of(mine, catalog or shipped()), (port,))
+        if not car.is_known:
+            unknown[port] = unknown[port].joined(car) if port in unknown else car
+            continue
+        same = (at for at in range(len(known) - 1, -1, -1) if known[at].is_same(car))
         at = next(same, None)
         if at is None:
-            found.append(car)
+            known.append(car)
         else:
-            found[at] = found[at].joined(car)
-    return found
+            known[at] = known[at].joined(car)
+    for port, car in unknown.items():
+        there = [at for at, each in enumerate(known) if port in each.ports]
+        if len(there) == 1:
+            known[there[0]] = known[there[0]].joined(car)
+        else:
+            known.append(car)
+    return sorted(known, key=lambda car: car.recordings)
 
 
 def several(cars: Sequence[RecordedCar]) -> Text:
