@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import socket
 import time
 
 import pytest
@@ -119,6 +120,13 @@ def test_a_hotspot_that_comes_later_gets_its_link_and_what_has_gone_is_refused(i
     here("127.0.0.3", "car")
     about_when(it, lambda it: len(it["lan_links"]) == 1)
     assert refused(it, "127.0.0.2", token)
+    with pytest.raises(ConnectionRefusedError):  # its socket is closed
+        socket.create_connection(("127.0.0.2", it.port), 60)
+    here("127.0.0.2", "127.0.0.3", "car")
+    about_when(it, lambda it: len(it["lan_links"]) == 2)
+    socket.create_connection(("127.0.0.2", it.port), 60).close()
+    here("127.0.0.3", "car")
+    about_when(it, lambda it: len(it["lan_links"]) == 1)
     for foreign in ("example.com", "[::ffff:127.0.0.3]", "127.0.0.3.nip.io", "[fd00::3]", "car."):
         assert refused(it, foreign, token), foreign
     assert it.client.get("/api/about/qr.svg", params={"address": "127.0.0.3"}).status_code == 200

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import ssl
 from datetime import UTC, datetime, timedelta
 from hashlib import sha256
@@ -66,6 +67,23 @@ def test_a_new_address_is_added_and_the_earlier_ones_stay(file, monkeypatch):
         "10.1.0.2", "10.1.0.1", "10.1.0.0",
     ]  # fmt: skip
     assert len(last.names) == 5
+
+
+def key_of(file):
+    return file.read_bytes().partition(b"-----BEGIN CERT")[0]
+
+
+def test_the_key_stays_until_others_could_have_read_it(file):
+    own_certificate(file, HOSTS, NOW)
+    key = key_of(file)
+    own_certificate(file, ("10.0.0.5", *HOSTS), NOW)
+    assert key_of(file) == key
+    own_certificate(file, HOSTS, NOW + timedelta(days=367))
+    assert key_of(file) == key
+    if os.name == "posix":
+        file.chmod(0o644)
+        own_certificate(file, HOSTS, NOW)
+        assert key_of(file) != key
 
 
 def test_whatever_lies_in_its_place_is_replaced(file, tmp_path):

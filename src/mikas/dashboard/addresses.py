@@ -6,6 +6,8 @@ Each interface that is up counts; a default route is not needed, and a VPN that 
     2  VPN, tunnel, bridge or card of containers and virtual machines: in the same order
 
 IPv6 link-local addresses are left out: they need a zone (`fe80::1%wlan0`), which no browser takes.
+So are temporary ones (RFC 8981), where the system names them (Linux): each is replaced daily, and
+with it the certificate would be, of which a phone then warns again.
 
 Linux says of its interfaces what they are (/sys/class/net), Windows the type and the description;
 elsewhere the name and the flag of a point-to-point link have to do.
@@ -44,6 +46,8 @@ class Address:
 
 
 _SYSTEM: Final = Path("/sys/class/net")
+_IPV6_LIST: Final = Path("/proc/net/if_inet6")
+_TEMPORARY: Final = 0x01  # IFA_F_TEMPORARY
 _UP, _LOOPBACK, _POINT_TO_POINT, _RUNNING = 0x1, 0x8, 0x10, 0x40  # Linux, macOS, BSD
 _ETHERNET: Final = range(1, 3), range(801, 804)  # ARPHRD_*: and of Wi-Fi
 _VIRTUAL_NAME: Final = re.compile(
@@ -66,7 +70,8 @@ _ULA: Final = ipaddress.IPv6Network("fc00::/7")
 def own_addresses() -> tuple[str, ...]:
     """Return this computer's addresses in the network, the likeliest first, then its names."""
     try:
-        found = in_order(list(_addresses()))
+        passing = _temporary()
+        found = in_order([each for each in _addresses() if each.number not in passing])
     except (OSError, AttributeError):  # a system that forbids, or has not, the list
         found = _of_default_route()
     name = socket.gethostname()
@@ -114,6 +119,17 @@ def _of_default_route() -> tuple[str, ...]:
         probe.connect(("192.0.2.1", 9))  # nothing is sent: the system chooses the interface
         return in_order([Address(str(probe.getsockname()[0]), "", Kind.OTHER)])
     return ()
+
+
+def _temporary() -> frozenset[str]:
+    """Return the temporary IPv6 addresses. A line: address, index, prefix, scope, flags, name."""
+    found = set()
+    with suppress(OSError, ValueError):
+        for line in _IPV6_LIST.read_text("ascii").splitlines():
+            number, _, _, _, flags, _ = line.split()
+            if int(flags, 16) & _TEMPORARY:
+                found.add(str(ipaddress.IPv6Address(int(number, 16))))
+    return frozenset(found)
 
 
 def kind_of(name: str, *, is_point_to_point: bool = False, system: Path = _SYSTEM) -> Kind:

@@ -4,10 +4,10 @@ Off, the program listens on 127.0.0.1 only. On, it listens in addition on each o
 addresses in the network, at the same port, with TLS: `Access` gets a new token, the names and the
 fingerprint. The addresses are followed while it is on: one that is new (a hotspot, another Wi-Fi)
 is listened on, gets into mikas' own certificate and the links; one that has gone is no valid `Host`
-any more; the token stays. Off again, the token is void before anything else happens; then the
-listening sockets and all connections of the network are closed. A program that was started with
-`--lan` listens on all addresses from its start; its network side is switched alike, but the socket
-stays. Nothing is kept: a start without `--lan` begins closed.
+any more, and its socket is closed; the token stays. Off again, the token is void before anything
+else happens; then the listening sockets and all connections of the network are closed. A program
+that was started with `--lan` listens on all addresses from its start; its network side is switched
+alike, but the socket stays. Nothing is kept: a start without `--lan` begins closed.
 
 A program that an icon has started has no terminal for Ctrl-C: the page's button ends it. It also
 ends by itself, ten minutes after its last page was closed, so that nothing forgotten holds the
@@ -128,7 +128,7 @@ class Sharing:
     def _listen(self, here: Sequence[str], certificate: Certificate) -> tuple[str, ...]:
         """Listen on each new address; return `here` without those that can't be opened.
 
-        Raises `Busy` if none can. An address that has gone may come back: its socket stays.
+        Raises `Busy` if none can.
         """
         assert self._create is not None
         if self._first:
@@ -160,6 +160,7 @@ class Sharing:
             except (Busy, UsageError) as error:  # tried again; what is open stays
                 _log.debug("an address is not followed yet: %s", error)
                 return
+            await self._close_but(here)
             for entrance in (*self._first, *self._opened):
                 if entrance.context is not certificate.context:
                     entrance.admit_network(certificate.context)
@@ -179,16 +180,21 @@ class Sharing:
                 raise Busy(problem=_NOT_ENCRYPTED)
             await self._shut()
 
+    async def _close_but(self, here: Sequence[str]) -> None:
+        """Close the sockets of addresses that have gone."""
+        gone = [each for each in self._opened if each.own.getsockname()[0] not in here]
+        self._opened = [each for each in self._opened if each not in gone]
+        for entrance in gone:
+            await entrance.close()
+            entrance.own.close()
+
     async def _shut(self) -> None:
         self._access.unshare()
         self._dashboard.lan = False
         self._dashboard.control.expel()
-        opened, self._opened = self._opened, []
-        for entrance in (*self._first, *opened):
+        for entrance in (*self._first, *self._opened):
             entrance.admit_network(None)
-        for entrance in opened:
-            await entrance.close()
-            entrance.own.close()
+        await self._close_but(())
 
     def _bound(self, numbers: Sequence[str]) -> list[socket.socket]:
         """Return a socket for each address at which the port is free. Raises `Busy` if none is."""

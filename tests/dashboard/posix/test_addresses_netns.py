@@ -85,13 +85,13 @@ def link(computer, name, address, *route):
 
 
 @contextmanager
-def dashboard(computer, folder, *options):
+def served(computer, folder, *options):
     environment = {
         **os.environ,
         **{f"XDG_{name}_HOME": str(folder) for name in ("STATE", "CONFIG")},
     }
     command = [IP, "netns", "exec", computer, sys.executable, "-m", "mikas", "demo", "--no-browser",
-               "--json", "--record", str(folder / "recordings"), *options]  # fmt: skip
+               "--record", str(folder / "recordings"), *options]  # fmt: skip
     with (
         (folder / "errors").open("w") as errors,
         subprocess.Popen(
@@ -99,10 +99,16 @@ def dashboard(computer, folder, *options):
         ) as process,
     ):
         try:
-            yield json.loads(process.stdout.readline())
+            yield process
         finally:
             process.terminate()
             process.wait(120)
+
+
+@contextmanager
+def dashboard(computer, folder, *options):
+    with served(computer, folder, "--json", *options) as process:
+        yield json.loads(process.stdout.readline())
 
 
 def status(who, url):
@@ -158,3 +164,31 @@ def test_an_address_that_comes_while_the_switch_is_on_is_opened(computer, tmp_pa
             assert time.monotonic() < deadline, about
         for it in about["lan_links"]:
             assert status(phone, it["url"].partition("#")[0]) == 200
+
+
+def test_a_temporary_address_is_not_offered(computer, tmp_path):
+    """It changes daily, and made a new certificate each time."""
+    here, _ = computer
+    run(IP, "netns", "exec", here, "sysctl", "-qw", "net.ipv6.conf.lan.use_tempaddr=2")
+    stable = "fd78::2"
+    run(IP, "-n", here, "addr", "add", f"{stable}/64", "dev", "lan", "nodad", "mngtmpaddr")
+    deadline = time.monotonic() + 120
+    while "temporary" not in run(IP, "-n", here, "-6", "addr", "show", "dev", "lan", "temporary"):
+        assert time.monotonic() < deadline
+    with dashboard(here, tmp_path, "--lan") as shown:
+        hosts = {url.split("//")[1].split("]")[0].strip("[") for url in shown["lan_urls"]}
+        assert {host for host in hosts if ":" in host and "." not in host} == {"fd77::2", stable}
+
+
+def test_a_terminal_shows_the_links_of_a_new_address(computer, tmp_path):
+    here, _ = computer
+    with served(here, tmp_path, "--lan") as process:
+        for line in process.stdout:
+            if "10.77.0.2" in line:
+                break
+        run(IP, "-n", here, "addr", "add", "10.78.0.2/24", "dev", "lan")
+        run(IP, "-n", here, "addr", "del", "10.77.0.2/24", "dev", "lan")
+        deadline = time.monotonic() + 120
+        while "//10.78.0.2:" not in (tmp_path / "errors").read_text():
+            assert time.monotonic() < deadline, (tmp_path / "errors").read_text()
+        assert "10.77.0.2" not in (tmp_path / "errors").read_text().partition("addresses have")[2]

@@ -175,6 +175,8 @@ def show_dashboard(
             hosts=certificate.hosts(hosts) if certificate else hosts,
             fingerprint=certificate.fingerprint if certificate else None,
         )
+        if options.lan:
+            access.followed = lambda: _show_links_anew(context, access)
         dashboard = Dashboard(settings, port=context.port, lan=options.lan)
         if start is not None:
             running = RunningDashboard(access.port, access.instance)
@@ -241,6 +243,16 @@ def _show_address(
     if not options.no_browser:
         # On some systems opening a browser blocks.
         threading.Thread(target=open_page, args=(access.url,), daemon=True).start()
+
+
+def _show_links_anew(context: CommandContext, access: Access) -> None:
+    """Show the links after this computer's addresses have changed."""
+    context.say(
+        "This computer's addresses have changed. The links for the phone are now:",
+        "Адреса этого компьютера изменились. Ссылки для телефона теперь такие:",
+    )
+    for link in access.lan_links:
+        context.output.print_note(f"  {link.url}")
 
 
 def _note_encryption(context: CommandContext, access: Access) -> None:

@@ -71,6 +71,8 @@ class Access:
     fingerprint: str | None = None
     instance: str = field(default_factory=lambda: secrets.token_hex(8))
     """A mark of this run, which gives no rights (`mikas.dashboard.running`)."""
+    followed: Callable[[], object] = field(default=lambda: None, repr=False)
+    """Called after each change of the addresses."""
     _reached: set[str] = field(default_factory=set, repr=False)
     """The addresses by which others have come with the token, as in `Host`."""
 
@@ -83,6 +85,7 @@ class Access:
     def follow(self, hosts: tuple[str, ...], fingerprint: str | None) -> None:
         """Take the addresses as they are now; the token stays, so do those who have it."""
         self.hosts, self.fingerprint = hosts, fingerprint
+        self.followed()
 
     def unshare(self) -> None:
         """Refuse the network; the token is void."""

@@ -3,7 +3,8 @@
 Its own one is self-signed (P-256), for the names and addresses of this computer. It is kept with
 its key in one file that only its owner can read, so that a browser which has accepted it once does
 so at the next start, too. A new one is made before it expires, when this computer has an address
-that is not in it (the earlier ones stay), and when others could have read the key.
+that is not in it (the earlier ones stay), and when others could have read the key; the key is new
+in the last case only.
 """
 
 from __future__ import annotations
@@ -28,6 +29,7 @@ from mikas.saving import save
 
 if TYPE_CHECKING:
     from cryptography import x509
+    from cryptography.hazmat.primitives.asymmetric import ec
 
 VALID: Final = timedelta(days=397)  # the longest that browsers accept
 _RENEWED: Final = timedelta(days=30)  # before the end
@@ -69,13 +71,13 @@ def own_certificate(file: Path, hosts: Sequence[str], now: datetime) -> Certific
     `hosts`: this computer's addresses and names in the network. `now`: with a time zone.
     """
     _require_library()
-    kept, is_private = _kept(file)
+    kept, key, is_private = _kept(file)
     wanted = _usable(hosts)[:_MOST_NAMES]
     names = _names(kept) if kept else ()
     is_valid = kept and kept.not_valid_before_utc <= now <= kept.not_valid_after_utc - _RENEWED
     if not (is_valid and is_private and set(wanted) <= set(names)):
         names = tuple(dict.fromkeys((*wanted, *names)))[:_MOST_NAMES]
-        text = _made(names, now)
+        text = _made(names, now, key if is_private else None)
         try:
             file.parent.mkdir(parents=True, exist_ok=True)
             save(file, text, private=True)
@@ -188,14 +190,24 @@ def _reason(error: OSError) -> Text:
     return reason_of(error)
 
 
-def _kept(file: Path) -> tuple[x509.Certificate | None, bool]:
-    """Return the certificate in `file`, None without its key; and whether others can't read it."""
+def _kept(
+    file: Path,
+) -> tuple[x509.Certificate | None, ec.EllipticCurvePrivateKey | None, bool]:
+    """Return the certificate in `file` and its key; and whether others can't read them.
+
+    None: one of them is missing, or the key is of another kind.
+    """
+    from cryptography.hazmat.primitives.asymmetric import ec
+    from cryptography.hazmat.primitives.serialization import load_pem_private_key
+
     try:
         data = read_regular(file, _LARGEST)
         is_private = os.name == "nt" or not file.lstat().st_mode & 0o077
-        return _pair(data, data), is_private
+        certificate = _pair(data, data)
     except OSError:
-        return None, False
+        return None, None, False
+    key = load_pem_private_key(data, None)
+    return certificate, key if isinstance(key, ec.EllipticCurvePrivateKey) else None, is_private
 
 
 def _usable(hosts: Iterable[str]) -> tuple[str, ...]:
@@ -222,15 +234,17 @@ def _names(certificate: x509.Certificate) -> tuple[str, ...]:
     return (*addresses, *names)
 
 
-def _made(names: Iterable[str], now: datetime) -> str:
-    """Return a new certificate and its key as PEM."""
+def _made(
+    names: Iterable[str], now: datetime, key: ec.EllipticCurvePrivateKey | None = None
+) -> str:
+    """Return a new certificate and its key as PEM; None: the key is new, too."""
     from cryptography import x509
     from cryptography.hazmat.primitives import hashes
     from cryptography.hazmat.primitives.asymmetric import ec
     from cryptography.hazmat.primitives.serialization import Encoding, NoEncryption, PrivateFormat
     from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
 
-    key = ec.generate_private_key(ec.SECP256R1())
+    key = key or ec.generate_private_key(ec.SECP256R1())
     name = x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, "mikas dashboard")])
     alternatives = x509.SubjectAlternativeName([_general(each) for each in names])
     now = now.astimezone(UTC).replace(microsecond=0)
