@@ -101,7 +101,7 @@ def _serve(rows: int) -> None:
     from mikas.catalog import shipped
     from mikas.dashboard.app import create_app
     from mikas.dashboard.dashboard import Dashboard
-    from mikas.dashboard.listening import listen
+    from mikas.dashboard.network.listening import listen
     from mikas.dashboard.security.access import Access
     from mikas.dashboard.server import Server
     from mikas.dashboard.settings import Settings

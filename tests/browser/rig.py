@@ -22,7 +22,7 @@ from websockets.sync.client import connect
 from mikas.catalog import shipped
 from mikas.dashboard.app import create_app
 from mikas.dashboard.dashboard import Dashboard
-from mikas.dashboard.listening import listen
+from mikas.dashboard.network.listening import listen
 from mikas.dashboard.security.access import Access
 from mikas.dashboard.security.certificate import own_certificate
 from mikas.dashboard.server import Server

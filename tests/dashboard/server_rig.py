@@ -11,7 +11,7 @@ import httpx
 from websockets.sync.client import connect
 
 from mikas.dashboard.app import create_app
-from mikas.dashboard.listening import listen
+from mikas.dashboard.network.listening import listen
 from mikas.dashboard.security.access import Access
 from mikas.dashboard.server import Server
 

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import socket
+import subprocess
+import sys
 import time
 
 import pytest
 
 from dashboard.rig import ME, OTHER, rig
-from mikas.dashboard.addresses import Address, Kind, in_order, kind_of, kind_of_windows
+from mikas.dashboard.network.addresses import in_order
+from mikas.dashboard.network.interfaces import Address, Kind, kind_of, kind_of_windows
 from mikas.dashboard.security.access import Access
 
 WIFI, CABLE, VPN = Kind.WIRELESS, Kind.OTHER, Kind.VIRTUAL
@@ -131,3 +134,15 @@ def test_a_hotspot_that_comes_later_gets_its_link_and_what_has_gone_is_refused(i
         assert refused(it, foreign, token), foreign
     assert it.client.get("/api/about/qr.svg", params={"address": "127.0.0.3"}).status_code == 200
     assert it.client.get("/api/about/qr.svg", params={"address": "10.1.1.1"}).status_code == 404
+
+
+def test_ctypes_is_loaded_only_for_the_list_and_need_not_be_there():
+    """Pyodide may have none."""
+    line = (
+        "import sys, mikas.dashboard.settings, mikas.dashboard.security.access\n"
+        "assert 'mikas.dashboard.network.system' not in sys.modules\n"
+        "sys.modules['ctypes'] = None\n"
+        "from mikas.dashboard.network.addresses import own_addresses\n"
+        "assert own_addresses()\n"
+    )
+    subprocess.run([sys.executable, "-c", line], check=True)

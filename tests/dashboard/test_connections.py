@@ -21,7 +21,7 @@ from mikas.dashboard.connections import (
     TurnClock,
 )
 from mikas.dashboard.entrance import Entrance
-from mikas.dashboard.listening import listen
+from mikas.dashboard.network.listening import listen
 
 
 class Clock:

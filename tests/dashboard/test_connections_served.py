@@ -31,7 +31,7 @@ def small(tmp_path_factory):
     """A real server with places for 16 connections, whose clock stands still."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("mikas.dashboard.server._TICKS", 1)
-        patch.setattr("mikas.dashboard.listening._SEND_BUFFER", 1 << 12)
+        patch.setattr("mikas.dashboard.network.listening._SEND_BUFFER", 1 << 12)
         folder = tmp_path_factory.mktemp("small")
         (folder / "index.html").write_bytes(bytes(1 << 20))
         with rig(folder, None, page=folder) as it:

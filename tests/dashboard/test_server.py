@@ -14,8 +14,8 @@ from dashboard.rig import rig
 from mikas.cli.commands.dash import show_dashboard
 from mikas.cli.context import CommandContext
 from mikas.cli.options.dashboard import DashboardOptions
-from mikas.dashboard.addresses import own_addresses
-from mikas.dashboard.listening import FIRST_PORT, listen
+from mikas.dashboard.network.addresses import own_addresses
+from mikas.dashboard.network.listening import FIRST_PORT, listen
 from mikas.dashboard.page import shape
 from mikas.dashboard.security.certificate import own_certificate
 from mikas.dashboard.server import Server

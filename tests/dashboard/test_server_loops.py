@@ -16,7 +16,7 @@ import pytest
 from dashboard.rig import ME, rig
 from mikas.dashboard.connections import TcpConnections, TcpLimits
 from mikas.dashboard.entrance import Entrance
-from mikas.dashboard.listening import listen
+from mikas.dashboard.network.listening import listen
 from mikas.dashboard.server import Server
 from mikas.saving import KeptFile
 

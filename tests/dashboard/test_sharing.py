@@ -14,7 +14,7 @@ from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
 from dashboard.rig import ME, OTHER, rig
-from mikas.dashboard.listening import bound
+from mikas.dashboard.network.listening import bound
 
 PHONE = "127.0.0.2"
 

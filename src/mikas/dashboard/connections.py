@@ -31,8 +31,8 @@ from enum import Enum
 from ipaddress import IPv6Network
 from typing import TYPE_CHECKING, Any, Final
 
-from mikas.dashboard.addresses import is_ipv6
-from mikas.dashboard.listening import is_loopback
+from mikas.dashboard.network.addresses import is_ipv6
+from mikas.dashboard.network.listening import is_loopback
 from mikas.files import allow_open
 
 if TYPE_CHECKING:

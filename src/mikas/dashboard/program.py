@@ -26,10 +26,10 @@ from collections.abc import Callable, Sequence
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Final
 
-from mikas.dashboard.addresses import is_number
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.errors import Busy
-from mikas.dashboard.listening import bound
+from mikas.dashboard.network.addresses import is_number
+from mikas.dashboard.network.listening import bound
 from mikas.dashboard.security.access import Access
 from mikas.dashboard.security.certificate import Certificate, own_certificate
 from mikas.errors import UsageError, reason_of

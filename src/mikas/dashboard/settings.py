@@ -16,7 +16,7 @@ from mikas.catalog.own.file import NAME, OwnCatalog
 from mikas.cleaning import public_port
 from mikas.client.connecting import STATE_VARIABLE, ConnectionOptions, state_folder
 from mikas.client.parameters.polling import Method
-from mikas.dashboard.addresses import own_addresses
+from mikas.dashboard.network.addresses import own_addresses
 from mikas.errors import UsageError, reason_of
 from mikas.i18n import Language, Text
 from mikas.link import Link, Port, WallClock, find_ports, open_link

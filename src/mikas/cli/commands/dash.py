@@ -127,9 +127,9 @@ def show_dashboard(
         ahead = None if context.port is None else stack.enter_context(context.open_ahead())
         from mikas.cli.config import own_tests
         from mikas.client.connecting import state_folder
-        from mikas.dashboard.addresses import is_ipv6, own_addresses
         from mikas.dashboard.dashboard import Dashboard
-        from mikas.dashboard.listening import listen, listen_ipv6
+        from mikas.dashboard.network.addresses import is_ipv6, own_addresses
+        from mikas.dashboard.network.listening import listen, listen_ipv6
         from mikas.dashboard.running import RunningDashboard
         from mikas.dashboard.security.access import Access
         from mikas.dashboard.settings import Settings, VirtualCars, ensure_folder

@@ -30,9 +30,9 @@ from typing import Literal
 from starlette.requests import HTTPConnection
 from starlette.types import Scope
 
-from mikas.dashboard.addresses import is_ipv6, is_number
 from mikas.dashboard.errors import Forbidden, NotFromNetwork, TokenRequired
-from mikas.dashboard.listening import is_loopback
+from mikas.dashboard.network.addresses import is_ipv6, is_number
+from mikas.dashboard.network.listening import is_loopback
 from mikas.i18n import Text
 from mikas.link import Port
 from mikas.link.urls import parse

@@ -1,0 +1,1 @@
+"""This computer in its networks: its addresses, and the sockets on which the dashboard listens."""
