@@ -96,6 +96,9 @@ def test_the_fleet_has_the_drive_on_its_day(drive, began, tmp_path):
 def test_the_list_of_recordings_and_what_the_library_gives(drive, began):
     summary, recording = summarise(drive), library.open(drive)
     assert summary.date == pytest.approx(began - 3, abs=3)
+    [said] = summary.clock
+    for language, words in CLOCK[drive.stem].items():
+        assert words in said.to(language)
     assert summary.gaps == (drive.stem == "slept")
     times = [time for rows in recording.rows() for time in rows.times.tolist()]
     assert times[0] == pytest.approx(began, abs=3)

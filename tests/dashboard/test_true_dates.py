@@ -45,6 +45,7 @@ def test_a_date_that_is_set_while_recording_dates_that_recording_and_the_next_on
     assert {"en", "ru"} == set(change["text"])
     assert change["slept"] is False
     assert detail["gaps"] == 0
+    assert listed(idle, "a.pcapng")["clock"] == [change["text"]]
     for date in (listed(idle, "a.pcapng")["date"], detail["date"]):
         assert date == pytest.approx(now, abs=3600)
     record(idle, "b")

@@ -15,7 +15,7 @@ from mikas.notebook.interruptions import (
     longest_interval,
     reasons_of_gaps,
 )
-from mikas.sampling.events import Gap, LineState, StateChanged
+from mikas.sampling.events import SLEPT, Gap, LineState, StateChanged
 
 WHY, SILENT = Text("why", "почему"), Text("silent", "молчит")
 
@@ -63,10 +63,12 @@ def test_a_gap_has_the_state_of_the_line_in_it_or_else_its_own_reason():
         Gap(1.0, 1.0, 2.0, WHY),
         StateChanged(2.5, LineState.SAMPLING),
         Gap(4.0, 4.0, 5.0, WHY),
+        StateChanged(5.2, LineState.ECHO_ONLY, reason=SILENT),
+        Gap(5.1, 5.1, 5.5, SLEPT),
         Gap(6.0, 6.0, None, None),
     ]
     found = [reason for _, reason in reasons_of_gaps(events)]
-    assert found == [LineState.ECHO_ONLY.text, WHY, None]
+    assert found == [LineState.ECHO_ONLY.text, WHY, SLEPT, None]
 
 
 def test_a_gap_that_a_session_ended_in_has_no_reason_of_the_next_session():

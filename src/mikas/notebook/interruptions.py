@@ -10,7 +10,7 @@ import numpy as np
 
 from mikas.recording.table.channels import Rows, Span, united
 from mikas.recording.table.decimation import decimated
-from mikas.sampling.events import Event, Gap, StateChanged
+from mikas.sampling.events import SLEPT, Event, Gap, StateChanged
 
 if TYPE_CHECKING:
     from mikas.i18n import Text
@@ -27,7 +27,7 @@ _ENOUGH: Final = 3
 def reasons_of_gaps(events: Sequence[Event]) -> Iterator[tuple[Gap, Text | None]]:
     """Yield the gaps, each with the state of the line in it, or else the reason that was noted.
 
-    The state is short; the reason is advice in full.
+    The state is short; the reason is advice in full. A sleep of the computer is its own reason.
     """
     states = sorted(
         (
@@ -42,7 +42,7 @@ def reasons_of_gaps(events: Sequence[Event]) -> Iterator[tuple[Gap, Text | None]
         if isinstance(gap, Gap):
             ended = np.inf if gap.ended is None else gap.ended
             last = bisect_right(times, (gap.recording, ended)) - 1
-            in_it = last >= 0 and times[last] >= (gap.recording, gap.began)
+            in_it = last >= 0 and times[last] >= (gap.recording, gap.began) and gap.reason != SLEPT
             yield gap, states[last][1] if in_it else gap.reason
 
 

@@ -41,7 +41,7 @@ from mikas.recording.exchanges.scalar import DecodedFrame
 from mikas.recording.inspect import decode
 from mikas.recording.splitting import cars_in_sections
 from mikas.recording.table.channels import PLAINLY_UNIX
-from mikas.sampling.events import Gap, Marker, TextNote
+from mikas.sampling.events import ClockChanged, Gap, Marker, TextNote
 
 if TYPE_CHECKING:
     from mikas.recording.recording import Recording
@@ -49,6 +49,7 @@ if TYPE_CHECKING:
 _TAIL: Final = 1 << 14
 _WIDEN: Final = 8
 _COUNTED: Final = 1 << 22  # bytes; of a longer file pieces are counted
+_MOST_CHANGES: Final = 3  # of the clock, in words
 _MOST_SECTIONS: Final = 100  # of a file whose responses are counted: each costs milliseconds
 _PIECE: Final = 1 << 17
 _PIECES: Final = 8
@@ -63,7 +64,8 @@ class Summary:
     `date`: UNIX time of the begin; None for a simulated clock, too. `length`: sum of the seconds
     from each session's first packet to its last. `samples`: responses with data. `rate`: samples a
     second without the gaps. `faults`: codes of the last response to 02; None without one. `note`: a
-    person's comment. `car`: as the person names it. `problem`: why the file can't be read.
+    person's comment. `car`: as the person names it. `clock`: the latest changes of the computer's
+    date in words. `problem`: why the file can't be read.
     """
 
     path: Path
@@ -81,6 +83,7 @@ class Summary:
     note: str = ""
     car: CarDetails = NO_CAR
     recordings: int = 0
+    clock: tuple[Text, ...] = ()
     problem: Text | None = None
 
     @property
@@ -213,6 +216,7 @@ def _described(
         rate=samples / sampled if samples and sampled > 0 else None,
         gaps=len(gaps),
         markers=sum(isinstance(event, Marker) for event in events),
+        clock=tuple(it.text for it in events if isinstance(it, ClockChanged))[-_MOST_CHANGES:],
         note=comment_of(notes) or next(texts, "")[:LONGEST_COMMENT],
         car=car_of(notes),
     )

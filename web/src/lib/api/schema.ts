@@ -907,6 +907,8 @@ export interface components {
             reference: boolean;
             /** @description of the virtual car, not measured on an engine */
             virtual: boolean;
+            /** @description the latest changes of the computer's date */
+            clock: components["schemas"]["TwoTexts"][];
             problem: components["schemas"]["TwoTexts"] | null;
             channels: string[];
             first: number | null;
@@ -953,6 +955,8 @@ export interface components {
             reference: boolean;
             /** @description of the virtual car, not measured on an engine */
             virtual: boolean;
+            /** @description the latest changes of the computer's date */
+            clock: components["schemas"]["TwoTexts"][];
             problem: components["schemas"]["TwoTexts"] | null;
         };
         /** @description A comment on the whole recording; replaces the one before. */

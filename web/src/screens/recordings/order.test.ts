@@ -20,6 +20,7 @@ const recording = (id: string, more: Partial<Recording> = {}): Recording => ({
   open: false,
   reference: false,
   virtual: false,
+  clock: [],
   problem: null,
   ...more,
 });

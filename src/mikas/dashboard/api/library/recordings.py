@@ -108,6 +108,7 @@ class RecordingInfo(BaseModel):
     open: bool = Field(description="the recording is in progress")
     reference: bool = Field(description="marked as a reference to compare others with")
     virtual: bool = Field(description="of the virtual car, not measured on an engine")
+    clock: list[TwoTexts] = Field(description="the latest changes of the computer's date")
     problem: TwoTexts | None
 
 
