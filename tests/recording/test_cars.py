@@ -77,9 +77,17 @@ def test_an_unknown_recording_is_of_none_of_two_cars_of_its_port(tmp_path: Path)
     assert recordings(path) == [(0,), (1,), (2,)]
 
 
-def test_an_unknown_recording_without_its_beginning_is_of_no_other_port(tmp_path: Path) -> None:
+def test_an_unknown_recording_without_its_beginning_is_of_the_only_car(tmp_path: Path) -> None:
     begin, rest = bare(tmp_path / "it.pcapng", ONE), bare(tmp_path / "rest.pcapng", TWO)
     data = begin.read_bytes()
-    (tmp_path / "headless.pcapng").write_bytes(data[int.from_bytes(data[4:8], "little") :])
-    path = joined(tmp_path / "all.pcapng", tmp_path / "headless.pcapng", rest)
-    assert recordings(path) == [(0,), (1,)]
+    for _ in range(2):  # the section and the port
+        data = data[int.from_bytes(data[4:8], "little") :]
+    headless = tmp_path / "headless.pcapng"
+    headless.write_bytes(data)
+    path = joined(tmp_path / "all.pcapng", headless, rest)
+    assert recordings(path) == [(0, 1)]
+    assert recordings(joined(tmp_path / "three.pcapng", headless, rest, begin)) == [
+        (0,),
+        (1,),
+        (2,),
+    ]

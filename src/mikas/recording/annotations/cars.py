@@ -2,7 +2,8 @@
 
 Files are joined end to end (`cat`), or merged by other tools, and one car's drives stay one car's.
 A plate says best whose a recording is, then the car's name, then the unit. One without all of
-these is the only known car's that was on its port; else each port is a car of its own.
+these is the only known car's that was on its port; else each port is a car of its own. One that
+has lost its beginning, and so its port, is the only car's of the file.
 """
 
 from __future__ import annotations
@@ -91,8 +92,8 @@ def cars_of(
             known.append(car)
         else:
             known[at] = known[at].joined(car)
-    for port, car in unknown.items():
-        there = [at for at, each in enumerate(known) if port in each.ports]
+    for port, car in sorted(unknown.items(), reverse=True):  # that of no port is the last
+        there = [at for at, each in enumerate(known) if not port or port in each.ports]
         if len(there) == 1:
             known[there[0]] = known[there[0]].joined(car)
         else:
