@@ -1,13 +1,9 @@
-"""A program in a network of its own: no default route, a VPN in front, IPv6, a hotspot that comes.
-
-Needs root and iproute2. Skipped without, unless `MIKAS_REQUIRE_NETNS` is set: then it is a failure.
-"""
+"""A program in a network of its own: no default route, a VPN in front, IPv6, a new hotspot."""
 
 from __future__ import annotations
 
 import json
 import os
-import shutil
 import subprocess
 import sys
 import time
@@ -15,63 +11,17 @@ from contextlib import contextmanager
 
 import pytest
 
-IP = shutil.which("ip", path=f"{os.environ.get('PATH', '')}:/usr/sbin:/sbin")
+import netns_rig
+from netns_rig import IP, run, two_namespaces
 
-
-def run(*words, check=True):
-    done = subprocess.run(words, capture_output=True, text=True, timeout=120, check=False)
-    assert not check or done.returncode == 0, (words, done.stderr)
-    return done.stdout
-
-
-def is_possible():
-    if sys.platform != "linux" or IP is None or os.geteuid() != 0:
-        return False
-    name = f"mikas-try-{os.getpid()}"
-    made = subprocess.run([IP, "netns", "add", name], capture_output=True, check=False)
-    subprocess.run([IP, "netns", "del", name], capture_output=True, check=False)
-    return made.returncode == 0
-
-
-pytestmark = [
-    pytest.mark.realtime,
-    pytest.mark.skipif(
-        not os.environ.get("MIKAS_REQUIRE_NETNS") and not is_possible(),
-        reason="network namespaces need Linux, root and iproute2",
-    ),
-]
+pytestmark = netns_rig.marks
 
 
 @pytest.fixture
 def computer():
-    """Two namespaces: a computer with the interface `lan`, and a phone at its other end."""
-    names = [f"mikas-{who}-{os.getpid()}" for who in ("computer", "phone")]
-    try:
-        for name in names:
-            run(IP, "netns", "add", name)
-            run(IP, "-n", name, "link", "set", "lo", "up")
-        run(
-            IP,
-            "-n",
-            names[0],
-            "link",
-            "add",
-            "lan",
-            "type",
-            "veth",
-            "peer",
-            "lan",
-            "netns",
-            names[1],
-        )
-        for name, end in zip(names, "21", strict=True):
-            run(IP, "-n", name, "addr", "add", f"10.77.0.{end}/24", "dev", "lan")
-            run(IP, "-n", name, "addr", "add", f"fd77::{end}/64", "dev", "lan", "nodad")
-            run(IP, "-n", name, "link", "set", "lan", "up")
+    """Two namespaces: a computer, and a phone at the other end."""
+    with two_namespaces("computer", "phone") as names:
         yield names
-    finally:
-        for name in names:
-            run(IP, "netns", "del", name, check=False)
 
 
 def link(computer, name, address, *route):
