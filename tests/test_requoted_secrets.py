@@ -137,7 +137,7 @@ def test_a_bug_in_the_work_on_a_file_says_no_secret_of_it_or_of_the_dataset(monk
     file, dataset = "http://host/x.pcapng?sig=zq0000001%2B", "s3://K:zq0000002@bucket/set"
     long = f"{'x' * 270} {file}"
 
-    def fail(*_: object) -> None:
+    def fail(*_: object, **__: object) -> None:
         raise RuntimeError(f"{unquote(file)} {dataset} {long}")
 
     monkeypatch.setattr("mikas.fleet.job._work", fail)

@@ -73,6 +73,7 @@ def names(command: click.Command):
         *METHODS,
         *(line_fault.value for line_fault in LineFault),
         "missing",
+        *("mergecap", "cat"),
         "stroke",
         *("ram", "xram", "code", "sfr"),
     )
@@ -87,7 +88,8 @@ def test_the_contract_s_commands_are_all_there():
     assert {
         "ports", "doctor", "info", "params", "read", "scan", "watch", "log", "faults", "write",
         "list set", "list read", "mem read", "mem write", "mem dump", "mem verify", "mem diff",
-        "mem restore", "mem goto", "raw", "decode", "export", "find", "test", "sim", "dash", "demo",
+        "mem restore", "mem goto", "raw", "decode", "export", "find", "split", "test", "sim",
+        "dash", "demo",
     } <= paths  # fmt: skip
 
 
@@ -98,6 +100,7 @@ EXAMPLES = [example for _, command in ALL for example in command.examples]
 def test_every_example_parses(mikas, tmp_path, example):
     for name in (
         "drive.pcapng",
+        "merged.pcapng",
         "code.bin",
         "part.bin",
         "xram.bin",

@@ -71,6 +71,7 @@ LINES = [
     ("export", NAME, "-o", f"o{ESC}.csv", "--overwrite"), ("export", NAME, "-o", f"o{ESC}"),
     ("export", NAME, "-o", f"o{ESC}.csv", ESC), ("report", NAME, "-o", f"r{ESC}.html"),
     ("report", f"a{ESC}.bin", "-o", "r.html"), ("sim", "--tcp", ESC), ("sim", "--set", ESC),
+    ("split", NAME), ("split", ESC), ("split", f"a{ESC}.bin"),
     ("find", NAME, "EVIL > 1"), ("find", NAME, ESC), ("find", f"a{ESC}.bin", "FREQ > 1"), ("test",),
     ("test", ESC), ("test", "idle", "--recording", NAME), ("test", "idle", "--recording", ESC),
     ("sim", "--replay", f"a{ESC}.bin"), ("sim", "--scenario", ESC), ("dash", "--record", NAME),

@@ -72,8 +72,8 @@ CASES = {
     "report": Case("report -o report.html --duration 1"),
 }
 WITHOUT_A_UNIT = {
-    "ports", "params", "decode", "export", "find", "wireshark", "sigrok", "fleet", "sim", "demo",
-    "mem diff",
+    "ports", "params", "decode", "export", "find", "split", "wireshark", "sigrok", "fleet", "sim",
+    "demo", "mem diff",
 }  # fmt: skip
 APART = {"dash", "publish"}  # below
 

@@ -44,11 +44,12 @@ def reported(caplog):
     return own + sum(f"{__name__}.Bug" in it.getMessage() for it in caplog.records)
 
 
-@pytest.mark.parametrize("part", ["sweep", "check"])
+@pytest.mark.parametrize("part", ["sweep", "check", "sharing"])
 def test_no_part_of_a_tick_ends_the_server(part, caplog):
-    parts = {"sweep": Failing(), "check": Failing()}
+    parts = {"sweep": Failing(), "check": Failing(), "sharing": Failing()}
     ending = SimpleNamespace(check=parts["check"])
-    server = Server(SimpleNamespace(state=SimpleNamespace(ending=ending)))
+    sharing = SimpleNamespace(check=parts["sharing"])
+    server = Server(SimpleNamespace(state=SimpleNamespace(ending=ending, sharing=sharing)))
     server.guard.sweep = parts["sweep"]
     for it in parts.values():
         it.broken = it is parts[part]
@@ -57,7 +58,7 @@ def test_no_part_of_a_tick_ends_the_server(part, caplog):
         assert not any([await server.on_tick(number) for number in range(count)])
 
     asyncio.run(ticks(50))
-    assert [it.calls for it in parts.values()] == [5, 5]
+    assert [it.calls for it in parts.values()] == [5, 5, 5]
     assert reported(caplog) == 1
     parts[part].broken = False
     asyncio.run(ticks(10))
