@@ -41,12 +41,12 @@ _MOST_NOTES: Final = 1000  # that wait for the packet behind them
 _DAMAGE: Final = b"\xff" * 12
 _UNDESCRIBED: Final = 0xFFFF_FFFF  # a number that no interface has
 
-# What a block that decides begins with, and how many bytes of the block are before it.
+# What a block that decides has, and how many bytes of the block are before it: an interface's link
+# type, with the zeros behind it, in either order of bytes.
 _MARKS: Final = (
-    (struct.pack("<I", pcapng.SECTION), 0),
-    (struct.pack("<HH", pcapng.LINKTYPE_USER0, 0), 8),
-    (struct.pack(">HH", pcapng.LINKTYPE_USER0, 0), 8),
-    (TAG + b'{"kind":"unit"', 12),
+    (struct.pack("<I", pcapng.SECTION), (0,)),
+    (struct.pack("<H", pcapng.LINKTYPE_USER0) + b"\0", (8, 9)),
+    (TAG + b'{"kind":"unit"', (12,)),
 )
 
 
@@ -101,8 +101,11 @@ def _places(file: BinaryIO, size: int) -> Iterator[int]:
         check_cancelled()
         file.seek(start)
         window = read_whole(file, _WINDOW + _OVERLAP)
-        found = {at for mark, before in _MARKS for at in find_all(window, mark, before)}
-        yield from sorted(start + at for at in found if at < _WINDOW)
+        found = {
+            at - before for mark, distances in _MARKS
+            for at in find_all(window, mark, 0) for before in distances
+        }  # fmt: skip
+        yield from sorted(start + at for at in found if 0 <= at < _WINDOW)
 
 
 class _Ports:
