@@ -24,13 +24,14 @@ from mikas.fleet.cars import CarKey, car_key, partition
 from mikas.fleet.states import DriveState, StateCollector
 from mikas.fleet.writing import TableWriter, timestamp
 from mikas.i18n import Text
+from mikas.recording.annotations.cars import SeveralCars
 from mikas.recording.annotations.events import RecordedUnit, car_of, recorded_faults, unit_of
 from mikas.recording.capture.notes import Note
 from mikas.recording.capture.reader import Source
 from mikas.recording.export.sheet import program
 from mikas.recording.recorded_faults import FaultReadings
 from mikas.recording.recording import Recording
-from mikas.recording.splitting import cars_in, split
+from mikas.recording.splitting import split
 from mikas.recording.table.channels import Rows, with_gaps
 from mikas.report.measurements.measurements import MeasurementCollector, Measurements
 from mikas.report.measurements.statistics import ChannelStatistics
@@ -106,7 +107,7 @@ def interpret(
     The drives of each car in it go to that car. Raises `CaptureError` for a file without a
     recording, `OSError` for a full disk.
     """
-    if len(cars_in(path)) < 2:
+    with suppress(SeveralCars):
         return _of_one_car(path, name, key, settings, folder)
     if settings.car:
         raise CaptureError(name, _GIVEN)

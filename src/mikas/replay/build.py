@@ -24,7 +24,7 @@ from mikas.commands.base import ERROR
 from mikas.commands.unit import version_of
 from mikas.errors import CaptureError
 from mikas.i18n import Text
-from mikas.recording.annotations.cars import cars_of, several
+from mikas.recording.annotations.cars import SeveralCars, cars_of, several
 from mikas.recording.annotations.fields import passport_of
 from mikas.recording.capture.notes import Kind, Note
 from mikas.recording.capture.reader import Problem, Source
@@ -58,7 +58,7 @@ def load(path: str | os.PathLike[str], catalog: Catalog | None = None) -> Replay
     if not data.frames:
         raise CaptureError(str(Path(path)), _NOTHING)
     if len(data.cars) > 1:
-        raise CaptureError(str(Path(path)), several(data.cars))
+        raise SeveralCars(str(Path(path)), several(data.cars))
     return data
 
 

@@ -15,6 +15,7 @@ from typing import Final
 
 from mikas.catalog import Catalog, shipped
 from mikas.client.cars import CarDetails, plain_plate
+from mikas.errors import CaptureError
 from mikas.i18n import Text
 from mikas.recording.annotations.events import RecordedUnit, car_of, unit_of
 from mikas.recording.capture.notes import Note
@@ -99,6 +100,10 @@ def cars_of(
         else:
             known.append(car)
     return sorted(known, key=lambda car: car.recordings)
+
+
+class SeveralCars(CaptureError):
+    """A file holds the recordings of several cars, which are never read as one."""
 
 
 def several(cars: Sequence[RecordedCar]) -> Text:

@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 
 from mikas.cancellation import check_cancelled
 from mikas.commands import ERASE_FAULTS, ReadFaults
-from mikas.errors import CaptureError, MikasError
-from mikas.recording.annotations.cars import RecordedCar, cars_of, several
+from mikas.errors import MikasError
+from mikas.recording.annotations.cars import RecordedCar, SeveralCars, cars_of, several
 from mikas.recording.capture.notes import Note
 from mikas.recording.capture.reader import Problem, Source
 from mikas.recording.exchanges import read_exchanges
@@ -107,7 +107,7 @@ class RawRecording:
 
     `cars`: those of the file. It is all of one car: of several only the `last_car`'s is here.
 
-    Raises `CaptureError` for a file that is no capture, and for one of several cars.
+    Raises `CaptureError` for a file that is no capture, `SeveralCars` for one of several.
     """
 
     def __init__(
@@ -137,7 +137,7 @@ class RawRecording:
         self.cars: Sequence[RecordedCar] = cars_of(self.notes, ports)
         if len(self.cars) > 1:
             if not last_car:
-                raise CaptureError(str(self.path), several(self.cars))
+                raise SeveralCars(str(self.path), several(self.cars))
             self._keep_last_car()
 
     @property
