@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 from contextlib import suppress
+from dataclasses import replace
 from functools import partial
 from itertools import islice
 from pathlib import Path
@@ -211,15 +212,16 @@ def crafted() -> bytes:
     The ports are in the first: Wireshark 4.0 names those of a later one wrongly.
     """
     one, two = (pcapng.Interface(name=name, speed=9600) for name in ("a", "b"))
+    earlier = replace(one, tsoffset=-1)
     request, answer = encode(b"\x61\x1a"), encode(b"\x7d")
     mixed = [
         packet(flags, data, 1 + at / 1000, port)
         for at, (flags, data) in enumerate([(OUTBOUND, encode(b"\x01")), (INBOUND, encode(b"\x0a")),
                                             (OUTBOUND, request), (INBOUND, answer)])
-        for port in (0, 1)
+        for port in (0, 2)
     ]  # fmt: skip
     below_zero = [  # the same port as 0
-        packet(OUTBOUND, request[:2], 1.99, 2),
+        packet(OUTBOUND, request[:2], 2.99, 1),
         packet(OUTBOUND, request[2:], 2.0, 0),
         packet(INBOUND, answer, 2.5, 0),
     ]
@@ -242,7 +244,7 @@ def crafted() -> bytes:
     list_unknown = [(OUTBOUND, encode(b"\x64\x55"), 1.2), (INBOUND, encode(b"\0"), 1.3)]
     list_read = [(OUTBOUND, encode(b"\x63"), 2.0), (INBOUND, answer, 2.1)]
     return (
-        section(mixed + below_zero, one, two, one)
+        section(mixed + below_zero, one, earlier, two)
         + section(no_direction)
         + section(is_cut)
         + section(every_kind)

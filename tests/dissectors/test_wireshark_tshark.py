@@ -1,5 +1,8 @@
 """The dissector in Wireshark's own engine says what `mikas decode` says, frame by frame.
 
+Wireshark shows the packets of merged ports in the file's order, `mikas decode` one port after the
+other. So the captures are those that `separated` gives; `merged` shows that the order is all.
+
 Skipped where there is no tshark, unless `MIKAS_REQUIRE_TSHARK` is set: then that is a failure.
 """
 
@@ -29,6 +32,7 @@ from mikas.dissectors.wireshark.generator import source
 from mikas.dissectors.wireshark.labels import LABELS
 from mikas.framing import encode
 from mikas.recording.capture import blocks as pcapng
+from mikas.recording.capture.separation import separated
 
 pytestmark = pytest.mark.skipif(
     shutil.which(TSHARK) is None and not os.environ.get("MIKAS_REQUIRE_TSHARK"),
@@ -52,8 +56,8 @@ def script(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def capture(tmp_path_factory):
-    """All kinds of recordings as the sections of one file."""
+def merged(tmp_path_factory):
+    """All kinds of recordings as the sections of one file, one with several ports."""
     folder = tmp_path_factory.mktemp("captures")
     path = folder / "all.pcapng"
     path.write_bytes(crafted() + vectors() + hostile(range(HOSTILE)) + sessions_of_program(folder))
@@ -61,10 +65,26 @@ def capture(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
+def capture(merged):
+    return apart(merged)
+
+
+@pytest.fixture(scope="module")
 def small(tmp_path_factory):
     path = tmp_path_factory.mktemp("captures") / "small.pcapng"
     path.write_bytes(crafted() + hostile(range(1000, 1030)))
-    return path
+    return apart(path)
+
+
+def apart(path):
+    """Return the capture with one port in each section."""
+    separate = path.with_name(f"apart-{path.name}")
+    with path.open("rb") as file:
+        found = separated(file)
+        assert found is not None
+        with found:
+            separate.write_bytes(found.read())
+    return separate
 
 
 @pytest.fixture(scope="module")
@@ -89,6 +109,15 @@ def parts(capture):
 
 def in_order(lines):
     return sorted(json.dumps(line, ensure_ascii=False) for line in lines)
+
+
+def without_place(lines):
+    return [{**line, "recording": 0, "port": ""} for line in lines]
+
+
+def test_merged_ports_are_shown_as_if_each_were_alone(merged, script, twice):
+    shown_merged = decoded(shown(merged, script, "-2"))
+    assert in_order(without_place(shown_merged)) == in_order(without_place(decoded(twice)))
 
 
 def test_one_pass_shows_every_frame_and_damage(capture, packets, parts):
@@ -171,7 +200,8 @@ def test_two_adapters_of_one_name_are_two_lines(tmp_path, script):
     ]
     capture.write_bytes(section(packets, *ports))
     found = decoded(shown(capture, script))
-    assert found == list(map(oracle.line, oracle.parts(capture)))
+    expected = list(map(oracle.line, oracle.parts(capture)))
+    assert in_order(without_place(found)) == in_order(without_place(expected))
     assert [line["meaning"] for line in found[2:]] == ["FREQ=840rpm", "TWAT=85°C"]
 
 
