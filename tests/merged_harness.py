@@ -16,6 +16,7 @@ from mikas.client.cars import CarDetails
 from mikas.recording import CaptureWriter
 from mikas.recording.annotations.events import car_note
 from mikas.recording.capture import blocks as pcapng
+from mikas.recording.capture.dating import moved
 from mikas.recording.capture.notes import block_of, read_block
 from mikas.recording.capture.scan import RawBlock, scan
 from session_header_harness import write_session_header
@@ -76,7 +77,7 @@ def shifted(path: Path, out: Path, seconds: int) -> Path:
             if isinstance(block, pcapng.EnhancedPacket):
                 block = replace(block, ticks=block.ticks + seconds * MICRO)
             elif isinstance(block, pcapng.Custom) and (note := read_block(block)):
-                block = block_of(replace(note, time=note.time + seconds))
+                block = block_of(moved(note, seconds))
             data += pcapng.encode(block, item.order)
     out.write_bytes(data)
     return out

@@ -75,6 +75,20 @@ def nested_packets(n: int) -> bytes:
     return b"\0" + nested(n, pcapng.ENHANCED, struct.pack("<5I", 0, 0, 0, 1 << 30, 0))
 
 
+def nested_ports(n: int) -> bytes:
+    """Packets that look like ports: their interface has the number of the link type."""
+    return good() + nested(n, pcapng.ENHANCED, struct.pack("<5I", 147, 0, 0, 1 << 30, 0))
+
+
+def shifted_notes(n: int) -> bytes:
+    """Each is shifted against its packets by other seconds."""
+    note = '{"kind":"state","time":%d,"data":{}}'
+    blocks = (pcapng.Custom(ENTERPRISE, TAG + (note % at).encode()) for at in range(n))
+    return good() + b"".join(
+        pcapng.encode(block) + packet(b"\x01", 9.0 + at * at) for at, block in enumerate(blocks)
+    )
+
+
 def nested_fault_requests(n: int) -> bytes:
     request = struct.pack("<5I", 0, 0, 0, 3, 3) + encode(b"\x02")
     return good() + nested(n, pcapng.ENHANCED, request)
@@ -149,6 +163,8 @@ FILES = (
     shifted_packets,
     both_byte_orders,
     far_lengths,
+    nested_ports,
+    shifted_notes,
 )
 
 

@@ -68,7 +68,8 @@ class Kind(StrEnum):
 
 _KINDS: Final = frozenset(Kind)
 LEFT_OUT: Final = "left-out"
-"""Kind of a note that stands in a separated capture only: what could not be placed in it."""
+"""Kind of a note that stands only in a capture as it was made ready for reading (`opening`): what
+could not be placed in it, or was moved. It becomes a problem."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -166,6 +167,8 @@ def index(file: BinaryIO) -> FileIndex:
             found.orders.append(order)
             is_known = block.version[0] == 1
         elif isinstance(block, pcapng.Custom) and is_known and (note := read_block(block)):
+            if note.kind == LEFT_OUT:
+                continue
             recording = max(0, len(found.sections) - 1)
             found.notes.append(Note(note.kind, note.time, note.data, recording, offset))
     return found

@@ -1,7 +1,8 @@
 """Opening a capture: the reasons why a file is none, and what is read in its place.
 
 What is packed is unpacked (`packed`), and what other tools have merged is separated
-(`separation`): all readers open a capture here, and meet one port in a section.
+(`separation`); notes whose packets were shifted follow them (`note_times`). All readers open a
+capture here, and meet one port in a section.
 """
 
 from __future__ import annotations
@@ -18,9 +19,11 @@ from mikas.errors import reason_of as system_reason_of
 from mikas.files import open_regular
 from mikas.i18n import Text
 from mikas.recording.capture import blocks as pcapng
+from mikas.recording.capture.marks import marked
+from mikas.recording.capture.note_times import NoteTimes, with_moved_notes
 from mikas.recording.capture.packed import packing_of, unpacked
 from mikas.recording.capture.scan import LARGEST, Scanner, Unreadable, is_section_start, scan
-from mikas.recording.capture.separation import separated
+from mikas.recording.capture.separation import MergeSearch, separated
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -41,10 +44,25 @@ def opened_capture(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
 @contextmanager
 def opened(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
     """Open a capture that may be none, with the recordings in it apart."""
-    with _plain(path) as file:
-        apart = separated(file)
-        with apart or nullcontext(file) as ready:
-            yield ready
+    with _plain(path) as plain, ExitStack() as temporary:
+        merged, times = _searched(plain)
+        file = plain
+        if merged.found:
+            file = temporary.enter_context(separated(plain))
+            _, times = _searched(file)
+        if times.is_shifted:
+            file = temporary.enter_context(with_moved_notes(file, times))
+        file.seek(0)
+        yield file
+
+
+def _searched(file: BinaryIO) -> tuple[MergeSearch, NoteTimes]:
+    merged, times = MergeSearch(), NoteTimes(file)
+    for raw, item in marked(file):
+        merged.add(item)
+        times.add(raw, item)
+    times.finish()
+    return merged, times
 
 
 @contextmanager

@@ -245,11 +245,14 @@ def _shown(data: bytes) -> str:
 
 
 def _left_out(note: Note) -> Text:
-    """Return why something that `separation` could not place is missing."""
+    """Return what `opening` did to a file that another program has changed."""
+    seconds, count = note.data.get("seconds"), note.data.get("count")
     if note.data.get("mixed") is True:
         return _MIXED
-    count = note.data.get("count")
-    return _NOTES_LEFT_OUT.filled(count=count if isinstance(count, int) else "?")
+    if isinstance(seconds, float):
+        return _SHIFTED.filled(seconds=f"{seconds:+.6f}".rstrip("0").rstrip("."))
+    text = _UNPLACED if note.data.get("shifted") is True else _NOTES_LEFT_OUT
+    return text.filled(count=count if isinstance(count, int) else "?")
 
 
 _OTHER_INTERFACE = Text(
@@ -284,6 +287,14 @@ _MIXED = Text(
 _NOTES_LEFT_OUT = Text(
     "notes ({count}) are left out: another program moved them, so their port is unknown",
     "пометки ({count}) пропущены: другая программа переместила их, и их порт неизвестен",
+)
+_SHIFTED = Text(
+    "another program has shifted packets against their notes by {seconds} s; the notes follow them",
+    "другая программа сдвинула пакеты относительно пометок на {seconds} с; пометки следуют за ними",
+)
+_UNPLACED = Text(
+    "notes ({count}) are left out: another program has shifted packets, so their times are unknown",
+    "пометки ({count}) пропущены: другая программа сдвинула пакеты, и время пометок неизвестно",
 )
 _VERSION = Text(
     "a part of the file has pcapng version {version}, which is not known here; it is passed over",

@@ -106,12 +106,39 @@ class Scanner:
 
     def block(self, offset: int, order: pcapng.Order | None) -> RawBlock | None:
         """Return the whole block at `offset`; None if there is none."""
-        found = self._extent(offset, order)
+        found = self.extent(offset, order)
         if found is None or found.kind not in pcapng.KNOWN:
             return found
         length = found.end - offset - _SMALLEST
         body = self._bytes(offset + 8, length)  # shorter if the file has become so
         return found._replace(body=body) if len(body) == length else None
+
+    def extent(self, offset: int, order: pcapng.Order | None) -> RawBlock | None:
+        """Return the whole block at `offset`, its body unread."""
+        head = self._head(offset, order)
+        if head is None:
+            return None
+        order, kind, total = head
+        end = offset + total
+        if total < _SMALLEST or total % 4 or end > self.size:
+            return None
+        if total > LARGEST and kind in pcapng.KNOWN:
+            return None
+        if self._bytes(end - 4, 4) != struct.pack(order + "I", total):
+            return None
+        return RawBlock(kind, b"", order, offset, end)
+
+    def extent_before(self, end: int, order: pcapng.Order) -> RawBlock | None:
+        """Return the whole block that ends at `end`, its body unread; None if there is none."""
+        if end < _SMALLEST or end > self.size:
+            return None
+        (total,) = struct.unpack(order + "I", self._bytes(end - 4, 4))
+        found = self.extent(end - total, order) if total <= end else None
+        return found if found is not None and found.end == end else None
+
+    def head_of(self, block: RawBlock, count: int) -> bytes:
+        """Return so many bytes of a block's body; less if it has less."""
+        return self._bytes(block.offset + 8, min(count, block.end - block.offset - _SMALLEST))
 
     def _in_window(self, offset: int, order: pcapng.Order) -> RawBlock | None:
         """Return what `block` returns, in half the time, for nearly every block of a recording."""
@@ -137,7 +164,7 @@ class Scanner:
                 return True
             following: RawBlock | None = first
             for _ in range(_TELLING - 1):
-                following = following and self._extent(following.end, following.order)
+                following = following and self.extent(following.end, following.order)
             if following is not None:
                 return True
         return False
@@ -152,25 +179,10 @@ class Scanner:
                 return
             skipped = start - self._begin
             for match in starts.finditer(self._window, skipped):
-                found = self._extent(self._begin + match.start(), order)
+                found = self.extent(self._begin + match.start(), order)
                 if found is not None:
                     yield found
             start = self._begin + len(self._window) - _SMALLEST + 1
-
-    def _extent(self, offset: int, order: pcapng.Order | None) -> RawBlock | None:
-        """Return the whole block at `offset`, its body unread."""
-        head = self._head(offset, order)
-        if head is None:
-            return None
-        order, kind, total = head
-        end = offset + total
-        if total < _SMALLEST or total % 4 or end > self.size:
-            return None
-        if total > LARGEST and kind in pcapng.KNOWN:
-            return None
-        if self._bytes(end - 4, 4) != struct.pack(order + "I", total):
-            return None
-        return RawBlock(kind, b"", order, offset, end)
 
     def _head(
         self, offset: int, order: pcapng.Order | None

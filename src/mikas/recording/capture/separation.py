@@ -3,7 +3,7 @@
 `mergecap` puts the ports of several files into one section, with their packets in order of time or
 one after the other, and the notes between them. In the separated capture every section is one port,
 so what follows the reader never meets two cars at once. A file of this program, or such files
-joined end to end, is one already, which a plain search shows.
+joined end to end, is one already, which a plain search (`marks`) shows.
 
 A note has no port and no time that other tools know, so they leave it where it was: behind a packet
 of its own file. `_Section` places it by that. Notes that can't be placed are left out, and a note
@@ -13,16 +13,15 @@ of the kind `LEFT_OUT` in the separated capture says so.
 from __future__ import annotations
 
 import struct
-from collections.abc import Iterator
 from contextlib import ExitStack, suppress
 from dataclasses import replace
 from tempfile import SpooledTemporaryFile, TemporaryFile
 from typing import BinaryIO, Final, cast
 
-from mikas.cancellation import check_cancelled
 from mikas.recording.capture import blocks as pcapng
-from mikas.recording.capture.notes import LEFT_OUT, TAG, Kind, Note, block_of, find_all, read_block
-from mikas.recording.capture.scan import RawBlock, Scanner, Unreadable, read_whole, scan
+from mikas.recording.capture.marks import Marked
+from mikas.recording.capture.notes import LEFT_OUT, Kind, Note, block_of, read_block
+from mikas.recording.capture.scan import RawBlock, Unreadable, read_whole, scan
 from mikas.recording.capture.unit_changes import (
     NEAR,
     Group,
@@ -34,78 +33,46 @@ from mikas.recording.capture.unit_changes import (
 )
 
 _WINDOW: Final = 1 << 16
-_OVERLAP: Final = 64
 _SPOOLED: Final = 1 << 16  # bytes of a port that stay in memory
 _MOST_PORTS: Final = 256
 _MOST_NOTES: Final = 1000  # that wait for the packet behind them
 _DAMAGE: Final = b"\xff" * 12
 _UNDESCRIBED: Final = 0xFFFF_FFFF  # a number that no interface has
 
-# What a block that decides has, and how many bytes of the block are before it: an interface's link
-# type, with the zeros behind it, in either order of bytes.
-_MARKS: Final = (
-    (struct.pack("<I", pcapng.SECTION), (0,)),
-    (struct.pack("<H", pcapng.LINKTYPE_USER0) + b"\0", (8, 9)),
-    (TAG + b'{"kind":"unit"', (12,)),
-)
+
+class MergeSearch:
+    """Finds out, from what `marked` yields of a capture, whether it is a merged one."""
+
+    def __init__(self) -> None:
+        self.found = False
+        """A section so far has several ports, or units that are not one."""
+        self._ports, self._units = _Ports(), UnitChange()
+
+    def add(self, item: Marked) -> None:
+        """Take the next of them."""
+        match item:
+            case pcapng.Section():
+                self._ports, self._units = _Ports(), UnitChange()
+            case pcapng.Interface():
+                self._ports.add(item)
+            case Note():
+                self._units.add(item)
+        self.found |= self._ports.count > 1 or self._units.is_another
 
 
-def separated(file: BinaryIO) -> BinaryIO | None:
-    """Return a capture with the recordings of `file` one after the other; None if it is one.
+def separated(file: BinaryIO) -> BinaryIO:
+    """Return a capture with the recordings of `file` one after the other.
 
     The result is a temporary file, which its close removes.
     """
-    is_merged = _is_merged(file)
     file.seek(0)
-    if not is_merged:
-        return None
     out = cast("BinaryIO", TemporaryFile())  # noqa: SIM115  (the caller closes it)
     try:
         _separate(file, out)
-        out.seek(0)
     except BaseException:
         out.close()
         raise
     return out
-
-
-def _is_merged(file: BinaryIO) -> bool:
-    """Return whether a section has several ports, or units that are not one."""
-    scanner, end = Scanner(file), 0
-    ports, units = _Ports(), UnitChange()
-    for offset in _places(file, scanner.size):
-        if offset < end:
-            continue
-        raw = scanner.block(offset, "<") or scanner.block(offset, ">")
-        if raw is None:
-            continue
-        with suppress(pcapng.Malformed):
-            block = pcapng.parse(raw.kind, raw.body, raw.order)
-            if isinstance(block, pcapng.Section):
-                ports, units = _Ports(), UnitChange()
-            elif isinstance(block, pcapng.Interface):
-                ports.add(block)
-            elif isinstance(block, pcapng.Custom) and (note := read_block(block)):
-                units.add(note)
-            else:
-                continue
-            end = raw.end
-            if ports.count > 1 or units.is_another:
-                return True
-    return False
-
-
-def _places(file: BinaryIO, size: int) -> Iterator[int]:
-    """Yield where a section, a port or a note of a unit may begin."""
-    for start in range(0, size, _WINDOW):
-        check_cancelled()
-        file.seek(start)
-        window = read_whole(file, _WINDOW + _OVERLAP)
-        found = {
-            at - before for mark, distances in _MARKS
-            for at in find_all(window, mark, 0) for before in distances
-        }  # fmt: skip
-        yield from sorted(start + at for at in found if 0 <= at < _WINDOW)
 
 
 class _Ports:

@@ -25,6 +25,7 @@ from mikas.files import open_regular
 from mikas.i18n import Text
 from mikas.recording.capture import blocks as pcapng
 from mikas.recording.capture.dating import corrections, moved
+from mikas.recording.capture.note_times import shift_at_end
 from mikas.recording.capture.notes import Note, block_of, index
 from mikas.recording.capture.opening import FULL, capture_error, is_packed
 from mikas.recording.capture.reader import FLAGS, CaptureReader
@@ -206,7 +207,9 @@ def append_note(path: Path, note: Note) -> None:
         with open_regular(path, "r+b", buffering=0) as file:
             hold(file)
             found = index(file)
-            note = moved(note, -corrections(found.notes).get(len(found.sections) - 1, 0.0))
+            last = len(found.sections) - 1
+            seconds = shift_at_end(file) or corrections(found.notes).get(last, 0.0)
+            note = moved(note, -seconds)
             file.seek(0)
             order = pcapng.BYTE_ORDERS.get(file.read(12)[8:]) or "<"
             end = file.seek(0, os.SEEK_END)
