@@ -11,6 +11,7 @@ import importlib
 import sys
 import tempfile
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from math import isnan
 from pathlib import Path
@@ -31,6 +32,7 @@ from mikas.recording.exchanges.scalar import DecodedDamage, DecodedFrame
 from mikas.recording.exchanges.turns import quick_exchanges
 from mikas.recording.export import DIALECTS, export
 from mikas.recording.inspect import Describer, Item, decode
+from mikas.recording.splitting import cars_in, split
 
 _TESTS: Final = Path(__file__).parents[2] / "tests"
 _NAMES: Final = frozenset(p.name for p in CATALOG.parameters)
@@ -158,12 +160,25 @@ def _turns(path: Path, wanted: Expected) -> None:
     _same("turns", _by_arrays(quick_exchanges(path, CATALOG.size_of)), wanted.exchanges)
 
 
+@contextmanager
+def _files_of_cars(path: Path) -> Iterator[list[Path]]:
+    """Give a file of each car: units that say nothing of themselves, on two ports, are two."""
+    with tempfile.TemporaryDirectory(prefix="mikas-fuzz-") as folder:
+        several = len(cars_in(path)) > 1
+        yield [it for _, it in split(path, Path(folder) / "car.pcapng")] if several else [path]
+
+
 def _table(path: Path, wanted: Expected) -> None:
-    rows = [
-        (place_of(source), _row({n: float(rows.values[n][at]) for n in rows.values if n in _NAMES}))
-        for source, rows in mikas.open(path).stretches()
-        for at in range(len(rows.times))
-    ]
+    with _files_of_cars(path) as files:
+        rows = [
+            (
+                place_of(source),
+                _row({n: float(v[at]) for n, v in rows.values.items() if n in _NAMES}),
+            )
+            for file in files
+            for source, rows in mikas.open(file).stretches()
+            for at in range(len(rows.times))
+        ]
     _same("table", _by_place(rows), _by_place(wanted.rows))
 
 
@@ -173,12 +188,17 @@ def _by_place(rows: list[tuple[Place, Row]] | tuple[tuple[Place, Row], ...]) -> 
 
 
 def _csv(path: Path, wanted: Expected) -> None:
+    with _files_of_cars(path) as files:
+        rows = [row for file in files for row in _exported(file)]
+    _same("csv", sorted(rows), sorted(row for _, row in wanted.rows if row))
+
+
+def _exported(path: Path) -> Iterator[Row]:
+    recording = mikas.open(path)
+    if not recording.channels:  # refused by the export
+        return
     with tempfile.TemporaryDirectory(prefix="mikas-fuzz-") as folder:
         out = Path(folder) / "out.csv"
-        recording = mikas.open(path)
-        if not recording.channels:  # refused by the export
-            _same("csv", [], [row for _, row in wanted.rows if row])
-            return
         export(
             out,
             recording.channels,
@@ -191,11 +211,10 @@ def _csv(path: Path, wanted: Expected) -> None:
         with out.open(encoding="utf-8", newline="") as file:
             titles, *lines = csv.reader(file)
     names = [title.partition(" ")[0] for title in titles]
-    rows = [
-        _row({n: float(cell) for n, cell in zip(names, line, strict=True) if n in _NAMES and cell})
-        for line in lines
-    ]
-    _same("csv", sorted(rows), sorted(row for _, row in wanted.rows))
+    for line in lines:
+        cells = zip(names, line, strict=True)
+        if row := _row({n: float(cell) for n, cell in cells if n in _NAMES and cell}):
+            yield row
 
 
 def _fleet(path: Path, wanted: Expected) -> None:

@@ -5,17 +5,16 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from functools import partial
 from pathlib import Path
 from typing import BinaryIO, Final
 
 from mikas.cancellation import check_cancelled
-from mikas.cleaning import clean_line, public_port
 from mikas.files import beside
-from mikas.recording.annotations.cars import RecordedCar, cars_of
-from mikas.recording.capture import blocks as pcapng
-from mikas.recording.capture.notes import FileIndex, index
+from mikas.recording.annotations.cars import RecordedCar, Run, cars_of
 from mikas.recording.capture.opening import capture_error, opened_capture
-from mikas.recording.capture.scan import RawBlock, read_whole, scan
+from mikas.recording.capture.scan import read_whole
+from mikas.recording.capture.sections import Sections
 
 _BLOCK: Final = 1 << 20
 
@@ -23,35 +22,20 @@ _BLOCK: Final = 1 << 20
 def cars_in(path: str | os.PathLike[str]) -> list[RecordedCar]:
     """Return the cars of a file. Raises `CaptureError` if it is no capture."""
     with opened_capture(path) as file:
-        return cars_in_sections(file, index(file))
+        return cars_in_sections(Sections(file))
 
 
-def cars_in_sections(file: BinaryIO, found: FileIndex) -> list[RecordedCar]:
-    """Return the cars of an open capture with this index."""
-    if len(found.sections) < 2:
-        return cars_of(found.notes, {0: ""})
-    edges = [*found.sections, found.size]
-    ports = {
-        number: port
-        for number, order in enumerate(found.orders)
-        if (port := _port(file, edges[number], edges[number + 1], order)) is not None
-    }
-    return cars_of(found.notes, ports)
-
-
-def _port(file: BinaryIO, begin: int, stop: int, order: pcapng.Order) -> str | None:
-    """Return the name of a section's port; None without a packet."""
-    name = ""
-    for item in scan(file, begin, order, stop):
-        if not isinstance(item, RawBlock):
-            continue
-        if item.kind == pcapng.ENHANCED:
-            return name
-        with suppress(pcapng.Malformed):
-            block = pcapng.parse(item.kind, item.body, item.order)
-            if isinstance(block, pcapng.Interface) and not name:
-                name = public_port(clean_line(block.name))
-    return None
+def cars_in_sections(sections: Sections) -> list[RecordedCar]:
+    """Return the cars of an open capture."""
+    notes, count = sections.index.notes, len(sections.index.sections)
+    if count < 2:
+        return cars_of(notes, {0: Run("")})
+    runs: dict[int, Run] = {}
+    for number in range(count):
+        _, first = sections.head(number)
+        if first is not None:
+            runs[number] = Run(first.source.url, partial(sections.span, number))
+    return cars_of(notes, runs)
 
 
 def split(path: Path, target: Path) -> Iterator[tuple[RecordedCar, Path]]:
@@ -60,17 +44,16 @@ def split(path: Path, target: Path) -> Iterator[tuple[RecordedCar, Path]]:
     Existing files are left alone: the next free number counts. Raises `CaptureError`.
     """
     with opened_capture(path) as file:
-        found = index(file)
-        edges = [*found.sections, found.size]
-        number = 0
-        for car in cars_in_sections(file, found):
+        sections, number = Sections(file), 0
+        for car in cars_in_sections(sections):
             try:
                 while True:
                     number += 1
                     part = beside(target.with_name(target.stem), f"-{number}.pcapng")
                     with suppress(FileExistsError), _whole(part) as out:
                         for section in car.recordings:
-                            _copy(file, edges[section], edges[section + 1], out)
+                            begin, end = sections.edges[section : section + 2]
+                            _copy(file, begin, end, out)
                         break
             except OSError as error:
                 raise capture_error(part, error) from error

@@ -8,12 +8,12 @@ the `rate` computed from it. An unreadable file has a summary with a `problem`.
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from copy import copy
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, BinaryIO, Final
+from typing import TYPE_CHECKING, Final
 
 from mikas import commands as c
 from mikas.catalog import Catalog, shipped
@@ -30,12 +30,11 @@ from mikas.recording.annotations.events import (
     first_unit,
 )
 from mikas.recording.annotations.fields import LONGEST_COMMENT
-from mikas.recording.capture import blocks as pcapng
-from mikas.recording.capture.dating import dated_index
 from mikas.recording.capture.notes import Note
 from mikas.recording.capture.opening import capture_error, opened_capture, reason_of
-from mikas.recording.capture.reader import Blocks, Packet
+from mikas.recording.capture.reader import Packet
 from mikas.recording.capture.scan import scan
+from mikas.recording.capture.sections import Sections
 from mikas.recording.exchanges import count_responses
 from mikas.recording.exchanges.scalar import DecodedFrame
 from mikas.recording.inspect import decode
@@ -46,8 +45,6 @@ from mikas.sampling.events import ClockChanged, Gap, Marker, TextNote
 if TYPE_CHECKING:
     from mikas.recording.recording import Recording
 
-_TAIL: Final = 1 << 14
-_WIDEN: Final = 8
 _COUNTED: Final = 1 << 22  # bytes; of a longer file pieces are counted
 _MOST_CHANGES: Final = 3  # of the clock, in words
 _MOST_SECTIONS: Final = 100  # of a file whose responses are counted: each costs milliseconds
@@ -105,52 +102,11 @@ def summarise(path: str | os.PathLike[str], catalog: Catalog | None = None) -> S
     try:
         size = path.stat().st_size
         with opened_capture(path) as file:
-            return _summary(path, _Sections(file), catalog)
+            return _summary(path, Sections(file), catalog)
     except CaptureError as error:
         return Summary(path, size, problem=error.problem)
     except OSError as error:
         return Summary(path, size, problem=reason_of(error))
-
-
-class _Sections:
-    """The sections of a file, with its index; `edges` are their begins and the file's end.
-
-    Nothing of a section is looked for beyond its end, so all of them cost no more than the file.
-    """
-
-    def __init__(self, file: BinaryIO) -> None:
-        self.file = file
-        self.index = dated_index(file)
-        self.edges = [*self.index.sections, self.index.size]
-        self._heads: dict[int, tuple[Blocks, Packet | None]] = {}  # of the latest section
-
-    def head(self, section: int) -> tuple[Blocks, Packet | None]:
-        """Return a section's ports and its first packet."""
-        if section not in self._heads:
-            blocks = Blocks({0: self.index.corrections.get(section, 0.0)})
-            packets = self._packets(blocks, section, self.edges[section], None)
-            first = next(packets, None)
-            next(packets, None)  # the second one settles the clock
-            self._heads = {section: (blocks, first)}
-        return self._heads[section]
-
-    def packets(self, section: int, begin: int, length: int) -> Iterator[Packet]:
-        """Yield a section's packets in `length` bytes from the offset `begin`."""
-        order = self.index.orders[section]
-        return self._packets(copy(self.head(section)[0]), section, begin, order, length)
-
-    def _packets(
-        self,
-        blocks: Blocks,
-        section: int,
-        begin: int,
-        order: pcapng.Order | None,
-        length: int | None = None,
-    ) -> Iterator[Packet]:
-        edge = self.edges[section + 1]
-        stop = edge if length is None else min(edge, begin + length)
-        for item in scan(self.file, begin, order, stop):
-            yield from (each for each in blocks.read(item) if isinstance(each, Packet))
 
 
 def summary_of(recording: Recording) -> Summary:
@@ -172,13 +128,15 @@ def summary_of(recording: Recording) -> Summary:
     )
 
 
-def _summary(path: Path, sections: _Sections, catalog: Catalog) -> Summary:
-    cars = cars_in_sections(sections.file, sections.index)
+def _summary(path: Path, sections: Sections, catalog: Catalog) -> Summary:
+    cars = cars_in_sections(sections)
     if len(cars) > 1:
         return Summary(path, sections.index.size, problem=several(cars))
     samples, is_exact = _samples(path, sections, catalog)
+    numbers = range(len(sections.index.sections))
+    spans = [span for number in numbers if (span := sections.span(number))]
     return replace(
-        _described(path, sections.index.notes, list(_spans(sections)), samples, catalog),
+        _described(path, sections.index.notes, spans, samples, catalog),
         bytes=sections.index.size,
         samples_exact=is_exact,
         faults=_faults(sections),
@@ -222,21 +180,7 @@ def _described(
     )
 
 
-def _spans(sections: _Sections) -> Iterator[tuple[float, float]]:
-    """Yield each session's first and last time."""
-    for number, stop in enumerate(sections.edges[1:]):
-        _, first = sections.head(number)
-        if first is not None:
-            tail, begin, size = [first.time], stop, _TAIL
-            while len(tail) == 1 and begin > first.offset:
-                begin = max(first.offset, stop - size)
-                packets = sections.packets(number, begin, stop - begin)
-                tail += (packet.time for packet in packets)
-                size *= _WIDEN  # a long comment may follow the last packet
-            yield first.time, max(tail)
-
-
-def _faults(sections: _Sections) -> tuple[int, ...] | None:
+def _faults(sections: Sections) -> tuple[int, ...] | None:
     """Return the codes of the last response to 02."""
     for offset in reversed(sections.index.fault_requests):
         section = sections.index.section(offset)
@@ -255,7 +199,7 @@ def _faults(sections: _Sections) -> tuple[int, ...] | None:
     return None
 
 
-def _samples(path: Path, sections: _Sections, catalog: Catalog) -> tuple[int | None, bool]:
+def _samples(path: Path, sections: Sections, catalog: Catalog) -> tuple[int | None, bool]:
     """Return the number of responses with data, and whether it was counted."""
     if sections.index.size > _COUNTED or len(sections.index.sections) > _MOST_SECTIONS:
         return _estimated(sections, catalog), False
@@ -266,7 +210,7 @@ def _samples(path: Path, sections: _Sections, catalog: Catalog) -> tuple[int | N
     return None, True
 
 
-def _estimated(sections: _Sections, catalog: Catalog) -> int:
+def _estimated(sections: Sections, catalog: Catalog) -> int:
     """Count responses in pieces of the file, and assume the same density elsewhere."""
     size = sections.index.size
     read = responses = 0

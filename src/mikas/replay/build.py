@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -24,7 +25,7 @@ from mikas.commands.base import ERROR
 from mikas.commands.unit import version_of
 from mikas.errors import CaptureError
 from mikas.i18n import Text
-from mikas.recording.annotations.cars import SeveralCars, cars_of, several
+from mikas.recording.annotations.cars import Run, SeveralCars, cars_of, several
 from mikas.recording.annotations.fields import passport_of
 from mikas.recording.capture.notes import Kind, Note
 from mikas.recording.capture.reader import Problem, Source
@@ -66,6 +67,7 @@ def build(items: Iterable[Exchanges | Problem | Note], catalog: Catalog) -> Repl
     """Return the content of `items`. Never raise for any content."""
     builder, notes = ReplayBuilder(catalog), []
     ports: dict[int, str] = {}
+    spans: dict[int, tuple[float, float]] = {}
     for item in items:
         if isinstance(item, Problem):
             builder.data.problems += 1
@@ -73,11 +75,15 @@ def build(items: Iterable[Exchanges | Problem | Note], catalog: Catalog) -> Repl
             builder.outages.add_note(item)
             notes.append(item)
         else:
-            ports.setdefault(item.source.recording, item.source.url)
+            number = item.source.recording
+            ports.setdefault(number, item.source.url)
+            begin, end = spans.get(number, (item.begin, item.end))
+            spans[number] = begin, max(end, item.end)
             _Stretch(builder, builder.enter(item), item).add_exchanges()
     data = builder.finish()
     _add_noted_identity(data, notes)
-    data.cars = cars_of(notes, ports, catalog)
+    runs = {number: Run(port, partial(spans.get, number)) for number, port in ports.items()}
+    data.cars = cars_of(notes, runs, catalog)
     return data
 
 

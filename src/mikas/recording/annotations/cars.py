@@ -1,15 +1,16 @@
 """The cars of a file: which of its recordings are of one car.
 
 Files are joined end to end (`cat`), or merged by other tools, and one car's drives stay one car's.
-A plate says best whose a recording is, then the car's name, then the unit. One without all of
-these is the only known car's that was on its port; else each port is a car of its own. One that
-has lost its beginning, and so its port, is the only car's of the file.
+A plate says best whose a recording is, then the car's name, then the unit. Units of two cars may
+say the same of themselves, but none is on two ports at once. A recording without all of these is
+the only known car's that was on its port; else each port is a car of its own. One that has lost its
+beginning, and so its port, is the only car's of the file.
 """
 
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -21,6 +22,26 @@ from mikas.recording.annotations.events import RecordedUnit, car_of, unit_of
 from mikas.recording.capture.notes import Note
 
 _MOST_NAMED: Final = 10
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """Where and when a recording was made. `span`: gives the times of its first and last packet."""
+
+    port: str
+    span: Callable[[], tuple[float, float] | None] = lambda: None
+
+    def excludes(self, other: Run) -> bool:
+        """Return whether both were made at the same time, on two ports."""
+        if self.place == other.place:
+            return False
+        mine, others = self.span(), other.span()
+        return bool(mine and others and mine[0] < others[1] and others[0] < mine[1])
+
+    @property
+    def place(self) -> str:
+        """The port without its options, which may be others at another time."""
+        return self.port.partition("?")[0]
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,16 +65,22 @@ class RecordedCar:
             return Text(words or "?", words or "?")
         return model or Text("?", "?")
 
-    def is_same(self, other: RecordedCar) -> bool:
+    def is_same(self, other: RecordedCar, runs: Mapping[int, Run]) -> bool:
         """Return whether both are recordings of one car, as far as they show it."""
         mine, others = self.details, other.details
         if mine.plate and others.plate:
             return plain_plate(mine.plate) == plain_plate(others.plate)
         if mine.car and others.car:
             return mine.car.casefold().split() == others.car.casefold().split()
-        if self.unit is not None and other.unit is not None:
-            return self.unit.identity.may_be(other.unit.identity)
-        return False
+        if self.unit is None or other.unit is None:
+            return False
+        if not self.unit.identity.may_be(other.unit.identity):
+            return False
+        if {*self.ports, *other.ports} == {self.ports[0]}:
+            return True
+        own = [runs[number] for number in self.recordings if number in runs]
+        theirs = [runs[number] for number in other.recordings if number in runs]
+        return not any(one.excludes(another) for one in own for another in theirs)
 
     @property
     def is_known(self) -> bool:
@@ -69,25 +96,25 @@ class RecordedCar:
 
 
 def cars_of(
-    notes: Iterable[Note], ports: Mapping[int, str], catalog: Catalog | None = None
+    notes: Iterable[Note], runs: Mapping[int, Run], catalog: Catalog | None = None
 ) -> list[RecordedCar]:
     """Return the cars of a file, in the order of their first recordings.
 
-    `ports`: of each recording with packets, by its number.
+    `runs`: of each recording with packets, by its number.
     """
     by_recording: dict[int, list[Note]] = defaultdict(list)
     for note in notes:
         by_recording[note.recording].append(note)
     known: list[RecordedCar] = []
     unknown: dict[str, RecordedCar] = {}  # by port
-    for number in sorted({*ports, *by_recording}):
+    for number in sorted({*runs, *by_recording}):
         mine = by_recording[number]
-        port = ports.get(number, "").partition("?")[0]  # its options may be others at another time
+        port = runs[number].place if number in runs else ""
         car = RecordedCar((number,), car_of(mine), unit_of(mine, catalog or shipped()), (port,))
         if not car.is_known:
             unknown[port] = unknown[port].joined(car) if port in unknown else car
             continue
-        same = (at for at in range(len(known) - 1, -1, -1) if known[at].is_same(car))
+        same = (at for at in range(len(known) - 1, -1, -1) if known[at].is_same(car, runs))
         at = next(same, None)
         if at is None:
             known.append(car)

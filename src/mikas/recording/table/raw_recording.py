@@ -12,6 +12,7 @@ from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Final
 
@@ -21,7 +22,7 @@ from numpy.typing import NDArray
 from mikas.cancellation import check_cancelled
 from mikas.commands import ERASE_FAULTS, ReadFaults
 from mikas.errors import MikasError
-from mikas.recording.annotations.cars import RecordedCar, SeveralCars, cars_of, several
+from mikas.recording.annotations.cars import RecordedCar, Run, SeveralCars, cars_of, several
 from mikas.recording.capture.notes import Note
 from mikas.recording.capture.reader import Problem, Source
 from mikas.recording.exchanges import read_exchanges
@@ -133,8 +134,11 @@ class RawRecording:
         self._held: list[RawRows] | None = []
         self._kept: frozenset[int] | None = None  # sessions of one car; None: all
         self._read()
-        ports = {port.recording: port.url for port in self._sources}
-        self.cars: Sequence[RecordedCar] = cars_of(self.notes, ports)
+        runs = {
+            port.recording: Run(port.url, partial(self.spans.get, port.recording))
+            for port in self._sources
+        }
+        self.cars: Sequence[RecordedCar] = cars_of(self.notes, runs)
         if len(self.cars) > 1:
             if not last_car:
                 raise SeveralCars(str(self.path), several(self.cars))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -10,6 +11,8 @@ import mikas
 from merged_harness import needs_wireshark, ran, record
 from mikas.errors import CaptureError
 from mikas.recording import CaptureWriter
+from mikas.recording.annotations.cars import Run, cars_of
+from mikas.recording.capture.reader import CaptureReader
 from mikas.recording.splitting import cars_in, split
 from mikas.recording.summary import summarise
 
@@ -91,3 +94,23 @@ def test_an_unknown_recording_without_its_beginning_is_of_the_only_car(tmp_path:
         (1,),
         (2,),
     ]
+
+
+def test_units_that_say_the_same_on_two_ports_at_once_are_two_cars(tmp_path: Path) -> None:
+    """Units with one program have one passport: the plate of one was the other's, too."""
+    one = record(tmp_path / "one.pcapng", "", port=ONE)
+    two = record(tmp_path / "two.pcapng", "", port=TWO)
+    assert recordings(joined(tmp_path / "both.pcapng", one, two)) == [(0,), (1,)]
+    assert recordings(joined(tmp_path / "again.pcapng", one, one)) == [(0, 1)]
+    with pytest.raises(CaptureError, match="2 cars"):
+        mikas.open(joined(tmp_path / "all.pcapng", one, two, one))
+
+
+@pytest.mark.parametrize(("begin", "cars"), [(9.0, [(0,), (1,)]), (10.0, [(0, 1)])])
+def test_the_same_unit_on_another_port_later_is_the_same_car(
+    tmp_path: Path, begin: float, cars: list[tuple[int, ...]]
+) -> None:
+    notes = list(CaptureReader(record(tmp_path / "it.pcapng", "", port=ONE)).notes())
+    later = [replace(note, recording=1) for note in notes]
+    runs = {0: Run(ONE, lambda: (0.0, 10.0)), 1: Run(TWO, lambda: (begin, 20.0))}
+    assert [car.recordings for car in cars_of([*notes, *later], runs)] == cars
