@@ -89,6 +89,13 @@ def shifted_notes(n: int) -> bytes:
     )
 
 
+def planned_streams(n: int) -> bytes:
+    """Plans in a row, with the responses of a stream between some of them."""
+    note = TAG + b'{"kind":"plan","time":0.0,"data":{"method":"stream","names":["FREQ"]}}'
+    plan = pcapng.encode(pcapng.Custom(ENTERPRISE, note))
+    return good() + (plan * 9 + packet(b"\x50", 1.0, sent=False) * 4) * n
+
+
 def nested_fault_requests(n: int) -> bytes:
     request = struct.pack("<5I", 0, 0, 0, 3, 3) + encode(b"\x02")
     return good() + nested(n, pcapng.ENHANCED, request)
@@ -165,6 +172,7 @@ FILES = (
     far_lengths,
     nested_ports,
     shifted_notes,
+    planned_streams,
 )
 
 

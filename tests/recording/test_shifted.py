@@ -206,5 +206,5 @@ def test_no_recording_of_our_own_is_taken_for_a_shifted_one(tmp_path_factory, it
             else:
                 sink.note(note_of(event))
                 made.append(event.time)
-    assert not problems(path)
+    assert not [it for it in problems(path) if "shifted" in it]
     assert [note.time for note in CaptureReader(path).notes()] == made

@@ -58,10 +58,12 @@ def decode(
     fitting = Fitting(size_of or shipped().size_of)
     lines: dict[Source, tuple[PortDecoder, Describe | None]] = {}
     recording = 0
+    stream: bytes | None = None  # of the next packets
     for item in items:
         if isinstance(item, Problem):
             for port, _ in lines.values():
                 port.matching.interrupt()
+            stream = item.stream
             yield item
             continue
         if item.source.recording != recording:
@@ -72,6 +74,9 @@ def decode(
         if item.source not in lines:
             lines[item.source] = PortDecoder(item.source, fitting), describer and describer()
         port, describe = lines[item.source]
+        if stream is not None:
+            port.matching.interrupt(stream)
+            stream = None
         for part in port.feed(item):
             yield part if describe is None else _described(part, describe)
     for port, _ in lines.values():

@@ -38,16 +38,22 @@ class ScalarMatcher:
 def scalar_exchanges(path) -> Iterator[Exchanges | Problem]:
     """The exchanges, and the problems between them; without notes."""
     ports: dict[Source, ScalarMatcher] = {}
+    stream = None
     for item in stretches(CaptureReader(path)):
         if isinstance(item, Problem):
             for port in ports.values():
                 port.matching.interrupt()
+            stream = item.stream
             yield item
             continue
         source = item[0].source
         if any(other.recording != source.recording for other in ports):
             ports.clear()
-        yield ports.setdefault(source, ScalarMatcher(source)).feed(item)
+        port = ports.setdefault(source, ScalarMatcher(source))
+        if stream is not None:
+            port.matching.interrupt(stream)
+            stream = None
+        yield port.feed(item)
 
 
 def stretches(items: Iterable[Packet | Problem]) -> Iterator[Sequence[Packet] | Problem]:

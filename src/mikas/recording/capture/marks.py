@@ -2,15 +2,16 @@
 
 One pass over the file, a fraction of the time of its packets, which it does not read. A block may
 lie anywhere, also after damage, but not inside another one that was found: each byte is read twice
-at most.
+at most. What is to be changed for reading is changed in a copy.
 """
 
 from __future__ import annotations
 
 import struct
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
-from typing import BinaryIO, Final
+from tempfile import TemporaryFile
+from typing import BinaryIO, Final, NamedTuple, cast
 
 from mikas.cancellation import check_cancelled
 from mikas.recording.capture import blocks as pcapng
@@ -28,6 +29,7 @@ _MARKS: Final = (
     (TAG, (12,)),
 )
 _KINDS: Final = frozenset([pcapng.SECTION, pcapng.INTERFACE, pcapng.CUSTOM])
+_MOST_INTERFACES: Final = 16  # a port has one, and one for each time below zero
 
 
 Marked = pcapng.Section | pcapng.Interface | Note
@@ -63,3 +65,69 @@ def _places(file: BinaryIO, size: int) -> Iterator[int]:
             for at in find_all(window, mark, 0) for before in distances
         }  # fmt: skip
         yield from sorted(start + at for at in found if 0 <= at < _WINDOW)
+
+
+class PacketTimes:
+    """The times of a section's packets, without their data."""
+
+    def __init__(self, scanner: Scanner) -> None:
+        self._scanner = scanner
+        self._interfaces: list[pcapng.Interface] = []
+
+    def begin(self, section: RawBlock) -> None:
+        """Take the next section. Interfaces that do not follow its head at once are not known."""
+        self._interfaces = []
+        offset = section.end
+        while len(self._interfaces) < _MOST_INTERFACES:
+            raw = self._scanner.block(offset, section.order)
+            if raw is None or raw.kind != pcapng.INTERFACE:
+                return
+            offset = raw.end
+            try:
+                block = pcapng.parse(raw.kind, raw.body, raw.order)
+            except pcapng.Malformed:
+                return
+            assert isinstance(block, pcapng.Interface)
+            self._interfaces.append(block)
+
+    def of(self, packet: RawBlock | None) -> float | None:
+        """Return a packet's time; None for another block, or an unknown interface."""
+        if packet is None or packet.kind != pcapng.ENHANCED:
+            return None
+        head = self._scanner.head_of(packet, 12)
+        if len(head) < 12:
+            return None
+        interface, high, low = struct.unpack(packet.order + "3I", head)
+        if interface >= len(self._interfaces):
+            return None
+        time: float = self._interfaces[interface].time(high << 32 | low)
+        return time
+
+
+class Change(NamedTuple):
+    """`blocks` instead of the bytes of a file from `begin` to `end`."""
+
+    begin: int
+    end: int
+    blocks: bytes
+
+
+def changed(file: BinaryIO, changes: Iterable[Change]) -> BinaryIO:
+    """Return a capture with these changes, which rise: a temporary file, gone when it is closed."""
+    out = cast("BinaryIO", TemporaryFile())  # noqa: SIM115  (the caller closes it)
+    try:
+        end = 0
+        for change in changes:
+            _copy(file, end, change.begin, out)
+            out.write(change.blocks)
+            end = change.end
+        _copy(file, end, file.seek(0, 2), out)
+    except BaseException:
+        out.close()
+        raise
+    return out
+
+
+def _copy(file: BinaryIO, begin: int, end: int, out: BinaryIO) -> None:
+    file.seek(begin)
+    out.writelines(read_whole(file, min(_WINDOW, end - at)) for at in range(begin, end, _WINDOW))

@@ -18,27 +18,23 @@ shifted the packets has given them their date.
 
 from __future__ import annotations
 
-import struct
 from bisect import bisect_right
-from contextlib import suppress
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from math import inf
 from operator import itemgetter
-from tempfile import TemporaryFile
-from typing import BinaryIO, Final, NamedTuple, cast
+from typing import BinaryIO, Final, NamedTuple
 
 from mikas.recording.capture import blocks as pcapng
 from mikas.recording.capture.dating import moved, set_by
-from mikas.recording.capture.marks import Marked, marked
-from mikas.recording.capture.notes import LEFT_OUT, Kind, Note, block_of
-from mikas.recording.capture.scan import RawBlock, Scanner, read_whole
+from mikas.recording.capture.marks import Change, Marked, PacketTimes, changed, marked
+from mikas.recording.capture.notes import LEFT_OUT, Kind, Note, block_of, said_in_place
+from mikas.recording.capture.scan import RawBlock, Scanner
 
-_WINDOW: Final = 1 << 16
 _LEAST: Final = 0.5  # s that count as a shift
 _AGREE: Final = 0.05  # s
 _KNOWN: Final = 0.1  # s
 _DIGITS: Final = 6
-_MOST_INTERFACES: Final = 16  # one, and one for each time below zero
 _LIVE: Final = frozenset(
     [Kind.UNIT, Kind.CATALOG, Kind.PLAN, Kind.STATE, Kind.LEARNT, Kind.FAULTS_READ]
 )
@@ -111,7 +107,7 @@ class NoteTimes:
     def __init__(self, file: BinaryIO) -> None:
         self._scanner = Scanner(file)
         self._begin = 0  # of the present section
-        self._interfaces: list[pcapng.Interface] = []
+        self._packets = PacketTimes(self._scanner)
         self._run: _Run | None = None
         self._parts: list[_Part] = []
         self._places: list[tuple[int, Shift]] = []  # where each begins
@@ -121,7 +117,8 @@ class NoteTimes:
         match item:
             case pcapng.Section():
                 self.finish()
-                self._begin, self._interfaces = raw.offset, self._interfaces_of(raw)
+                self._begin = raw.offset
+                self._packets.begin(raw)
             case Note():
                 if self._run is None or self._run.end != raw.offset:
                     self._end_run()
@@ -158,44 +155,14 @@ class NoteTimes:
         run, self._run = self._run, None
         if run is None or not run.times:
             return
-        before = self._time(self._scanner.extent_before(run.begin, run.order))
-        after = self._time(self._scanner.extent(run.end, run.order))
+        before = self._packets.of(self._scanner.extent_before(run.begin, run.order))
+        after = self._packets.of(self._scanner.extent(run.end, run.order))
         if before is None or after is None:  # perhaps put there: before all packets, or behind them
             return
         shift = before - min(run.times), after - max(run.times)
         if not self._parts or not self._parts[-1].takes(run, *shift):
             self._parts.append(_Part(run.begin, run.end))
             self._parts[-1].takes(run, *shift)
-
-    def _interfaces_of(self, section: RawBlock) -> list[pcapng.Interface]:
-        """Return the interfaces that follow a section's head; a later one is not known."""
-        found: list[pcapng.Interface] = []
-        offset = section.end
-        while len(found) < _MOST_INTERFACES:
-            raw = self._scanner.block(offset, section.order)
-            if raw is None or raw.kind != pcapng.INTERFACE:
-                break
-            offset = raw.end
-            with suppress(pcapng.Malformed):
-                block = pcapng.parse(raw.kind, raw.body, raw.order)
-                assert isinstance(block, pcapng.Interface)
-                found.append(block)
-                continue
-            break
-        return found
-
-    def _time(self, packet: RawBlock | None) -> float | None:
-        """Return the time of a packet; None for another block, or an unknown interface."""
-        if packet is None or packet.kind != pcapng.ENHANCED:
-            return None
-        head = self._scanner.head_of(packet, 12)
-        if len(head) < 12:
-            return None
-        interface, high, low = struct.unpack(packet.order + "3I", head)
-        if interface >= len(self._interfaces):
-            return None
-        time: float = self._interfaces[interface].time(high << 32 | low)
-        return time
 
 
 def shift_at_end(file: BinaryIO) -> float:
@@ -209,41 +176,27 @@ def shift_at_end(file: BinaryIO) -> float:
 
 def with_moved_notes(file: BinaryIO, times: NoteTimes) -> BinaryIO:
     """Return a capture whose notes follow their packets, a temporary file."""
-    out = cast("BinaryIO", TemporaryFile())  # noqa: SIM115  (the caller closes it)
-    try:
-        _write(file, times, out)
-    except BaseException:
-        out.close()
-        raise
-    return out
+    return changed(file, _changes(file, times))
 
 
-def _write(file: BinaryIO, times: NoteTimes, out: BinaryIO) -> None:
-    end = count = 0
+def _changes(file: BinaryIO, times: NoteTimes) -> Iterator[Change]:
+    count = end = 0
     order: pcapng.Order = "<"
     said = _NONE
     for raw, note in marked(file):
         shift = times.at(raw.offset)
         if not isinstance(note, Note) or note.kind == LEFT_OUT or shift == _NONE:
             continue
-        _copy(file, end, raw.offset, out)
-        end, order = raw.end, raw.order
+        blocks, end, order = b"", raw.end, raw.order
         if shift.seconds not in (0.0, said.seconds):
             said = shift
-            data = {"seconds": shift.seconds}
-            out.write(pcapng.encode(block_of(Note(LEFT_OUT, 0.0, data)), order))
+            blocks += said_in_place({"seconds": shift.seconds}, order)
         if note.kind in _TIMELESS or (shift.known and not set_by(note)):
             later = moved(note, shift.seconds)
             later = replace(later, time=round(later.time, _DIGITS))
-            out.write(pcapng.encode(block_of(later), order))
+            blocks += pcapng.encode(block_of(later), order)
         else:
             count += 1
+        yield Change(raw.offset, raw.end, blocks)
     if count:
-        data = {"count": count, "shifted": True}
-        out.write(pcapng.encode(block_of(Note(LEFT_OUT, 0.0, data)), order))
-    _copy(file, end, file.seek(0, 2), out)
-
-
-def _copy(file: BinaryIO, begin: int, end: int, out: BinaryIO) -> None:
-    file.seek(begin)
-    out.writelines(read_whole(file, min(_WINDOW, end - at)) for at in range(begin, end, _WINDOW))
+        yield Change(end, end, said_in_place({"count": count, "shifted": True}, order))

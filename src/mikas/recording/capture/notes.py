@@ -96,6 +96,11 @@ def block_of(note: Note) -> pcapng.Custom:
     return pcapng.Custom(ENTERPRISE, data)
 
 
+def said_in_place(data: Mapping[str, Any], order: pcapng.Order) -> bytes:
+    """Return a note of the kind `LEFT_OUT` as bytes."""
+    return pcapng.encode(block_of(Note(LEFT_OUT, 0.0, data)), order)
+
+
 def read_block(block: pcapng.Custom) -> Note | None:
     """Return the note in `block`, cleaned; None for an unreadable one. An unknown kind stays.
 

@@ -1,8 +1,9 @@
 """Opening a capture: the reasons why a file is none, and what is read in its place.
 
 What is packed is unpacked (`packed`), and what other tools have merged is separated
-(`separation`); notes whose packets were shifted follow them (`note_times`). All readers open a
-capture here, and meet one port in a section.
+(`separation`); notes whose packets were shifted follow them (`note_times`); streams without their
+request get it from a plan (`cut_streams`). All readers open a capture here, and meet one port in a
+section.
 """
 
 from __future__ import annotations
@@ -19,7 +20,8 @@ from mikas.errors import reason_of as system_reason_of
 from mikas.files import open_regular
 from mikas.i18n import Text
 from mikas.recording.capture import blocks as pcapng
-from mikas.recording.capture.marks import marked
+from mikas.recording.capture.cut_streams import CutStreams
+from mikas.recording.capture.marks import changed, marked
 from mikas.recording.capture.note_times import NoteTimes, with_moved_notes
 from mikas.recording.capture.packed import packing_of, unpacked
 from mikas.recording.capture.scan import LARGEST, Scanner, Unreadable, is_section_start, scan
@@ -45,24 +47,30 @@ def opened_capture(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
 def opened(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
     """Open a capture that may be none, with the recordings in it apart."""
     with _plain(path) as plain, ExitStack() as temporary:
-        merged, times = _searched(plain)
-        file = plain
-        if merged.found:
-            file = temporary.enter_context(separated(plain))
-            _, times = _searched(file)
-        if times.is_shifted:
-            file = temporary.enter_context(with_moved_notes(file, times))
+        file, found = plain, _Search(plain)
+        if found.merged.found:
+            file = temporary.enter_context(separated(file))
+            found = _Search(file)
+        if found.times.is_shifted:
+            file = temporary.enter_context(with_moved_notes(file, found.times))
+            found = _Search(file)
+        if found.streams.changes:
+            file = temporary.enter_context(changed(file, found.streams.changes))
         file.seek(0)
         yield file
 
 
-def _searched(file: BinaryIO) -> tuple[MergeSearch, NoteTimes]:
-    merged, times = MergeSearch(), NoteTimes(file)
-    for raw, item in marked(file):
-        merged.add(item)
-        times.add(raw, item)
-    times.finish()
-    return merged, times
+class _Search:
+    """What other tools have done to a file."""
+
+    def __init__(self, file: BinaryIO) -> None:
+        self.merged, self.times, self.streams = MergeSearch(), NoteTimes(file), CutStreams(file)
+        for raw, item in marked(file):
+            self.merged.add(item)
+            self.times.add(raw, item)
+            self.streams.add(raw, item)
+        self.times.finish()
+        self.streams.finish()
 
 
 @contextmanager

@@ -72,10 +72,14 @@ class Packet:
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """An unreadable part of the file, from `offset`, and what it means."""
+    """An unreadable part of the file, from `offset`, and what it means.
+
+    `stream`: the request of a stream whose responses follow, though it is missing itself.
+    """
 
     offset: int
     text: Text
+    stream: bytes | None = None
 
 
 class CaptureReader:
@@ -178,7 +182,7 @@ class Blocks:
             case pcapng.Custom():
                 note = read_block(block)
                 if note is not None and note.kind == LEFT_OUT:
-                    yield Problem(offset, _left_out(note))
+                    yield _made_ready(note, offset)
                 elif note is not None:
                     note = moved(note, self.correction)
                     yield replace(note, recording=self._recording, offset=offset)
@@ -244,15 +248,19 @@ def _shown(data: bytes) -> str:
     return f"{digits} …" if len(data) > _SHOWN else digits
 
 
-def _left_out(note: Note) -> Text:
+def _made_ready(note: Note, offset: int) -> Problem:
     """Return what `opening` did to a file that another program has changed."""
-    seconds, count = note.data.get("seconds"), note.data.get("count")
+    seconds, count, stream = (note.data.get(key) for key in ("seconds", "count", "stream"))
     if note.data.get("mixed") is True:
-        return _MIXED
+        return Problem(offset, _MIXED)
+    if isinstance(stream, list):
+        request = bytes(it for it in stream if isinstance(it, int) and 0 <= it < 256)
+        return Problem(offset, _PLANNED_STREAM if stream else _CUT_STREAM, request or None)
     if isinstance(seconds, float):
-        return _SHIFTED.filled(seconds=f"{seconds:+.6f}".rstrip("0").rstrip("."))
+        shown = f"{seconds:+.6f}".rstrip("0").rstrip(".")
+        return Problem(offset, _SHIFTED.filled(seconds=shown))
     text = _UNPLACED if note.data.get("shifted") is True else _NOTES_LEFT_OUT
-    return text.filled(count=count if isinstance(count, int) else "?")
+    return Problem(offset, text.filled(count=count if isinstance(count, int) else "?"))
 
 
 _OTHER_INTERFACE = Text(
@@ -295,6 +303,15 @@ _SHIFTED = Text(
 _UNPLACED = Text(
     "notes ({count}) are left out: another program has shifted packets, so their times are unknown",
     "пометки ({count}) пропущены: другая программа сдвинула пакеты, и время пометок неизвестно",
+)
+_PLANNED_STREAM = Text(
+    "a stream goes on here whose request is missing; its values are read by the noted plan",
+    "здесь продолжается поток, запроса которого нет; значения прочитаны по отмеченному плану",
+)
+_CUT_STREAM = Text(
+    "a stream goes on here whose request is missing, and no plan says what is in it: it has no "
+    "values",
+    "здесь продолжается поток, запроса которого нет, и по плану не узнать, что в нём: значений нет",
 )
 _VERSION = Text(
     "a part of the file has pcapng version {version}, which is not known here; it is passed over",

@@ -20,7 +20,7 @@ from typing import BinaryIO, Final, cast
 
 from mikas.recording.capture import blocks as pcapng
 from mikas.recording.capture.marks import Marked
-from mikas.recording.capture.notes import LEFT_OUT, Kind, Note, block_of, read_block
+from mikas.recording.capture.notes import Kind, Note, read_block, said_in_place
 from mikas.recording.capture.scan import RawBlock, Unreadable, read_whole, scan
 from mikas.recording.capture.unit_changes import (
     NEAR,
@@ -142,7 +142,7 @@ class _Stream:
         """Write the section, or one for each of the recordings that followed each other."""
         parts = parts_of(self.first, self.interfaces, self.order, self.file)
         if parts is None:
-            out.write(self.head + left_out(self.order, mixed=True))
+            out.write(self.head + said_in_place({"mixed": True}, self.order))
             return
         self.file.seek(0)
         for part in parts:
@@ -159,12 +159,6 @@ def encoded(block: RawBlock, body: bytes | None = None) -> bytes:
     body = block.body if body is None else body
     total = struct.pack(block.order + "I", len(body) + 12)
     return struct.pack(block.order + "I", block.kind) + total + body + total
-
-
-def left_out(order: pcapng.Order, count: int = 0, *, mixed: bool = False) -> bytes:
-    """Return the note that says what could not be placed: so many notes, or all packets."""
-    data = {"count": count, "mixed": mixed}
-    return pcapng.encode(block_of(Note(LEFT_OUT, 0.0, data)), order)
 
 
 def _separate(file: BinaryIO, out: BinaryIO) -> None:
@@ -342,7 +336,7 @@ class _Section:
         for stream in used or [self._stream()]:
             stream.copy_to(out)
         if self._left_out:
-            out.write(left_out(self._start.order, self._left_out))
+            out.write(said_in_place({"count": self._left_out}, self._start.order))
         out.write(self._cut)
 
 

@@ -32,6 +32,7 @@ from typing import Final
 
 from mikas.commands import COMMANDS_BY_CODE, Availability
 from mikas.commands.base import ERROR, OK
+from mikas.framing import encode
 from mikas.recording.exchanges.fitting import Fitting
 from mikas.recording.exchanges.layouts import WRITE_LIST
 from mikas.recording.exchanges.verdicts import (
@@ -136,12 +137,18 @@ class Matching:
         """Whether what was sent may be a 64, until its echo has come."""
         return self._is_partial or self._is_damaged
 
-    def interrupt(self) -> None:
+    def interrupt(self, stream: bytes | None = None) -> None:
         """Drop the request: a part of the file is missing, perhaps with a request in it.
 
-        A stream continues: its next response is one of many.
+        A stream continues: its next response is one of many. `stream`: the request in the missing
+        part whose responses follow.
         """
         self.lose_list()
+        if stream is not None:
+            self.request, self.stage = SentRequest(self.count, stream), Stage.STREAMING
+            self.count += 1
+            self.unechoed.append(encode(stream))
+            self.trusted = True
         if self.stage is not Stage.STREAMING:
             self.request, self.stage = UNKNOWN, Stage.NONE
             self.trusted = True

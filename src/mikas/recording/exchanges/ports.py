@@ -23,6 +23,9 @@ class Matcher(Protocol[P_contra]):
 
     matching: Matching
 
+    def go_on(self, stream: bytes, /) -> None:
+        """Go on with the responses to a stream whose request is missing."""
+
     def feed(self, packets: P_contra, /) -> Exchanges:
         """Return the exchanges that these packets complete."""
 
@@ -32,6 +35,7 @@ def matched(
 ) -> Iterator[Exchanges | Problem | Note]:
     """Yield the exchanges of stretches of packets; each port of a recording has a matcher."""
     ports: dict[Source, Matcher[P]] = {}
+    stream: bytes | None = None  # of the next packets
     for item in items:
         if isinstance(item, Note):
             yield item
@@ -39,6 +43,7 @@ def matched(
         if isinstance(item, Problem):
             for port in ports.values():
                 port.matching.interrupt()
+            stream = item.stream
             yield item
             continue
         source = item.source
@@ -46,4 +51,7 @@ def matched(
             if any(other.recording != source.recording for other in ports):
                 ports.clear()
             ports[source] = matcher(source)
+        if stream is not None:
+            ports[source].go_on(stream)
+            stream = None
         yield ports[source].feed(item)

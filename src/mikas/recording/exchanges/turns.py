@@ -123,6 +123,10 @@ class TurnMatcher:
         self.matching = self._port.matching
         self._last: float | None = None
 
+    def go_on(self, stream: bytes) -> None:
+        """Go on with the responses to a stream whose request is missing."""
+        self.matching.interrupt(stream)
+
     def feed(self, run: PacketRun) -> Exchanges:
         """Return the exchanges that these packets complete."""
         found = FoundExchanges(self.matching)

@@ -64,6 +64,11 @@ class ColumnarMatcher:
         self._latest = np.full(2, NO_REQUEST)  # numbers of the last two requests
         self._lengths: Index = np.empty(0, np.int64)  # of responses, by the request's number
 
+    def go_on(self, stream: bytes) -> None:
+        """Go on with the responses to a stream whose request is missing."""
+        self.matching.interrupt(stream)
+        self._latest = np.array([self._latest[-1], self.matching.number(stream)])
+
     def feed(self, packets: Packets) -> Exchanges:
         """Return the exchanges that these packets complete."""
         after_sent = np.concatenate(([self._sent_last], packets.sent[:-1]))
