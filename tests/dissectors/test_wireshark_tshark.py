@@ -32,7 +32,7 @@ from mikas.dissectors.wireshark.generator import source
 from mikas.dissectors.wireshark.labels import LABELS
 from mikas.framing import encode
 from mikas.recording.capture import blocks as pcapng
-from mikas.recording.capture.separation import separated
+from mikas.recording.capture.edited.separation import separated
 
 pytestmark = pytest.mark.skipif(
     shutil.which(TSHARK) is None and not os.environ.get("MIKAS_REQUIRE_TSHARK"),

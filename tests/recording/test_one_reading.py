@@ -1,8 +1,7 @@
 """What is made of a recording reads its file once, and holds it for what is made next.
 
-Two searches go over the file before that: for what other tools have merged
-(`capture/separation.py`), and for changes of the computer's date, which hold for what is before
-them.
+Two searches go over the file before that: for what other tools have done to it
+(`capture/edited`), and for changes of the computer's date, which hold for what is before them.
 """
 
 from __future__ import annotations

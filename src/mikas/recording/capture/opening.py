@@ -20,12 +20,12 @@ from mikas.errors import reason_of as system_reason_of
 from mikas.files import open_regular
 from mikas.i18n import Text
 from mikas.recording.capture import blocks as pcapng
-from mikas.recording.capture.cut_streams import CutStreams
-from mikas.recording.capture.marks import changed, marked
-from mikas.recording.capture.note_times import NoteTimes, with_moved_notes
+from mikas.recording.capture.edited.cut_streams import CutStreams
+from mikas.recording.capture.edited.marks import changed, marked
+from mikas.recording.capture.edited.note_times import NoteTimes, with_moved_notes
+from mikas.recording.capture.edited.separation import MergeSearch, separated
 from mikas.recording.capture.packed import packing_of, unpacked
 from mikas.recording.capture.scan import LARGEST, Scanner, Unreadable, is_section_start, scan
-from mikas.recording.capture.separation import MergeSearch, separated
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

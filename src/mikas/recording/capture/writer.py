@@ -25,7 +25,7 @@ from mikas.files import open_regular
 from mikas.i18n import Text
 from mikas.recording.capture import blocks as pcapng
 from mikas.recording.capture.dating import corrections, moved
-from mikas.recording.capture.note_times import shift_at_end
+from mikas.recording.capture.edited.note_times import shift_at_end
 from mikas.recording.capture.notes import Note, block_of, index
 from mikas.recording.capture.opening import FULL, capture_error, is_packed
 from mikas.recording.capture.reader import FLAGS, CaptureReader

@@ -27,7 +27,7 @@ from typing import BinaryIO, Final, NamedTuple
 
 from mikas.recording.capture import blocks as pcapng
 from mikas.recording.capture.dating import moved, set_by
-from mikas.recording.capture.marks import Change, Marked, PacketTimes, changed, marked
+from mikas.recording.capture.edited.marks import Change, Marked, PacketTimes, changed, marked
 from mikas.recording.capture.notes import LEFT_OUT, Kind, Note, block_of, said_in_place
 from mikas.recording.capture.scan import RawBlock, Scanner
 

@@ -19,10 +19,8 @@ from tempfile import SpooledTemporaryFile, TemporaryFile
 from typing import BinaryIO, Final, cast
 
 from mikas.recording.capture import blocks as pcapng
-from mikas.recording.capture.marks import Marked
-from mikas.recording.capture.notes import Kind, Note, read_block, said_in_place
-from mikas.recording.capture.scan import RawBlock, Unreadable, read_whole, scan
-from mikas.recording.capture.unit_changes import (
+from mikas.recording.capture.edited.marks import Marked
+from mikas.recording.capture.edited.unit_changes import (
     NEAR,
     Group,
     PlacedNote,
@@ -31,6 +29,8 @@ from mikas.recording.capture.unit_changes import (
     is_head,
     parts_of,
 )
+from mikas.recording.capture.notes import Kind, Note, read_block, said_in_place
+from mikas.recording.capture.scan import RawBlock, Unreadable, read_whole, scan
 
 _WINDOW: Final = 1 << 16
 _SPOOLED: Final = 1 << 16  # bytes of a port that stay in memory

@@ -26,7 +26,7 @@ from mikas.commands import Availability, Datum, StreamAtStroke, StreamCyclic
 from mikas.errors import UnknownParameter
 from mikas.framing import Decoder, Frame
 from mikas.recording.capture import blocks as pcapng
-from mikas.recording.capture.marks import Change, Marked, PacketTimes
+from mikas.recording.capture.edited.marks import Change, Marked, PacketTimes
 from mikas.recording.capture.notes import Kind, Note, read_block, said_in_place
 from mikas.recording.capture.scan import RawBlock, Scanner
 
