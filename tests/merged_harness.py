@@ -26,6 +26,7 @@ needs_wireshark = pytest.mark.skipif(
     reason="Wireshark's mergecap, editcap and reordercap are not installed",
 )
 MICRO = 1_000_000
+MERGES = ("cat", "mergecap", "mergecap -a", "mergecap -I none", "cat, editcap")
 PASSPORT = ("PROGRAM", "x", "x", "x", "x", "x", "x")
 
 
@@ -66,7 +67,7 @@ def record(
     return path
 
 
-def shifted(path: Path, out: Path, seconds: int) -> Path:
+def shifted(path: Path, out: Path, seconds: float) -> Path:
     """Write a copy whose packets and notes have later times: editcap shifts packets alone."""
     data = b""
     with path.open("rb") as file:
@@ -75,7 +76,7 @@ def shifted(path: Path, out: Path, seconds: int) -> Path:
             block = pcapng.parse(item.kind, item.body, item.order)
             assert block is not None
             if isinstance(block, pcapng.EnhancedPacket):
-                block = replace(block, ticks=block.ticks + seconds * MICRO)
+                block = replace(block, ticks=block.ticks + round(seconds * MICRO))
             elif isinstance(block, pcapng.Custom) and (note := read_block(block)):
                 block = block_of(moved(note, seconds))
             data += pcapng.encode(block, item.order)
@@ -86,3 +87,15 @@ def shifted(path: Path, out: Path, seconds: int) -> Path:
 def ran(*command: object) -> None:
     """Run one of the tools."""
     subprocess.run([*map(str, command)], check=True, capture_output=True)
+
+
+def merged(how: str, out: Path, *files: Path) -> Path:
+    """Merge in one of the ways of `MERGES`."""
+    if how.startswith("cat"):
+        joined = out.with_suffix(".cat") if "editcap" in how else out
+        joined.write_bytes(b"".join(file.read_bytes() for file in files))
+        if "editcap" in how:
+            ran("editcap", joined, out)
+    else:
+        ran(*how.split(), "-w", out, *files)
+    return out

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import mikas
-from merged_harness import needs_wireshark, ran, record, shifted
+from merged_harness import MERGES, merged, needs_wireshark, ran, record, shifted
 from mikas.errors import CaptureError
 from mikas.recording.capture import blocks as pcapng
 from mikas.recording.capture.reader import CaptureReader, Problem
@@ -20,7 +20,6 @@ from mikas.report.from_recording import find_in_recording
 
 pytestmark = needs_wireshark
 ONE, TWO = "A111AA52", "B222BB52"
-MERGES = ("cat", "mergecap", "mergecap -a", "mergecap -I none", "cat, editcap")
 
 
 @pytest.fixture(params=[True, False], ids=["notes first", "packets first"])
@@ -31,17 +30,6 @@ def both(request: pytest.FixtureRequest, tmp_path: Path) -> tuple[Path, Path]:
         tmp_path / "two.pcapng", TWO, faults="53", port="/dev/ttyUSB1", count=60, head=head
     )
     return one, two
-
-
-def merged(how: str, out: Path, *files: Path) -> Path:
-    if how.startswith("cat"):
-        joined = out.with_suffix(".cat") if "editcap" in how else out
-        joined.write_bytes(b"".join(file.read_bytes() for file in files))
-        if "editcap" in how:
-            ran("editcap", joined, out)
-    else:
-        ran(*how.split(), "-w", out, *files)
-    return out
 
 
 def values(path: Path) -> list[tuple[float, float]]:

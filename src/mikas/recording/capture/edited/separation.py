@@ -25,6 +25,7 @@ from mikas.recording.capture.edited.unit_changes import (
     Group,
     PlacedNote,
     UnitChange,
+    are_of_one_unit,
     groups_of,
     is_head,
     parts_of,
@@ -102,13 +103,14 @@ class _Stream:
 
     def __init__(self, section: RawBlock) -> None:
         self.file = cast("BinaryIO", SpooledTemporaryFile(max_size=_SPOOLED))  # noqa: SIM115
-        self.head = encoded(section)
         self.order = section.order
+        self._section = section
+        self._described: list[RawBlock] = []
         self.interfaces: list[pcapng.Interface] = []
         self.first: Group = []
         self.begin: float | None = None  # the first packet's time
         self.last: float | None = None
-        self.has_unit = False
+        self.unit: Note | None = None  # the first one behind a packet
         self._whole = True  # no damage since the last block
 
     @property
@@ -118,7 +120,7 @@ class _Stream:
 
     def describe(self, raw: RawBlock, interface: pcapng.Interface) -> int:
         """Add an interface; return its number."""
-        self.head += encoded(raw)
+        self._described.append(raw)
         self.interfaces.append(interface)
         return len(self.interfaces) - 1
 
@@ -136,7 +138,31 @@ class _Stream:
     def note(self, placed: PlacedNote) -> None:
         """Append a note."""
         self.write(placed.raw)
-        self.has_unit |= placed.note.kind == Kind.UNIT
+        if self.unit is None and placed.note.kind == Kind.UNIT:
+            self.unit = placed.note
+
+    def may_be_of(self, group: Group) -> bool:
+        """Return whether these may be its first notes: those that it has do not say otherwise."""
+        own = [] if self.unit is None else [self.unit]
+        return are_of_one_unit([*(placed.note for placed in group), *own])
+
+    @property
+    def is_unknown(self) -> bool:
+        """Whether no note says whose it is."""
+        return self.unit is None and not self.first
+
+    def set_apart(self, number: int) -> None:
+        """Give the port a name of its own: as its notes are lost, it is no known car's."""
+        for at, it in enumerate(self.interfaces):
+            name = f"{it.name.partition('?')[0]}#{number}"
+            raw = self._described[at]
+            body = pcapng.encode(replace(it, name=name), self.order)[8:-4]
+            self._described[at] = raw._replace(body=body)
+
+    @property
+    def head(self) -> bytes:
+        """The section's and the port's description."""
+        return encoded(self._section) + b"".join(map(encoded, self._described))
 
     def copy_to(self, out: BinaryIO) -> None:
         """Write the section, or one for each of the recordings that followed each other."""
@@ -323,7 +349,7 @@ class _Section:
             return len(waiting)
         noted = waiting[units[-1]].note.time
         since = abs(noted - (last.last or 0.0))
-        has_unit = last.has_unit or any(it.note.kind == Kind.UNIT for it in self._first)
+        has_unit = last.unit is not None or any(it.note.kind == Kind.UNIT for it in self._first)
         if not has_unit and len(units) == 1 and since < NEAR:
             return len(waiting)
         return units[-1] if abs(time - noted) <= since or has_unit else len(waiting)
@@ -332,6 +358,9 @@ class _Section:
         """Write the ports, one after the other."""
         self._place_notes(None)
         self._place_first()
+        for number, stream in enumerate(self._streams if self._left_out else (), 1):
+            if stream.is_unknown:
+                stream.set_apart(number)
         used = [each for each in self._streams if not each.is_empty]
         for stream in used or [self._stream()]:
             stream.copy_to(out)
@@ -346,6 +375,8 @@ def _since(group: Group, time: float) -> float:
 
 
 def _near(ports: list[_Stream], group: Group) -> _Stream | None:
-    """Return the only port that begins soon after these notes."""
+    """Return the only port that begins soon after these notes, and has no other unit's."""
     begun = [it for it in ports if it.begin is not None and 0.0 <= _since(group, it.begin) <= NEAR]
+    if len(begun) > 1:
+        begun = [it for it in begun if it.may_be_of(group)]
     return begun[0] if len(begun) == 1 else None

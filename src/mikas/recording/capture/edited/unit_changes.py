@@ -82,6 +82,16 @@ class UnitChange:
         self._known = found
 
 
+def are_of_one_unit(notes: Iterable[Note]) -> bool:
+    """Return whether none of these notes is of another unit than the one before."""
+    units = UnitChange()
+    for note in notes:
+        units.add(note)
+        if units.is_another:
+            return False
+    return True
+
+
 @dataclass(frozen=True, slots=True)
 class Part:
     """One recording: its `first` notes, and where its other blocks end in the file."""
@@ -128,6 +138,11 @@ class _Steps:
         return step if step >= 0.0 else -_BACK * step
 
 
+def _is_soon(time: float, noted: float) -> bool:
+    """Return whether a packet is the first one behind a recording's first notes."""
+    return 0.0 <= time - noted + 0.1 <= NEAR
+
+
 class _ByUnits:
     """Cuts between the notes of units that lie between the packets."""
 
@@ -138,12 +153,14 @@ class _ByUnits:
         self._is_known = True
         self._step, self._place = 0.0, 0  # the largest since the last unit's note
         self._unit: int | None = None  # another one's note, since the last packet
+        self._noted: float | None = None  # the time of the same one's
 
     def add_packet(self, time: float, offset: int) -> None:
         step = self._steps.to(time)
+        noted, self._noted = self._noted, None
         if self._unit is not None:
             self._decide(self._unit, step)
-        elif step > self._step:
+        elif step > self._step and not (noted is not None and _is_soon(time, noted)):
             self._step, self._place = step, offset
 
     def add_note(self, note: Note, offset: int) -> None:
@@ -151,7 +168,7 @@ class _ByUnits:
             return
         self._units.add(note)
         if not self._units.is_another:
-            self._step = 0.0
+            self._step, self._noted = 0.0, note.time
         elif self._unit is None:
             self._unit = offset
         else:  # three units without a packet between
@@ -192,14 +209,17 @@ class _ByHeads:
         begun = len(self._places)
         if begun == len(self._groups):
             return
-        near = 0.0 <= time - self._groups[begun][0].note.time + 0.1 <= NEAR
+        near = _is_soon(time, self._groups[begun][0].note.time)
         if near and (not begun or step >= _STEP):
             self._places.append(offset)
         elif not begun:
             self._is_known = False
 
-    def add_note(self, note: Note, offset: int) -> None:
-        """Do nothing: a later note of a unit changes nothing here."""
+    def add_note(self, note: Note, offset: int) -> None:  # noqa: ARG002  (as of `_ByUnits`)
+        """Take a later note: of a unit that is not the present recording's, all may be mixed."""
+        if note.kind == Kind.UNIT and self._places:
+            present = self._groups[len(self._places) - 1]
+            self._is_known &= are_of_one_unit([*(placed.note for placed in present), note])
 
     def result(self, end: int) -> list[Part] | None:
         if not self._is_known or len(self._places) < len(self._groups):
