@@ -17,6 +17,7 @@ from mikas.framing import encode
 from mikas.link.base import Direction
 from mikas.recording import CaptureReader, CaptureWriter, Kind, Note
 from mikas.recording.annotations.events import note_of
+from mikas.recording.capture import blocks as pcapng
 from mikas.recording.capture.notes import LEFT_OUT
 from mikas.recording.capture.reader import Packet, Problem
 from mikas.recording.exchanges.columns.matcher import column_exchanges
@@ -305,6 +306,16 @@ def test_two_responses_are_no_stream(tmp_path: Path, drive: Path) -> None:
     out = write(tmp_path / "cut.pcapng", only(2)(items_of(drive)))
     assert not problems(out)
     assert not values(out)
+
+
+def test_packets_without_a_direction_are_no_stream(tmp_path: Path) -> None:
+    """What text2pcap makes."""
+    path = tmp_path / "text.pcapng"
+    packets = [pcapng.EnhancedPacket(0, number, encode(b"\x15\x7e\x04")) for number in range(30)]
+    blocks = [pcapng.Section(), pcapng.Interface(), *packets]
+    path.write_bytes(b"".join(map(pcapng.encode, blocks)))
+    assert len(problems(path)) == 30
+    assert not [it for it in problems(path) if "stream" in it]
 
 
 def test_a_whole_recording_has_no_cut_stream(drive: Path) -> None:

@@ -169,6 +169,18 @@ def test_shifted_packets_have_the_date_that_was_given_to_them(tmp_path: Path) ->
     assert any("notes (1) are left out" in it for it in problems(out))
 
 
+def test_the_seconds_are_those_that_were_given(tmp_path: Path) -> None:
+    """A note of a real line is stamped 2 ms before the packet that it follows is."""
+    path = tmp_path / "line.pcapng"
+    with CaptureWriter(path, url="/dev/ttyUSB0") as sink:
+        for time in (1.0, 2.0, 3.0, 4.0):
+            sink.record(Direction.RECEIVED, b"\x0a\xf6\x0d", time)
+            sink.note(note_of(StateChanged(time - 0.002, "sampling")))
+            sink.record(Direction.SENT, b"\x01\xff\x0d", time + 0.001)
+    (problem,) = problems(shift(path, tmp_path / "shifted.pcapng", 7.0))
+    assert "by +7 s" in problem
+
+
 def test_a_silent_line_and_a_user_who_waits_are_no_shift(tmp_path: Path) -> None:
     path = tmp_path / "silent.pcapng"
     with CaptureWriter(path, url="/dev/ttyUSB0") as sink:

@@ -20,7 +20,7 @@ from __future__ import annotations
 
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import BinaryIO, Final
+from typing import BinaryIO, Final, TypeGuard
 
 from mikas.commands import Availability, Datum, StreamAtStroke, StreamCyclic
 from mikas.errors import UnknownParameter
@@ -150,7 +150,7 @@ class CutStreams:
                 turn = _Turn(_EXCHANGE if _asks_for_data(block.data) else _NEVER)
                 streams = [body for body in _bodies(sent, block.data) if body[:1] in _CODES]
                 requested = streams[0] if streams else b""
-            elif isinstance(block, pcapng.EnhancedPacket) and found is None:
+            elif found is None and _is_received(block):
                 turn.add(block.data, raw, plan)
                 found = turn if turn.frames >= (_FEWEST if plan else _MANY) else None
             offset = raw.end
@@ -202,6 +202,10 @@ def _parsed(raw: RawBlock) -> pcapng.Block | None:
     with suppress(pcapng.Malformed):
         return pcapng.parse(raw.kind, raw.body, raw.order)
     return None
+
+
+def _is_received(block: pcapng.Block | None) -> TypeGuard[pcapng.EnhancedPacket]:
+    return isinstance(block, pcapng.EnhancedPacket) and block.flags & 3 == pcapng.INBOUND
 
 
 def _is_plan(block: pcapng.Block | None) -> bool:

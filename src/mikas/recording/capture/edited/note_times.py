@@ -34,6 +34,7 @@ from mikas.recording.capture.scan import RawBlock, Scanner
 _LEAST: Final = 0.5  # s that count as a shift
 _AGREE: Final = 0.05  # s
 _KNOWN: Final = 0.1  # s
+_STAMPED: Final = 0.01  # s
 _DIGITS: Final = 6
 _LIVE: Final = frozenset(
     [Kind.UNIT, Kind.CATALOG, Kind.PLAN, Kind.STATE, Kind.LEARNT, Kind.FAULTS_READ]
@@ -95,10 +96,15 @@ class _Part:
 
 
 def _shortest(least: float, most: float) -> float:
-    """Return the number with the fewest digits between these: what a person has typed."""
+    """Return the number with the fewest digits between these: what a person has typed.
+
+    A note may be stamped some milliseconds before the packet that it follows.
+    """
     middle = (least + most) / 2
     digits = (round(middle, digits) for digits in range(_DIGITS))
-    return next((it for it in digits if least <= it <= most), round(middle, _DIGITS))
+    slack = max(_STAMPED - (most - least), 0.0) / 2
+    close = (it for it in digits if least - slack <= it <= most + slack)
+    return next(close, round(middle, _DIGITS))
 
 
 class NoteTimes:
