@@ -139,7 +139,7 @@ def kept_results(folder, unit, *, virtual_units=True):
     kept = [{"id": "idle-2000\u202e", "in_report": False} | RESULT.as_json()]
     file.write_text(json.dumps(kept), "utf-8")
     settings = SimpleNamespace(in_state=lambda _: folder, virtual_units=virtual_units)
-    connection = SimpleNamespace(monitor=SimpleNamespace(unit=unit))
+    connection = SimpleNamespace(later=0.0, monitor=SimpleNamespace(unit=unit))
     tests = GuidedTests(settings, connection, None, None, None)
     return tests, file
 

@@ -19,6 +19,7 @@ PARTS = {
         "test_monitor_gaps.py", "test_port_threads.py", "test_session_connection.py",
         "test_session_fault_history.py", "test_session_freeze_frames.py",
         "test_session_recorder.py", "test_true_dates.py",
+        "test_dates_of_the_page.py",
     ),
 }  # fmt: skip
 

@@ -91,6 +91,7 @@ class Dashboard:
             self.history,
             self.connection.now,
             settings.virtual_units,
+            lambda: self.connection.later,
         )
         self.recorder = SessionRecorder(
             self.connection, self.fault_history, folder, self.cars, options.interpretation
@@ -123,6 +124,7 @@ class Dashboard:
         await asyncio.to_thread(self.dump_jobs.find)
         self.connection.start()
         async with AsyncExitStack() as closing:  # from the last on, each whatever another raises
+            closing.callback(self._follow_date)
             closing.callback(self.recorder.close)
             closing.push_async_callback(self.connection.close)
             closing.push_async_callback(self.recorder.read_last)
@@ -222,6 +224,13 @@ class Dashboard:
             self.freeze_frames.follow(it.time)
             if isinstance(it, events.StateChanged):
                 self.connection.state_known()
+            elif isinstance(it, events.ClockChanged):
+                self._follow_date()
+
+    def _follow_date(self) -> None:
+        """Give what this program has kept its dates: the computer's date was set."""
+        self.freeze_frames.follow_date()
+        self.guided.follow_date()
 
     def _add_faults(self, reading: events.FaultReading) -> None:
         """Add a reading of the session's; in the sampling thread."""

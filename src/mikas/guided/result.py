@@ -112,6 +112,17 @@ class TestResult:
     steps: tuple[StepDone, ...]
     curves: tuple[Curve, ...]
 
+    def moved(self, seconds: float) -> TestResult:
+        """Return the result that is `seconds` later."""
+        steps = tuple(
+            replace(it, began=it.began + seconds, ended=it.ended + seconds) for it in self.steps
+        )
+        curves = tuple(
+            replace(it, times=tuple(time + seconds for time in it.times)) for it in self.curves
+        )
+        began, ended = self.began + seconds, self.ended + seconds
+        return replace(self, began=began, ended=ended, steps=steps, curves=curves)
+
     @property
     def verdict(self) -> Text:
         """The verdict in a sentence."""
@@ -169,16 +180,13 @@ MISSING: Final = Text("Not decided:", "Не решено:")
 _GROUNDS: Final = Text("Rule: {formula}; {sure}. {doubt}", "Правило: {formula}; {sure}. {doubt}")
 
 
-def read(data: object, *, shift: float = 0.0) -> TestResult | None:
-    """Return the result in JSON values from a file; None for anything else.
-
-    `shift` is added to its times.
-    """
+def read(data: object) -> TestResult | None:
+    """Return the result in JSON values from a file; None for anything else."""
     try:
         found: TestResult = _read(TestResult, data)
     except (KeyError, TypeError, ValueError, OverflowError):
         return None
-    return replace(found, began=found.began + shift, ended=found.ended + shift)
+    return found
 
 
 def _read(kind: Any, value: Any) -> Any:  # noqa: ANN401  (any JSON)

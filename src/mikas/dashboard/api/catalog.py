@@ -253,6 +253,7 @@ class HistoryResponse(LiveRows):
     """Columns over time and events, as in live data; null: no new value in that row."""
 
     events: list[LiveEvent]
+    later: float = Field(description="as in live data")
 
 
 @router.get("/about", responses=errors(409, 504), response_model=AboutResponse)
@@ -372,11 +373,14 @@ async def history(
     dashboard = requester.dashboard
 
     def work() -> Response:
+        later = dashboard.connection.later
         rows = dashboard.history.rows(seconds, split_names(names))
         since = (rows.times[-1] if len(rows.times) else dashboard.connection.now()) - seconds
-        events = [page_json(event) for event in dashboard.monitor.logged if event.time >= since]
+        logged = [event for event in dashboard.monitor.logged if event.time >= since]
         fewer = decimated(rows, points)
-        return JSONResponse(json_columns(fewer.times, fewer.values) | {"events": events})
+        shown = json_columns(fewer.times, fewer.values, later)
+        events = [page_json(event.moved(later)) for event in logged]
+        return JSONResponse(shown | {"events": events, "later": later})
 
     return await requester.compute(work)
 

@@ -121,7 +121,7 @@ async def prepare(
         dashboard.write_lock.check(client)
     nonce = dashboard.confirmations.keep(client, change)
     return made_of(
-        ChangeProposal, change, nonce=nonce, expires=dashboard.connection.now() + control.LIFETIME
+        ChangeProposal, change, nonce=nonce, expires=dashboard.connection.date() + control.LIFETIME
     )
 
 
@@ -205,6 +205,7 @@ async def memory(
         return ecu.memory[space].read_block(first, count), ecu.tester.link.now()
 
     data, time = await dashboard.connection.ask(read)
+    time += dashboard.connection.later
     return MemoryResponse(space=space, address=first, data=api_hex(data) or "", time=time)
 
 

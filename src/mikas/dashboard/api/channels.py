@@ -280,7 +280,8 @@ def _now(dashboard: Dashboard, parameter: str) -> ChannelValue:
     if not isinstance(reading, Reading) or dashboard.connection.now() - reading.time > _REACH:
         return ChannelValue(name=parameter)
     value, raw = float(reading.value), api_hex(reading.raw)
-    return made_of(ChannelValue, reading, name=parameter, value=value, raw=raw)
+    time = reading.time + dashboard.connection.later
+    return made_of(ChannelValue, reading, name=parameter, time=time, value=value, raw=raw)
 
 
 async def _moments(
@@ -305,11 +306,12 @@ async def _moments(
 
 def _live(dashboard: Dashboard, names: Sequence[str], at: float | None) -> Moments:
     """Return the values that are shown now, or were at `at`; none without a connection now."""
-    now = dashboard.connection.now()
+    now, later = dashboard.connection.now(), dashboard.connection.later
     if at is None and dashboard.monitor.line is not LineState.SAMPLING:
         return {}
-    rows = dashboard.history.rows(_REACH if at is None else max(0.0, now - at) + _REACH, names)
-    return _last_values(rows, now if at is None else at)
+    end = now if at is None else at - later
+    found = _last_values(dashboard.history.rows(max(0.0, now - end) + _REACH, names), end)
+    return {name: (time + later, value) for name, (time, value) in found.items()}
 
 
 def _last_values(rows: Rows, end: float) -> Moments:

@@ -187,13 +187,14 @@ class Broadcaster:
         """Offer each listener a message with the news."""
         dashboard = self._dashboard
         dashboard.refresh()
+        later = dashboard.connection.later  # before the rows: when it changes, pages move them
         batch = dashboard.monitor.drain()
-        events = [page_json(event) for event in batch.events]
+        events = [page_json(event.moved(later)) for event in batch.events]
         stated = bool(batch.events) or dashboard.clock() - self._stated >= STATE_EVERY
         if stated:
             self._new_state()
         wanted = {listener.fields for listener in self.listeners}
-        tails = {fields: _tail(batch, events, fields) for fields in wanted}
+        tails = {fields: _tail(batch, events, fields, later) for fields in wanted}
         for listener in self.listeners:
             tail = tails[listener.fields]
             if tail or stated or listener.pong is not None:
@@ -205,15 +206,15 @@ class Broadcaster:
         self._state = (self._state[0] + 1, dumps(shared)[1:-1])
 
 
-def _tail(batch: Batch, events: Sequence[Mapping[str, Any]], fields: Fields) -> str:
+def _tail(batch: Batch, events: Sequence[Mapping[str, Any]], fields: Fields, later: float) -> str:
     text = ""
     if batch.times:
         columns = batch.columns.items()
         shown = {name: each for name, each in columns if fields is None or name in fields}
-        text += f',"data":{dumps(json_columns(batch.times, shown))}'
+        text += f',"data":{dumps(json_columns(batch.times, shown, later))}'
     if events:
         text += f',"events":{dumps(events)}'
-    return text
+    return f'{text},"later":{later}' if text else ""
 
 
 @router.websocket("/live")

@@ -97,6 +97,10 @@ class LiveMessage(BaseModel):
     now: float
     dropped: int
     state: State = _absent("in the first, and when it has changed")
+    later: float = _absent(
+        "with data or events: by how many seconds the date was set since the program began; when "
+        "it changes, all times that were sent before are to be moved by the difference"
+    )
     data: LiveRows = _absent()
     events: list[LiveEvent] = _absent()
     pong: float | int | str = _absent()

@@ -28,6 +28,7 @@ from mikas.dashboard.session.history import row_time
 from mikas.errors import usage_error
 from mikas.i18n import Text
 from mikas.recording.search import SearchCondition, SearchResult, search, search_rows
+from mikas.recording.table.channels import Rows
 from mikas.saving import KeptFile
 
 router = APIRouter(tags=["search"])
@@ -112,7 +113,8 @@ def _find_live(dashboard: Dashboard, expression: str, seconds: float) -> FoundRe
             )
     rows = dashboard.history.rows(seconds, condition.requires)
     _check_cost(condition, len(rows.times), _MOST_LIVE, _SHORTER_TIME)
-    return _found(condition, search_rows(rows, condition))
+    dated = Rows(rows.times + dashboard.connection.later, rows.values)
+    return _found(condition, search_rows(dated, condition))
 
 
 @router.get(

@@ -83,7 +83,7 @@ class OwnState(BaseModel):
 
 
 class State(OwnState):
-    """The state of everything. Times are UNIX seconds of the link's clock."""
+    """The state of everything. Times are UNIX seconds, by the present date."""
 
     line: Line
     text: TwoTexts
@@ -137,7 +137,7 @@ def own_state(dashboard: Dashboard, client: Client) -> OwnState:
         else None,
         rights="control" if client.may_control else "view",
         viewers=dashboard.control.viewers,
-        now=dashboard.connection.now(),
+        now=dashboard.connection.date(),
     )
 
 
@@ -146,6 +146,7 @@ def shared_state(dashboard: Dashboard) -> State:
     monitor, connection, request = dashboard.monitor, dashboard.connection, dashboard.plan.request
     # Read each of these once: another thread may set it to None.
     thread, now, port = connection.thread, connection.now(), connection.port
+    later = connection.later
     stored, unlocked = dashboard.fault_history.latest, dashboard.write_lock.left
     cycles = dashboard.plan.cycles(thread.acquisition.plan if thread is not None else None)
     recording = _recording(dashboard)  # not under the monitor's lock: the recorder logs files there
@@ -166,6 +167,7 @@ def shared_state(dashboard: Dashboard) -> State:
             line=line,
             text=text,
             reason=ADVICE.text(error) if error else silent,
+            since=monitor.since + later,
             reason_code=type(error).__name__ if error else None,
             port=port.shown if port else None,
             checking=checking,
@@ -191,11 +193,11 @@ def shared_state(dashboard: Dashboard) -> State:
             ),
             dropped_parameters=list(monitor.dropped),
             recording=recording,
-            alarms=[_alarm(dashboard, it) for it in monitor.shown_alarms],
+            alarms=[_alarm(dashboard, it.moved(later)) for it in monitor.shown_alarms],
             catalog=dashboard.catalog.version,
             fault_count=len(stored.faults) if stored else None,
-            fault_time=stored.time if stored else None,
-            unlocked_until=None if unlocked is None else now + unlocked,
+            fault_time=stored.time + later if stored else None,
+            unlocked_until=None if unlocked is None else now + later + unlocked,
             demo=connection.is_demo,
             lan=dashboard.lan,
         )
@@ -206,7 +208,8 @@ def _recording(dashboard: Dashboard) -> RunningRecording | None:
     if status is None:
         return None
     failure = two(ADVICE.text(status.failure)) if status.failure else None
-    return made_of(RunningRecording, status, file=status.path.name, failure=failure)
+    since = None if status.since is None else status.since + dashboard.connection.later
+    return made_of(RunningRecording, status, file=status.path.name, since=since, failure=failure)
 
 
 def _alarm(dashboard: Dashboard, event: AlarmChanged) -> ActiveAlarm:

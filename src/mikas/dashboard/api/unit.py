@@ -106,11 +106,12 @@ async def faults(dashboard: TheDashboard, client: Viewer, *, last: bool = False)
         stored = await _latest(dashboard, client, stored, history.read)
     elif stored is None:
         raise dashboard.connection.not_connected()
+    later = dashboard.connection.later
     shown = [
-        fault_info(fault, stored.first_seen[fault.code], _frame_of(dashboard, fault.code))
+        fault_info(fault, stored.first_seen[fault.code] + later, _frame_of(dashboard, fault.code))
         for fault in stored.faults
     ]
-    return FaultsResponse(time=stored.time, faults=shown, count=len(shown))
+    return FaultsResponse(time=stored.time + later, faults=shown, count=len(shown))
 
 
 @router.get("/passport", responses=errors(409, 502, 503))
@@ -157,7 +158,7 @@ async def _latest(
 
 def _frame_of(dashboard: Dashboard, code: int) -> str | None:
     """Return the latest freeze frame of a fault, unless the fault was absent since."""
-    absent = dashboard.fault_history.absent_at(code)
+    absent = dashboard.fault_history.absent_at(code) + dashboard.connection.later
     frames = dashboard.freeze_frames.frames
     return next((it.id for it in frames if it.code == code and it.seen > absent), None)
 

@@ -193,6 +193,15 @@ class Connection:
         return self._settings.wall.now() if thread is None else thread.now()
 
     @property
+    def later(self) -> float:
+        """The seconds that the date is later than the links' clock: it was set since."""
+        return self.monitor.session.later
+
+    def date(self) -> float:
+        """Return the date of `now`."""
+        return self.now() + self.later
+
+    @property
     def is_demo(self) -> bool:
         """Whether the car is a virtual one."""
         return (port := self.port) is not None and port.url.startswith("sim:")

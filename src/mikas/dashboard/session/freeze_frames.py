@@ -3,7 +3,8 @@
     FaultHistory.on_reading ──► take ──► frame at once ──► five seconds later with what followed
 
 Each is a file, so that it survives the program; at most thirty of a unit, the oldest go first. They
-stay when the faults are erased, until the user deletes them.
+stay when the faults are erased, until the user deletes them. Those of this program get other dates,
+and files, when the computer's date is set (`follow_date`).
 """
 
 from __future__ import annotations
@@ -41,13 +42,15 @@ _LATER: Final = 0.5  # s after the last row that is wanted
 class FreezeFrameStore:
     """Frames by id, those of the unit of the latest `begin_unit`. Any thread may call.
 
-    `_virtual_units`: whether those of virtual units are kept in the folder as well.
+    `_virtual_units`: whether those of virtual units are kept in the folder as well. `_later`: by
+    how many seconds the date was set since the program began.
     """
 
     _folder: Path
     _history: History
     _now: Callable[[], float]
     _virtual_units: bool = True
+    _later: Callable[[], float] = lambda: 0.0
 
     def __post_init__(self) -> None:
         self._lock = threading.Lock()  # held briefly: the sampling thread takes it
@@ -55,7 +58,8 @@ class FreezeFrameStore:
         self._own: Path | None = None  # the folder of the unit
         self._kept = True  # in that folder
         self._frames: dict[str, FreezeFrame] = {}
-        self._pending: list[FreezeFrame] = []  # to be completed
+        self._pending: list[FreezeFrame] = []  # to be completed, by the links' clock
+        self._dated: dict[Path, float] = {}  # files of this program: `_later` of their dates
 
     def begin_unit(self, unit: UnitFound) -> None:
         """Show the frames of `unit` from here on; also those so far, if it is the same one."""
@@ -71,6 +75,10 @@ class FreezeFrameStore:
             elif self._own is not None:  # more of its passport is known now
                 with suppress(OSError):  # it has frames under the whole passport, too
                     self._own.rename(own)
+                self._dated = {
+                    own / file.name if file.parent == self._own else file: later
+                    for file, later in self._dated.items()
+                }
             self._own = own
             self._kept = self._virtual_units or VIRTUAL_PASSPORT not in pieces
             files = _files(own)[:_MOST]
@@ -92,6 +100,39 @@ class FreezeFrameStore:
                 with self._lock:
                     self._pending.append(frame)
 
+    def follow_date(self) -> None:
+        """Give the frames of this program their dates: the computer's date was set."""
+        moved = self._moved()
+        if moved:  # not in the sampling thread
+            threading.Thread(target=self._write_moved, args=(moved,), daemon=True).start()
+
+    def _moved(self) -> dict[Path, tuple[float, FreezeFrame | None]]:
+        """Move the frames; return the files to be moved, by how much, and the frames shown."""
+        later = self._later()
+        found: dict[Path, tuple[float, FreezeFrame | None]] = {}
+        with self._lock:
+            for file, before in list(self._dated.items()):
+                if before == later:
+                    continue
+                del self._dated[file]
+                frame = self._frames.pop(file.stem, None) if file.parent == self._own else None
+                if frame is not None:
+                    frame = frame.moved(later - before)
+                    self._frames[frame.id] = frame
+                    self._dated[_file(file.parent, frame)] = later
+                found[file] = later - before, frame
+        return found
+
+    def _write_moved(self, moved: dict[Path, tuple[float, FreezeFrame | None]]) -> None:
+        for file, (seconds, shown) in moved.items():
+            with self._disk, suppress(OSError):
+                frame = shown or ((kept := _load(file)) and kept.moved(seconds))
+                if frame is None or (shown and not self._kept):
+                    continue
+                if shown is None or self._frames.get(shown.id) is shown:  # else moved again
+                    save(_file(file.parent, frame), json.dumps(frame.as_json()))
+                file.unlink(missing_ok=True)
+
     def follow(self, time: float) -> None:
         """Complete the frames whose last row is there; called with each event."""
         if not self._pending:
@@ -112,7 +153,8 @@ class FreezeFrameStore:
         with self._disk:
             with self._lock:
                 own, frame = self._own, self._frames.pop(identity, None)
-                self._pending = [it for it in self._pending if it.id != identity]
+                later = self._later()
+                self._pending = [it for it in self._pending if it.moved(later).id != identity]
             if frame is not None and own is not None:
                 with suppress(OSError):
                     _file(own, frame).unlink()
@@ -128,10 +170,16 @@ class FreezeFrameStore:
         rows = self._history.rows(self._now() - read + LONGEST + 2 * AROUND)
         return frame_of(code, without, read, rows)
 
-    def _keep(self, frame: FreezeFrame, *, at_once: bool = False) -> None:
+    def _keep(self, taken: FreezeFrame, *, at_once: bool = False) -> None:
+        """Keep a frame that was `taken` by the links' clock, with its dates."""
+        self.follow_date()  # the one that it completes
+        later = self._later()
+        frame = taken.moved(later)
         with self._lock:
             own = self._own
             self._frames[frame.id] = frame
+            if own is not None:
+                self._dated[_file(own, frame)] = later
             for identity in sorted(self._frames, key=lambda it: self._frames[it].seen)[:-_MOST]:
                 del self._frames[identity]
         if own is None or not self._kept:

@@ -44,11 +44,22 @@ _NOT_RUNNING: Final = Text("no test is running", "проверка не идёт
 
 @dataclass(frozen=True, slots=True)
 class KeptResult:
-    """A result. `identity` names it; `in_report`: the user wants it there."""
+    """A result. `identity` names it; `in_report`: the user wants it there.
+
+    `later`: by how many seconds the date was set when its times became dates; None: before this
+    program began.
+    """
 
     identity: str
     result: TestResult
     in_report: bool = False
+    later: float | None = None
+
+    def dated(self, later: float) -> KeptResult:
+        """Return the result with its dates, now that the date was set by `later` in all."""
+        if self.later is None or self.later == later:
+            return self
+        return replace(self, result=self.result.moved(later - self.later), later=later)
 
 
 @dataclass(slots=True)
@@ -151,7 +162,19 @@ class GuidedTests:
         with self._lock:
             if file.path not in self._kept:
                 self._kept[file.path] = (file.load() or []) if self._is_saved else []
-            return list(self._kept[file.path])
+            later = self._connection.later
+            return [it.dated(later) for it in self._kept[file.path]]
+
+    def follow_date(self) -> None:
+        """Save the results of this program anew with their dates: the computer's date was set."""
+        later = self._connection.later
+        with self._lock:
+            for path, results in self._kept.items():
+                dated = [it.dated(later) for it in results]
+                if dated != results:
+                    self._kept[path] = dated
+                    if path.exists():
+                        self._save_soon(self._file(path))
 
     def put_in_report(self, identity: str, *, wanted: bool) -> KeptResult:
         """Put a result into the live report, or take it out. Raises `NotFound`."""
@@ -169,8 +192,11 @@ class GuidedTests:
         if result is None:
             return
         self._restore_plan(run)
-        run.identity = f"{result.test}-{round(result.ended * 1000)}"
-        self._keep([KeptResult(run.identity, result), *self.results][:_MOST_KEPT])
+        later = self._connection.later
+        dated = result.moved(later)
+        run.identity = f"{result.test}-{round(dated.ended * 1000)}"
+        new = KeptResult(run.identity, dated, later=later)
+        self._keep([new, *self.results][:_MOST_KEPT])
         with suppress(ValueError):  # too long a note, by a test with many long texts
             self._recorder.note(Note(Kind.TEST, result.ended, result.as_json()))
 
@@ -198,14 +224,20 @@ class GuidedTests:
     @property
     def file(self) -> KeptFile[list[KeptResult]]:
         """The file of this unit's results."""
-        folder = self._settings.in_state("tests")
-        return KeptFile(unit_file(folder, *self._unit), _MOST_BYTES, _read)
+        return self._file(unit_file(self._settings.in_state("tests"), *self._unit))
+
+    def _file(self, path: Path) -> KeptFile[list[KeptResult]]:
+        return KeptFile(path, _MOST_BYTES, _read)
 
     def _keep(self, results: list[KeptResult]) -> None:
         file = self.file
         self._kept[file.path] = results
-        if self._is_saved:  # not in the sampling thread: the disk may take a second
-            threading.Thread(target=self._save, args=(file,), name="mikas test result").start()
+        if self._is_saved:
+            self._save_soon(file)
+
+    def _save_soon(self, file: KeptFile[list[KeptResult]]) -> None:
+        """Save the results, not in the sampling thread: the disk may take a second."""
+        threading.Thread(target=self._save, args=(file,), name="mikas test result").start()
 
     def _save(self, file: KeptFile[list[KeptResult]]) -> None:
         """Save the present results; a thread that comes late does not bring older ones back."""

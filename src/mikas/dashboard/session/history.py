@@ -158,11 +158,13 @@ def _rows(times: array[float], columns: Mapping[str, array[float]]) -> Rows:
     return Rows(np.asarray(times), {name: np.asarray(each) for name, each in columns.items()})
 
 
-def json_columns(times: Column, columns: Mapping[str, Column]) -> dict[str, object]:
-    """Return `{"names", "times", "values"}` as the API has it."""
+def json_columns(
+    times: Column, columns: Mapping[str, Column], later: float = 0.0
+) -> dict[str, object]:
+    """Return `{"names", "times", "values"}` as the API has it, the times `later` seconds later."""
     return {
         "names": list(columns),
-        "times": [row_time(time) for time in times.tolist()],
+        "times": [row_time(time + later) for time in times.tolist()],
         "values": [plain(column.tolist()) for column in columns.values()],
     }
 

@@ -30,6 +30,7 @@ from mikas.recording.recorder import Recorder, RecordingStatus
 from mikas.sampling.events import Event, Marker, UnitFound
 
 _MOST_MARKED = 1000
+_ROUNDED: Final = 1e-6  # s that a date loses when it is moved
 _LAST: Final = 1.0  # s that the end of a recording waits for its last reading of the faults
 _MARKER = Text("the marker", "отметка")
 _NONE = Text("nothing is being recorded", "запись не идёт")
@@ -136,7 +137,7 @@ class SessionRecorder:
         self.last = self.stop()
 
     def marker(self, label: str) -> float:
-        """Mark this moment, and return its time. Without a recording it is only shown."""
+        """Mark this moment, and return its date. Without a recording it is only shown."""
         time = self._connection.now()  # not that of the latest sample: several may follow it
         self.recorder.marker(time, label)
         if (path := self._path) is not None:
@@ -144,16 +145,19 @@ class SessionRecorder:
             if len(self._marked) > _MOST_MARKED:
                 self._marked.popitem(last=False)
         self._connection.monitor.log(Marker(time, label))
-        return time
+        return time + self._connection.later
 
     def change_marker(self, marker: Marker) -> None:
-        """Rename the marker of that time, remove it or bring it back, in its recording, too.
+        """Rename the marker of that date, remove it or bring it back, in its recording, too.
 
         Raises `NotFound`: there was no such marker; `CaptureError`: its file can't be written.
         """
-        events = self._connection.monitor.logged
-        if not any(isinstance(it, Marker) and it.time == marker.time for it in events):
+        logged, time = self._connection.monitor.logged, marker.time - self._connection.later
+        markers = (it.time for it in logged if isinstance(it, Marker))
+        found = next((it for it in markers if abs(it - time) < _ROUNDED), None)
+        if found is None:
             raise NotFound(name=_MARKER)
+        marker = replace(marker, time=found)
         self._connection.monitor.log(marker)
         if (path := self._marked.get(marker.time)) is not None:
             dated = moved(note_of(marker), self.recorder.later)

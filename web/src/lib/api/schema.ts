@@ -534,6 +534,8 @@ export interface components {
             times: number[];
             values: (number | null)[][];
             events: (components["schemas"]["StateEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["AdapterEvent"] | components["schemas"]["ClockEvent"] | components["schemas"]["UnitEvent"] | components["schemas"]["MethodEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["ReturnedEvent"] | components["schemas"]["AlarmEvent"] | components["schemas"]["MarkerEvent"] | components["schemas"]["FaultsEvent"] | components["schemas"]["ErrorEvent"] | components["schemas"]["RecordingEvent"])[];
+            /** @description as in live data */
+            later: number;
         };
         /** @description A moment: the times of its first and last row; `peak` null: nothing is compared. */
         HitInfo: {
@@ -635,6 +637,8 @@ export interface components {
             dropped: number;
             /** @description in the first, and when it has changed */
             state?: components["schemas"]["State"];
+            /** @description with data or events: by how many seconds the date was set since the program began; when it changes, all times that were sent before are to be moved by the difference */
+            later?: number;
             data?: components["schemas"]["LiveRows"];
             events?: (components["schemas"]["StateEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["AdapterEvent"] | components["schemas"]["ClockEvent"] | components["schemas"]["UnitEvent"] | components["schemas"]["MethodEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["ReturnedEvent"] | components["schemas"]["AlarmEvent"] | components["schemas"]["MarkerEvent"] | components["schemas"]["FaultsEvent"] | components["schemas"]["ErrorEvent"] | components["schemas"]["RecordingEvent"])[];
             pong?: number | string;
@@ -1044,7 +1048,7 @@ export interface components {
         StartRecordingRequest: {
             name?: string | null;
         };
-        /** @description The state of everything. Times are UNIX seconds of the link's clock. */
+        /** @description The state of everything. Times are UNIX seconds, by the present date. */
         State: {
             /** @default null */
             controller: components["schemas"]["ControlHolder"] | null;

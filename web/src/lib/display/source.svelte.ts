@@ -27,6 +27,7 @@ export interface Source {
 class LiveSource implements Source {
   readonly kind = "live";
   readonly columns: Columns;
+  /** Without what the date was set by, which may change meanwhile. */
   private frozen = $state<number | null>(null);
 
   constructor(private readonly live: Live) {
@@ -46,12 +47,12 @@ class LiveSource implements Source {
   }
 
   now(): number {
-    return this.frozen ?? this.live.now();
+    return this.frozen === null ? this.live.now() : this.frozen + this.live.later;
   }
 
   latest(name: string): Latest | undefined {
     if (this.frozen === null) return this.live.latest.get(name);
-    const found = this.columns.valueAt(name, this.columns.rowAt(this.frozen), 30);
+    const found = this.columns.valueAt(name, this.columns.rowAt(this.now()), 30);
     return found && { value: found.value, time: this.columns.times()[found.row]! };
   }
 
@@ -60,7 +61,7 @@ class LiveSource implements Source {
   }
 
   toggle(): void {
-    this.frozen = this.frozen === null ? this.live.now() : null;
+    this.frozen = this.frozen === null ? this.live.now() - this.live.later : null;
     frameClock.request();
   }
 

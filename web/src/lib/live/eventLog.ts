@@ -13,6 +13,13 @@ export class EventLog {
     this.events = [];
   }
 
+  /** Move all events and return them: the program's date was set. */
+  move(seconds: number): readonly LineEvent[] {
+    const moved = this.events.map((event) => movedEvent(event, seconds));
+    this.clear();
+    return this.add(moved);
+  }
+
   /**
    * Add events and return all. A gap is reported when it begins and again when it has ended, a marker again with another name or as
    * removed; the second report replaces the first.
@@ -52,6 +59,13 @@ function keyOf(event: LineEvent): string {
 function replaces(event: LineEvent, before: LineEvent): boolean {
   if (event.kind === "marker" && before.kind === "marker") return event.label !== before.label;
   return event.kind === "gap" && before.kind === "gap" && before.ended === null;
+}
+
+/** The event that many seconds later, with a gap's begin and end. */
+export function movedEvent(event: LineEvent, seconds: number): LineEvent {
+  const time = event.time + seconds;
+  if (event.kind !== "gap") return { ...event, time };
+  return { ...event, time, began: event.began + seconds, ended: event.ended === null ? null : event.ended + seconds };
 }
 
 const startOf = (event: LineEvent): number => (event.kind === "gap" ? event.began : event.time);

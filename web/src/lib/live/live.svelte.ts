@@ -5,7 +5,7 @@ import { address } from "../api/http";
 import { frameClock } from "../platform/frameClock.svelte";
 import { clientId, clientName, controlLease, pageId } from "../api/client";
 import { Columns, type Extremes } from "../series/columns";
-import { EventLog } from "./eventLog";
+import { EventLog, movedEvent } from "./eventLog";
 import { answering } from "./lineState";
 import type { LineEvent, LiveMessage, Rows, State } from "../api/types";
 import type { Host, LiveSocket } from "../platform/host";
@@ -46,6 +46,9 @@ export class Live {
   tick = $state(0);
   /** Messages that the program dropped because this page was too slow, since the page was opened. */
   dropped = $state(0);
+
+  /** By how many seconds the program's date was set since it began. All times here have it in them. */
+  later = $state(0);
 
   readonly columns = new Columns(1 << 18, KEPT_SECONDS);
   /** Rows up to this time may hold only minima and maxima, which are no readings: they can be drawn, not counted. */
@@ -164,6 +167,7 @@ export class Live {
       this.use(message.state);
       controlLease.held = message.state.controller?.you ?? false;
     }
+    if (message.later !== undefined && message.later !== this.later) this.move(message.later - this.later);
     if (message.events?.length) this.addEvents(message.events);
     if (message.data) this.add(message.data);
   }
@@ -206,6 +210,20 @@ export class Live {
       }
       this.updateExtremes(name, rows.times, cells);
     });
+    this.tick += 1;
+  }
+
+  /** The program's date was set: move all that is held, so that no value moves against another. */
+  private move(seconds: number): void {
+    this.later += seconds;
+    this.columns.move(seconds);
+    for (const [name, { value, time }] of this.latest) this.latest.set(name, { value, time: time + seconds });
+    for (const rows of this.pending ?? []) rows.times = rows.times.map((time) => time + seconds);
+    this.decimatedUntil += seconds;
+    if (this.extremesFrom !== null) this.extremesFrom += seconds;
+    this.extremesReset += seconds;
+    this.events = this.eventLog.move(seconds);
+    this.historyLoads += 1;
     this.tick += 1;
   }
 
@@ -274,12 +292,14 @@ export class Live {
 
   /** Load `seconds` of history except the last `before` seconds. */
   private async loadPart(seconds: number, points: number, before: number): Promise<void> {
-    const { events, names, times, values } = await this.api.history(seconds, points);
+    const { events, names, times: sent, values, later } = await this.api.history(seconds, points);
+    const moved = this.later - later; // 0, unless the date was set between the two answers
+    const times = sent.map((time) => time + moved);
     const until = (times[times.length - 1] ?? 0) - before;
     const count = times.findLastIndex((time) => time <= until) + 1;
     const selected = values.map((cells) => cells.slice(0, count));
     this.columns.append(names, times.slice(0, count), selected);
     names.forEach((name, index) => this.updateExtremes(name, times, selected[index]!));
-    this.addEvents(events);
+    this.addEvents(events.map((event) => movedEvent(event, moved)));
   }
 }

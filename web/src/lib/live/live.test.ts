@@ -5,7 +5,7 @@ import { Stores } from "../../stores";
 
 const { api, live } = new Stores(served);
 
-const history = (value: number) => ({ names: ["A"], times: [1, 2], values: [[value, value]], events: [] }) as unknown as History;
+const history = (value: number) => ({ names: ["A"], times: [1, 2], values: [[value, value]], events: [], later: 0 }) as unknown as History;
 
 afterEach(() => {
   live.columns.clear();
@@ -29,6 +29,35 @@ it("a channel that is changed while the history is loaded has the values of the 
   answers.at(-1)!(history(5));
   await vi.waitFor(() => expect([...(live.columns.column("A") ?? [])]).toEqual([5, 5]));
   expect(live.extremes.get("A")).toEqual({ min: 5, max: 5 });
+});
+
+it("moves all that it holds when the program's date is set", async () => {
+  const sockets: LiveSocket[] = [];
+  const connect = () => {
+    sockets.push({ onmessage: null, onclose: null, close: () => undefined });
+    return sockets.at(-1)!;
+  };
+  vi.stubGlobal("document", { addEventListener: () => undefined, hidden: false });
+  vi.stubGlobal("requestAnimationFrame", () => 0);
+  vi.stubGlobal("window", { addEventListener: () => undefined });
+  vi.stubGlobal("setInterval", () => 0);
+  const stores = new Stores({ ...served, connect, fetch: () => Promise.reject(new TypeError("no network")) });
+  stores.live.start();
+  const say = (message: object) => sockets[0]!.onmessage!({ data: JSON.stringify({ now: 5, dropped: 0, ...message }) } as MessageEvent);
+  const data = (...times: number[]) => ({ names: ["A"], times, values: [times] });
+  const gap = { kind: "gap", time: 3, began: 2, ended: 3, reason: null };
+  say({ later: 0, data: data(1, 4), events: [gap] });
+  await vi.waitFor(() => expect(stores.live.columns.length).toBe(2));
+  stores.display.live.toggle();
+  say({ now: 1006, later: 1000, data: data(1006) });
+  expect([...stores.live.columns.times()]).toEqual([1001, 1004, 1006]);
+  expect([...stores.live.columns.column("A")!]).toEqual([1, 4, 1006]);
+  expect(stores.live.events).toEqual([{ ...gap, time: 1003, began: 1002, ended: 1003 }]);
+  expect([stores.live.extremesFrom, stores.live.latest.get("A")?.time]).toEqual([1001, 1006]);
+  expect(Math.round(stores.display.live.now())).toBe(1005);
+  say({ now: 6, later: 0, data: data(7) });
+  expect([...stores.live.columns.times()]).toEqual([1, 4, 6, 7]);
+  vi.unstubAllGlobals();
 });
 
 describe("a socket that brings nothing", () => {

@@ -73,6 +73,11 @@ export class Columns {
     return added;
   }
 
+  /** Move all rows: the program's date was set. */
+  move(seconds: number): void {
+    for (let row = 0; row < this.length; row += 1) this.time[row]! += seconds;
+  }
+
   clear(): void {
     this.start += this.length;
     this.length = 0;

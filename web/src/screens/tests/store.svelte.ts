@@ -9,8 +9,12 @@ const RUNNING = 250;
 const IDLE = 2000;
 
 export class Tests {
-  readonly list = new Resource({ of: () => this.app.live.linked, ask: () => this.app.api.tests() });
-  readonly results = new Resource({ of: () => this.app.live.linked, ask: () => this.app.api.testResults() });
+  readonly list = new Resource({ of: () => this.app.live.linked, again: () => this.app.live.later, ask: () => this.app.api.tests() });
+  readonly results = new Resource({
+    of: () => this.app.live.linked,
+    again: () => this.app.live.later,
+    ask: () => this.app.api.testResults(),
+  });
   run = $state.raw<TestRun | null>(null);
   busy = $state(false);
   /** Counts what this page changes: an answer to a question of before is of the run before. */

@@ -90,14 +90,14 @@ async def write_recording_car(
     """
     dashboard, library = requester.dashboard, requester.library
     details = body.details()
-    note = car_note(dashboard.connection.now(), details)
+    now, date = dashboard.connection.now(), dashboard.connection.date()
 
     def write(file: RecordingFile) -> CarInfo:
         _keep_unknown(dashboard, library.summary(file).unit, details)
         if library.is_growing(file):
-            dashboard.recorder.recorder.describe(note)
+            dashboard.recorder.recorder.describe(car_note(now, details))
         else:
-            append_note(file.path, note)
+            append_note(file.path, car_note(date, details))
         return CarInfo(**asdict(details))
 
     return await requester.view(identity, write)

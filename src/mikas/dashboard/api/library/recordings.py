@@ -258,7 +258,7 @@ async def comment(
 ) -> RecordingInfo:
     """Write a comment on the recording into its file."""
     dashboard, library = requester.dashboard, requester.library
-    note = comment_note(dashboard.connection.now(), body.text)
+    note = comment_note(dashboard.connection.date(), body.text)
 
     def write(file: RecordingFile) -> RecordingInfo:
         dashboard.recorder.append_note(file.path, note)

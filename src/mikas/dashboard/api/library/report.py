@@ -146,16 +146,17 @@ def _of_connection(dashboard: Dashboard) -> Findings:
 
 def _appeared(dashboard: Dashboard) -> Iterator[AppearedFault]:
     """Yield the faults that appeared on this connection, with the frames taken then."""
-    catalog, frames = dashboard.catalog, dashboard.freeze_frames.frames
-    later = dashboard.session.later
+    catalog, later = dashboard.catalog, dashboard.session.later
+    frames = dashboard.freeze_frames.frames
     other = _otherwise_read(catalog, dashboard.settings.connection.interpretation)
-    for code, before, read in new_faults(dashboard.fault_history.readings):
+    readings = [it.moved(later) for it in dashboard.fault_history.readings]
+    for code, before, read in new_faults(readings):
         found = (it for it in frames if it.code == code and before < it.seen <= read)
         frame = next(found, None)
         if frame is not None:
             then = {name: value for name, value in frame.then.items() if name not in other}
-            frame = replace(frame, then=then).moved(later)
-        yield AppearedFault(code, before + later, read + later, frame)
+            frame = replace(frame, then=then)
+        yield AppearedFault(code, before, read, frame)
 
 
 def _of_this_unit(rows: Rows, events: list[Event]) -> tuple[Rows, list[Event]]:
