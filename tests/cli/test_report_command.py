@@ -13,6 +13,7 @@ from cli_harness import is_one_short_paragraph, is_russian
 
 from dashboard.recordings_rig import record_fault
 from mikas.client.cars import CarDetails
+from mikas.recording import CaptureWriter
 from mikas.recording.summary import summarise
 
 
@@ -183,3 +184,14 @@ def test_the_car_is_kept_and_stands_in_recording_and_report(mikas, tmp_path) -> 
     assert "160\N{NO-BREAK SPACE}000 km" in (tmp_path / "other.html").read_text("utf-8")
     assert summarise(tmp_path / "two.pcapng").car.mileage is None  # the file stays as it was
     assert mikas("report", "two.pcapng", "-o", "x.html", "--mileage", "-1").status == 2
+
+
+def test_a_recording_from_which_all_packets_were_cut_says_so(mikas, tmp_path):
+    """`editcap -B` with an early date leaves the section and the port."""
+    with CaptureWriter(tmp_path / "none.pcapng", url="/dev/ttyUSB0"):
+        pass
+    ran = mikas("report", "none.pcapng", "-o", "out.html")
+    assert ran.status == 0, ran.err
+    sentence = "The file has no packets"
+    assert sentence in ran.out + ran.err
+    assert sentence in (tmp_path / "out.html").read_text("utf-8")

@@ -198,7 +198,10 @@ RULES: dict[str, Callable[[Findings], bool]] = {
     "No problems found": good,
     "Attention needed": attention,
     "Not enough data for a conclusion": lambda f: not attention(f) and not good(f),
-    "The stored faults were not read": lambda f: f.subject.faults is None,
+    "The file has no packets": lambda f: f.subject.conditions.empty,
+    "The stored faults were not read": lambda f: (
+        f.subject.faults is None and not f.subject.conditions.empty
+    ),
     "No faults are stored": lambda f: f.subject.faults is not None and not real(f),
     "No faults are stored now": lambda f: (
         f.subject.faults is not None and not real(f) and bool(gone(f))

@@ -206,7 +206,7 @@ def cases(tmp_path: Path) -> list[Findings]:
         erased(13, 53, read=60), erased(13, read=5000), erased(99, read=60, erased=False),
         erased(12, read=60), erased(13, read=60, stored=(13,)),
         found(interruptions=None), found(interruptions=(GAP,) * 5, sessions=3, ports=2, damaged=1),
-        found(clock=(CLOCK,)), found(clock=(CLOCK,) * 4),
+        found(clock=(CLOCK,)), found(clock=(CLOCK,) * 4), found(rows(0), faults=None, empty=True),
         found(sessions=2, cars=(Text("A 1", "А 1"), Text("B 2", "Б 2"))),
         found(file="", port="sim:"), found(file="", date=None), found(port="sim:?scenario=city"),
         found(errors=2, method="stream", other_methods=True),

@@ -82,6 +82,7 @@ def find_in_recording(
             damaged=recording.problem_count,
             cars=tuple(each.name for each in recording.raw.cars),
             clock=clock,
+            empty=not recording.raw.spans,
         ),
         notes=tuple(filter(None, (comment_of(mine), *words))),
         tests=results_of(mine),

@@ -42,7 +42,7 @@ class Conditions:
     others before. `errors`: exchanges that failed since connecting. `sessions`: how many the file
     holds; the report is of the last. `ports`: of that session; the report is of the one with most
     values. `damaged`: places that could not be read. `cars`: those of the file. `clock`: what the
-    computer's date did meanwhile.
+    computer's date did meanwhile. `empty`: the file has no packets.
     """
 
     file: str = ""
@@ -59,6 +59,7 @@ class Conditions:
     damaged: int = 0
     cars: tuple[Text, ...] = ()
     clock: tuple[ClockChanged, ...] = ()
+    empty: bool = False
 
 
 @dataclass(frozen=True, slots=True)

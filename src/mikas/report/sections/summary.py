@@ -48,6 +48,8 @@ def _bare(sentence: Text) -> Text:
 
 
 def _of_faults(found: Findings) -> Text:
+    if found.subject.conditions.empty:
+        return Text("The file has no packets", "В файле нет пакетов")
     if found.subject.faults is None:
         return Text("The stored faults were not read", "Ошибки не считывались")
     stored = found.real_faults
