@@ -175,6 +175,7 @@ def test_a_freeze_frame_that_can_t_be_saved_ends_no_more_than_its_thread(shared_
     ended, store = threading.Event(), shared_idle.dashboard.freeze_frames
     monkeypatch.setattr("threading.excepthook", lambda it: ended.set())
     frame = SimpleNamespace(id="1.000-1", seen=1.0, code=1, as_json=Failing())
+    frame.moved = lambda _: frame
     store._keep(frame)  # noqa: SLF001
     assert ended.wait(60)
     assert store.frames == [frame]
