@@ -1,7 +1,7 @@
 """The dissector in Wireshark's own engine says what `mikas decode` says, frame by frame.
 
 Wireshark shows the packets of merged ports in the file's order, `mikas decode` one port after the
-other. So the captures are those that `separated` gives; `merged` shows that the order is all.
+other. So the captures are those that `opened_capture` gives; `merged` shows that the order is all.
 
 Skipped where there is no tshark, unless `MIKAS_REQUIRE_TSHARK` is set: then that is a failure.
 """
@@ -32,7 +32,7 @@ from mikas.dissectors.wireshark.generator import source
 from mikas.dissectors.wireshark.labels import LABELS
 from mikas.framing import encode
 from mikas.recording.capture import blocks as pcapng
-from mikas.recording.capture.edited.separation import separated
+from mikas.recording.capture.opening import opened_capture
 
 pytestmark = pytest.mark.skipif(
     shutil.which(TSHARK) is None and not os.environ.get("MIKAS_REQUIRE_TSHARK"),
@@ -79,11 +79,8 @@ def small(tmp_path_factory):
 def apart(path):
     """Return the capture with one port in each section."""
     separate = path.with_name(f"apart-{path.name}")
-    with path.open("rb") as file:
-        found = separated(file)
-        assert found is not None
-        with found:
-            separate.write_bytes(found.read())
+    with opened_capture(path) as file:
+        separate.write_bytes(file.read())
     return separate
 
 

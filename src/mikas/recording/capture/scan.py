@@ -111,7 +111,8 @@ class Scanner:
             return found
         length = found.end - offset - _SMALLEST
         body = self._bytes(offset + 8, length)  # shorter if the file has become so
-        return found._replace(body=body) if len(body) == length else None
+        whole = len(body) == length
+        return RawBlock(found.kind, body, found.order, offset, found.end) if whole else None
 
     def extent(self, offset: int, order: pcapng.Order | None) -> RawBlock | None:
         """Return the whole block at `offset`, its body unread."""
