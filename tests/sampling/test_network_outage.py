@@ -15,7 +15,7 @@ from mikas.errors import ConnectionSilent, PortFailed, PortKind
 from mikas.i18n import Text
 from mikas.link import Chunk, Link
 from mikas.link.base import NETWORK
-from mikas.link.network.silence import SILENT_AGAIN
+from mikas.link.network.silence import SILENT
 from mikas.link.reconnecting import ReconnectingPort
 from mikas.sampling.events import CycleFailed, Event, LineState, Sampled, StateChanged
 from virtual_harness import make_bus
@@ -108,7 +108,7 @@ def test_the_state_is_true_soon_and_values_are_back_soon(method, how, seconds):
     changes = [(time, state) for time, state in states(events) if time > DIES]
     assert changes[0][0] < DIES + WARNED
     assert changes[0][1] is LineState.NO_ECHO
-    assert first_value(events, back) < back + BACK_WITHIN + (SILENT_AGAIN if how == "mute" else 0)
+    assert first_value(events, back) < back + BACK_WITHIN
     assert changes[-1][1] is LineState.SAMPLING
 
 
@@ -136,7 +136,7 @@ def key_off(world: World) -> None:
 
 
 @pytest.mark.parametrize("quiet", [World.dies, key_off])
-def test_what_stays_silent_is_opened_seldom_and_its_state_stays(quiet):
+def test_what_stays_silent_is_opened_anew_and_its_state_stays(quiet):
     world = World()
     adapter = world.plug.bus.adapter
     adapter.kind = replace(adapter.kind, echo=False)
@@ -150,7 +150,7 @@ def test_what_stays_silent_is_opened_seldom_and_its_state_stays(quiet):
     assert len(changes) <= 2  # no echo; and that the connection is opened anew
     assert type(changes[-1].error) is ConnectionSilent
     anew = [time for time in world.opened if time > DIES]
-    assert 10 < len(anew) <= 120 / SILENT_AGAIN + 2
+    assert 10 < len(anew) <= 120 / SILENT + 2
     assert of(CycleFailed, events)  # which goes on saying that it waits
 
 

@@ -208,7 +208,9 @@ def sampling_session(
     port = ahead.url
     recorder = Recorder(interpretation=context.options.interpretation, joined=joined, car=car)
     acquisition = Acquisition(
-        ReconnectingPort(port, open_port=ahead.open, sink=recorder),
+        ReconnectingPort(
+            port, open_port=ahead.open, sink=recorder, timeout=context.options.timeout
+        ),
         context.options.create_ecu,
         context.options.catalog,
         options.names,

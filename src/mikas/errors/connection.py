@@ -147,13 +147,12 @@ class ConnectionSilent(LinkLost):
 
     what = Text(
         "Nothing has come from {url} for {seconds} s, not even an echo: the connection counts as "
-        "dead and is opened anew",
-        "От {url} за {seconds} с не пришло ничего, даже эха: связь считается потерянной и "
-        "устанавливается заново",
+        "dead",
+        "От {url} за {seconds} с не пришло ничего, даже эха: связь считается потерянной",
     )
     advice = Text(
-        "If that does not help, check the network, and the other end of the connection.",
-        "Если это не поможет, проверьте сеть и другой конец соединения.",
+        "Check the network, and the other end of the connection.",
+        "Проверьте сеть и другой конец соединения.",
     )
 
 

@@ -51,11 +51,11 @@ _OVER_NETWORK: Final = AdviceTable(
             "соединение другая программа или телефон.",
         ),
         connection.ConnectionSilent: Text(
-            "If that does not help, check, in order: that the bridge has power and is in reach of "
+            "Check, in order: that the bridge has power and is in reach of "
             "the Wi-Fi; that no other program or phone has taken its connection; whether it "
             "carries nothing any more (restart it); the 12 V of the adapter behind it. With an "
             "adapter that returns no echo: the ignition is off.",
-            "Если это не поможет, проверьте по порядку: включён ли мост и достаёт ли до него "
+            "Проверьте по порядку: включён ли мост и достаёт ли до него "
             "Wi-Fi; не заняла ли его соединение другая программа или телефон; не завис ли он "
             "(перезапустите); есть ли 12 В на адаптере за ним. Если адаптер не возвращает эхо: "
             "выключено зажигание.",

@@ -23,7 +23,7 @@ from mikas.errors import AnotherAdapter, PortKind, PortNotFound
 from mikas.i18n import Text
 from mikas.link.base import CaptureTee, Chunk, Link, LinkWrapper, Sink, WallClock, WireCount
 from mikas.link.identity import KnownAdapter, identity_of, is_same
-from mikas.link.network.silence import SILENT, SILENT_AGAIN, SilenceGuard
+from mikas.link.network.silence import SilenceGuard
 from mikas.link.ports import Port, find_ports, listed, named
 from mikas.link.suspension import LATE_IN_PROGRAM, SuspensionGuard
 from mikas.link.urls import open_link, parse, with_name
@@ -40,7 +40,7 @@ class ReconnectingPort:
 
     `wait`: sleeps for some seconds; Ctrl-C interrupts it. `wire`: the bytes on the line, where a
     sink records them. `adapter`: the one that is opened; None: the first one at `url`, or known by
-    its name only.
+    its name only. `timeout`: seconds to the first byte of a response (D14), for a slow network.
     """
 
     url: str = field(kw_only=False)
@@ -52,8 +52,8 @@ class ReconnectingPort:
     sink: Sink | None = None
     wire: WireCount = field(default_factory=WireCount)
     adapter: KnownAdapter | None = None
+    timeout: float = 0.5
     _link: Link | None = None
-    _guard: SilenceGuard | None = None  # of the latest link, over a network
     _clock: Callable[[], float] = field(init=False)
     _ahead: float = 0.0  # the latest link's clock minus `_clock`
 
@@ -70,8 +70,7 @@ class ReconnectingPort:
         """
         link = self._open_adapter() if parse(self.url).is_adapter else self.open_port(self.url)
         if link.kind is PortKind.NETWORK:
-            again = self._guard is not None and not self._guard.heard
-            link = self._guard = SilenceGuard(link, SILENT_AGAIN if again else SILENT)
+            link = SilenceGuard(link, timeout=self.timeout)
         if not link.is_simulated:
             if link.is_virtual:  # `open_link` returns it as it is
                 link = SuspensionGuard(link, LATE_IN_PROGRAM)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from mikas.errors import ConnectionSilent, PortKind, ReadingSuspended
 from mikas.link import Chunk
-from mikas.link.network.silence import SILENT, SILENT_AGAIN, SilenceGuard
+from mikas.link.network.silence import SILENT, SilenceGuard
 from mikas.link.suspension import LATE, SuspensionGuard
 
 from ..test_suspension import Port
@@ -31,11 +31,9 @@ class Bridge(Port):
         return super().read(deadline)
 
 
-def guarded(
-    *arrivals: tuple[float, bytes], patience: float = SILENT
-) -> tuple[Bridge, SilenceGuard]:
+def guarded(*arrivals: tuple[float, bytes], timeout: float = 0.5) -> tuple[Bridge, SilenceGuard]:
     bridge = Bridge(*arrivals)
-    return bridge, SilenceGuard(SuspensionGuard(bridge), patience)
+    return bridge, SilenceGuard(SuspensionGuard(bridge), timeout=timeout)
 
 
 def ask(guard: SilenceGuard, seconds: float = 0.5) -> bytes:
@@ -49,17 +47,16 @@ def wait_for_ever(guard: SilenceGuard, seconds: float) -> None:
         guard.read(guard.now() + seconds)
 
 
-@pytest.mark.parametrize("patience", [SILENT, SILENT_AGAIN])
 @pytest.mark.parametrize("wait", [0.001, 0.1, 0.5, 60.0])
-def test_a_connection_that_brings_nothing_is_dead_after_its_patience(patience, wait):
-    bridge, guard = guarded(patience=patience)
+def test_a_connection_that_brings_nothing_is_dead_after_two_seconds(wait):
+    bridge, guard = guarded()
     began = bridge.time
     guard.write(b"\x01\xff\r")
     with pytest.raises(ConnectionSilent) as caught:
         wait_for_ever(guard, wait)
-    assert bridge.time == pytest.approx(began + patience, abs=0.01)
+    assert bridge.time == pytest.approx(began + SILENT, abs=0.01)
     assert bridge.given_up
-    assert caught.value.fields["seconds"] == patience
+    assert caught.value.fields["seconds"] == SILENT
     assert "bridge" in caught.value.text.en
     assert "мост" in caught.value.text.ru
 
@@ -89,6 +86,19 @@ def test_a_request_after_a_long_silence_has_time_for_its_echo():
     with pytest.raises(ConnectionSilent):
         ask(guard, 1.0)
     assert bridge.given_up
+
+
+@pytest.mark.parametrize("timeout", [2.5, 4.0, 30.0])
+def test_a_slow_network_has_the_time_that_a_request_has(timeout):
+    delay = timeout - 0.1
+    bridge, guard = guarded(*((delay * at, b"\x01\xff\r") for at in range(1, 9)), timeout=timeout)
+    for _ in range(8):
+        assert ask(guard, timeout) == b"\x01\xff\r"
+    guard.write(b"\x01\xff\r")
+    began = guard.now()
+    with pytest.raises(ConnectionSilent):
+        wait_for_ever(guard, timeout)
+    assert bridge.time == pytest.approx(began + timeout + 0.3, abs=0.01)
 
 
 def test_each_byte_begins_the_patience_anew():

@@ -106,6 +106,7 @@ class SamplingThread(threading.Thread):
             wall=settings.wall,
             wait=self._stoppable.stopping.wait,
             sink=sink,
+            timeout=settings.connection.timeout,
         )
         options = replace(
             settings.connection,

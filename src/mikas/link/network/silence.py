@@ -4,7 +4,8 @@ A bridge that loses its Wi-Fi or its supply sends no end, and one that hangs kee
 open. The system gives such a connection up after a quarter of an hour, and a bridge that is back
 does not know it. So a connection that brings not one byte for `SILENT` seconds, although something
 was written, is dead. An adapter returns each byte at once, so one without an echo, whose unit is
-off, is taken for dead too: it is opened anew, which does no harm, and then seldom.
+off, is taken for dead too: it is opened anew, which does no harm. Over a slow network the user
+allows a request more time (D14), and so does this module.
 
 Time counts while a read waits, so a stopped or busy program does not make a connection dead.
 """
@@ -18,21 +19,19 @@ from mikas.errors import ConnectionSilent, ReadingSuspended, met_on
 from mikas.link.base import Chunk, Link, LinkWrapper
 
 SILENT: Final = 2.0  # s without a byte
-SILENT_AGAIN: Final = 5.0  # s, of a connection that replaced a silent one and has brought nothing
-_AFTER_WRITE: Final = 0.8  # s of these that follow a write: a bridge's echo comes within 0.2 s
+_MORE: Final = 0.3  # s after a write, beyond the time in which the answer has to begin
 _NEAR: Final = 0.001  # s; a clock of 1970 does not resolve much less
 
 
 class SilenceGuard(LinkWrapper):
-    """`link`, until it is silent for `patience` seconds; then all calls raise `ConnectionSilent`.
+    """`link`, until it is silent for `SILENT` seconds; then all calls raise `ConnectionSilent`.
 
-    `link` is given up then. `heard`: whether any byte has come.
+    `link` is given up then. `timeout`: the time-out of a request, after which no answer is awaited.
     """
 
-    def __init__(self, link: Link, patience: float = SILENT) -> None:
+    def __init__(self, link: Link, *, timeout: float) -> None:
         super().__init__(link)
-        self.heard = False
-        self._patience = patience
+        self._after_write = timeout + _MORE
         self._silent = 0.0  # s of waiting since the latest byte
         self._unanswered = inf  # s of waiting since the first write after it; inf: none
         self._dead = False
@@ -58,7 +57,6 @@ class SilenceGuard(LinkWrapper):
                 self._begin_again()
                 raise
             if chunk.data:
-                self.heard = True
                 self._begin_again()
                 return chunk
             self._count(max(0.0, min(chunk.time, until) - began))
@@ -77,7 +75,7 @@ class SilenceGuard(LinkWrapper):
         """Return the seconds of waiting until the connection is dead; inf: nothing is awaited."""
         if self._unanswered == inf:
             return inf
-        left = max(self._patience - self._silent, _AFTER_WRITE - self._unanswered)
+        left = max(SILENT - self._silent, self._after_write - self._unanswered)
         return left if left > _NEAR else 0.0
 
     def _count(self, waited: float) -> None:
