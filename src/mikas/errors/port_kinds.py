@@ -141,7 +141,9 @@ def met_on(kind: PortKind, error: E) -> E:
     """Give `error` the words for this kind of port; advice that was given for this case stays."""
     if kind is PortKind.NETWORK:
         advice = _OVER_NETWORK.entry(type(error))
-        if advice is not None and error.has_class_advice:
+        # What a lower layer has chosen by the other end's words is better.
+        is_untouched = error.advice == type(error).advice.filled(**error.fields)
+        if advice is not None and error.has_class_advice and is_untouched:
             error.use_class_advice(advice)
         if type(error) is connection.LinkLost:
             error.reason = _LOST.filled(**error.fields)

@@ -35,6 +35,9 @@ NETWORK = 0.2  # a Wi-Fi bridge
 PATIENCE = 2.0  # s; a write may take so much longer than its time on the wire
 LONGEST_REQUEST = 1024  # bytes; 26 with 255 data bytes, all of them stuffed, has 524 (§2.2, §3)
 
+EMPTY_LINES = b"\r\n\r\n\r"  # no request to a unit (§2.2, D5); a server of lines answers
+TEXT_ANSWER = 0.5  # s that such an answer may take
+
 # Why a link is lost, after "the adapter is gone:"
 CLOSED_HERE = Text("it was closed here", "он закрыт этой программой")
 TAKES_NO_BYTES = Text("it takes no more bytes", "он не принимает байты")

@@ -21,10 +21,10 @@ from mikas.i18n import Text
 from mikas.link.base import TAKES_NO_BYTES, UNPLUGGED
 from mikas.link.holders import adapter_without_port, port_busy
 from mikas.link.network.other_end import CLOSED_THERE, in_handshake
-from mikas.link.network.rfc2217 import NotSet
+from mikas.link.network.rfc2217 import NO_ANSWER, NotSet
 from mikas.link.network.tcp import WriteTimeout
 from mikas.link.ports import find_ports, listed
-from mikas.link.urls import kind_of, parse
+from mikas.link.urls import host_and_port, kind_of, parse
 
 SYSTEM_ERRORS: tuple[type[Exception], ...] = (OSError, ValueError)
 """Errors that pyserial raises; `ValueError`: the system or the far end refused a setting."""
@@ -72,8 +72,10 @@ def opening_failed(url: str, error: Exception, first: bytes = b"") -> NoConnecti
     """
     kind = kind_of(url)
     if kind is PortKind.NETWORK:
-        if isinstance(error, NotSet) and (other := in_handshake(url, 0, first, telnet=True)):
-            return other
+        if isinstance(error, NotSet):
+            number = host_and_port(url)[1] if error.text is NO_ANSWER else 0
+            if other := in_handshake(url, number, first, telnet=True):
+                return other
         return met_on(kind, PortFailed(url=url, problem=_why_not_connected(error)))
     code, windows = number_of(error), _windows_number(error)
     if code in _ABSENT or windows in _WINDOWS_ABSENT:

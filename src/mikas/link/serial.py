@@ -42,7 +42,7 @@ from mikas.link.base import (
     WallClock,
 )
 from mikas.link.failures import SYSTEM_ERRORS, is_unable, opening_failed, why_lost
-from mikas.link.network.other_end import at_the_end, in_handshake
+from mikas.link.network.other_end import at_the_end, in_handshake, with_words
 from mikas.link.network.rfc2217 import Rfc2217Port, Settings
 from mikas.link.network.tcp import TcpPort
 from mikas.link.ports import find_ports, named
@@ -187,8 +187,13 @@ class SerialLink(Link):
         port = self.port
         if isinstance(error, LinkLost) or not isinstance(port, TcpPort):
             return error
-        other = in_handshake(self.url, port.number, port.first, telnet=port.telnet)
-        if other is None:
+        other: NoConnection | LineError | None
+        if port.ended_there:
+            other = at_the_end(self.url, port.number, port.first, port.last, telnet=port.telnet)
+        else:
+            other = in_handshake(self.url, port.number, port.first, telnet=port.telnet)
+        other = other or with_words(self.url, port.first, error)
+        if other is error:
             return error
         other.request, other.received, other.time = error.request, error.received, error.time
         return other

@@ -17,16 +17,20 @@ from mikas.errors import (
     AnswersLate,
     EcuRefused,
     LineError,
+    LinkLost,
     MikasError,
     NoConnection,
+    NoEcho,
     NoResponse,
     NotSupported,
+    PortKind,
     ReadingSuspended,
     SyncLost,
     errors_met_on,
     usage_error,
 )
 from mikas.link import Link
+from mikas.link.base import EMPTY_LINES, TEXT_ANSWER
 from mikas.tester.exchange import Reply, Statistics, Timing
 from mikas.tester.handshake import Echo, handshake, late_answer, refuse_elm
 from mikas.tester.line import Line
@@ -61,6 +65,7 @@ class Tester:
         self.echo = echo
         self.retries = retries
         self.version_code: int | None = None
+        self._asked_for_words = False
         self.statistics = Statistics()
         self.line = Line(link, timing or Timing(), raw_checksum=raw_checksum, strict=strict)
         self.sync = LineSync(self.line)
@@ -109,10 +114,22 @@ class Tester:
         try:
             yield
         except (LineError, NoConnection) as error:
+            if isinstance(error, NoEcho):
+                self._ask_for_words()
             explained = self.link.explained(error)
             if explained is error:
                 raise
             raise explained from error
+
+    def _ask_for_words(self) -> None:
+        """Send empty lines into a network, once: a server that waits for a line (HTTP) answers."""
+        known = self._asked_for_words or self.version_code is not None
+        if known or self.link.kind is not PortKind.NETWORK:
+            return
+        self._asked_for_words = True
+        with suppress(LinkLost, ReadingSuspended):
+            self.link.write(EMPTY_LINES)
+            self.link.read(self.link.now() + TEXT_ANSWER)
 
     def _check_time_out(self, error: LineError) -> None:
         """After `error` of the handshake: raise `AnswersLate` if the response comes too late."""

@@ -13,6 +13,7 @@ from mikas.errors import (
     LinkLost,
     MikasError,
     NoConnection,
+    NoEcho,
     NotAKLineAdapter,
     OtherService,
     PortBusy,
@@ -78,6 +79,11 @@ BUSY = [
     b"Too many connections, try later",
     b"in use by 192.168.0.7:50123\r\n",
     b"Connection forced off by another client\r\n",
+    b"** Port is in use. Connection rejected.\r\n",
+    b"NPort 5110: this port is occupied by 192.168.1.5\r\n",
+    b"Only one client allowed\r\n",
+    "Порт занят другим клиентом\r\n".encode(),
+    b"Port wird bereits verwendet\r\n",
 ]
 
 
@@ -104,7 +110,7 @@ SERVICES = {
     "ssh": (says(b"SSH-2.0-OpenSSH_9.2p1 Debian\r\n", stays=True), "ser2net", "OpenSSH"),
     "login": (says(b"\r\nbridge login: ", stays=True), "login", "bridge login:"),
     "esp-link": (says(b"", then=b"esp-link v3.2\r\n", stays=True), "socket://HOST:23", "esp-link"),
-    "esphome": (says(b"", then=b"\x01\x00\x16\x00Bad indicator byte"), "6638", "Bad indicator"),
+    "esphome": (says(b"", then=b"\x01\x00\x13\x01Bad indicator byte"), "6638", "Bad indicator"),
     "elm327": (says(b"ELM327 v1.5\r\n\xff", stays=True), "KKL", ""),
     "mqtt": (says(b"", then=b"\x20\x02\x00\x01"), "MQTT", ""),
     "ftp": (says(b"220 ProFTPD ready\r\n", stays=True), "ser2net", "ProFTPD"),
@@ -122,6 +128,57 @@ def test_another_service_is_named_with_its_words_and_what_to_set(name):
     assert words in error.reason.en
     assert error.advice.ru != error.advice.en
     assert place in error.reason.ru
+
+
+def waits_for_a_line(client: socket.socket) -> None:
+    """Answer as a web server that reads whole lines, as most do."""
+    heard = b""
+    while b"\r\n\r\n" not in heard:
+        heard += client.recv(4096)
+    client.sendall(b"<!DOCTYPE HTML><title>Error response</title>")
+
+
+@realtime
+@pytest.mark.parametrize("scheme", ["socket", "rfc2217"])
+def test_a_web_server_that_waits_for_a_line_is_named(scheme):
+    with served(waits_for_a_line) as place:
+        error = failure(f"{scheme}://{place}")
+    assert type(error) is OtherService
+    assert "HTTP" in error.reason.en
+
+
+@realtime
+def test_what_answers_in_words_is_another_program():
+    def redis(client: socket.socket) -> None:
+        while client.recv(4096):
+            client.sendall(b"-ERR unknown command\r\n")
+
+    with served(redis) as place:
+        error = failure(f"socket://{place}")
+    assert type(error) is OtherService
+    assert "another program (it says “-ERR unknown command”)" in error.reason.en
+
+
+@realtime
+def test_a_greeting_before_the_silence_is_quoted():
+    with served(says(b"RFB 003.008\n", stays=True)) as place:
+        error = failure(f"socket://{place}")
+        other = failure(f"rfc2217://{place}")
+    assert type(error) is NoEcho
+    assert "said “RFB 003.008”" in error.reason.en
+    assert "другая сторона сообщила: «RFB 003.008»" in error.reason.ru
+    assert "port number. Otherwise: Likely, in order: the bridge" in error.advice.en
+    assert "RFB 003.008" in other.reason.en
+
+
+@realtime
+def test_words_with_other_bytes_are_no_esphome():
+    greeting = b"J\0\0\0\x0a8.0.36\0\x08\0\xff\xff"
+    with served(says(greeting, then=b"\x1c\0\0\1\xff#08S01Bad handshake")) as place:
+        error = failure(f"socket://{place}")
+    assert type(error) is LinkLost
+    assert "8.0.36" in error.reason.en
+    assert "\ufffd\ufffd" not in error.reason.en
 
 
 @realtime
@@ -162,6 +219,7 @@ def test_an_end_without_a_word_is_no_plug(talk):
         error = failure(f"socket://{place}")
     assert isinstance(error, LinkLost)
     assert "without a word" in error.reason.en
+    assert error.advice.en.startswith("Likely, in order: another program or phone")
     assert "без объяснений" in error.reason.ru
 
 

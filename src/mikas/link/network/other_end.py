@@ -10,18 +10,32 @@ import re
 from typing import Final, NamedTuple, TypeVar
 
 from mikas.cleaning import clean_line
-from mikas.errors import LinkLost, OtherService, PortKind, PortTaken, met_on
+from mikas.errors import (
+    EchoDiffers,
+    LineError,
+    LinkLost,
+    NoConnection,
+    NoEcho,
+    OtherService,
+    PortKind,
+    PortTaken,
+    met_on,
+)
 from mikas.i18n import Text
 
-E = TypeVar("E", bound=LinkLost)
+E = TypeVar("E", bound=NoConnection)
 
 _LONGEST: Final = 100  # characters that are quoted
+_SIGNS: Final = 5  # letters and digits of words
 _ECHO: Final = b"\x01\xff\r"  # of a handshake (D1): there is a line behind it
 
 _BUSY: Final = re.compile(
-    rb"already (?:in use|connected|open)|\bin use by\b|\bbusy\b|too many (?:users|conn|clients)"
-    rb"|max(?:imum)?[ -](?:number of )?(?:connections|clients)|server (?:is )?full"
-    rb"|forced off|kicked|taken over|disconnected by|replaced by|another (?:user|client|session)",
+    r"\bin use\b|already (?:connected|open|active)|\bbusy\b|\boccupied\b|\blocked by\b"
+    r"|(?:too many|max(?:imum|\.)?|limit|only (?:one|1|a single)|another|other|existing)\b.{0,20}"
+    r"\b(?:user|conn|client|session)|server (?:is )?full"
+    r"|forced off|kicked|taken over|disconnected by|replaced by"
+    r"|занят|используется|уже (?:откры|подключ)|друг(?:ой|им) (?:клиент|пользоват)|слишком много"
+    r"|verwendet|belegt|besetzt|占用",
     re.IGNORECASE,
 )
 _BAUD_AT_BRIDGE: Final = Text(
@@ -119,10 +133,19 @@ _SERVICES: Final = (
     (re.compile(rb"esp-link", re.IGNORECASE), _ESP_LINK),
     (re.compile(rb"\AHTTP/\d|<!doctype html|<html|400 bad request", re.IGNORECASE), _HTTP),
     (re.compile(rb"ELM ?327|OBDLink|STN[12]\d{3}", re.IGNORECASE), _ELM),
-    (re.compile(rb"Bad indicator|Bad handshake|esphome", re.IGNORECASE), _ESPHOME),
+    (re.compile(rb"\A\x01\x00.[\x00\x01]Bad |esphome", re.IGNORECASE | re.DOTALL), _ESPHOME),
     (re.compile(rb"(?:login|user ?name|password) ?: ?", re.IGNORECASE), _LOGIN),
     (re.compile(rb"\A220[ -]"), _FILES_OR_MAIL),
     (re.compile(rb"\A\x20\x02"), _MQTT),
+)
+_UNKNOWN: Final = Service(
+    Text("another program", "другая программа"),
+    Text(
+        "Check the host and the port number: the bridge's serial port has another one, or is not "
+        "set to plain TCP (raw, transparent).",
+        "Проверьте адрес и номер порта: у последовательного порта моста другой номер, или он не "
+        "переведён в режим простого TCP (raw, transparent).",
+    ),
 )
 _NEGOTIATION: Final = re.compile(rb"\A\xff[\xfa-\xfe]")
 _WITHOUT_FF: Final = re.compile(rb"\A(?:\x01\r?\n?\0?)+\Z")  # the echo of `01 FF 0D`, eaten
@@ -139,13 +162,32 @@ _LIKELY: Final = Text("{name}, by its number", "судя по номеру, {nam
 _CLIENT: Final = Text("another client{said}", "другим клиентом{said}")
 CLOSED_THERE: Final = Text("closed by the other end", "закрыта другой стороной")
 _ENDED_WITHOUT_A_WORD: Final = Text(
-    "closed by the other end without a word: a server of another kind, or one that serves another "
-    "client",
-    "закрыта другой стороной без объяснений: там сервер другого рода или он занят другим клиентом",
+    "closed by the other end without a word: a server of another kind (with TLS, of MQTT, a "
+    "database), or one that serves another client",
+    "закрыта другой стороной без объяснений: там сервер другого рода (с TLS, MQTT, база данных) "
+    "или он занят другим клиентом",
 )
 _ENDED: Final = Text(
     "closed by the other end, which said “{said}”",
     "закрыта другой стороной, она сообщила: «{said}»",
+)
+_AFTER_THE_END: Final = Text(
+    "Likely, in order: another program or phone has taken the connection, and the bridge serves "
+    "one at a time; the bridge, or the program that shares the adapter, was restarted; the serial "
+    "port has another number.",
+    "Скорее всего, по порядку: соединение заняла другая программа или телефон, а мост обслуживает "
+    "одного; перезапущен мост или программа, которая раздаёт адаптер; у последовательного порта "
+    "другой номер.",
+)
+_GREETED: Final = Text(
+    "Nothing came back, not even the echo of what was sent; before, the other end said “{said}”",
+    "На посланное не принято ничего, даже эха; до этого другая сторона сообщила: «{said}»",
+)
+_IF_ANOTHER: Final = Text(
+    "If these are not the bridge's words, another program has this port: check the host and the "
+    "port number. Otherwise: ",
+    "Если это слова не моста, порт занимает другая программа: проверьте адрес и номер порта. "
+    "Иначе: ",
 )
 
 
@@ -154,24 +196,23 @@ def at_the_end(url: str, number: int, first: bytes, last: bytes, *, telnet: bool
 
     `number`: of the port; `first`, `last`: bytes that came. `telnet`: they are free of Telnet.
     """
-    if _BUSY.search(last):
+    if _is_busy(last):
         return _taken(url, last)
     if _ECHO in first:  # a bridge
-        return _error(LinkLost(url=url, problem=CLOSED_THERE))
+        return _ended(url, CLOSED_THERE)
     if service := _service(first, telnet=telnet):
         return _other(url, service, first)
     if not first and (service := _BY_NUMBER.get(number)):
         return _other(url, _likely(service), first)
     said = said_in(last)
-    problem = _ENDED.filled(said=said) if said else _ENDED_WITHOUT_A_WORD
-    return _error(LinkLost(url=url, problem=problem))
+    return _ended(url, _ENDED.filled(said=said) if said else _ENDED_WITHOUT_A_WORD)
 
 
 def in_handshake(url: str, number: int, first: bytes, *, telnet: bool) -> LinkLost | None:
     """Return the error of a handshake that failed, if `first` or the port's number explains it."""
     if _ECHO in first:
         return None
-    if _BUSY.search(first):
+    if _is_busy(first):
         return _taken(url, first)
     if service := _service(first, telnet=telnet):
         return _other(url, service, first)
@@ -182,13 +223,38 @@ def in_handshake(url: str, number: int, first: bytes, *, telnet: bool) -> LinkLo
     return None
 
 
+def with_words(url: str, first: bytes, error: NoConnection | LineError) -> NoConnection | LineError:
+    """Return the error of a handshake with words of the other end, which explain nothing.
+
+    What answers a request in words is no bridge; what has said some before may be one.
+    """
+    match error:
+        case EchoDiffers(received=bytes() as received) if _is_text(received):
+            return _other(url, _UNKNOWN, received)
+        case NoEcho() if _is_text(first) and error.has_class_advice:
+            error.reason = _GREETED.filled(said=said_in(first))
+            advice = _error(error).advice
+            error.use_class_advice(Text(*map(str.__add__, _IF_ANOTHER, advice)))
+    return error
+
+
 def said_in(data: bytes) -> str:
     """Return the text in `data` on one line, or "" if it is none."""
     data = re.sub(rb"\xff(?:[\xfb-\xfe].|\xfa.*?\xff\xf0|[\xf0-\xf9])", b"", data, flags=re.DOTALL)
     text = data.decode("utf-8", "replace").strip()
     if len(re.findall(r"[^\W_]", text)) * 2 < len(text):
         return ""
-    return " ".join(clean_line(text.replace("\r", " ")).split())[:_LONGEST]
+    text = re.sub("\ufffd+", "\ufffd", clean_line(text.replace("\r", " ")))
+    return " ".join(text.split())[:_LONGEST]
+
+
+def _is_text(data: bytes) -> bool:
+    """Return whether `data` has words, and not some byte of a line that passes for a letter."""
+    return len(re.findall(r"[^\W_]", said_in(data))) >= _SIGNS
+
+
+def _is_busy(data: bytes) -> bool:
+    return _BUSY.search(data.decode("utf-8", "replace")) is not None
 
 
 def _service(first: bytes, *, telnet: bool) -> Service | None:
@@ -200,6 +266,12 @@ def _service(first: bytes, *, telnet: bool) -> Service | None:
 
 def _likely(service: Service) -> Service:
     return Service(_LIKELY.filled(name=service.name), service.advice)
+
+
+def _ended(url: str, problem: Text) -> LinkLost:
+    error = _error(LinkLost(url=url, problem=problem))
+    error.use_class_advice(_AFTER_THE_END)
+    return error
 
 
 def _taken(url: str, data: bytes) -> PortTaken:

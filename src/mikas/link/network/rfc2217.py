@@ -16,6 +16,8 @@ from enum import IntEnum
 from typing import Final
 
 from mikas.i18n import Text
+from mikas.link.base import EMPTY_LINES, TEXT_ANSWER
+from mikas.link.network.other_end import said_in
 from mikas.link.network.tcp import Place, TcpPort
 from mikas.link.network.telnet import (
     Decoder,
@@ -90,6 +92,10 @@ RAW_PORT: Final = Text(
 NO_TELNET: Final = Text(
     "it does not speak RFC 2217 (try socket://)",
     "он не поддерживает RFC 2217 (попробуйте socket://)",
+)
+_SAYS: Final = Text(
+    "it does not speak RFC 2217, and says “{said}” (try socket://, or another port number)",
+    "он не поддерживает RFC 2217 и сообщает: «{said}» (попробуйте socket:// или другой порт)",
 )
 NO_ANSWER: Final = Text(
     "nothing came back: it does not speak RFC 2217 (try socket://), serves another client, or "
@@ -174,10 +180,15 @@ class Rfc2217Port(TcpPort):
             return any(known) or len(known) == 2
 
         self._wait(FIRST_ANSWER, decided)
+        if not self._before:
+            self._send(EMPTY_LINES)
+            self._wait(TEXT_ANSWER, lambda: bool(self._before))
         if self._before.startswith(opening):  # the K-Line's echo; a server's answer has other verbs
             raise NotSet(RAW_PORT)
         if not self._decoder.spoken:
-            raise NotSet(NO_TELNET if self.first else NO_ANSWER)
+            said = said_in(self.first)
+            silent = NO_TELNET if self.first else NO_ANSWER
+            raise NotSet(_SAYS.filled(said=said) if said else silent)
         self.can_break = self._agreed.get(ours, False) or self._agreed.get(theirs, False)
         if self.can_break:
             self._set_up()

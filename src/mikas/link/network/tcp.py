@@ -32,6 +32,7 @@ _KEEPALIVE: Final = {"TCP_KEEPIDLE": 10, "TCP_KEEPALIVE": 10, "TCP_KEEPINTVL": 5
 # SO_LINGER: RST, and nothing of the connection stays here. Windows has two shorts.
 _AT_ONCE: Final = struct.pack("hh" if sys.platform == "win32" else "ii", 1, 0)
 _PORT_IN_USE: Final = {errno.EADDRINUSE, errno.EADDRNOTAVAIL, errno.EINVAL, errno.EACCES}
+_ENDED_SOON: Final = {errno.ECONNRESET, errno.ECONNABORTED, errno.ENOTCONN, errno.EPIPE}
 _UNDER_WAY: Final = {0, errno.EINPROGRESS, errno.EWOULDBLOCK, errno.EALREADY}
 
 Place = tuple[str, int]
@@ -57,7 +58,8 @@ class TcpPort:
     """A connection. Its calls raise `OSError`.
 
     `patience`: seconds that a write may wait. `first`, `last`: bytes that came since connecting.
-    `telnet`: whether they are free of Telnet's own. `number`: of the port there.
+    `telnet`: whether they are free of Telnet's own. `number`: of the port there. `ended_there`:
+    whether the other end has closed the connection, or reset it at once.
     """
 
     timeout = 0  # the system can wait on `fileno`
@@ -75,8 +77,12 @@ class TcpPort:
     def open(self, place: Place) -> None:
         """Connect."""
         self.number = place[1]
-        self._socket = _connected(place)
-        self._ends = self._socket.getpeername(), self._socket.getsockname()
+        try:
+            self._socket, there = _connected(place)
+        except OSError as error:
+            self.ended_there = error.errno in _ENDED_SOON
+            raise
+        self._ends = there, self._socket.getsockname()
 
     def fileno(self) -> int:
         return self._socket.fileno()
@@ -155,8 +161,8 @@ class TcpPort:
         return self.ended_there
 
 
-def _connected(place: Place) -> socket.socket:
-    """Return a connection to one of the addresses of `place`. Raises `OSError`."""
+def _connected(place: Place) -> tuple[socket.socket, _Address]:
+    """Return a connection to one of the addresses of `place`, and which. Raises `OSError`."""
     infos = _resolved(place)
     attempts = _Attempts(time.monotonic() + CONNECTING)
     try:
@@ -172,12 +178,13 @@ def _connected(place: Place) -> socket.socket:
         attempts.close()
     try:
         _set_options(connected)
-        _given_up.pop(connected.getpeername(), None)
+        there = connected.getpeername()
+        _given_up.pop(there, None)
     except BaseException:
         connected.close()
         raise
     _known[place] = infos
-    return connected
+    return connected, there
 
 
 class _Attempts:
