@@ -80,6 +80,9 @@ class FastLink(RealTimeVirtualLink):
     def now(self):
         return self._clock.now()
 
+    def date(self):
+        return self._clock.date()
+
 
 class Cars:
     """What the ports of this computer lead to. The same port leads to the same car."""

@@ -8,6 +8,7 @@ from itertools import pairwise
 
 import pytest
 
+from dashboard.dumps_rig import XRAM, ended
 from dashboard.rig import rig
 from dashboard.test_true_dates import NIGHT, YEARS, record, set_date
 
@@ -112,6 +113,24 @@ def test_values_faults_and_memory_are_of_true_dates(car, seconds):
         assert is_now(car, faults["faults"][0]["first_seen"])
     assert is_now(car, car.get("/memory/sfr", address="0x80", count=1)["time"])
     assert is_now(car, car.post("/changes", {"kind": "erase_faults"})["expires"])
+
+
+@set_by
+def test_a_change_has_its_date_in_the_journal(car, seconds):
+    set_date(car, seconds)
+    asked = car.post("/changes", {"kind": "erase_faults"})
+    car.post(f"/changes/{asked['nonce']}")
+    entries = car.get("/journal")["entries"]
+    assert {entry["state"] for entry in entries} == {"started", "done"}
+    assert all(is_now(car, entry["time"]) for entry in entries)
+
+
+@set_by
+def test_a_dump_has_its_date(car, seconds):
+    set_date(car, seconds)
+    dump = ended(car, car.post("/dumps", XRAM)["id"], "done", "failed")
+    manifest = car.dashboard.settings.dumps / f"{dump['file']}.json"
+    assert is_now(car, json.loads(manifest.read_text("utf-8"))["time"])
 
 
 @set_by

@@ -189,6 +189,11 @@ class LinkContract:
         rig.link.close()
         assert rig.link.now() >= before
 
+    def test_a_closed_link_still_knows_the_date(self, rig):
+        rig.link.close()
+        now = rig.link.now() if rig.link.is_simulated else time.time()
+        assert rig.link.date() == pytest.approx(now, abs=60)
+
     def test_leaving_its_context_closes_it(self, rig):
         with rig.link as link:
             assert link is rig.link

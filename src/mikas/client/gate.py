@@ -146,7 +146,7 @@ class Gate:
         if self._journal is None:
             return
         entry = {
-            "time": self._tester.link.now(),
+            "time": self._tester.link.date(),
             **self._whose(),
             "change": change.what.en,
             "change_ru": change.what.ru,

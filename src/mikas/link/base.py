@@ -119,6 +119,13 @@ class Link(ABC):
         The clock never runs back, and works on a closed or lost link too.
         """
 
+    def date(self) -> float:
+        """Return the computer's date, in UNIX time, for what is kept; if simulated, the clock.
+
+        It follows when the date is set, and may run back then.
+        """
+        return self.now() if self.is_simulated else time.time()
+
     def gather(self, until: float) -> None:  # noqa: B027  (a back end need not sleep)
         """Sleep until this time of the link's clock, so that bytes accumulate for the next `read`.
 
@@ -191,6 +198,9 @@ class LinkWrapper(Link):
 
     def now(self) -> float:
         return self.link.now()
+
+    def date(self) -> float:
+        return self.link.date()
 
     def send_break(self, seconds: float) -> None:
         self.link.send_break(seconds)

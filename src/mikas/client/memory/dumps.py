@@ -32,7 +32,7 @@ _MOST_MANIFEST = 1 << 16
 
 @dataclass(slots=True)
 class Manifest:
-    """The description of a dump's file. `time`: the link's clock at the last change.
+    """The description of a dump's file. `time`: the date of the last change.
 
     `verify`: a second pass is wanted; `checked`: its bytes so far; `differences`: the number found
     in them, None before its start; `verified`: whether it agreed, None before its end.
@@ -260,7 +260,7 @@ class Dump:
 
     def _write_manifest(self) -> None:
         manifest, path = self.manifest, manifest_path(self._file)
-        manifest.time = round(self._ecu.tester.link.now(), 6)
+        manifest.time = round(self._ecu.tester.link.date(), 6)
         with naming_file(path):
             if manifest.complete:
                 manifest.sha256 = hashlib.sha256(read_dump(self._file)).hexdigest()

@@ -237,7 +237,7 @@ class Restore:
             "passport": self._ecu.passport().pieces,
             "different": self.different,
             "written": self.written,
-            "time": round(self._ecu.tester.link.now(), 6),
+            "time": round(self._ecu.tester.link.date(), 6),
             "schema": dumps.SCHEMA,
         }
         with naming_file(self._state):
