@@ -2,14 +2,11 @@
 
 The bridge serves one client at a time and waits for it without end, as many do, so a second
 connection gets nothing while the dead one counts there.
-
-Needs root and iproute2. Skipped without, unless `MIKAS_REQUIRE_NETNS` is set: then it is a failure.
 """
 
 from __future__ import annotations
 
 import os
-import shutil
 import subprocess
 import sys
 import time
@@ -18,12 +15,15 @@ from contextlib import contextmanager
 
 import pytest
 
+import netns_rig
 from mikas import tester
 from mikas.errors import ConnectionSilent, LineError, NoConnection
 from mikas.link import Link
 from mikas.link.reconnecting import ReconnectingPort
+from netns_rig import IP, run
 
-IP = shutil.which("ip", path=f"{os.environ.get('PATH', '')}:/usr/sbin:/sbin")
+pytestmark = netns_rig.marks
+
 HERE, BRIDGE, AWAY = "10.78.0.1", "10.78.0.2", "10.78.0.99"
 LONG = 60.0
 ONE_CLIENT = f"""
@@ -42,33 +42,11 @@ while True:
 """
 
 
-def ip(*words: str, check: bool = True) -> None:
-    subprocess.run([IP or "ip", *words], capture_output=True, timeout=60, check=check)
-
-
-def is_possible() -> bool:
-    if sys.platform != "linux" or IP is None or os.geteuid() != 0:
-        return False
-    name = f"mikas-try-{os.getpid()}"
-    made = subprocess.run([IP, "netns", "add", name], capture_output=True, check=False)
-    ip("netns", "del", name, check=False)
-    return made.returncode == 0
-
-
-pytestmark = [
-    pytest.mark.realtime,
-    pytest.mark.skipif(
-        not os.environ.get("MIKAS_REQUIRE_NETNS") and not is_possible(),
-        reason="network namespaces need Linux, root and iproute2",
-    ),
-]
-
-
 class Bridge:
     """A bridge at the other end of a cable between two namespaces."""
 
     def __init__(self, name: str) -> None:
-        command = [IP or "ip", "netns", "exec", name, sys.executable, "-u", "-c", ONE_CLIENT]
+        command = [IP, "netns", "exec", name, sys.executable, "-u", "-c", ONE_CLIENT]
         self.name = name
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
         assert self.line() == "ready"
@@ -79,25 +57,25 @@ class Bridge:
 
     def moves(self, before: str, after: str) -> None:
         """Exchange its address: no packet reaches it, and none says so."""
-        ip("-n", self.name, "addr", "del", f"{before}/24", "dev", "far")
-        ip("-n", self.name, "addr", "add", f"{after}/24", "dev", "far")
+        run(IP, "-n", self.name, "addr", "del", f"{before}/24", "dev", "far")
+        run(IP, "-n", self.name, "addr", "add", f"{after}/24", "dev", "far")
 
 
 @pytest.fixture
 def bridge() -> Iterator[Bridge]:
     name, near = f"mikas-bridge-{os.getpid()}", f"mk{os.getpid()}"
     try:
-        ip("netns", "add", name)
-        ip("link", "add", near, "type", "veth", "peer", "far", "netns", name)
-        ip("addr", "add", f"{HERE}/24", "dev", near)
-        ip("link", "set", near, "up")
-        ip("-n", name, "addr", "add", f"{BRIDGE}/24", "dev", "far")
-        ip("-n", name, "link", "set", "far", "up")
+        run(IP, "netns", "add", name)
+        run(IP, "link", "add", near, "type", "veth", "peer", "far", "netns", name)
+        run(IP, "addr", "add", f"{HERE}/24", "dev", near)
+        run(IP, "link", "set", near, "up")
+        run(IP, "-n", name, "addr", "add", f"{BRIDGE}/24", "dev", "far")
+        run(IP, "-n", name, "link", "set", "far", "up")
         with ended(Bridge(name)) as bridge:
             yield bridge
     finally:
-        ip("link", "del", near, check=False)
-        ip("netns", "del", name, check=False)
+        run(IP, "link", "del", near, check=False)
+        run(IP, "netns", "del", name, check=False)
 
 
 @contextmanager
