@@ -10,8 +10,14 @@ import time
 import pytest
 
 from dashboard.rig import ME, OTHER, rig
-from mikas.dashboard.network.addresses import in_order
+from mikas.dashboard.network.addresses import _of_default_route, in_order, own_addresses
 from mikas.dashboard.network.interfaces import Address, Kind, kind_of, kind_of_windows
+from mikas.dashboard.network.temporary import (
+    ifconfig,
+    in_ifconfig,
+    in_list,
+    is_temporary_windows,
+)
 from mikas.dashboard.security.access import Access
 
 WIFI, CABLE, VPN = Kind.WIRELESS, Kind.OTHER, Kind.VIRTUAL
@@ -70,6 +76,64 @@ def test_the_system_says_what_an_interface_is(tmp_path):
 )
 def test_windows_says_what_an_interface_is(kind, texts, wanted):
     assert kind_of_windows(kind, texts) is wanted
+
+
+IF_INET6 = """\
+20010db80001000200000000000000a5 02 40 00 80     eth0
+20010db8000100027d1ac04ff0e3b29d 02 40 00 01     eth0
+fd00000000000000e4c29a1f08b7d356 03 40 00 21    wlan0
+fe80000000000000020c29fffe3b1c2d 02 40 20 80     eth0
+00000000000000000000000000000001 01 80 10 80       lo
+"""
+IFCONFIG = """\
+lo0: flags=8049<UP,LOOPBACK,RUNNING,MULTICAST> mtu 16384
+\tinet6 ::1 prefixlen 128
+\tinet6 fe80::1%lo0 prefixlen 64 scopeid 0x1
+en0: flags=8863<UP,BROADCAST,SMART,RUNNING,SIMPLEX,MULTICAST> mtu 1500
+\tether 02:00:5e:10:00:01
+\tinet6 fe80::c4:1f2e:9a0b:77d1%en0 prefixlen 64 secured scopeid 0xb
+\tinet6 2001:db8:1:2:10af:83c2:55e0:91b4 prefixlen 64 autoconf secured
+\tinet6 2001:db8:1:2:7d1a:c04f:f0e3:b29d prefixlen 64 autoconf temporary
+\tinet6 2001:db8:1:2:0:0:0:c5b3 prefixlen 64 dynamic
+\tinet6 fd00::e4c2:9a1f:8b7:d356 prefixlen 64 deprecated autoconf temporary
+\tnd6 options=201<PERFORMNUD,DAD>
+utun3: flags=8051<UP,POINTOPOINT,RUNNING,MULTICAST> mtu 1380
+\tinet6 fe80::8d2c:4e51:17a9:f03b%utun3 prefixlen 64 scopeid 0x10
+"""
+PASSING = {"2001:db8:1:2:7d1a:c04f:f0e3:b29d", "fd00::e4c2:9a1f:8b7:d356"}
+
+
+def test_linux_names_temporary_addresses():
+    assert in_list(IF_INET6) == PASSING
+
+
+def test_macos_names_temporary_addresses():
+    assert in_ifconfig(IFCONFIG) == PASSING
+    assert in_ifconfig("\tinet6 2001:db8::5/64 autoconf temporary\n") == {"2001:db8::5"}
+    assert in_ifconfig("") == set()
+
+
+@pytest.mark.parametrize(
+    ("prefix", "suffix", "wanted"),
+    [
+        (4, 5, True),  # by router advertisement, random
+        (4, 4, False),  # by router advertisement, of the link layer: the stable one
+        (2, 5, False),  # link-local
+        (3, 3, False),  # by DHCP
+        (1, 1, False),  # by hand
+    ],
+)
+def test_windows_names_temporary_addresses(prefix, suffix, wanted):
+    assert is_temporary_windows(prefix, suffix) is wanted
+
+
+@pytest.mark.skipif(sys.platform != "darwin", reason="others have no such ifconfig")
+def test_macos_has_an_ifconfig_of_this_form():
+    assert "inet6 ::1" in ifconfig()
+
+
+def test_the_address_of_the_default_route_is_among_those_that_are_found():
+    assert {*_of_default_route()} <= {*own_addresses()}
 
 
 def test_an_ipv6_link_has_brackets_and_names_are_only_links_without_an_address():

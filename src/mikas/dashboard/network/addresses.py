@@ -6,8 +6,7 @@ Each interface that is up counts; a default route is not needed, and a VPN that 
     2  VPN, tunnel, bridge or card of containers and virtual machines: in the same order
 
 IPv6 link-local addresses are left out: they need a zone (`fe80::1%wlan0`), which no browser takes.
-So are temporary ones (RFC 8981), where the system names them (Linux): each is replaced daily, and
-with it the certificate would be, of which a phone then warns again.
+So are temporary ones.
 """
 
 from __future__ import annotations
@@ -16,13 +15,10 @@ import ipaddress
 import socket
 from collections.abc import Sequence
 from contextlib import suppress
-from pathlib import Path
 from typing import Final
 
 from mikas.dashboard.network.interfaces import Address, Kind
 
-_IPV6_LIST: Final = Path("/proc/net/if_inet6")
-_TEMPORARY: Final = 0x01  # IFA_F_TEMPORARY
 _PRIVATE: Final = tuple(
     ipaddress.IPv4Network(each) for each in ("10.0.0.0/8", "172.16.0.0/12", "192.168.0.0/16")
 )
@@ -33,8 +29,9 @@ def own_addresses() -> tuple[str, ...]:
     """Return this computer's addresses in the network, the likeliest first, then its names."""
     try:
         from mikas.dashboard.network.system import system_addresses
+        from mikas.dashboard.network.temporary import temporary_addresses
 
-        passing = _temporary()
+        passing = temporary_addresses()
         found = in_order([each for each in system_addresses() if each.number not in passing])
     except (ImportError, OSError, AttributeError):  # a system that forbids, or has not, the list
         found = _of_default_route()
@@ -83,14 +80,3 @@ def _of_default_route() -> tuple[str, ...]:
         probe.connect(("192.0.2.1", 9))  # nothing is sent: the system chooses the interface
         return in_order([Address(str(probe.getsockname()[0]), "", Kind.OTHER)])
     return ()
-
-
-def _temporary() -> frozenset[str]:
-    """Return the temporary IPv6 addresses. A line: address, index, prefix, scope, flags, name."""
-    found = set()
-    with suppress(OSError, ValueError):
-        for line in _IPV6_LIST.read_text("ascii").splitlines():
-            number, _, _, _, flags, _ = line.split()
-            if int(flags, 16) & _TEMPORARY:
-                found.add(str(ipaddress.IPv6Address(int(number, 16))))
-    return frozenset(found)

@@ -13,6 +13,7 @@ import sys
 from collections.abc import Iterator
 
 from mikas.dashboard.network.interfaces import Address, kind_of, kind_of_windows
+from mikas.dashboard.network.temporary import is_temporary_windows
 
 _UP, _LOOPBACK, _POINT_TO_POINT, _RUNNING = 0x1, 0x8, 0x10, 0x40  # Linux, macOS, BSD
 
@@ -28,6 +29,8 @@ if sys.platform == "win32":
             ("flags", wintypes.DWORD),
             ("next", ctypes.c_void_p),
             ("socket", _SocketAddress),
+            ("prefix_origin", ctypes.c_int),
+            ("suffix_origin", ctypes.c_int),
         ]
 
     class _Adapter(ctypes.Structure):
@@ -52,7 +55,10 @@ if sys.platform == "win32":
         ]
 
     def system_addresses() -> Iterator[Address]:
-        """Yield the addresses of the interfaces that are up. Raises `OSError`."""
+        """Yield the addresses of the interfaces that are up, but no temporary ones.
+
+        Raises `OSError`.
+        """
         size = wintypes.ULONG(1 << 15)
         for _ in range(4):  # the list may grow meanwhile
             memory = ctypes.create_string_buffer(size.value)
@@ -74,7 +80,9 @@ if sys.platform == "win32":
                 while unicast:
                     entry = _Unicast.from_address(unicast)
                     family = int.from_bytes(ctypes.string_at(entry.socket.address, 2), "little")
-                    if (number := _number(family, entry.socket.address)) is not None:
+                    number = _number(family, entry.socket.address)
+                    passing = is_temporary_windows(entry.prefix_origin, entry.suffix_origin)
+                    if number is not None and not passing:
                         yield Address(number, texts[1], kind)
                     unicast = entry.next
             at = adapter.next
