@@ -33,7 +33,9 @@ _KNOWN = sys.stdlib_module_names | {"mikas", "_typeshed", "sigrokdecode", "pydan
 # By package and file: parts that have an underscore, or that no document has.
 USES = {
     "aiomqtt": {"publish/client.py": {"_client"}},
-    "paho-mqtt": {"publish/client.py": {"_in_messages", "_sock_close", "_sock_recv"}},
+    "paho-mqtt": {
+        "publish/client.py": {"_in_messages", "_send_pingreq", "_sock_close", "_sock_recv"}
+    },
 }
 UNDOCUMENTED = {"uvicorn": {"Server._protocol"}}
 DISTRIBUTIONS = {"paho": "paho-mqtt", "serial": "pyserial"}  # where the module has another name

@@ -12,6 +12,7 @@ from broker_rig import PATIENCE, InProcessBroker, Listener, Relay, free_port, is
 from mikas.errors import (
     BrokerLost,
     BrokerNotFound,
+    BrokerRefused,
     BrokerUnreachable,
     MissingExtra,
     NoBroker,
@@ -72,7 +73,7 @@ class Changes(list):
 @pytest.fixture
 def connect(broker, monkeypatch):
     """Make a connection to the broker, and end it with the test."""
-    monkeypatch.setattr(module, "_FIRST_PAUSE", 0.05)
+    monkeypatch.setattr(module, "_PAUSE", 0.05)
     made = []
 
     def connect(outbox=None, to=None, **settings):
@@ -238,6 +239,141 @@ def test_another_program_at_that_port_is_an_unreachable_broker(connect, monkeypa
         error = failure(connect, Broker("127.0.0.1", server.getsockname()[1]))
     assert isinstance(error, BrokerUnreachable)
     assert "mqtts://" in error.text.en
+
+
+OTHER_PROGRAMS = {
+    b"SSH-2.0-OpenSSH_9.2p1\r\n": "SSH-2.0-OpenSSH_9.2p1",
+    b"-ERR unknown command\r\n": "-ERR unknown command",
+    b"HTTP/1.0 400 Bad request syntax ('\\x10 secret')\r\n\r\n": "HTTP/1.0 400 Bad request syntax",
+    b"\x10\x20\x00\x04MQTT secret": None,
+    b"\x15\x03\x01\x00\x02\x02\x0a": None,
+    b"": None,
+}
+
+
+@pytest.mark.parametrize("said", OTHER_PROGRAMS)
+def test_another_program_is_quoted_and_not_waited_for(connect, monkeypatch, said):
+    """Without what it repeats of the client's own words, where the password is."""
+    monkeypatch.setattr(module, "_ANSWER", 600.0)
+    with socket.create_server(("127.0.0.1", 0)) as server:
+
+        def answer() -> None:
+            peer, _ = server.accept()
+            peer.recv(4096)
+            peer.sendall(said)
+            if not said:
+                peer.close()
+            peers.append(peer)
+
+        peers = []
+        threading.Thread(target=answer, daemon=True).start()
+        error = failure(connect, Broker("127.0.0.1", server.getsockname()[1]))
+        for peer in peers:
+            peer.close()
+    assert isinstance(error, BrokerUnreachable)
+    words = OTHER_PROGRAMS[said]
+    assert (f"“{words}" if words else "mqtts://") in error.reason.en
+    assert "secret" not in error.reason.en
+
+
+@pytest.mark.parametrize(("code", "concerns_user"), [(3, False), (2, False), (5, True)])
+def test_a_refusal_sends_to_the_password_only_where_that_may_be_it(connect, code, concerns_user):
+    with socket.create_server(("127.0.0.1", 0)) as server:
+
+        def refuse() -> None:
+            peer, _ = server.accept()
+            with peer:
+                peer.recv(4096)
+                peer.sendall(bytes([0x20, 2, 0, code]))
+
+        threading.Thread(target=refuse, daemon=True).start()
+        error = failure(connect, Broker("127.0.0.1", server.getsockname()[1]))
+    assert isinstance(error, BrokerRefused)
+    assert ("password" in error.advice.en) == concerns_user
+
+
+def received(peer: socket.socket) -> bytes:
+    """What a client has sent; nothing when it has gone, with or without a word."""
+    try:
+        return peer.recv(4096)
+    except OSError:
+        return b""
+
+
+def silent_broker(server: socket.socket, served: threading.Semaphore, *, answers: int) -> None:
+    """Acknowledge `answers` packets of each client, from its CONNECT on, and then nothing."""
+
+    def serve(peer: socket.socket) -> None:
+        said, left = b"", answers
+        while data := received(peer):
+            said += data
+            while len(said) > 1 and len(said) >= 2 + said[1]:  # short packets only
+                packet, said = said[: 2 + said[1]], said[2 + said[1] :]
+                if left > 0 and packet[0] >> 4 == 1:
+                    peer.sendall(b"\x20\x02\x00\x00")
+                    left -= 1
+                elif left > 0 and packet[0] & 6:
+                    at = 4 + int.from_bytes(packet[2:4], "big")
+                    peer.sendall(b"\x40\x02" + packet[at : at + 2])
+                    left -= 1
+        peer.close()
+
+    while True:
+        try:
+            peer, _ = server.accept()
+        except OSError:
+            return
+        served.release()
+        threading.Thread(target=serve, args=(peer,), daemon=True).start()
+
+
+@pytest.fixture
+def silent(monkeypatch):
+    """Begin brokers that fall silent; nothing but the silence itself may end their connections."""
+    monkeypatch.setattr(module, "KEEP_ALIVE", 600)
+    monkeypatch.setattr(module, "_LOOK", 0.1)
+    servers = []
+
+    def begin(answers: int) -> tuple[Broker, threading.Semaphore]:
+        servers.append(server := socket.create_server(("127.0.0.1", 0)))
+        served = threading.Semaphore(0)
+        threading.Thread(
+            target=silent_broker, args=(server, served), kwargs={"answers": answers}, daemon=True
+        ).start()
+        return Broker("127.0.0.1", server.getsockname()[1]), served
+
+    yield begin
+    for server in servers:
+        server.shutdown(socket.SHUT_RDWR)
+        server.close()
+
+
+def test_a_broker_that_welcomes_and_says_nothing_more_is_reported_once(connect, silent):
+    """However often it is tried; and no other client is suspected, for it closes nothing."""
+    to, served = silent(answers=1)
+    changes = Changes()
+    connect(to=to, on_change=changes).open(patient=True)
+    for _ in range(3):
+        assert served.acquire(timeout=PATIENCE)
+    (change,) = changes
+    assert isinstance(change.error, BrokerLost)
+    assert "no answer" in change.error.reason.en
+    assert "another program" not in change.error.text.en
+
+
+def test_a_silent_broker_is_lost_and_what_it_has_not_acknowledged_was_not_published(
+    connect, silent
+):
+    to, _ = silent(answers=2)  # its welcome, and “online”
+    changes = Changes()
+    connection = connect(to=to, on_change=changes)
+    connection.open(patient=True)
+    reached = next(it for it in range(1, 9) if changes.wait_for(it).is_connected)
+    connection.send([Message("car/values", b"1", MessageKind.LIVE, qos=0)])
+    lost = changes.wait_for(reached + 1).error
+    assert isinstance(lost, BrokerLost)
+    assert "no answer" in lost.reason.en
+    assert connection.sent == 0
 
 
 def test_a_patient_connection_waits_for_its_broker(connect, relay):

@@ -151,8 +151,7 @@ def calls(monkeypatch):
         return read(self, *args)
 
     monkeypatch.setattr(bounded._BoundedPaho, "loop_read", counting)  # noqa: SLF001
-    monkeypatch.setattr(module, "_FIRST_PAUSE", 0.01)
-    monkeypatch.setattr(module, "_LONGEST_PAUSE", 0.01)
+    monkeypatch.setattr(module, "_PAUSE", 0.01)
     monkeypatch.setattr(module, "_ANSWER", 0.3)
     monkeypatch.setattr(module, "_KEPT", 0.3)
     return counted

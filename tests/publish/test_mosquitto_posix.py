@@ -40,7 +40,7 @@ SECRET = "s3cret-WORD"
 BASE = "garage/volga"
 # The command itself waits longer before it tries again, and for what the broker keeps.
 PROGRAM = (
-    "from mikas.publish import connection; connection._FIRST_PAUSE = connection._KEPT = 0.1; "
+    "from mikas.publish import connection; connection._PAUSE = connection._KEPT = 0.1; "
     "from mikas.cli.main import main; main()"
 )
 
@@ -257,7 +257,7 @@ def test_tls_with_an_own_authority_and_a_password_that_is_never_shown(
 @pytest.fixture
 def connect(monkeypatch):
     """Make a connection in this process; it ends with the test."""
-    monkeypatch.setattr(module, "_FIRST_PAUSE", 0.02)
+    monkeypatch.setattr(module, "_PAUSE", 0.02)
     made = []
     online, offline = (
         Message(f"{BASE}/availability", word, MessageKind.RETAINED)

@@ -11,8 +11,10 @@ This module imports the library, so it is imported when a connection is made.
 
 from __future__ import annotations
 
+import re
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any, Final
 
 import aiomqtt
@@ -26,10 +28,23 @@ RATE: Final = 8 << 10  # bytes a second for ever: answers to pings
 ANSWER: Final = 1 << 10  # bytes for each published message: its acknowledgement
 PIECE: Final = 64  # bytes, as which a piece counts at least: a small packet costs time, too
 WAITING: Final = 16  # messages that were not read yet
+_WELCOME: Final = 0x20  # the first byte of CONNACK
+_LOST: Final = (MQTTErrorCode.MQTT_ERR_CONN_LOST, MQTTErrorCode.MQTT_ERR_PROTOCOL)
+_WORDS: Final = re.compile(rb"[ -$'-\[\]-~]{4,40}")
+"""How another program's answer begins. Some repeat what they got, with the password far inside; its
+first byte, 0x10, ends the words in any spelling."""
 
 
 class BrokerTooLoud(ConnectionError):
     """The broker sends more than a broker has to say to this client."""
+
+
+class NoWelcome(ConnectionError):
+    """The other end closes the connection, or says `words`, where a broker welcomes a client."""
+
+    def __init__(self, words: str = "") -> None:
+        super().__init__("no broker's welcome")
+        self.words = words
 
 
 class BoundedClient(aiomqtt.Client):
@@ -45,6 +60,20 @@ class BoundedClient(aiomqtt.Client):
     def has_left(self) -> bool:
         """Whether the broker was left because of what it sent."""
         return self._allowance.exceeded
+
+    @property
+    def heard(self) -> int:
+        """How often the broker has said something."""
+        return self._client.heard  # type: ignore[attr-defined,no-any-return]
+
+    @property
+    def ended(self) -> NoWelcome | None:
+        """The end of the connection, if the other end has ended it before its welcome."""
+        return self._client.ended  # type: ignore[attr-defined,no-any-return]
+
+    def ask(self) -> None:
+        """Ask the broker for a sign of life."""
+        self._client._send_pingreq()  # noqa: SLF001  (nothing public does)
 
     @property
     def timed_out(self) -> TimeoutError | None:
@@ -104,6 +133,8 @@ class Allowance:
 class _BoundedPaho(paho.Client):
     allowance: Allowance
     timed_out: TimeoutError | None = None  # which the library takes for a closed connection
+    ended: NoWelcome | None = None
+    heard = 0
 
     def _sock_recv(self, bufsize: int) -> bytes:
         """As paho's, which asks for all of a packet as soon as it knows its size."""
@@ -116,13 +147,27 @@ class _BoundedPaho(paho.Client):
             self.timed_out = error
             raise
         self.allowance.took(len(data))
+        if data and not self.heard and data[0] != _WELCOME:
+            raise self._other_program(data)
+        self.heard += bool(data)
         return data
+
+    def _other_program(self, begin: bytes) -> NoWelcome:
+        """Return the end of a connection to what is no broker: its text has no packet's length."""
+        with suppress(OSError):
+            begin += super()._sock_recv(2 * PIECE)
+        words = _WORDS.match(begin)
+        self.ended = NoWelcome(words[0].decode().strip() if words else "")
+        return self.ended
 
     def loop_read(self, max_packets: int = 1) -> MQTTErrorCode:
         """As paho's. What it can't interpret it would find again at each call."""
         try:
-            return super().loop_read(max_packets)
+            result = super().loop_read(max_packets)
         except Exception:
             self.allowance.exceeded = True
             self._sock_close()
             raise
+        if result in _LOST and self.ended is None:
+            self.ended = NoWelcome()
+        return result

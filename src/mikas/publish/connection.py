@@ -2,7 +2,7 @@
 
     connect ─► retained messages ─► "online" ─► whatever comes ─► "offline", disconnect
        ▲                                             │ lost
-       └──────── 1 s, then 2 s; if refused half a minute ◄─────┘
+       └──────────── 1 s; if refused up to half a minute ◄─────┘
 
 The last will is "offline" too: the broker sends it when the process is killed or the network fails.
 "online" comes after the retained messages, so that no subscriber takes an old
@@ -28,7 +28,7 @@ from typing import TYPE_CHECKING, Any, Final, ParamSpec, TypeVar
 
 from mikas.errors import BrokerLost, BrokerNotTrusted, BrokerRefused, NoBroker, library
 from mikas.publish.broker import Broker
-from mikas.publish.failures import connecting_failed, connection_lost, left
+from mikas.publish.failures import CLOSED, connecting_failed, connection_lost, left
 from mikas.publish.outbox import Lost, Message, Outbox
 
 if TYPE_CHECKING:
@@ -37,13 +37,15 @@ if TYPE_CHECKING:
 P = ParamSpec("P")
 T = TypeVar("T")
 
-# A network that is gone closes no connection. So the broker's answer to a ping has to come within
-# `KEEP_ALIVE`, and where the system can, it gives up what is not acknowledged soon.
+# A network that is gone closes no connection, and the system of a broker that hangs acknowledges
+# for it. So a silent broker is asked; where our system can, it gives up what is not acknowledged.
 KEEP_ALIVE: Final = 3  # s; after one and a half of them without a sign of life comes the last will
 UNACKNOWLEDGED: Final = 1.5  # s
-_ANSWER: Final = 4.0  # s for the broker's answer; a network that is back has another chance soon
-_FIRST_PAUSE: Final = 1.0  # s
-_LONGEST_PAUSE: Final = 2.0  # so that it is back soon after the network
+_ANSWER: Final = 3.0  # s for the broker's answer; a network that is back has another chance soon
+_LOOK: Final = 0.25  # s between two looks at whether the broker says something
+_ASKED: Final = 4  # looks without a word, after which it is asked
+_SILENCE: Final = 10  # looks, after which it is lost; a process that did not run has not looked
+_PAUSE: Final = 1.0  # s; so that it is back soon after the network
 _REFUSED_PAUSE: Final = 30.0
 _SHORT: Final = 10.0  # s; a connection that breaks off sooner was hardly one
 _OFTEN: Final = 2
@@ -89,7 +91,8 @@ class BrokerConnection:
     def __post_init__(self) -> None:
         check_library()
         self.sent = 0
-        """The number of messages that the broker has got."""
+        """The number of messages that the broker surely has got."""
+        self._written = 0  # these, and those that the network may have
         self.is_connected = False
         self._first: Future[None] = Future()  # the first attempt
         self._loop: asyncio.AbstractEventLoop | None = None
@@ -97,7 +100,8 @@ class BrokerConnection:
         self._stopping = asyncio.Event()
         self._patient = False
         self._bug: Exception | None = None
-        self._short = 0  # connections in a row that broke off soon
+        self._short = 0  # connections in a row that the broker closed soon
+        self._reported: set[object] = set()  # what was said since the broker was reached
         self._thread = threading.Thread(target=self._run, name="mqtt", daemon=True)
 
     def open(self, *, patient: bool = False) -> None:
@@ -149,8 +153,7 @@ class BrokerConnection:
 
     async def _keep(self) -> None:
         """Connect, and connect again after each failure, until `close`."""
-        loop, pause = asyncio.get_running_loop(), _FIRST_PAUSE
-        reported: type[NoBroker] | None = None
+        loop, pause = asyncio.get_running_loop(), _PAUSE
         while not self._stopping.is_set():
             began = loop.time()
             error = await self._until_stopped(self._session())
@@ -160,19 +163,24 @@ class BrokerConnection:
                 self._first.set_exception(error)
                 return
             if isinstance(error, BrokerLost):
-                lasted = loop.time() - began
-                self._short = self._short + 1 if lasted < _SHORT else 0
-                pause = pause if self._short else _FIRST_PAUSE
-                reported = None
-            if type(error) is not reported:
-                reported = type(error)
-                self.on_change(BrokerChange(error))
+                is_short = error.fields["problem"] == CLOSED and loop.time() - began < _SHORT
+                self._short = self._short + 1 if is_short else 0
+                pause = pause if self._short else _PAUSE
+            self._report(error)
             _logger.info("%s", error.reason.en)
             with suppress(TimeoutError):
                 # Not all cars of a fleet at the same moment.
                 await asyncio.wait_for(self._stopping.wait(), pause * random.uniform(0.5, 1))
-            refused = isinstance(error, BrokerRefused | BrokerNotTrusted) or self._short >= _OFTEN
-            pause = min(2 * pause, _REFUSED_PAUSE if refused else _LONGEST_PAUSE)
+            refused = isinstance(error, BrokerRefused | BrokerNotTrusted)
+            refused |= isinstance(error, BrokerLost) and self._short >= _OFTEN
+            pause = min(2 * pause, _REFUSED_PAUSE) if refused else _PAUSE
+
+    def _report(self, error: NoBroker) -> None:
+        """Report an error, unless its kind or problem was reported since the broker was reached."""
+        about = {type(error), error.fields.get("problem", error.what)}
+        if not about & self._reported:
+            self.on_change(BrokerChange(error))
+        self._reported |= about
 
     async def _until_stopped(
         self, session: Coroutine[Any, Any, NoBroker | None]
@@ -194,23 +202,50 @@ class BrokerConnection:
         """Connect and send until the connection breaks off, or until `close`."""
         from aiomqtt import MqttError
 
-        reached, url, client = False, self.broker.url, self._client()
+        url, client, welcomed = self.broker.url, self._client(), asyncio.Event()
         try:
-            async with client:
-                reached = True
-                await self._read_kept(client)
-                await self._serve(client)
+            await _first(self._work(client, welcomed), self._listen(client, welcomed))
         except (MqttError, OSError, UnicodeError) as error:
             if client.has_left:
-                return left(url, reached=reached)
-            if not reached:
+                return left(url, reached=welcomed.is_set())
+            if not welcomed.is_set():
                 return connecting_failed(url, error)
             return connection_lost(url, client.timed_out or error, again=self._short >= _OFTEN)
         finally:
             client.let_go()
             self.is_connected = False
+            self._written = self.sent
             self.outbox.disconnected()
         return None
+
+    async def _work(self, client: BoundedClient, welcomed: asyncio.Event) -> None:
+        async with client:
+            welcomed.set()
+            await self._read_kept(client)
+            await _first(self._send(client), _watch(client))
+
+    async def _listen(self, client: BoundedClient, welcomed: asyncio.Event) -> None:
+        """Raise the error of a broker that does not answer, or that does not welcome this client.
+
+        An answer shows that the broker has all that was sent before it was asked.
+        """
+        heard = looks = asked = 0
+        while True:
+            await asyncio.sleep(_LOOK)
+            if not welcomed.is_set():
+                if client.ended is not None:
+                    raise client.ended
+            elif client.heard > heard:
+                heard, looks = client.heard, 0
+                self.sent = max(self.sent, asked)
+            else:
+                looks += 1
+                if looks == _ASKED:
+                    asked = self._written
+                    client.ask()
+                elif looks == _SILENCE:
+                    client.let_go()
+                    raise TimeoutError
 
     def _client(self) -> BoundedClient:
         from aiomqtt import Will
@@ -248,18 +283,6 @@ class BrokerConnection:
         await client.unsubscribe(topic)
         self.kept_topic = None
 
-    async def _serve(self, client: BoundedClient) -> None:
-        sending = asyncio.create_task(self._send(client))
-        watching = asyncio.create_task(_watch(client))
-        try:
-            done, _ = await asyncio.wait({sending, watching}, return_when=asyncio.FIRST_COMPLETED)
-            for task in done:
-                task.result()
-        finally:
-            for task in (sending, watching):
-                task.cancel()
-            await asyncio.gather(sending, watching, return_exceptions=True)
-
     async def _send(self, client: BoundedClient) -> None:
         """Send what the outbox has, and "offline" after `close`."""
         loop, until = asyncio.get_running_loop(), inf
@@ -272,15 +295,19 @@ class BrokerConnection:
             if not self.is_connected and (message is None or not message.retain):
                 await self._publish(client, self.online)
                 self.is_connected = True
+                self._reported.clear()
                 if not self._first.done():
                     self._first.set_result(None)
                 self.on_change(BrokerChange(lost=self.outbox.take_lost()))
             elif message is not None and loop.time() < until:
                 await self._publish(client, message)
                 self.outbox.sent(message)
-                self.sent += 1
+                self._written += 1
+                if message.qos:  # the broker has acknowledged it, and so all before it
+                    self.sent = self._written
             elif until < inf:
                 await self._publish(client, self.offline)
+                self.sent = self._written
                 return
             else:
                 await self._wakeup.wait()
@@ -292,6 +319,20 @@ class BrokerConnection:
 def _socket_options() -> list[tuple[int, int, int]]:
     name: int | None = getattr(socket, "TCP_USER_TIMEOUT", None)  # Linux
     return [] if name is None else [(socket.IPPROTO_TCP, name, round(UNACKNOWLEDGED * 1000))]
+
+
+async def _first(*work: Coroutine[Any, Any, None]) -> None:
+    """Do all until one is done, or raise its error."""
+    tasks = [asyncio.create_task(each) for each in work]
+    try:
+        await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+        for task in tasks:
+            if task.done():
+                task.result()
+    finally:
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
 
 
 async def _watch(client: BoundedClient) -> None:

@@ -21,6 +21,10 @@ _NOT_MQTT: Final = Text(
     "соединение принято, но ответ — не брокера (порт с TLS, его адрес пишется mqtts://, или другая "
     "программа)",
 )
+_OTHER_PROGRAM: Final = Text(
+    "another program answers there, with “{words}”: check the port",
+    "там отвечает другая программа: «{words}»; проверьте порт",
+)
 _NOT_TLS: Final = Text(
     "it does not speak TLS there (without TLS the address begins with mqtt://)",
     "там нет TLS (без TLS адрес начинается с mqtt://)",
@@ -58,6 +62,11 @@ _REFUSALS: Final = {
     136: Text("it is not ready", "он не готов к работе"),
 }
 """By the reason code that the client library makes of the broker's return code."""
+_OF_THE_USER: Final = (134, 135)
+_OF_THE_BROKER: Final = Text(
+    "Check the broker's settings; its log says more.",
+    "Проверьте настройки брокера; подробности — в его журнале.",
+)
 _SAME_CLIENT: Final = Text(
     "That is so each time: does another program publish under the same topic? The broker lets in "
     "one client of a name.",
@@ -68,7 +77,7 @@ _LEFT: Final = Text(
     "it sends more than a broker has to send here, or anything but MQTT, and was disconnected",
     "он шлёт больше, чем положено брокеру, или не MQTT, и потому отключён",
 )
-_CLOSED: Final = Text("the broker has closed it", "её закрыл брокер")
+CLOSED: Final = Text("the broker has closed it", "её закрыл брокер")
 
 
 def connecting_failed(url: str, error: MqttError | OSError | UnicodeError) -> errors.NoBroker:
@@ -76,11 +85,17 @@ def connecting_failed(url: str, error: MqttError | OSError | UnicodeError) -> er
     from aiomqtt import MqttCodeError
     from paho.mqtt.reasoncodes import ReasonCode
 
+    from mikas.publish.client import NoWelcome
+
     if isinstance(error, MqttCodeError):
         code = error.rc.value if isinstance(error.rc, ReasonCode) else error.rc or 0
         words = str(error)
-        return errors.BrokerRefused(url=url, problem=_REFUSALS.get(code, Text(words, words)))
+        advice = None if code in _OF_THE_USER else _OF_THE_BROKER
+        problem = _REFUSALS.get(code, Text(words, words))
+        return errors.BrokerRefused(url=url, problem=problem, advice=advice)
     match cause := error if isinstance(error, OSError | UnicodeError) else error.__context__:
+        case NoWelcome(words=words) if words:
+            return errors.BrokerUnreachable(url=url, problem=_OTHER_PROGRAM.filled(words=words))
         case ssl.SSLCertVerificationError():
             words = cause.verify_message
             problem = _NO_TRUST.get(cause.verify_code, Text(words, words))
@@ -90,13 +105,14 @@ def connecting_failed(url: str, error: MqttError | OSError | UnicodeError) -> er
         case ssl.SSLError():
             if "ALERT" in (cause.reason or ""):
                 words = (cause.reason or "").replace("_", " ").lower()
-                return errors.BrokerRefused(url=url, problem=_TLS_REFUSED.filled(words=words))
+                problem = _TLS_REFUSED.filled(words=words)
+                return errors.BrokerRefused(url=url, problem=problem, advice=_OF_THE_BROKER)
             return errors.BrokerUnreachable(url=url, problem=_NOT_TLS)
         case socket.gaierror() | UnicodeError():  # a name that no computer can have
             return errors.BrokerNotFound(url=url)
         case ConnectionRefusedError():
             return errors.BrokerUnreachable(url=url, problem=_NO_LISTENER)
-        case ConnectionResetError() | BrokenPipeError():
+        case ConnectionResetError() | BrokenPipeError() | NoWelcome():
             return errors.BrokerUnreachable(url=url, problem=_NOT_MQTT)
         case OSError() if cause.errno is not None:
             return errors.BrokerUnreachable(url=url, problem=errors.reason_of(cause))
@@ -115,5 +131,6 @@ def connection_lost(url: str, error: Exception, *, again: bool) -> errors.Broker
     """Return the error of a connection that broke off. `again`: as the ones before, at once."""
     cause = error if isinstance(error, OSError) else error.__context__
     is_silent = isinstance(cause, TimeoutError) or re.search("timed out|[Kk]eep ?alive", str(error))
-    problem = _NO_ANSWER if is_silent else _CLOSED
-    return errors.BrokerLost(url=url, problem=problem, advice=_SAME_CLIENT if again else None)
+    if is_silent:
+        return errors.BrokerLost(url=url, problem=_NO_ANSWER)
+    return errors.BrokerLost(url=url, problem=CLOSED, advice=_SAME_CLIENT if again else None)
