@@ -67,6 +67,16 @@ def state_folder(monkeypatch):
     return folder
 
 
+@pytest.fixture
+def said():
+    """What the program says in this test of things that it can't keep."""
+    from mikas import unkept
+
+    sentences = []
+    with unkept.said_to(sentences.append):
+        yield sentences
+
+
 @pytest.fixture(autouse=True)
 def english():
     """The language of messages, which another test of this process may have changed."""

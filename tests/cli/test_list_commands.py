@@ -16,6 +16,18 @@ def test_set_asks_and_is_journaled(mikas):
     assert [entry["command"] for entry in mikas.journal] == ["CWRITL", "CWRITL"]
 
 
+def test_names_that_can_not_be_kept_are_said_on_stderr_in_each_run(mikas):
+    folder = mikas.home / "state" / "mikas"
+    folder.mkdir(parents=True)
+    (folder / "units").write_text("in the place of the folder")
+    for _ in range(2):
+        ran = mikas("list", "set", "TWAT", "INJ", "--yes", "--json")
+        assert (ran.status, ran.object["names"]) == (0, ["TWAT", "INJ"])
+        assert ran.err.count("can't be saved") == 1
+        assert f"{folder / 'units' / 'lists'} (" in ran.err
+    is_russian(mikas("list", "set", "TWAT", "--yes", "--lang", "ru").err)
+
+
 def test_read_gives_what_read_gives(mikas, monkeypatch):
     """A new virtual unit each time: its list is set on the way."""
     read_list = Ecu.read_list

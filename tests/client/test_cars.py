@@ -8,6 +8,7 @@ import pytest
 
 from mikas.client.cars import LONGEST, NO_CAR, CarBook, CarDetails, car_details
 from mikas.client.identity import Passport, UnitIdentity
+from mikas.errors import UsageError
 from mikas.recording.annotations.events import car_note, car_of
 from mikas.recording.capture.notes import Kind, Note
 from mikas.virtual import VIRTUAL_PASSPORT
@@ -31,6 +32,21 @@ def test_kept_by_unit_and_the_workshop_for_all(tmp_path) -> None:
     book.keep(unit(10, "A"), CarDetails("Волга", "", None, "Сервис"))
     assert again.details_of(unit(10, "A")) == CarDetails("Волга", "", 154_000, "Сервис")
     assert again.details_of(unit(10, "B")) == CarDetails(workshop="Сервис")
+
+
+def test_what_can_not_be_saved_stays_as_long_as_the_book(tmp_path) -> None:
+    (tmp_path / "state").write_text("in the place of the folder")
+    book = CarBook(tmp_path / "state" / "cars.json")
+    for name in "AB":
+        with pytest.raises(UsageError, match=r"cars\.json"):
+            book.keep(unit(10, name), VOLGA)
+    assert [book.details_of(unit(10, name)) for name in "ABC"] == [VOLGA, VOLGA, None]
+    (tmp_path / "state").unlink()
+    book.keep(unit(10, "C"), CarDetails("Волга"))
+    again = CarBook(tmp_path / "state" / "cars.json")
+    assert [again.details_of(unit(10, name)).car for name in "ABC"] == [
+        "Волга 3110", "Волга 3110", "Волга",
+    ]  # fmt: skip
 
 
 def test_a_unit_with_empty_passports_has_no_car(tmp_path) -> None:

@@ -199,7 +199,7 @@ class TestTheJournal:
         assert "сделано" in caught.value.text.ru
         assert ecu.read("SSM")["SSM"].value == 30
 
-    def test_a_full_disk_does_not_hide_what_went_wrong(self, tmp_path):
+    def test_a_full_disk_does_not_hide_what_went_wrong(self, tmp_path, said):
         it = bench()
         journal = tmp_path / "journal"
         ecu = ecu_on(it, journal=journal)
@@ -214,6 +214,9 @@ class TestTheJournal:
         it.link.write = fail
         with pytest.raises(LinkLost):
             ecu.write_parameter("SSM", 30)
+        (sentence,) = said
+        assert sentence.en.startswith(f"The journal {journal} can't be written (")
+        assert "но нет того, чем оно закончилось" in sentence.ru
 
     def test_no_journal_at_all_is_possible(self):
         assert ecu_on(bench()).write_parameter("SSM", 30).after.value == 30

@@ -202,11 +202,27 @@ class TestKeptForTheUnit:
         limits = ecu_on(it, state=tmp_path).info().limits
         assert (limits.max_list, limits.block("ram")) == (1, 255)
 
-    def test_a_folder_that_cannot_be_written_costs_nothing_else(self, tmp_path):
+    def test_a_folder_that_cannot_be_written_is_said_once_and_costs_nothing_else(
+        self, tmp_path, said
+    ):
         (tmp_path / "file").write_text("")
         it = bench(max_list=10)
         for folder in (tmp_path / "file", tmp_path / "file" / "units"):
-            assert len(ecu_on(it, state=folder).read()) == 23
+            ecu = ecu_on(it, state=folder)
+            assert len(ecu.read()) == 23
+            ecu.forget_limits()  # there is nothing to forget
+        (sentence,) = said
+        assert f"can't be saved in {tmp_path / 'file'} (" in sentence.en
+        assert "не сохраняется" in sentence.ru
+
+    def test_limits_that_can_not_be_forgotten_are_said(self, tmp_path, said):
+        it = self.learnt(tmp_path)
+        (kept,) = tmp_path.iterdir()
+        kept.unlink()
+        kept.mkdir()
+        ecu_on(it, state=tmp_path).forget_limits()
+        (sentence,) = said
+        assert f"can't be deleted in {tmp_path} (" in sentence.en
 
     def test_a_folder_that_may_not_be_looked_into_is_empty(self, tmp_path, monkeypatch):
         def denied(self, pattern):

@@ -264,6 +264,20 @@ def test_a_bad_line_claims_nothing(tmp_path_factory, line_faults):
     assert all(now[i] == data[i] for i in range(0x80) if i + 0x20 not in BYTES)
 
 
+def test_a_state_that_can_not_be_deleted_is_said(tmp_path, said):
+    it, state = bench(), tmp_path / "d.restore.json"
+    data = dumped(it, tmp_path)
+    with ecu_on(it, confirm=lambda _: True) as ecu:
+        for _ in (job := job_on(ecu, tmp_path)).write():
+            if state.is_file():
+                state.unlink()
+                state.mkdir()
+    assert (job.written, stored(it)) == (len(BYTES), data)
+    (sentence,) = said
+    assert sentence.en.startswith(f"{state} can't be deleted (")
+    assert "--resume" in sentence.ru
+
+
 def test_a_disk_that_fills_up_stops_nothing_half_way(tmp_path, monkeypatch):
     it = bench()
     data = dumped(it, tmp_path)
@@ -278,6 +292,7 @@ def test_a_disk_that_fills_up_stops_nothing_half_way(tmp_path, monkeypatch):
     monkeypatch.setattr("mikas.client.memory.restoring.save", once)
     restored(it, tmp_path)
     assert stored(it) == data
+    assert not (tmp_path / "d.restore.json").exists()
     (tmp_path / "d").write_bytes(bytes(0x80))
     with pytest.raises(UsageError, match="No space left"):  # before anything is written
         restored(it, tmp_path)

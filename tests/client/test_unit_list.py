@@ -162,6 +162,30 @@ def test_a_unit_that_knows_64_but_not_63_is_said_to(lists):
         assert not isinstance(caught.value, ListLost)
 
 
+@pytest.mark.parametrize("why", ["full", "no passport"])
+def test_names_that_can_not_be_kept_are_said_and_the_list_is_set(lists, said, why):
+    it = bench()
+    if why == "full":
+        lists.write_text("in the place of the folder")
+    with ecu_on(it, lists=lists, retries=0) as ecu:
+        if why == "no passport":
+            answer = it.link.write
+
+            def damage(data):
+                if data and data[0] == 0x51:
+                    it.next_faults(*[LineFault.DAMAGED] * 4)
+                answer(data)
+
+            it.link.write = damage
+        ecu.set_list("TWAT", "FREQ")
+        it.link.write = type(it.link).write.__get__(it.link)
+        assert list(ecu.read_list()) == ["TWAT", "FREQ"]
+        ecu.set_list("TWAT", "INJ")
+    (sentence,) = said
+    assert f"can't be saved in {lists} (" in sentence.en
+    assert "не сохраняются" in sentence.ru
+
+
 def test_names_that_cannot_be_dropped_stop_the_64(lists, monkeypatch):
     it = bench()
     set_by(it, lists, "TWAT")

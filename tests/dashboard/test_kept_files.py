@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import threading
 from dataclasses import replace
 from types import SimpleNamespace
@@ -17,6 +18,7 @@ from mikas.dashboard.session import freeze_frames, guided_tests
 from mikas.dashboard.session.freeze_frames import FreezeFrameStore
 from mikas.dashboard.session.guided_tests import GuidedTests
 from mikas.dashboard.session.history import History
+from mikas.errors import UsageError
 from mikas.guided.definition import VerdictKind
 from mikas.guided.result import TestResult
 from mikas.i18n import Text
@@ -114,6 +116,41 @@ def test_frames_stay_when_more_of_the_units_passport_is_known(store, tmp_path):
     assert store.frames == []
 
 
+def test_frames_join_those_that_are_kept_under_the_whole_passport(store, tmp_path, said):
+    """The frames of the part stayed in a folder that no session looked into."""
+    store.begin_unit(UNIT)
+    seen(store, 13, 8.0)
+    store.finish()
+    later = FreezeFrameStore(tmp_path, store._history, lambda: 19.0)  # noqa: SLF001
+    later.begin_unit(replace(UNIT, passport=Passport(("A", None), ("C", "D"))))
+    seen(later, 17, 9.0)
+    later.finish()
+    later.begin_unit(UNIT)
+    again = FreezeFrameStore(tmp_path, History(), lambda: 19.0)
+    again.begin_unit(UNIT)
+    assert [each.code for each in again.frames] == [each.code for each in later.frames] == [17, 13]
+    assert len(list(tmp_path.iterdir())) == 1
+    assert said == []
+
+
+def test_a_frame_whose_file_can_not_be_deleted_is_not_said_to_be_gone(store, tmp_path):
+    """It was, and came back in the next session."""
+    store.begin_unit(UNIT)
+    seen(store, 13, 8.0)
+    store.finish()
+    (frame,) = store.frames
+    (file,) = tmp_path.rglob("*.json")
+    file.unlink()
+    file.mkdir()
+    for _ in range(2):
+        with pytest.raises(UsageError, match=re.escape(file.name)):
+            store.delete(frame.id)
+        assert store.frames == [frame]
+    file.rmdir()
+    assert store.delete(frame.id)
+    assert store.frames == []
+
+
 def test_of_many_frames_the_latest_thirty_are_read(store, tmp_path):
     store.begin_unit(UNIT)
     seen(store, 13, 8.0)
@@ -164,6 +201,21 @@ def test_of_two_results_kept_at_once_the_later_stays(tmp_path, monkeypatch):
     for run in reversed(started):  # the system runs threads in any order
         run()
     assert json.loads(file.read_text("utf-8"))[0]["in_report"] is True
+
+
+def test_results_that_can_not_be_saved_stay_and_are_said_once(tmp_path, said):
+    tests, file = kept_results(tmp_path, UNIT)
+    (read,) = tests.results
+    file.with_name(f"{file.name}.new").mkdir()
+    for wanted in (True, False, True):
+        tests.put_in_report(read.identity, wanted=wanted)
+    for thread in threading.enumerate():
+        if thread.name == "mikas test result":
+            thread.join()
+    (sentence,) = said
+    assert f"can't be saved in {tmp_path} (" in sentence.en
+    assert "Результаты проверок не сохраняются" in sentence.ru
+    assert [kept.in_report for kept in tests.results] == [True]
 
 
 def test_results_that_can_not_be_used_are_kept_aside(tmp_path):

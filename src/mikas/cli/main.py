@@ -10,17 +10,20 @@ import itertools
 import os
 import sys
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 
 import click
 
+from mikas import unkept
 from mikas.cli import desktop
 from mikas.cli.click_extensions import LocalizedGroup
 from mikas.cli.commands import COMMANDS
 from mikas.cli.failures import BUG, DONE, INTERRUPTED, failure_of
 from mikas.cli.given_secrets import hider_of
-from mikas.cli.language import detect_language, set_language
+from mikas.cli.language import detect_language, localized, set_language
 from mikas.cli.options.common import LocalizedOption
 from mikas.cli.render import terminal
+from mikas.i18n import Text
 
 _OBJECTS_BEFORE_COLLECTION = 50_000
 """Python's own 700 traverses the imported modules over and over: 4 % of the start of `dash`."""
@@ -74,8 +77,13 @@ def desktop_main() -> None:
 def run(argv: list[str]) -> int:
     """Run one command line; return the exit status."""
     hide = hider_of(argv)
-    with terminal.escaping(hide):
+    with terminal.escaping(hide), unkept.said_to(_say):
         return _run(argv, hide)
+
+
+def _say(sentence: Text) -> None:
+    with suppress(OSError, ValueError):  # a broken stderr ends no work
+        terminal.write_above(terminal.cell_text(localized(sentence)))
 
 
 def _run(argv: list[str], hide: Callable[[str], str]) -> int:

@@ -97,6 +97,7 @@ class CarBook:
         self.file = KeptFile(file, _MOST_BYTES, _book)
         self._virtual_units = virtual_units
         self._lock = threading.Lock()
+        self._unsaved: dict[str, Any] | None = None
 
     def keeps(self, unit: UnitIdentity | None) -> bool:
         """Return whether the details of this unit can be kept."""
@@ -117,21 +118,23 @@ class CarBook:
         return _line(self._load().get("workshop"))
 
     def keep(self, unit: UnitIdentity, details: CarDetails) -> None:
-        """Keep the details of a unit, also empty ones: it was asked. Raises `UsageError`.
+        """Keep the details of a unit, also empty ones: it was asked.
 
-        A mileage of None keeps the last one.
+        A mileage of None keeps the last one. Raises `UsageError` if they can't be saved: they stay
+        as long as this book.
         """
         with self._lock:
-            stored = self._load()
-            stored["workshop"] = details.workshop
+            stored = self._load() | {"workshop": details.workshop}
             if (key := self._key(unit)) is not None:
-                cars = stored["cars"]
+                cars = dict(stored["cars"])
                 before = car_details(cars.pop(key, None))
                 kept = asdict(replace(details, mileage=details.over(before).mileage))
                 del kept["workshop"]
                 cars[key] = kept  # as the latest
                 stored["cars"] = dict(list(cars.items())[-_MOST_CARS:])
+            self._unsaved = stored
             self.file.save(stored)
+            self._unsaved = None
 
     def _key(self, unit: UnitIdentity | None) -> str | None:
         if unit is None or unit.version_code is None or unit.passport is None:
@@ -142,7 +145,7 @@ class CarBook:
         return unit_file(Path(), unit.version_code, pieces).stem
 
     def _load(self) -> dict[str, Any]:
-        return self.file.load() or {"workshop": "", "cars": {}}
+        return self._unsaved or self.file.load() or {"workshop": "", "cars": {}}
 
 
 def _book(stored: object) -> dict[str, Any]:

@@ -9,11 +9,11 @@ from __future__ import annotations
 import json
 import threading
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Self, TypeVar
 
+from mikas import unkept
 from mikas.commands import Command, Safety
 from mikas.errors import JournalError, LinkLost, MikasError, NotConfirmed, reason_of
 from mikas.i18n import Text
@@ -64,6 +64,12 @@ _NO_OUTCOME = Text(
     "The change was made; the journal has its beginning, but not its outcome.",
     "Изменение сделано; в журнале есть его начало, но нет исхода.",
 )
+_END_UNKEPT = Text(
+    "The journal {place} can't be written ({why}): it has the beginning of a change, but not how "
+    "it failed.",
+    "Журнал {place} не записывается ({why}): в нём есть начало изменения, но нет того, чем оно "
+    "закончилось.",
+)
 
 
 @dataclass(slots=True, eq=False)
@@ -110,14 +116,12 @@ class Gate:
             try:
                 outcome = act()
             except MikasError as error:
-                with suppress(JournalError):  # the error on the wire matters more
-                    self._note(used(), "failed", str(error))
+                self._note_end(used(), "failed", str(error))
                 if isinstance(error, LinkLost) and error.advice == LinkLost.advice:
                     error.advice = _UNSETTLED
                 raise
             except BaseException as error:
-                with suppress(JournalError):
-                    self._note(used(), "interrupted", type(error).__name__)
+                self._note_end(used(), "interrupted", type(error).__name__)
                 raise
             try:
                 self._note(used(), "done", journal_hex(read_back(outcome)))
@@ -141,6 +145,12 @@ class Gate:
         """
         if self._confirm is None and safety >= Safety.DANGEROUS:
             raise NotConfirmed(change=what, how=_NO_CONFIRM)
+
+    def _note_end(self, change: Change, state: str, outcome: str) -> None:
+        """Journal the error that ends a change, which matters more than one of the journal."""
+        if self._journal is not None:
+            with unkept.saying_once(_END_UNKEPT, self._journal):
+                self._note(change, state, outcome)
 
     def _note(self, change: Change, state: str, outcome: str | None) -> None:
         if self._journal is None:

@@ -12,6 +12,7 @@ passport. Passports given by a scenario or a recording (`sim --replay`) look lik
 from __future__ import annotations
 
 import json
+import os
 import threading
 from collections.abc import Callable, Mapping
 from contextlib import suppress
@@ -23,9 +24,11 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
+from mikas import unkept
 from mikas.commands import LARGEST_BLOCK
 from mikas.errors import LineError, NoConnection
 from mikas.files import read_json
+from mikas.i18n import Text
 from mikas.saving import save
 from mikas.virtual import VIRTUAL_PASSPORT
 
@@ -34,6 +37,18 @@ STARTING_LIST = 64  # far above the 21 codes of §4; a request of 66 bytes takes
 _ADAPTERS = 8  # latest kinds of adapter whose timings are kept for a unit
 _MOST_FILES = 1000  # looked into for `limits_any`
 _MOST_BYTES = 1 << 18  # of a file; a unit with timings of eight adapters has 4 KB
+_UNKEPT = Text(
+    "What was learnt of this unit can't be saved in {place} ({why}): the next session takes the "
+    "time to learn it anew.",
+    "Выясненное об этом блоке (длины запросов, скорости) не сохраняется в {place} ({why}): в "
+    "следующий раз на это снова уйдёт время.",
+)
+_NOT_FORGOTTEN = Text(
+    "The limits of this unit can't be deleted in {place} ({why}): the next session takes them "
+    "again.",
+    "Пределы этого блока не удаляются из {place} ({why}): в следующий раз они снова будут "
+    "действовать.",
+)
 # Errors of reading a file that holds no limits.
 _NO_LIMITS = (ValueError, TypeError, LookupError, AttributeError, ArithmeticError, RecursionError)
 
@@ -117,7 +132,7 @@ class LimitsStore:
         return Limits()
 
     def save(self, version_code: int, passports: tuple[str, ...], limits: Limits) -> None:
-        """Save `limits`. A failure only costs time in the next session, so it is not reported.
+        """Save `limits`.
 
         Units with empty passports can't be distinguished: only timings are saved of them, which the
         first cycles of a session check.
@@ -126,7 +141,7 @@ class LimitsStore:
             return
         if not any(passports):
             limits = Limits(methods=_working(limits.methods))
-        with suppress(OSError):
+        with unkept.saying_once(_UNKEPT, self.folder):
             self.folder.mkdir(parents=True, exist_ok=True)
             file = unit_file(self.folder, version_code, passports)
             content = {"passports": passports, **asdict(limits)}
@@ -134,8 +149,10 @@ class LimitsStore:
 
     def forget(self, version_code: int, passports: tuple[str, ...]) -> None:
         """Delete the limits of a unit; a file that can't be deleted stays in force."""
-        with suppress(OSError):
-            unit_file(self.folder, version_code, passports).unlink(missing_ok=True)
+        file = unit_file(self.folder, version_code, passports)
+        with unkept.saying_once(_NOT_FORGOTTEN, self.folder):
+            if os.path.lexists(file):  # a disk that can't be written refuses an absent one, too
+                file.unlink()
 
     def _keeps(self, passports: tuple[str, ...]) -> bool:
         return self.virtual_units or VIRTUAL_PASSPORT not in passports

@@ -66,7 +66,9 @@ class RunningDashboard:
     def kept(self, folder: Path) -> Iterator[None]:
         """Be the one that is found in `folder` while in the `with`.
 
-        Where nothing can be written, it is not found, and works all the same.
+        Where nothing can be written, it is not found, and works all the same: a second click opens
+        a second one, which names the first if it needs its adapter. Nothing is lost by that, so
+        nothing is said.
         """
         with suppress(OSError):
             folder.mkdir(parents=True, exist_ok=True)
@@ -84,7 +86,7 @@ def starting(folder: Path) -> Iterator[None]:
     """Wait until no other program is about to start: of two clicks, the second one finds the first.
 
     A program that is killed meanwhile lets the next one in. Where nothing can be written, no
-    program waits.
+    program waits, and as little is lost.
     """
     with ExitStack() as held:
         with suppress(OSError):

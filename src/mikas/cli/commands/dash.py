@@ -163,11 +163,6 @@ def show_dashboard(
         )
         hosts = addresses() if options.lan else ()
         certificate = _certificate(options, settings, hosts)
-        if certificate and (why := certificate.unkept):
-            context.say(
-                f"The certificate can't be kept, so the next start makes another one ({why.en}).",
-                f"Сертификат не сохранить, при следующем запуске будет новый ({why.ru}).",
-            )
         access = Access(
             port,
             lan=options.lan,

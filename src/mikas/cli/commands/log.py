@@ -81,7 +81,7 @@ def log(
         from mikas.cli.sampling_run import sampling_session
 
         _check_name(out)
-        with sampling_session(context, options, ahead, out, car=car.note_maker(context)) as current:
+        with sampling_session(context, options, ahead, out, car=car.note_maker()) as current:
             return _record(context, current, rotate)
 
 

@@ -11,15 +11,20 @@ from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING
 
+from mikas import unkept
 from mikas.cli.click_extensions import grouped, option_field, optional_field
 from mikas.cli.options.parameter_types import whole
-from mikas.errors import UsageError
+from mikas.i18n import Text
 
 if TYPE_CHECKING:
-    from mikas.cli.context import CommandContext
     from mikas.client.cars import CarDetails
     from mikas.recording.capture.notes import Note
     from mikas.sampling.events import UnitFound
+
+_UNKEPT = Text(
+    "The car's details are in this recording, but can't be kept for the next one: {place}: {why}.",
+    "Данные машины есть в этой записи, но для следующей не сохранились: {place}: {why}.",
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,7 +67,7 @@ class CarOptions:
 
         return car_details(asdict(self))
 
-    def note_maker(self, context: CommandContext) -> Callable[[UnitFound], Note | None]:
+    def note_maker(self) -> Callable[[UnitFound], Note | None]:
         """Return the `car` of a `Recorder`: options are of the first unit, not of another one."""
         from mikas.client.cars import NO_CAR, CarBook
         from mikas.client.connecting import STATE_VARIABLE, state_folder
@@ -77,15 +82,8 @@ class CarOptions:
             known = replace(kept, mileage=None) if kept else replace(NO_CAR, workshop=book.workshop)
             details = known if unit.another else given.over(known)
             if given and not unit.another:
-                try:
+                with unkept.saying_once(_UNKEPT, book.file.path):
                     book.keep(unit.identity, details)
-                except UsageError as error:
-                    context.say(
-                        "The car's details are in this recording, but can't be kept for the next "
-                        f"one: {error.reason.en}.",
-                        "Данные машины есть в этой записи, но для следующей не сохранились: "
-                        f"{error.reason.ru}.",
-                    )
             return car_note(unit.time, details) if details else None
 
         return note

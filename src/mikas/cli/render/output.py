@@ -229,9 +229,7 @@ class StderrHandler(logging.Handler):
     def emit(self, record: logging.LogRecord) -> None:
         """Write one record; a broken stderr ends no command."""
         try:
-            if sys.stderr.isatty():
-                terminal.redraw("")
-            terminal.write_error(f"{self.format(record)}\n")
+            terminal.write_above(self.format(record))
         except (OSError, ValueError):
             self.handleError(record)
 

@@ -141,6 +141,13 @@ def _write(stream: TextIO, text: str) -> None:
     stream.flush()
 
 
+def write_above(text: str) -> None:
+    """Write a line to stderr, in the place of a status line, which is drawn again below it."""
+    if sys.stderr.isatty():
+        redraw("")
+    write_error(f"{text}\n")
+
+
 def redraw(text: str, end: str = "") -> None:
     """Replace the last line of stderr by `text`."""
     stream = error_drawing()

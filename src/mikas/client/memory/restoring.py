@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from itertools import zip_longest
 from pathlib import Path
 
+from mikas import unkept
 from mikas.client.ecu import Ecu
 from mikas.client.memory import dumps
 from mikas.client.memory.spaces import MemorySpace, Run
@@ -33,6 +34,12 @@ _NOT_WRITABLE = Text(
     "Nothing was changed.",
     "Блок принимает запись, но байты остаются прежними: эта память так не записывается. Ничего не "
     "изменено.",
+)
+_STATE_STAYS = Text(
+    "{place} can't be deleted ({why}): the next restore of this dump asks for --resume, though "
+    "this one has ended.",
+    "{place} не удаляется ({why}): следующая запись этого дампа попросит --resume, хотя эта "
+    "завершена.",
 )
 
 
@@ -182,7 +189,8 @@ class Restore:
         self.is_interrupted = True
         for number, (run, written) in enumerate(zip(self.runs, writing, strict=True), 1):
             self._count(run, written.after)
-            with suppress(UsageError):  # a full disk is no reason to stop half-way
+            # An earlier state is there, and says the same: resuming compares all bytes.
+            with suppress(UsageError):
                 self._save()
             if not self.written and number == min(_HOPELESS, len(self.runs)):
                 self._end()
@@ -196,7 +204,7 @@ class Restore:
         self._end()
 
     def _end(self) -> None:
-        with suppress(OSError):  # the next restore then asks for --resume, and compares
+        with unkept.saying_once(_STATE_STAYS, self._state):
             self._state.unlink(missing_ok=True)
         self.is_interrupted = False
 

@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from mikas import commands as c
-from mikas import errors
+from mikas import errors, unkept
 from mikas.catalog import Parameter
 from mikas.client.gate import Change, Gate
 from mikas.client.limits import unit_file
@@ -45,6 +45,12 @@ _NOT_AS_NAMED = Text(
     "set the list again.",
     "В списке блока не те параметры, что названы. Назовите все по порядку или задайте список "
     "заново.",
+)
+_UNKEPT = Text(
+    "The names of the unit's list can't be saved in {place} ({why}): the next session has to name "
+    "its parameters to read it.",
+    "Имена параметров списка блока не сохраняются в {place} ({why}): в следующий раз для чтения "
+    "списка их придётся назвать.",
 )
 _PERHAPS_LOST = Text(
     "A unit forgets its list when its supply goes off: set the list again. Else the line is bad.",
@@ -90,9 +96,11 @@ class UnitList:
         return names
 
     def _keep(self, names: Sequence[str]) -> None:
-        """Keep `names` of the connected unit. A failure only requires a new 64, so it is silent."""
-        with suppress(OSError, errors.LineError, errors.NoConnection):
-            if self._folder and (file := self._file()):
+        """Keep `names` of the connected unit."""
+        if self._folder is None:
+            return
+        with unkept.saying_once(_UNKEPT, self._folder):
+            if file := self._file():
                 file.parent.mkdir(parents=True, exist_ok=True)
                 save(file, json.dumps({"names": list(names)}))
 

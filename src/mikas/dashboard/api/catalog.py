@@ -17,6 +17,7 @@ from fastapi import APIRouter, Query, Request
 from fastapi.responses import JSONResponse, Response
 from pydantic import BaseModel, Field
 
+from mikas import unkept
 from mikas.catalog import Catalog, Confidence, Derived, Level, Parameter, shipped
 from mikas.catalog.own.file import left_out
 from mikas.dashboard.api.dependencies import (
@@ -198,7 +199,8 @@ class AboutResponse(BaseModel):
     )
     instance: str = Field(description="a mark of this run, new at each start; it gives no rights")
     problems: list[TwoTexts] = Field(
-        description="files of the user's that can't be used, and why; empty without control rights"
+        description="files of the user's that can't be used, things that can't be saved, and why; "
+        "empty without control rights"
     )
 
 
@@ -266,7 +268,8 @@ def about_of(request: Request, dashboard: Dashboard, client: Client) -> AboutRes
     """Return the server as `client` sees it; reads the user's files."""
     access: Access = request.app.state.access
     own = dashboard.catalogs.problem
-    unusable = [*([left_out(own)] if own else []), *problems(dashboard)]
+    unusable = [left_out(own)] if own else []
+    found = [*unusable, *problems(dashboard), *unkept.sentences()]
     return made_of(
         AboutResponse,
         access,
@@ -280,7 +283,7 @@ def about_of(request: Request, dashboard: Dashboard, client: Client) -> AboutRes
         else [],
         recordings_folder=str(dashboard.settings.recordings),
         desktop=dashboard.settings.desktop,
-        problems=[two(each) for each in unusable] if client.may_control else [],
+        problems=[two(each) for each in found] if client.may_control else [],
     )
 
 

@@ -6,6 +6,7 @@ from typing import Literal
 
 from pydantic import BaseModel, Field
 
+from mikas import unkept
 from mikas.client.parameters.polling import Method
 from mikas.commands.unit import version_text
 from mikas.dashboard.api.errors import OptionalTexts, TwoTexts, made_of, two
@@ -114,6 +115,10 @@ class State(OwnState):
     unlocked_until: float | None
     demo: bool
     lan: bool
+    unkept: int = Field(
+        description="kinds of things that can't be saved: a sentence for each is in `problems` of "
+        "`/api/about`"
+    )
 
 
 _NO_LINE: Line = "off"
@@ -200,6 +205,7 @@ def shared_state(dashboard: Dashboard) -> State:
             unlocked_until=None if unlocked is None else now + later + unlocked,
             demo=connection.is_demo,
             lan=dashboard.lan,
+            unkept=len(unkept.sentences()),
         )
 
 

@@ -16,12 +16,13 @@ import os
 import ssl
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Final
 
+from mikas import unkept
 from mikas.errors import UnfitFile, UsageError, reason_of
 from mikas.files import read_regular
 from mikas.i18n import Text
@@ -41,6 +42,10 @@ PLAIN_ADVICE: Final = Text(
     "Give your own with --tls-cert and --tls-key, or serve without encryption with --no-tls.",
     "Укажите свой ключами --tls-cert и --tls-key или откажитесь от шифрования ключом --no-tls.",
 )
+_UNKEPT: Final = Text(
+    "The certificate can't be kept, so the next start makes another one ({place}: {why}).",
+    "Сертификат не сохранить, при следующем запуске будет новый ({place}: {why}).",
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,8 +58,6 @@ class Certificate:
     names: tuple[str, ...]
     is_own: bool
     """Made by mikas."""
-    unkept: Text | None = None
-    """Why mikas could not keep it for the next start."""
 
     def hosts(self, here: Sequence[str]) -> tuple[str, ...]:
         """Return the names by which this computer is reached, the one for the link first.
@@ -82,7 +85,9 @@ def own_certificate(file: Path, hosts: Sequence[str], now: datetime) -> Certific
             file.parent.mkdir(parents=True, exist_ok=True)
             save(file, text, private=True)
         except OSError as error:
-            return _for_this_run(file, text, reason_of(error))
+            certificate = _for_this_run(file, text, reason_of(error))
+            unkept.say_once(_UNKEPT, file, error)
+            return certificate
     return _loaded(file, file, is_own=True)
 
 
@@ -92,7 +97,7 @@ def _for_this_run(file: Path, text: str, why: Text) -> Certificate:
         with TemporaryDirectory(prefix="mikas-") as folder:  # OpenSSL reads files only
             passing = Path(folder, file.name)
             save(passing, text, private=True)
-            certificate = _loaded(passing, passing, is_own=True)
+            return _loaded(passing, passing, is_own=True)
     except OSError as error:
         raise UsageError(
             problem=Text(
@@ -101,7 +106,6 @@ def _for_this_run(file: Path, text: str, why: Text) -> Certificate:
             ),
             advice=PLAIN_ADVICE,
         ) from error
-    return replace(certificate, unkept=Text(f"{file}: {why.en}", f"{file}: {why.ru}"))
 
 
 def given_certificate(file: Path, key: Path) -> Certificate:

@@ -10,6 +10,7 @@ and files, when the computer's date is set (`follow_date`).
 from __future__ import annotations
 
 import json
+import os
 import threading
 from collections.abc import Callable
 from contextlib import suppress
@@ -17,10 +18,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
+from mikas import unkept
 from mikas.client.limits import unit_file
 from mikas.dashboard.session.history import History
-from mikas.errors import MikasError
+from mikas.errors import MikasError, UsageError, naming_file
 from mikas.files import read_json
+from mikas.i18n import Text
 from mikas.recording.freeze_frames import (
     AROUND,
     LONGEST,
@@ -36,6 +39,10 @@ from mikas.virtual import VIRTUAL_PASSPORT
 _MOST: Final = 30
 _MOST_BYTES: Final = 4 << 20
 _LATER: Final = 0.5  # s after the last row that is wanted
+_UNKEPT: Final = Text(
+    "Freeze frames can't be saved in {place} ({why}): they stay until this program ends.",
+    "Стоп-кадры не сохраняются в {place} ({why}): они останутся только до завершения программы.",
+)
 
 
 @dataclass(eq=False)
@@ -73,8 +80,7 @@ class FreezeFrameStore:
             if unit.another:
                 self._frames, self._pending = {}, []
             elif self._own is not None:  # more of its passport is known now
-                with suppress(OSError):  # it has frames under the whole passport, too
-                    self._own.rename(own)
+                self._move_files(self._own, own)
                 self._dated = {
                     own / file.name if file.parent == self._own else file: later
                     for file, later in self._dated.items()
@@ -83,6 +89,15 @@ class FreezeFrameStore:
             self._kept = self._virtual_units or VIRTUAL_PASSPORT not in pieces
             files = _files(own)[:_MOST]
             self._frames |= {frame.id: frame for frame in map(_load, files) if frame}
+
+    def _move_files(self, before: Path, own: Path) -> None:
+        """Move the files to the folder of the whole passport, which may have frames, too."""
+        with unkept.saying_once(_UNKEPT, self._folder):
+            for file in _files(before):
+                own.mkdir(parents=True, exist_ok=True)
+                file.replace(own / file.name)
+        with suppress(OSError):  # an empty folder takes nothing
+            before.rmdir()
 
     @property
     def frames(self) -> list[FreezeFrame]:
@@ -125,7 +140,7 @@ class FreezeFrameStore:
 
     def _write_moved(self, moved: dict[Path, tuple[float, FreezeFrame | None]]) -> None:
         for file, (seconds, shown) in moved.items():
-            with self._disk, suppress(OSError):
+            with self._disk, unkept.saying_once(_UNKEPT, self._folder):
                 frame = shown or ((kept := _load(file)) and kept.moved(seconds))
                 if frame is None or (shown and not self._kept):
                     continue
@@ -149,15 +164,21 @@ class FreezeFrameStore:
         self._complete(ripe, at_once=True)
 
     def delete(self, identity: str) -> bool:
-        """Delete a frame; False: there is none of this id."""
+        """Delete a frame; False: there is none of this id. Raises `UsageError` if it stays."""
         with self._disk:
             with self._lock:
                 own, frame = self._own, self._frames.pop(identity, None)
                 later = self._later()
-                self._pending = [it for it in self._pending if it.moved(later).id != identity]
+                dropped = [it for it in self._pending if it.moved(later).id == identity]
+                self._pending = [it for it in self._pending if it not in dropped]
             if frame is not None and own is not None:
-                with suppress(OSError):
-                    _file(own, frame).unlink()
+                try:
+                    _delete(_file(own, frame))
+                except UsageError:
+                    with self._lock:
+                        self._frames[identity] = frame
+                        self._pending += dropped
+                    raise
         return frame is not None
 
     def _complete(self, ripe: list[FreezeFrame], *, at_once: bool = False) -> None:
@@ -190,7 +211,7 @@ class FreezeFrameStore:
             threading.Thread(target=self._write, args=(own, frame), daemon=True).start()
 
     def _write(self, own: Path, frame: FreezeFrame) -> None:
-        with self._disk, suppress(OSError):
+        with self._disk, unkept.saying_once(_UNKEPT, self._folder):
             with self._lock:
                 if own == self._own and self._frames.get(frame.id) is not frame:
                     return  # deleted, or completed meanwhile
@@ -202,6 +223,13 @@ class FreezeFrameStore:
 
 def _file(folder: Path, frame: FreezeFrame) -> Path:
     return folder / f"{frame.id}.json"
+
+
+def _delete(file: Path) -> None:
+    """Delete a file, if it could be saved. Raises `UsageError`."""
+    if os.path.lexists(file):
+        with naming_file(file):
+            file.unlink()
 
 
 def _files(folder: Path) -> list[Path]:

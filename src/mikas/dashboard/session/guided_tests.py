@@ -13,13 +13,13 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
+from mikas import unkept
 from mikas.cleaning import clean_line
 from mikas.client.limits import unit_file
 from mikas.dashboard.errors import Busy, NotFound
 from mikas.dashboard.session.catalog_in_use import CatalogInUse
 from mikas.dashboard.session.connection import Connection, SamplingPlanner
 from mikas.dashboard.settings import PlanSettings, Settings
-from mikas.errors import UsageError
 from mikas.i18n import Text
 from mikas.recording.capture.notes import Kind, Note
 from mikas.recording.recorder import Recorder
@@ -39,6 +39,12 @@ _MOST_KEPT: Final = 50  # results of a unit
 _MOST_BYTES: Final = 4 << 20
 _LONGEST_ID: Final = 80
 _RUNNING: Final = Text("a test is running", "проверка уже идёт")
+_UNKEPT: Final = Text(
+    "Results of guided tests can't be saved in {place} ({why}): they stay until this program ends; "
+    "a recording that runs has them, too.",
+    "Результаты проверок не сохраняются в {place} ({why}): они останутся до завершения программы и "
+    "в идущей записи.",
+)
 _NOT_RUNNING: Final = Text("no test is running", "проверка не идёт")
 
 
@@ -248,7 +254,7 @@ class GuidedTests:
                 {"id": it.identity, "in_report": it.in_report} | it.result.as_json()
                 for it in results
             ]
-            with suppress(UsageError):  # the results stay in memory, and in the recording
+            with unkept.saying_once(_UNKEPT, file.path.parent):
                 file.save(content)
 
 

@@ -35,7 +35,7 @@ export interface components {
             desktop: boolean;
             /** @description a mark of this run, new at each start; it gives no rights */
             instance: string;
-            /** @description files of the user's that can't be used, and why; empty without control rights */
+            /** @description files of the user's that can't be used, things that can't be saved, and why; empty without control rights */
             problems: components["schemas"]["TwoTexts"][];
         };
         /** @description A channel beyond a limit. */
@@ -1103,6 +1103,8 @@ export interface components {
             unlocked_until: number | null;
             demo: boolean;
             lan: boolean;
+            /** @description kinds of things that can't be saved: a sentence for each is in `problems` of `/api/about` */
+            unkept: number;
         };
         /** @description The line's state changed, by `error`. A file of a later version may have other states. */
         StateEvent: {

@@ -2,7 +2,8 @@
 // list.
 import type { ApiClient } from "../api/api";
 import { ApiError } from "../api/http";
-import { dictionary } from "../i18n";
+import type { Text } from "../api/types";
+import { dictionary, localized } from "../i18n";
 import { copyText, saveFile } from "../platform/output";
 
 const t = dictionary({
@@ -24,7 +25,7 @@ export interface Toast {
   action?: { text: () => string; run: () => void };
   /** The class of the error that is shown. */
   code?: string;
-  /** ms for which it is shown. */
+  /** ms for which it is shown; Infinity: until it is closed. */
   duration?: number;
 }
 
@@ -42,6 +43,7 @@ const MAX_HISTORY = 50;
 export class Toasts {
   shown = $state.raw<Toast[]>([]);
   private last = 0;
+  private readonly reminded = new Set<string>();
 
   /** Errors that were shown, the latest last. */
   history = $state.raw<PastError[]>([]);
@@ -55,6 +57,14 @@ export class Toasts {
   error(text: () => string, more: Partial<Toast> = {}): void {
     this.history = [...this.history, { time: Date.now() / 1000, text, detail: more.detail }].slice(-MAX_HISTORY);
     this.show({ kind: "error", text, duration: ERROR_MS, ...more });
+  }
+
+  /** Say what a person has to know who does not look now: each sentence once, until it is closed. */
+  remind(sentences: Text[]): void {
+    for (const sentence of sentences.filter(({ en }) => !this.reminded.has(en))) {
+      this.reminded.add(sentence.en);
+      this.error(() => localized(sentence), { duration: Infinity });
+    }
   }
 
   /** Say why something can't be done now; that is no error, and stays in no list. */
@@ -74,9 +84,10 @@ export class Toasts {
   private show(toast: Omit<Toast, "id">): void {
     const id = ++this.last;
     const text = toast.text();
-    const others = this.shown.filter((before) => before.text() !== text).slice(-2);
-    this.shown = [...others, { ...toast, id }];
-    setTimeout(() => this.close(id), toast.duration);
+    const others = this.shown.filter((before) => before.text() !== text);
+    const passing = others.filter(({ duration }) => duration !== Infinity).slice(-2);
+    this.shown = [...others.filter((before) => before.duration === Infinity || passing.includes(before)), { ...toast, id }];
+    if (toast.duration !== Infinity) setTimeout(() => this.close(id), toast.duration);
   }
 
   /**

@@ -109,7 +109,7 @@ def _measured_now(context: CommandContext, seconds: float, car: CarOptions) -> F
 
     with TemporaryDirectory(prefix="mikas-") as folder, context.open_ahead() as ahead:
         path = context.capture or Path(folder) / "report.pcapng"
-        options, note = SamplingOptions(duration=seconds), car.note_maker(context)
+        options, note = SamplingOptions(duration=seconds), car.note_maker()
         with sampling_session(context, options, ahead, path, car=note) as current:
             try:
                 _sample(context, current)

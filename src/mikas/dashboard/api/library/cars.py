@@ -8,16 +8,24 @@ from fastapi import APIRouter
 from fastapi.responses import Response
 from pydantic import BaseModel, Field
 
+from mikas import unkept
 from mikas.client.cars import LONGEST, MOST_MILEAGE, NO_CAR, CarDetails, car_details
+from mikas.client.identity import UnitIdentity
 from mikas.dashboard.api.dependencies import KnownClient, Line, TheDashboard, TheRequester
 from mikas.dashboard.api.errors import errors
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.errors import NotConnected
 from mikas.dashboard.library.folder import RecordingFile
+from mikas.i18n import Text
 from mikas.recording.annotations.events import RecordedUnit, car_note
 from mikas.recording.capture.writer import append_note
 
 router = APIRouter(tags=["recordings"])
+
+_UNKEPT = Text(
+    "The car's details can't be saved ({place}: {why}): they stay until this program ends.",
+    "Данные машины не сохраняются ({place}: {why}): они останутся до завершения программы.",
+)
 
 
 class CarInfo(BaseModel):
@@ -73,7 +81,7 @@ def write_car(dashboard: TheDashboard, _: KnownClient, body: CarRequest) -> CarR
     if unit is None or unit.version_code is None:
         raise NotConnected
     details = body.details()
-    dashboard.cars.keep(unit.identity, details)
+    _keep(dashboard, unit.identity, details)
     dashboard.car_now = unit.identity, details
     if details:
         dashboard.recorder.describe(details)
@@ -111,7 +119,12 @@ def _keep_unknown(dashboard: Dashboard, recorded: RecordedUnit | None, details: 
     kept = dashboard.cars.details_of(unit.identity)
     if details.name and not (kept and kept.name):
         workshop = CarDetails(workshop=dashboard.cars.workshop)
-        dashboard.cars.keep(unit.identity, details.over(workshop))
+        _keep(dashboard, unit.identity, details.over(workshop))
+
+
+def _keep(dashboard: Dashboard, unit: UnitIdentity, details: CarDetails) -> None:
+    with unkept.saying_once(_UNKEPT, dashboard.cars.file.path):
+        dashboard.cars.keep(unit, details)
 
 
 def car_of_connection(dashboard: Dashboard) -> CarDetails:
