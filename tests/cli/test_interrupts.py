@@ -10,7 +10,7 @@ from link_rig import registered
 from mikas.link.virtual import VirtualLink
 from mikas.virtual.build import build_bus
 
-POINTS = 25
+POINTS = 12
 COMMANDS = {
     "watch": ["watch", "FREQ", "--count", "30", "--json"],
     "watch-stream": ["watch", "FREQ", "--count", "30", "--method", "stream", "--json"],

@@ -177,7 +177,7 @@ def test_a_beginning_added_alone_counts_until_the_whole_is_named_too(tmp_path, w
 
 def test_thousands_of_recordings_that_begin_alike_are_each_read_once(tmp_path, monkeypatch) -> None:
     """Tiny ones, of one head: comparing each with each took 50 s for 4,000 of them."""
-    dataset, count = tmp_path / "set", 40
+    dataset, count = tmp_path / "set", 20
     every = [tmp_path / "in" / f"{number}.pcapng" for number in range(count)]
     for number, file in enumerate(every):
         make(file, began=BEGAN + number * DAY)

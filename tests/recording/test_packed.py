@@ -86,7 +86,7 @@ def test_of_a_cut_one_all_before_the_cut_is_read(tmp_path: Path, plain: Path, ho
 def test_damage_never_ends_in_an_unknown_error(tmp_path: Path, plain: Path, how) -> None:
     data = PACKINGS[how](plain.read_bytes())
     path = tmp_path / "drive.pcapng"
-    for at in range(0, len(data), max(1, len(data) // 40)):
+    for at in range(0, len(data), max(1, len(data) // 20)):
         path.write_bytes(data[:at] + bytes([data[at] ^ 0x41]) + data[at + 1 :])
         with suppress(CaptureError):
             items(path)

@@ -39,7 +39,7 @@ def test_a_disk_that_is_full_at_any_byte_hurts_nothing_written(tmp_path, monkeyp
     whole = recorder.stop().bytes
     passed = wire(tmp_path / "whole.pcapng")
     reported = kinds(tmp_path / "whole.pcapng")
-    for room in range(first, whole):
+    for room in range(first, whole, 3):  # odd: each place in a word of four bytes
         file = tmp_path / f"{room}.pcapng"
         disk.room = room
         recorder = Recorder()
