@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from shutil import copytree
 from tempfile import TemporaryDirectory
 
 from bench.virtual_fleet import BEGAN, DAY, Drive, record
@@ -15,6 +16,7 @@ from mikas.fleet.adding import Added, add, plan
 from mikas.fleet.executors import Runner, Work
 from mikas.fleet.interpreting import InterpretingSettings
 from mikas.fleet.job import FileOutcome
+from mikas.fleet.ledger import FOLDER
 from mikas.fleet.places import FoundFile
 from mikas.fleet.query.database import opened
 
@@ -51,6 +53,27 @@ def add_here(*places: object, to: object, settings: InterpretingSettings = SETTI
     """Add in this process."""
     planned = plan(map(str, places), str(to), settings)
     return add(planned, str(to), settings, HereRunner())
+
+
+@cache
+def _added(drives: tuple[tuple[str, str], ...]) -> TemporaryDirectory:
+    folder = TemporaryDirectory()
+    for name, drive in drives:
+        path = Path(folder.name) / "in" / name
+        path.parent.mkdir(exist_ok=True)
+        path.write_bytes(recorded(drive))
+    add_here(Path(folder.name) / "in", to=Path(folder.name) / "set")
+    return folder
+
+
+def make_dataset(home: Path, drives: dict[str, dict[str, object]]) -> Path:
+    """Write recordings into `home`/in and their dataset, `home`/set, which is computed once."""
+    wanted = {name: repr(replace(MINUTE, **changed)) for name, changed in drives.items()}
+    made = _added(tuple(wanted.items())).name
+    copytree(made, home, dirs_exist_ok=True)
+    for entry in (home / "set" / FOLDER).iterdir():  # where the recordings were found
+        entry.write_text(entry.read_text("utf-8").replace(made, str(home)), "utf-8")
+    return home / "set"
 
 
 def ask(dataset: object, sql: str) -> list[tuple]:

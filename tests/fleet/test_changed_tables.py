@@ -8,7 +8,7 @@ from pathlib import Path
 import duckdb
 import pytest
 
-from fleet_rig import SETTINGS, HereRunner, add_here, ask, counts, make
+from fleet_rig import SETTINGS, HereRunner, add_here, ask, counts, make, make_dataset
 from mikas.fleet.adding import Added, add, plan
 from mikas.fleet.ledger import FOLDER
 
@@ -17,9 +17,7 @@ HOTTEST = "SELECT max(TWAT) FROM samples"
 
 @pytest.fixture
 def dataset(tmp_path) -> Path:
-    make(tmp_path / "in" / "drive.pcapng")
-    add_here(tmp_path / "in", to=tmp_path / "set")
-    return tmp_path / "set"
+    return make_dataset(tmp_path, {"drive.pcapng": {}})
 
 
 def checked(folder: Path, dataset: Path) -> Added:

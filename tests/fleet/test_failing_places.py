@@ -14,7 +14,7 @@ import fsspec
 import pytest
 from fsspec.implementations.local import LocalFileSystem
 
-from fleet_rig import BEGAN, DAY, add_here, ask, counts, make
+from fleet_rig import BEGAN, DAY, add_here, ask, counts, make_dataset
 from mikas.cli.main import run
 from mikas.errors import FleetError
 from mikas.fleet.query import table_system
@@ -28,10 +28,8 @@ FAILURES = (errno.EIO, errno.EACCES, errno.EMFILE, errno.ETIMEDOUT)
 
 @pytest.fixture
 def home(tmp_path) -> Path:
-    make(tmp_path / "in" / "one.pcapng")
-    make(tmp_path / "in" / "other.pcapng", began=BEGAN + DAY, plate="Е777КХ99")
-    add_here(tmp_path / "in", to=tmp_path / "set")
-    return tmp_path / "set"
+    other = {"began": BEGAN + DAY, "plate": "Е777КХ99"}
+    return make_dataset(tmp_path, {"one.pcapng": {}, "other.pcapng": other})
 
 
 @pytest.mark.parametrize("number", FAILURES)

@@ -14,7 +14,7 @@ from pathlib import Path
 import duckdb
 import pytest
 
-from fleet_rig import BEGAN, DAY, add_here, ask, counts, make
+from fleet_rig import BEGAN, DAY, add_here, ask, counts, make, make_dataset
 from mikas.cleaning import terminal_text
 from mikas.cli.main import run
 from mikas.errors import FleetError
@@ -28,12 +28,10 @@ ROWS = "SELECT count(*), count(DISTINCT drive) FROM samples"
 @pytest.fixture
 def home(tmp_path) -> Path:
     """A dataset of two recordings of two cars, and a file outside of it."""
-    make(tmp_path / "in" / "good.pcapng")
-    make(tmp_path / "in" / "bad.pcapng", began=BEGAN + DAY, plate="Е777КХ99")
-    add_here(tmp_path / "in", to=tmp_path / "set")
     (tmp_path / "outside").mkdir()
     (tmp_path / "outside" / "keep.parquet").write_bytes(b"keep")
-    return tmp_path / "set"
+    bad = {"began": BEGAN + DAY, "plate": "Е777КХ99"}
+    return make_dataset(tmp_path, {"good.pcapng": {}, "bad.pcapng": bad})
 
 
 @pytest.fixture(autouse=True)

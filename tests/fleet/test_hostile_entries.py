@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from fleet_rig import BEGAN, DAY, SETTINGS, add_here, ask, counts, files_of, make
+from fleet_rig import BEGAN, DAY, SETTINGS, add_here, ask, counts, files_of, make, make_dataset
 from mikas.cli.main import run
 from mikas.fleet.entries import FOLDER, LedgerEntry
 from mikas.fleet.ledger import MARKER, open_ledger
@@ -22,11 +22,9 @@ COUNT = "SELECT count(*) FROM drives"
 @pytest.fixture
 def home(tmp_path) -> Path:
     """A dataset of three recordings."""
-    for number in range(3):
-        make(tmp_path / "in" / f"{number}.pcapng", began=BEGAN + number * DAY)
-    add_here(tmp_path / "in", to=tmp_path / "set")
     (tmp_path / "nothing").mkdir()
-    return tmp_path / "set"
+    drives = {f"{number}.pcapng": {"began": BEGAN + number * DAY} for number in range(3)}
+    return make_dataset(tmp_path, drives)
 
 
 def entries_of(home: Path) -> list[LedgerEntry]:
