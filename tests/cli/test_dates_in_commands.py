@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import time
 from datetime import UTC, datetime
 from itertools import pairwise
 from pathlib import Path
@@ -14,6 +15,8 @@ import pytest
 import mikas as library
 from csv_columns import columns_of
 from fleet_rig import add_here, ask
+from link.network.terminal_server import ANSWER, REQUEST, served
+from mikas.recording.capture.reader import CaptureReader, Packet
 from mikas.recording.summary import summarise
 from sampling.computer_harness import BEGAN, NIGHT, YEARS, Computer, record
 
@@ -103,3 +106,27 @@ def test_the_list_of_recordings_and_what_the_library_gives(drive, began):
     times = [time for rows in recording.rows() for time in rows.times.tolist()]
     assert times[0] == pytest.approx(began, abs=3)
     check_steps(drive, times)
+
+
+@pytest.mark.parametrize("seconds", [YEARS, -NIGHT])
+@pytest.mark.parametrize(("command", "chunks"), [("raw 01 --yes", 99), ("doctor", 1)])
+def test_a_command_with_a_capture_notes_the_date_that_was_set(
+    mikas, monkeypatch, tmp_path, command, chunks, seconds
+):
+    real, moved = time.time, 0.0
+    monkeypatch.setattr(time, "time", lambda: real() + moved)
+
+    def unit(client):
+        nonlocal moved
+        for _ in range(chunks):
+            data = client.recv(4096)
+            client.sendall(data + ANSWER * data.count(REQUEST))
+            moved = seconds
+
+    with served(unit) as place:
+        mikas(*command.split(), "--port", f"socket://{place}", "--capture", "a.pcapng")
+    times = [it.time for it in CaptureReader(tmp_path / "a.pcapng") if isinstance(it, Packet)]
+    assert times
+    assert all(it == pytest.approx(real() + seconds, abs=3600) for it in times)
+    [change] = library.open(tmp_path / "a.pcapng").events
+    assert change.seconds == pytest.approx(seconds, abs=1)

@@ -20,15 +20,16 @@ from mikas.cli.advice import ADVICE
 from mikas.cli.language import capital, localized, tr
 from mikas.cli.render.output import Output
 from mikas.cli.render.terminal import cell_text, write_error
-from mikas.errors import MikasError, NotConfirmed, NotSupported
+from mikas.errors import CaptureError, MikasError, NotConfirmed, NotSupported
 from mikas.i18n import Text
 
 if TYPE_CHECKING:
     from mikas.catalog.own.file import OwnCatalog
     from mikas.client import Change, Confirm, Ecu
     from mikas.client.connecting import ConnectionOptions
-    from mikas.link import Link, Sink
+    from mikas.link import CaptureTee, Link
     from mikas.link.ahead import PortAhead
+    from mikas.recording import CaptureWriter
 
 _NO_TERMINAL = Text(
     "There is no terminal to ask on; --yes confirms in advance.",
@@ -43,6 +44,19 @@ _NOT_RECORDED = Text(
     "A recording answers only the requests that it contains; for others the car is needed.",
     "Запись отвечает только на те запросы, которые в ней есть; для остальных нужна машина.",
 )
+
+
+def _note_date(writer: CaptureWriter, link: CaptureTee) -> None:
+    """Note by how much the computer's date was set, if it was. Raises `CaptureError`."""
+    from mikas.sampling.date_watch import LEAST, in_grains
+
+    if abs(seconds := in_grains(link.date_set)) < LEAST:
+        return
+    from mikas.recording.annotations.events import note_of
+    from mikas.sampling.events import ClockChanged
+
+    date = link.date()
+    writer.note(note_of(ClockChanged(link.now(), seconds, False, date - seconds, date)))
 
 
 def _connection(settings: Mapping[str, Any]) -> dict[str, Any]:
@@ -148,10 +162,10 @@ class CommandContext:
                     error.advice = _NOT_RECORDED
                 raise
             finally:
-                self.check_capture(ecu.tester.link)
+                self.end_capture(sink, ecu.tester.link)
 
     @contextmanager
-    def capturing(self, port: str) -> Iterator[Sink | None]:
+    def capturing(self, port: str) -> Iterator[CaptureWriter | None]:
         """Open the capture file of `--capture`; None without it."""
         if self.capture is None:
             yield None
@@ -165,9 +179,18 @@ class CommandContext:
                 writer.discard_if_empty()
                 raise
 
-    def check_capture(self, link: Link) -> None:
-        """Print a note if the capture on `link` has failed."""
-        failure = getattr(link, "failure", None)
+    def end_capture(self, writer: CaptureWriter | None, link: Link) -> None:
+        """Note in the capture on `link` a date that was set meanwhile; print its failure."""
+        from mikas.link import CaptureTee
+
+        if writer is None or not isinstance(link, CaptureTee):
+            return
+        if link.failure is None:
+            try:
+                _note_date(writer, link)
+            except CaptureError as error:
+                link.failure = error
+        failure = link.failure
         if failure is not None and failure is not sys.exception():  # else it is printed anyway
             reason = (
                 localized(ADVICE.text(failure)) if isinstance(failure, MikasError) else str(failure)

@@ -247,6 +247,7 @@ class CaptureTee(LinkWrapper):
       and recording stops.
     - Closing the tee closes the link, not the sink.
     - `wire` counts the bytes, also after a failure of the sink.
+    - `date_set`: the seconds by which the computer's date was set since; none if time is simulated.
     """
 
     def __init__(self, link: Link, sink: Sink, wire: WireCount | None = None) -> None:
@@ -254,6 +255,11 @@ class CaptureTee(LinkWrapper):
         self.failure: Exception | None = None
         self._wire = wire or WireCount()
         self._sink = sink
+        self._wall = WallClock()
+
+    @property
+    def date_set(self) -> float:
+        return 0.0 if self.is_simulated else self._wall.date() - self._wall.now()
 
     def write(self, data: bytes) -> None:
         self.link.write(data)

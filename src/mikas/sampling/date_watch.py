@@ -8,7 +8,7 @@ passed, the clock is right, and all dates were wrong until now.
 Two clocks can't tell one from the other, but the line can: no computer sleeps while values come.
 Forward, and while none come, or shortly before they stop, it was a sleep; else the date was set.
 
-Differences below `_LEAST` are no jump. A clock that drifts from the date, as fast as NTP may slew
+Differences below `LEAST` are no jump. A clock that drifts from the date, as fast as NTP may slew
 one, is followed: its drift is noted as a set date when it has added up to `_MOST_DRIFT`. A date
 that is slewed faster is noted once, when it rests.
 """
@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from typing import Final, NamedTuple
 
-_LEAST: Final = 1.0  # s
+LEAST: Final = 1.0  # s
 _DRIFT: Final = 0.001  # twice the 500 ppm of NTP: the crystal has a drift of its own
 _MOST_DRIFT: Final = 10.0  # s; of a crystal with 50 ppm in two days
 _REST: Final = 0.02  # s in `_PATIENCE`; the slews of w32time and chrony are faster
@@ -53,10 +53,10 @@ class DateWatch:
         elapsed, self._looked = 0.0 if self._looked is None else now - self._looked, now
         most = _DRIFT * max(0.0, elapsed)
         moved = date - now - self._difference
-        if abs(moved) < _LEAST + most:
+        if abs(moved) < LEAST + most:
             self._jump = None
             return self._drifted(min(max(moved, -most), most), now, date)
-        seconds = _in_grains(moved)
+        seconds = in_grains(moved)
         if self._jump is None or abs(seconds - self._jump.seconds) >= _REST:
             self._jump = Jump(now, seconds, now + self._difference, date, slept=False)
         slept = broken and 0 < seconds <= _LONGEST_SLEEP
@@ -70,7 +70,7 @@ class DateWatch:
         self._drift += seconds
         if abs(self._drift) < _MOST_DRIFT:
             return None
-        drift = _in_grains(self._drift)
+        drift = in_grains(self._drift)
         self._drift -= drift
         return Jump(now, drift, date - drift, date, slept=False)
 
@@ -92,5 +92,6 @@ class DateWatch:
         return jump
 
 
-def _in_grains(seconds: float) -> float:
+def in_grains(seconds: float) -> float:
+    """Return `seconds` as a correction of a date has them."""
     return round(seconds * GRAIN) / GRAIN

@@ -67,7 +67,7 @@ def _open(context: CommandContext, stack: ExitStack) -> Link:
     if sink is None:
         return link
     tee = CaptureTee(link, sink)
-    stack.callback(context.check_capture, tee)
+    stack.callback(context.end_capture, sink, tee)
     return tee
 
 
