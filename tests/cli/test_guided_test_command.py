@@ -2,7 +2,13 @@
 
 from __future__ import annotations
 
+import time
+
 import pytest
+
+from link_rig import registered
+from mikas.link import open_link
+from sampling.computer_harness import BEGAN, NIGHT, YEARS
 
 CAR = "duration = 999\n[start]\nambient = 12\n[condition]\ncoolant_sensor = 15\n"
 
@@ -48,3 +54,27 @@ def test_a_skipped_step_decides_nothing_and_an_unfinished_test_has_no_result(mik
 def test_a_wrong_name_is_answered_with_those_there_are(mikas, port):
     assert "there is: charging" in mikas(*port, "test", "chargin").err
     assert "its steps: rest, crank" in mikas(*port, "test", "cranking", "--skip", "x").err
+
+
+@pytest.mark.parametrize("seconds", [YEARS, -NIGHT])
+def test_a_result_has_its_true_date_though_that_was_set_meanwhile(
+    mikas, port, monkeypatch, seconds
+):
+    links = []
+
+    def open_real(*_):
+        link = open_link(port[1])
+        link.is_simulated = link.is_virtual = False
+        links.append(link)
+        return link
+
+    def date():
+        now = links[-1].now() if links else 0.0
+        return BEGAN + now + (seconds if now > 2.5 else 0.0)
+
+    monkeypatch.setattr(time, "time", date)
+    with registered("car", open_real):
+        result = mikas("--port", "car:", "test", "sensors", "--json").object["result"]
+    step, curve = result["steps"][0], result["curves"][0]
+    for moment in (result["began"], result["ended"], step["began"], curve["times"][0]):
+        assert moment == pytest.approx(BEGAN + seconds, abs=60)

@@ -163,7 +163,8 @@ def _guide(
                 if text := _instruction(chosen, progress.step, is_new=is_new):
                     output.print_note(text)
                 said = now
-    return engine.result or NO_TEXT
+    run.session.conclude()  # a date that was set just now
+    return engine.result.moved(run.later) if engine.result else NO_TEXT
 
 
 def _instruction(test: GuidedTest, step: int | None, *, is_new: bool) -> str:
