@@ -1,6 +1,7 @@
 // One function for each route of the API (docs/reference/api.md). Each returns the response's JSON or throws an `ApiError`.
 import { address, checked, json as request, lines, type Query, type RequestOptions, type Transport } from "./http";
 import type * as Api from "./types";
+import { Waiting } from "./waiting";
 
 const part = encodeURIComponent;
 
@@ -8,7 +9,11 @@ export type ApiClient = ReturnType<typeof createApi>;
 
 /** The API of the program behind this host. */
 export function createApi(host: Transport) {
-  const json = <T>(method: string, path: string, options?: RequestOptions) => request<T>(host, method, path, options);
+  const waiting = new Waiting();
+  const json = <T>(method: string, path: string, options: RequestOptions = {}) =>
+    waiting.wait({ signal: options.signal, long: options.bytes !== undefined }, (signal) =>
+      request<T>(host, method, path, { ...options, signal }),
+    );
   const get = <T>(path: string, query?: Query, signal?: AbortSignal) => json<T>("GET", path, { query, signal });
   const post = <T>(path: string, body: unknown = {}, query?: Query) => json<T>("POST", path, { body, query });
   const put = <T>(path: string, body: unknown) => json<T>("PUT", path, { body });
@@ -17,8 +22,9 @@ export function createApi(host: Transport) {
   const of = (recording: string | null, connected: string) => (recording === null ? connected : `/recordings/${part(recording)}`);
 
   return {
+    waiting,
     /** Fetch a file of the API by its address, so that an error can be shown instead of being saved as a file. */
-    file: (url: string, signal?: AbortSignal) => checked(host, url, { signal }),
+    file: (url: string, signal?: AbortSignal) => waiting.wait({ signal, long: true }, (stop) => checked(host, url, { signal: stop })),
 
     state: () => get<Api.State>("/state"),
     about: () => get<Api.About>("/about"),
@@ -34,7 +40,7 @@ export function createApi(host: Transport) {
       get<Api.ChannelValue>(`/channels/${part(name)}/value`, { recording, at }),
     presets: () => get<Api.Presets>("/presets"),
     savePresets: (presets: Api.Preset[]) => put<Api.Presets>("/presets", { presets }),
-    history: (seconds: number, points: number, names?: string[]) => get<Api.History>("/history", { seconds, points, names }),
+    history: (seconds: number, points: number, signal?: AbortSignal) => get<Api.History>("/history", { seconds, points }, signal),
 
     /** Moments at which a condition holds: in a recording, or in the live values (null). */
     find: (recording: string | null, expression: string) => get<Api.Found>(`${of(recording, "/history")}/find`, { expression }),
@@ -45,7 +51,12 @@ export function createApi(host: Transport) {
     connect: (port: string | null) => post<Api.State>("/connect", { port, echo: "auto", method: "auto", rate: null }),
     disconnect: () => post<Api.State>("/disconnect"),
     doctor: (port: string | null, onStep: (step: Api.DoctorStep) => void) =>
-      lines<Api.DoctorStep>(host, "/doctor", { body: { port } }, onStep),
+      waiting.wait({}, (signal, came) =>
+        lines<Api.DoctorStep>(host, "/doctor", { body: { port }, signal }, (step) => {
+          came();
+          onStep(step);
+        }),
+      ),
     stopDoctor: () => post<Api.State>("/doctor/stop"),
     plan: (wanted: Api.Wanted[], method: Api.Method, rate: number | null) => put<Api.State>("/plan", { wanted, method, rate }),
     first: (names: readonly string[]) => put<Api.State>("/plan/first", { names }),

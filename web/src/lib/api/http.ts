@@ -63,15 +63,19 @@ async function send(host: Transport, method: string, path: string, options: Requ
 
 /** Fetch an address. An error is raised instead of being returned as a response. */
 export async function checked(host: Transport, url: string, init: RequestInit): Promise<Response> {
-  let response: Response;
-  try {
-    response = await host.fetch(url, init);
-  } catch (error) {
-    if (error instanceof DOMException && error.name === "AbortError") throw error;
-    throw new ApiError(0, "Unreachable", host.words.unreachable);
-  }
+  const response = await reached(host, host.fetch(url, init));
   if (!response.ok) throw await errorOf(response);
   return response;
+}
+
+/** What the network brings. Where it breaks off, the program is not reached. */
+async function reached<T>(host: Transport, answer: Promise<T>): Promise<T> {
+  try {
+    return await answer;
+  } catch (error) {
+    if (error instanceof SyntaxError || (error instanceof DOMException && error.name === "AbortError")) throw error;
+    throw new ApiError(0, "Unreachable", host.words.unreachable);
+  }
 }
 
 async function errorOf(response: Response): Promise<ApiError> {
@@ -86,7 +90,7 @@ async function errorOf(response: Response): Promise<ApiError> {
 
 export async function json<T>(host: Transport, method: string, path: string, options?: RequestOptions): Promise<T> {
   const response = await send(host, method, path, options);
-  return (response.status === 204 ? undefined : await response.json()) as T;
+  return (response.status === 204 ? undefined : await reached(host, response.json())) as T;
 }
 
 /** Post a request that answers with newline-delimited JSON; `onLine` is called as each line arrives. */
@@ -95,7 +99,7 @@ export async function lines<T>(host: Transport, path: string, options: RequestOp
   const reader = response.body!.pipeThrough(new TextDecoderStream()).getReader();
   let rest = "";
   for (;;) {
-    const { value, done } = await reader.read();
+    const { value, done } = await reached(host, reader.read());
     if (done) break;
     const parts = (rest + value).split("\n");
     rest = parts.pop() ?? "";

@@ -75,6 +75,8 @@ export class Live {
   private looks = 0;
   /** Rows that arrived while the history is being loaded. */
   private pending: Rows[] | null = null;
+  /** Ends the loading of the history: its answer may be lost with the connection. */
+  private loading = new AbortController();
   /** Channels that were changed while the history is being loaded. */
   private changed: string[] = [];
   private readonly eventLog = new EventLog();
@@ -87,7 +89,7 @@ export class Live {
   onevents: (events: readonly LineEvent[]) => void = () => undefined;
 
   constructor(
-    private readonly host: Pick<Host, "connect" | "patience">,
+    private readonly host: Pick<Host, "connect" | "patience" | "runsHere">,
     private readonly api: ApiClient,
   ) {}
 
@@ -127,6 +129,8 @@ export class Live {
 
   /** Give up a socket that has brought nothing for too long. */
   private look(): void {
+    // In this page a request is not lost while the program runs; it may take long.
+    if (!this.host.runsHere) this.api.waiting.look(this.link === "lost", LOOK);
     if (this.socket === null) return;
     const { first, next } = this.host.patience;
     this.looks += 1;
@@ -139,6 +143,7 @@ export class Live {
   private onLost(): void {
     this.socket = null;
     this.link = "lost";
+    this.loading.abort();
     const wait = document.hidden ? DELAYS.hidden : this.attempts === 0 ? DELAYS.first : DELAYS.next;
     this.attempts += 1;
     this.timer = setTimeout(() => this.open(), wait);
@@ -272,6 +277,7 @@ export class Live {
   private async loadHistory(seconds = FIRST_HISTORY): Promise<void> {
     if (this.pending) return;
     this.pending = [];
+    this.loading = new AbortController();
     const away = this.columns.length > 0 ? Math.max(1, this.now() - this.columns.last) : seconds;
     try {
       if (away > FULL_DETAIL) {
@@ -287,12 +293,12 @@ export class Live {
     this.historyLoads += 1;
     this.tick += 1;
     frameClock.request();
-    if (this.changed.length > 0) this.reload(this.changed.splice(0));
+    if (this.changed.length > 0 && this.link !== "lost") this.reload(this.changed.splice(0));
   }
 
   /** Load `seconds` of history except the last `before` seconds. */
   private async loadPart(seconds: number, points: number, before: number): Promise<void> {
-    const { events, names, times: sent, values, later } = await this.api.history(seconds, points);
+    const { events, names, times: sent, values, later } = await this.api.history(seconds, points, this.loading.signal);
     const moved = this.later - later; // 0, unless the date was set between the two answers
     const times = sent.map((time) => time + moved);
     const until = (times[times.length - 1] ?? 0) - before;

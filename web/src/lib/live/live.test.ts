@@ -62,7 +62,7 @@ it("moves all that it holds when the program's date is set", async () => {
 
 describe("a socket that brings nothing", () => {
   /** A live connection whose sockets the test holds; none closes by itself. */
-  function connection(patience = served.patience) {
+  function connection(patience = served.patience, fetch: typeof served.fetch = () => Promise.reject(new TypeError("no network"))) {
     const sockets: (LiveSocket & { closed: boolean })[] = [];
     const connect = () => {
       const socket = {
@@ -74,11 +74,11 @@ describe("a socket that brings nothing", () => {
       sockets.push(socket);
       return socket;
     };
-    const stores = new Stores({ ...served, connect, patience, fetch: () => Promise.reject(new TypeError("no network")) });
+    const stores = new Stores({ ...served, connect, patience, fetch });
     stores.live.start();
     const state = { line: "sampling", port: "A", alarms: [], rights: "control", controller: null } as unknown as State;
     const say = () => sockets.at(-1)!.onmessage!({ data: JSON.stringify({ now: 1, dropped: 0, state }) } as MessageEvent);
-    return { live: stores.live, say, sockets };
+    return { live: stores.live, api: stores.api, say, sockets };
   }
 
   beforeEach(() => {
@@ -126,6 +126,41 @@ describe("a socket that brings nothing", () => {
     vi.setSystemTime(Date.now() + 3_600_000); // the page slept: no timer ran
     vi.advanceTimersByTime(500);
     expect(live.link).toBe("open");
+  });
+  it("takes the requests along that have no answer, and the history is asked for again", async () => {
+    const asked: { path: string; answer: (response: Response) => void; signal: AbortSignal }[] = [];
+    const { live, api, say } = connection(
+      served.patience,
+      (path, init) =>
+        new Promise((answer, fail) => {
+          const signal = init!.signal!;
+          asked.push({ path, answer, signal });
+
+          signal.addEventListener("abort", () => fail(signal.reason));
+        }),
+    );
+    say();
+    const pressed = api.startRecording().then(
+      () => "answered",
+      (error: Error) => error.name,
+    );
+    await vi.advanceTimersByTimeAsync(4000); // lost, and open again
+    say();
+    await vi.advanceTimersByTimeAsync(0);
+    expect(asked.map(({ path, signal }) => [path.split("?")[0], signal.aborted])).toEqual([
+      ["api/history", true],
+      ["api/recording/start", false],
+      ["api/history", false],
+    ]);
+    asked[2]!.answer(Response.json(history(7)));
+    await vi.advanceTimersByTimeAsync(0);
+    asked[3]!.answer(Response.json(history(7))); // the last minute
+    for (let second = 0; second < 15; second += 1) {
+      await vi.advanceTimersByTimeAsync(1000);
+      say();
+    }
+    expect(await pressed).toBe("ApiError");
+    expect([live.link, [...live.columns.column("A")!]]).toEqual(["open", [7, 7]]);
   });
   it("in the page without installation starts as long as it takes", () => {
     const { live, say } = connection({ first: Infinity, next: 15_000 });
