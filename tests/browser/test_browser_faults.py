@@ -105,3 +105,20 @@ def test_an_erase_reads_the_faults_three_times(own, visitor, monkeypatch):
     samples = own.state()["samples"]
     own.until(lambda: own.state()["samples"] > samples + 9)
     assert [[fault.code for fault in each] for each in readings] == [[17, 41], [17, 41], []]
+
+
+def test_frames_that_can_not_be_saved_are_said_until_that_is_closed(own, visitor, tmp_path, said):
+    (tmp_path / "state").mkdir(exist_ok=True)
+    (tmp_path / "state" / "freeze-frames").write_text("in the place of the folder")
+    own.until(lambda: own.state()["fault_count"] == 2)
+    own.nobody_controls()
+    tab = visitor(own.url, viewport={"width": 390, "height": 844}).show("live")
+    own.garage.car.faults.append(13)
+    tab.says("Freeze frames can't be saved in")
+    notice = tab.find(".toast", has_text="Freeze frames can't be saved")
+    own.garage.car.faults.append(14)
+    tab.says("New fault in the unit: 14")
+    expect(notice).to_have_count(1)
+    notice.get_by_role("button", name="Close").click()
+    expect(notice).to_have_count(0)
+    assert len(said) == 1

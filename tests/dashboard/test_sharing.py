@@ -86,6 +86,20 @@ def test_on_there_is_an_encrypted_way_in_and_off_everything_is_closed_at_once(it
         assert client.get("/about").status_code == 401
 
 
+def test_a_certificate_that_can_not_be_kept_is_said_to_who_switches_not_to_the_network(
+    it, tmp_path, said
+):
+    (tmp_path / "state").mkdir()
+    (tmp_path / "state" / "dashboard.pem").mkdir()
+    tokens = [token_of(switch(it, True)) for _ in range(2)]
+    (problem,) = it.get("/about")["problems"]
+    assert f"can't be kept, so the next start makes another one ({tmp_path}" in problem["en"]
+    with phone(it, tokens[1]) as client:
+        assert client.get("/state").json()["unkept"] == 1
+        assert client.get("/about").json()["problems"] == []  # a path of this computer
+    assert len(said) == 1
+
+
 def test_who_may_control_from_the_network_may_not_switch_and_loses_control_with_it(it):
     about = switch(it, True, control=True)
     with phone(it, token_of(about)) as client:
