@@ -11,7 +11,7 @@ import mikas
 from merged_harness import needs_wireshark, ran, record
 from mikas.errors import CaptureError
 from mikas.recording import CaptureWriter
-from mikas.recording.annotations.cars import Run, cars_of
+from mikas.recording.annotations.cars import PortSpan, cars_of
 from mikas.recording.capture.reader import CaptureReader
 from mikas.recording.splitting import cars_in, split
 from mikas.recording.summary import summarise
@@ -112,5 +112,5 @@ def test_the_same_unit_on_another_port_later_is_the_same_car(
 ) -> None:
     notes = list(CaptureReader(record(tmp_path / "it.pcapng", "", port=ONE)).notes())
     later = [replace(note, recording=1) for note in notes]
-    runs = {0: Run(ONE, lambda: (0.0, 10.0)), 1: Run(TWO, lambda: (begin, 20.0))}
+    runs = {0: PortSpan(ONE, lambda: (0.0, 10.0)), 1: PortSpan(TWO, lambda: (begin, 20.0))}
     assert [car.recordings for car in cars_of([*notes, *later], runs)] == cars

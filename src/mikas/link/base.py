@@ -120,7 +120,7 @@ class Link(ABC):
         """
 
     def date(self) -> float:
-        """Return the computer's date, in UNIX time, for what is kept; if simulated, the clock.
+        """Return the computer's date, in UNIX time, for kept files; if simulated, the clock.
 
         It follows when the date is set, and may run back then.
         """

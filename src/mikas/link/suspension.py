@@ -19,7 +19,7 @@ from typing import Final
 from mikas.errors import ReadingSuspended
 from mikas.link.base import Chunk, Link, LinkWrapper
 
-# D14: a response takes half a second at most, so what is older is none of the present request. A
+# D14: a response takes half a second at most, so older bytes are none of the present request. A
 # busy computer stops a thread for 0.2 s. A byte can be as old as a wait and the lateness together.
 LATE: Final = 0.4  # s
 LATE_IN_PROGRAM: Final = 2.0  # s, of a unit in this program: its bytes keep their own times

@@ -153,7 +153,7 @@ class _BoundedPaho(paho.Client):
         return data
 
     def _other_program(self, begin: bytes) -> NoWelcome:
-        """Return the end of a connection to what is no broker: its text has no packet's length."""
+        """Return the end of a connection to another kind of server, by what it sent first."""
         with suppress(OSError):
             begin += super()._sock_recv(2 * PIECE)
         words = _WORDS.match(begin)

@@ -38,7 +38,7 @@ P = ParamSpec("P")
 T = TypeVar("T")
 
 # A network that is gone closes no connection, and the system of a broker that hangs acknowledges
-# for it. So a silent broker is asked; where our system can, it gives up what is not acknowledged.
+# for it. So a silent broker is asked; where our system can, it gives up unacknowledged bytes.
 KEEP_ALIVE: Final = 3  # s; after one and a half of them without a sign of life comes the last will
 UNACKNOWLEDGED: Final = 1.5  # s
 _ANSWER: Final = 3.0  # s for the broker's answer; a network that is back has another chance soon

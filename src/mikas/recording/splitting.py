@@ -11,7 +11,7 @@ from typing import BinaryIO, Final
 
 from mikas.cancellation import check_cancelled
 from mikas.files import beside
-from mikas.recording.annotations.cars import RecordedCar, Run, cars_of
+from mikas.recording.annotations.cars import PortSpan, RecordedCar, cars_of
 from mikas.recording.capture.opening import capture_error, opened_capture
 from mikas.recording.capture.scan import read_whole
 from mikas.recording.capture.sections import Sections
@@ -29,12 +29,12 @@ def cars_in_sections(sections: Sections) -> list[RecordedCar]:
     """Return the cars of an open capture."""
     notes, count = sections.index.notes, len(sections.index.sections)
     if count < 2:
-        return cars_of(notes, {0: Run("")})
-    runs: dict[int, Run] = {}
+        return cars_of(notes, {0: PortSpan("")})
+    runs: dict[int, PortSpan] = {}
     for number in range(count):
         _, first = sections.head(number)
         if first is not None:
-            runs[number] = Run(first.source.url, partial(sections.span, number))
+            runs[number] = PortSpan(first.source.url, partial(sections.span, number))
     return cars_of(notes, runs)
 
 

@@ -25,7 +25,7 @@ from mikas.commands.base import ERROR
 from mikas.commands.unit import version_of
 from mikas.errors import CaptureError
 from mikas.i18n import Text
-from mikas.recording.annotations.cars import Run, SeveralCars, cars_of, several
+from mikas.recording.annotations.cars import PortSpan, SeveralCars, cars_of, several
 from mikas.recording.annotations.fields import passport_of
 from mikas.recording.capture.notes import Kind, Note
 from mikas.recording.capture.reader import Problem, Source
@@ -82,7 +82,7 @@ def build(items: Iterable[Exchanges | Problem | Note], catalog: Catalog) -> Repl
             _Stretch(builder, builder.enter(item), item).add_exchanges()
     data = builder.finish()
     _add_noted_identity(data, notes)
-    runs = {number: Run(port, partial(spans.get, number)) for number, port in ports.items()}
+    runs = {number: PortSpan(port, partial(spans.get, number)) for number, port in ports.items()}
     data.cars = cars_of(notes, runs, catalog)
     return data
 

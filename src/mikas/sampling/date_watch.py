@@ -5,7 +5,7 @@ either the computer slept and the clock stood still (a browser's, a paused virtu
 has passed, so the clock is behind. Or the date was set (a Pi's first NTP, a person): no time has
 passed, the clock is right, and all dates were wrong until now.
 
-Two clocks can't tell one from the other, but the line can: no computer sleeps while values come.
+Two clocks can't distinguish them, but the line can: no computer sleeps while values come.
 Forward, and while none come, or shortly before they stop, it was a sleep; else the date was set.
 
 Differences below `LEAST` are no jump. A clock that drifts from the date, as fast as NTP may slew

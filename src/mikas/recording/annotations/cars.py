@@ -25,13 +25,13 @@ _MOST_NAMED: Final = 10
 
 
 @dataclass(frozen=True, slots=True)
-class Run:
+class PortSpan:
     """Where and when a recording was made. `span`: gives the times of its first and last packet."""
 
     port: str
     span: Callable[[], tuple[float, float] | None] = lambda: None
 
-    def excludes(self, other: Run) -> bool:
+    def excludes(self, other: PortSpan) -> bool:
         """Return whether both were made at the same time, on two ports."""
         if self.place == other.place:
             return False
@@ -65,7 +65,7 @@ class RecordedCar:
             return Text(words or "?", words or "?")
         return model or Text("?", "?")
 
-    def is_same(self, other: RecordedCar, runs: Mapping[int, Run]) -> bool:
+    def is_same(self, other: RecordedCar, runs: Mapping[int, PortSpan]) -> bool:
         """Return whether both are recordings of one car, as far as they show it."""
         mine, others = self.details, other.details
         if mine.plate and others.plate:
@@ -96,7 +96,7 @@ class RecordedCar:
 
 
 def cars_of(
-    notes: Iterable[Note], runs: Mapping[int, Run], catalog: Catalog | None = None
+    notes: Iterable[Note], runs: Mapping[int, PortSpan], catalog: Catalog | None = None
 ) -> list[RecordedCar]:
     """Return the cars of a file, in the order of their first recordings.
 

@@ -65,7 +65,7 @@ def packing_of(head: bytes) -> tuple[str, str] | None:
 
 
 def unpacked(file: BinaryIO) -> BinaryIO | None:
-    """Return what is packed in `file`, as a temporary file; None if it is not packed.
+    """Return the content of a packed `file` as a temporary file; None if it is not packed.
 
     Raises `UnfitFile` if it can't be unpacked here, or holds no recording, or several.
     """
@@ -120,7 +120,7 @@ def _check(out: BinaryIO, packing: tuple[str, str]) -> None:
 
 
 def _pieces(file: BinaryIO, how: str, program: str) -> Iterator[bytes]:
-    """Yield what is packed. Raise `EOFError` where the file is cut."""
+    """Yield the content. Raise `EOFError` where the file is cut."""
     try:
         match how:
             case "gzip":

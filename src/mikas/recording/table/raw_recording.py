@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from mikas.cancellation import check_cancelled
 from mikas.commands import ERASE_FAULTS, ReadFaults
 from mikas.errors import MikasError
-from mikas.recording.annotations.cars import RecordedCar, Run, SeveralCars, cars_of, several
+from mikas.recording.annotations.cars import PortSpan, RecordedCar, SeveralCars, cars_of, several
 from mikas.recording.capture.notes import Note
 from mikas.recording.capture.reader import Problem, Source
 from mikas.recording.exchanges import read_exchanges
@@ -135,7 +135,7 @@ class RawRecording:
         self._kept: frozenset[int] | None = None  # sessions of one car; None: all
         self._read()
         runs = {
-            port.recording: Run(port.url, partial(self.spans.get, port.recording))
+            port.recording: PortSpan(port.url, partial(self.spans.get, port.recording))
             for port in self._sources
         }
         self.cars: Sequence[RecordedCar] = cars_of(self.notes, runs)

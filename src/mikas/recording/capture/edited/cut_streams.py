@@ -26,7 +26,7 @@ from mikas.commands import Availability, Datum, StreamAtStroke, StreamCyclic
 from mikas.errors import UnknownParameter
 from mikas.framing import Decoder, Frame
 from mikas.recording.capture import blocks as pcapng
-from mikas.recording.capture.edited.marks import Change, Marked, PacketTimes
+from mikas.recording.capture.edited.marks import Edit, Marked, PacketTimes
 from mikas.recording.capture.notes import Kind, Note, read_block, said_in_place
 from mikas.recording.capture.scan import RawBlock, Scanner
 
@@ -79,10 +79,10 @@ class CutStreams:
     """
 
     def __init__(self, file: BinaryIO) -> None:
-        self.changes: list[Change] = []
+        self.changes: list[Edit] = []
         self._scanner = Scanner(file)
         self._times = PacketTimes(self._scanner)
-        self._front: int | None = None  # the end of what is in front of a section's packets
+        self._front: int | None = None  # the end of the blocks in front of a section's packets
         self._order: pcapng.Order = "<"
         self._latest: dict[str, Note] = {}  # by kind
 
@@ -105,7 +105,7 @@ class CutStreams:
                 self._search(raw.end, plan)
 
     def finish(self) -> None:
-        """Take the end of what is in front of a section's packets."""
+        """Take the end of the blocks in front of a section's packets."""
         if self._front is not None:
             self._search(self._front, self._planned())
             self._front = None
@@ -159,7 +159,7 @@ class CutStreams:
         is_known = plan is not None and self._is_of(plan, found, requested)
         data = {"stream": [*plan.request] if plan is not None and is_known else []}
         at = found.begin.offset
-        self.changes.append(Change(at, at, said_in_place(data, self._order)))
+        self.changes.append(Edit(at, at, said_in_place(data, self._order)))
 
     def _is_of(self, plan: _PlannedStream, turn: _Turn, requested: bytes) -> bool:
         """Return whether these responses are of that plan's stream. `requested`: the next one."""

@@ -104,7 +104,7 @@ class PacketTimes:
         return time
 
 
-class Change(NamedTuple):
+class Edit(NamedTuple):
     """`blocks` instead of the bytes of a file from `begin` to `end`."""
 
     begin: int
@@ -112,7 +112,7 @@ class Change(NamedTuple):
     blocks: bytes
 
 
-def changed(file: BinaryIO, changes: Iterable[Change]) -> BinaryIO:
+def changed(file: BinaryIO, changes: Iterable[Edit]) -> BinaryIO:
     """Return a capture with these changes, which rise: a temporary file, gone when it is closed."""
     out = cast("BinaryIO", TemporaryFile())  # noqa: SIM115  (the caller closes it)
     try:

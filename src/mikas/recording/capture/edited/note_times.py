@@ -27,7 +27,7 @@ from typing import BinaryIO, Final, NamedTuple
 
 from mikas.recording.capture import blocks as pcapng
 from mikas.recording.capture.dating import moved, set_by
-from mikas.recording.capture.edited.marks import Change, Marked, PacketTimes, changed, marked
+from mikas.recording.capture.edited.marks import Edit, Marked, PacketTimes, changed, marked
 from mikas.recording.capture.notes import LEFT_OUT, Kind, Note, block_of, said_in_place
 from mikas.recording.capture.scan import RawBlock, Scanner
 
@@ -185,7 +185,7 @@ def with_moved_notes(file: BinaryIO, times: NoteTimes) -> BinaryIO:
     return changed(file, _changes(file, times))
 
 
-def _changes(file: BinaryIO, times: NoteTimes) -> Iterator[Change]:
+def _changes(file: BinaryIO, times: NoteTimes) -> Iterator[Edit]:
     count = end = 0
     order: pcapng.Order = "<"
     said = _NONE
@@ -203,6 +203,6 @@ def _changes(file: BinaryIO, times: NoteTimes) -> Iterator[Change]:
             blocks += pcapng.encode(block_of(later), order)
         else:
             count += 1
-        yield Change(raw.offset, raw.end, blocks)
+        yield Edit(raw.offset, raw.end, blocks)
     if count:
-        yield Change(end, end, said_in_place({"count": count, "shifted": True}, order))
+        yield Edit(end, end, said_in_place({"count": count, "shifted": True}, order))

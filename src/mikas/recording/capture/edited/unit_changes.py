@@ -93,7 +93,7 @@ def are_of_one_unit(notes: Iterable[Note]) -> bool:
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class UnitPart:
     """One recording: its `first` notes, and where its other blocks end in the file."""
 
     first: Group
@@ -102,7 +102,7 @@ class Part:
 
 def parts_of(
     first: Group, interfaces: Sequence[pcapng.Interface], order: pcapng.Order, file: BinaryIO
-) -> list[Part] | None:
+) -> list[UnitPart] | None:
     """Return the recordings of one port; None: which packet is of which is not known.
 
     `first`: the notes before all packets; `file`: the blocks from the first packet on.
@@ -184,12 +184,12 @@ class _ByUnits:
             self._is_known = False
         self._step, self._unit = 0.0, None
 
-    def result(self, end: int) -> list[Part] | None:
+    def result(self, end: int) -> list[UnitPart] | None:
         if self._unit is not None:
             self._decide(self._unit, _STEP)
         ends = [*self._places, end]
         firsts = [self._first, *([] for _ in self._places)]
-        parts = [Part(*each) for each in zip(firsts, ends, strict=True)]
+        parts = [UnitPart(*each) for each in zip(firsts, ends, strict=True)]
         return parts if self._is_known else None
 
 
@@ -221,8 +221,8 @@ class _ByHeads:
             present = self._groups[len(self._places) - 1]
             self._is_known &= are_of_one_unit([*(placed.note for placed in present), note])
 
-    def result(self, end: int) -> list[Part] | None:
+    def result(self, end: int) -> list[UnitPart] | None:
         if not self._is_known or len(self._places) < len(self._groups):
             return None
         ends = [*self._places[1:], end]
-        return [Part(*each) for each in zip(self._groups, ends, strict=True)]
+        return [UnitPart(*each) for each in zip(self._groups, ends, strict=True)]

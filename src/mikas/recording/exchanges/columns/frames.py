@@ -181,7 +181,7 @@ class Segments:
 
 def cut_up(wire: Bytes, cuts: Index, limit: int, overflowed: bool) -> Segments:
     """Return the events in `wire`. It begins with an unfinished or inside an over-long frame."""
-    # One search for both special bytes; their order tells which escape is in which segment.
+    # One search for both special bytes; their order says which escape is in which segment.
     special = ((wire == _END) | (wire == _ESCAPE)).nonzero()[0]
     is_end = wire.take(special) == _END
     ends = special.take(is_end.nonzero()[0]) + 1
