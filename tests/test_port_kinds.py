@@ -72,6 +72,20 @@ def test_what_the_terminal_and_the_screens_add_stays() -> None:
     assert error.text.en.endswith("the ignition is off.")
 
 
+@pytest.mark.parametrize("table", [TERMINAL, DASHBOARD], ids=["terminal", "dashboard"])
+@pytest.mark.parametrize("kind", OVER_NETWORK)
+def test_over_a_network_nothing_sends_to_the_list_of_this_computers_ports(kind, table) -> None:
+    for words in table.text(met_on(PortKind.NETWORK, example(kind))):
+        assert not re.search("lists the ports|mikas ports|Порты перечислены", words), words
+
+
+def test_a_slow_network_is_among_the_causes_with_the_option() -> None:
+    error = met_on(PortKind.NETWORK, errors.NoEcho())
+    assert "network is slow" in error.text.en
+    assert "медленная сеть" in error.text.ru
+    assert all("--timeout" in words for words in TERMINAL.text(error))
+
+
 def test_a_lost_connection_is_no_adapter_that_is_gone() -> None:
     problem = Text("closed by the other end", "закрыто другой стороной")
     error = met_on(PortKind.NETWORK, errors.LinkLost(url="socket://h:1", problem=problem))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 import socket
 import threading
+from pathlib import Path
 
 import pytest
 from broker_rig import PATIENCE, InProcessBroker, Listener, Relay, free_port, is_
@@ -225,6 +226,11 @@ def test_a_port_where_nobody_listens_is_an_unreachable_broker(connect):
     assert isinstance(error, BrokerUnreachable)
     assert "nothing listens" in error.text.en
     assert "listener 1883" in error.text.ru
+
+
+@pytest.mark.skipif(not Path("/proc/net/if_inet6").exists(), reason="needs IPv6 of Linux")
+def test_a_link_local_address_needs_its_interface(connect):
+    assert "%eth0" in failure(connect, Broker("fe80::1", 1883)).reason.en
 
 
 @pytest.mark.parametrize("name", ["no-such-host.invalid", "a..b", f"{'x' * 70}.local"])

@@ -85,7 +85,15 @@ _HINTS = {
     ),
 }
 
-ADVICE: Final = errors.AdviceTable(_HINTS)
+_OVER_NETWORK: dict[type[errors.MikasError], Text] = {
+    errors.NoEcho: Text(
+        "Over a slow network, `--timeout 5` waits longer; `mikas doctor` checks the connection "
+        "step by step.",
+        "В медленной сети `--timeout 5` ждёт дольше; проверка связи по шагам: `mikas doctor`.",
+    ),
+}
+
+ADVICE: Final = errors.AdviceTable(_HINTS, _OVER_NETWORK)
 _IN_DOCTOR = (
     *(
         errors.PortNotFound,

@@ -249,7 +249,13 @@ ADVICE: Final = errors.AdviceTable(
             "The Passport screen shows the commands of this one.",
             "Команды этого блока показывает экран «Паспорт».",
         ),
-    }
+    },
+    over_network={
+        errors.NoEcho: Text(
+            "The Connection screen checks the connection step by step.",
+            "Связь проверяется по шагам на экране «Связь».",
+        ),
+    },
 )
 
 

@@ -40,6 +40,7 @@ class MikasError(Exception):
         self.received = received
         self.time = time
         self.fields = fields = _public({**self.defaults, **fields})
+        self.is_over_network = False  # of the connection to the unit
         self.reason = self.what.filled(**fields)
         self.advice = (advice or type(self).advice).filled(**fields)
         self._class_advice = None if advice else self.advice
@@ -122,11 +123,17 @@ class AdviceTable:
     """The advice of one user interface by error class: its commands, screens, keys.
 
     An entry follows the class's own advice and applies to subclasses that inherit that. An error
-    with individual advice (`has_class_advice` false) gets no entry.
+    with individual advice (`has_class_advice` false) gets no entry. `over_network`: entries that
+    take the place of others for an error of a network (`met_on`).
     """
 
-    def __init__(self, entries: Mapping[type[MikasError], Text]) -> None:
+    def __init__(
+        self,
+        entries: Mapping[type[MikasError], Text],
+        over_network: Mapping[type[MikasError], Text] = MappingProxyType({}),
+    ) -> None:
         self._entries = entries
+        self._over_network = over_network
 
     def advice(self, error: MikasError) -> Text:
         """Return the error's advice with the entry for its class."""
@@ -136,6 +143,8 @@ class AdviceTable:
     def parts(self, error: MikasError) -> tuple[Text, ...]:
         """Return the advice for every user, and the entry; neither if it is empty."""
         entry = self.entry(type(error)) if error.has_class_advice else None
+        if entry is not None and error.is_over_network:
+            entry = self._over_network.get(type(error), entry)
         hint = () if entry is None else (entry.filled(**error.fields),)
         return tuple(part for part in (error.advice, *hint) if part.en)
 

@@ -71,12 +71,12 @@ _OVER_NETWORK: Final = AdviceTable(
         connection.NoEcho: Text(
             "Likely, in order: the bridge has lost its Wi-Fi or its supply, or carries nothing any "
             "more (restart it); its serial port is not wired to the adapter, or not set to 9600 "
-            "baud, 8N1; the adapter behind it has no 12 V; K-Line or ground is not connected. With "
-            "an adapter that returns no echo: the ignition is off.",
+            "baud, 8N1; the adapter behind it has no 12 V; K-Line or ground is not connected; the "
+            "network is slow. With an adapter that returns no echo: the ignition is off.",
             "Скорее всего, по порядку: мост потерял Wi-Fi или питание либо ничего не передаёт "
             "(перезапустите его); его последовательный порт не соединён с адаптером или настроен "
-            "не на 9600 бод, 8N1; на адаптере за ним нет 12 В; не подключены K-Line или масса. "
-            "Если адаптер не возвращает эхо: выключено зажигание.",
+            "не на 9600 бод, 8N1; на адаптере за ним нет 12 В; не подключены K-Line или масса; "
+            "медленная сеть. Если адаптер не возвращает эхо: выключено зажигание.",
         ),
         connection.EchoOnly: Text(
             "Likely, in order: the ignition is off; the bridge's serial port is not set to 9600 "
@@ -140,6 +140,7 @@ _LOST: Final = Text(
 def met_on(kind: PortKind, error: E) -> E:
     """Give `error` the words for this kind of port; advice that was given for this case stays."""
     if kind is PortKind.NETWORK:
+        error.is_over_network = True
         advice = _OVER_NETWORK.entry(type(error))
         # What a lower layer has chosen by the other end's words is better.
         is_untouched = error.advice == type(error).advice.filled(**error.fields)

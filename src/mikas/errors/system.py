@@ -52,6 +52,14 @@ REFUSALS: Final = {
 }
 """By the number of the error."""
 
+NEEDS_INTERFACE: Final = Text(
+    "an IPv6 address that begins with fe80 needs the name of this computer's interface: "
+    "[fe80::1%eth0], or %wlan0",
+    "адресу IPv6, который начинается с fe80, нужно имя интерфейса этого компьютера: "
+    "[fe80::1%eth0] или %wlan0",
+)
+"""The reason of EINVAL while connecting: no other address meets it."""
+
 OF_PLACE: Final = frozenset((errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS))
 """Refusals that another file in the same place meets as well."""
 

@@ -17,6 +17,7 @@ import sys
 from serial import SerialTimeoutException
 
 from mikas.errors import NoConnection, PortDenied, PortFailed, PortKind, PortNotFound, met_on
+from mikas.errors.system import NEEDS_INTERFACE
 from mikas.i18n import Text
 from mikas.link.base import TAKES_NO_BYTES, UNPLUGGED
 from mikas.link.holders import adapter_without_port, port_busy
@@ -58,6 +59,7 @@ _OVER_NETWORK = {
     errno.ENETUNREACH: _NO_WAY,
     errno.ENETDOWN: _NO_WAY,
     errno.EADDRNOTAVAIL: _NO_WAY,
+    errno.EINVAL: NEEDS_INTERFACE,
     errno.ECONNRESET: CLOSED_THERE,
     errno.ECONNABORTED: CLOSED_THERE,
     errno.EACCES: Text("a firewall forbids it", "запрещает брандмауэр"),

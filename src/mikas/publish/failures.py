@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import errno
 import re
 import socket
 import ssl
 from typing import TYPE_CHECKING, Final
 
 from mikas import errors
+from mikas.errors.system import NEEDS_INTERFACE
 from mikas.i18n import Text
 
 if TYPE_CHECKING:
@@ -115,7 +117,9 @@ def connecting_failed(url: str, error: MqttError | OSError | UnicodeError) -> er
         case ConnectionResetError() | BrokenPipeError() | NoWelcome():
             return errors.BrokerUnreachable(url=url, problem=_NOT_MQTT)
         case OSError() if cause.errno is not None:
-            return errors.BrokerUnreachable(url=url, problem=errors.reason_of(cause))
+            is_local = cause.errno == errno.EINVAL
+            problem = NEEDS_INTERFACE if is_local else errors.reason_of(cause)
+            return errors.BrokerUnreachable(url=url, problem=problem)
         case OSError():  # a time-out has no number
             return errors.BrokerUnreachable(url=url, problem=_NO_ANSWER)
     return errors.BrokerUnreachable(url=url, problem=_NOT_MQTT)

@@ -7,6 +7,7 @@ import select
 import socket
 import time
 from contextlib import ExitStack, closing
+from pathlib import Path
 
 import pytest
 
@@ -173,3 +174,12 @@ def test_a_system_without_a_kind_of_addresses_has_the_other(listening, names, mo
     monkeypatch.setattr(tcp.socket, "socket", refuse)
     with closing(port_at(("bridge.test", listening.place[1]))):
         pass
+
+
+@pytest.mark.skipif(not Path("/proc/net/if_inet6").exists(), reason="needs IPv6 of Linux")
+def test_a_link_local_address_without_its_interface_is_explained():
+    """A real connection: the system's own refusal, for a bridge and for a broker."""
+    with pytest.raises(PortFailed) as caught:
+        open_link("socket://[fe80::1]:4001")
+    for words in caught.value.reason:
+        assert "%eth0" in words
