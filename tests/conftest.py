@@ -67,9 +67,9 @@ def state_folder(monkeypatch):
     return folder
 
 
-@pytest.fixture
+@pytest.fixture(autouse=True)
 def said():
-    """What the program says in this test of things that it can't keep."""
+    """What the program says of things that it can't keep: in this test, and no other."""
     from mikas import unkept
 
     sentences = []
