@@ -11,6 +11,7 @@ import { loadAnew } from "./offline/anew";
 import { installing } from "./offline/installing.svelte";
 import { Program } from "./program/program";
 import { OneTab, type Owner } from "./tabs/oneTab";
+import { HANGS } from "./within";
 import workerScript from "./worker/worker.ts?worker&url";
 
 installing.watch();
@@ -63,7 +64,8 @@ async function start(): Promise<void> {
 }
 
 start().catch((error: unknown) => {
-  const known = error instanceof ProgramEnded && (error.why === "held" || error.why === "newer") ? error.why : null;
+  const hangs = error instanceof DOMException && error.name === HANGS ? "hangs" : null;
+  const known = error instanceof ProgramEnded && error.why !== "missing" ? (error.why ?? null) : hangs;
   const kept = navigator.serviceWorker?.controller != null; // so no network is needed
   const why = known ?? (navigator.onLine || kept ? "broken" : "offline");
   shown.start = { kind: "broken", message: error instanceof Error ? error.message : String(error), why };

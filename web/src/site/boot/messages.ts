@@ -30,6 +30,11 @@ export const t = dictionary({
     en: "Only one can have them. Close the other tabs of this page, wait for a few seconds, and reload this one. If that does not help, close all windows of the browser and open it again.",
     ru: "Они могут быть открыты только в одной вкладке. Закройте другие вкладки этой страницы, подождите несколько секунд и обновите эту. Если не поможет, закройте все окна браузера и откройте его снова.",
   },
+  hangs: { en: "The browser’s storage does not answer", ru: "Хранилище браузера не отвечает" },
+  hangs_do: {
+    en: "Close all windows of the browser and open this page again. If that does not help, restart the computer, and see whether its disk is full. Recordings that were made are kept.",
+    ru: "Закройте все окна браузера и откройте эту страницу снова. Если не поможет, перезагрузите компьютер и проверьте, не заполнен ли диск. Сделанные записи сохранены.",
+  },
   newer: { en: "The recordings here are of a newer mikas than this page", ru: "Записи здесь сделаны более новой версией mikas, чем эта страница" },
   newer_do: { en: "This is an older version of the page. Load the page anew to have the latest one. Nothing was changed.", ru: "Это старая версия страницы. Загрузите её заново с сервера, чтобы получить последнюю. Ничего не изменено." },
   anew: { en: "Load the page anew", ru: "Загрузить заново" },

@@ -7,8 +7,8 @@ export type Hindrance = "no-wasm" | "no-jspi";
 /** Why the tab that has the program keeps it. */
 export type Refusal = "recording" | "sampling" | "silent";
 
-/** Why it did not start, as far as that is known: the recordings are in use, or of a later version; no network. */
-export type Failure = "held" | "newer" | "offline" | "broken";
+/** Why it did not start, as far as that is known: the recordings are in use, or of a later version; the browser does not answer; no network. */
+export type Failure = "held" | "hangs" | "newer" | "offline" | "broken";
 
 export type Start =
   | { kind: "loading"; progress: Progress | null }

@@ -1,4 +1,5 @@
 // The files of one version of the site in the browser's cache, by the list that the build makes of them (`tools/site/listing.py`).
+import { within } from "../within";
 
 export interface SiteFiles {
   version: string;
@@ -13,6 +14,8 @@ export const POLICY =
 
 const LIST = "files.json";
 const INDEX = "index.html";
+/** ms in which the browser finds a kept file; then the server is asked. */
+const FOUND_MS = 10_000;
 /** Requests at the same time. */
 const AT_ONCE = 4;
 
@@ -57,7 +60,7 @@ export class KeptFiles {
     const { pathname } = new URL(address);
     const path = pathname === this.scope.pathname ? INDEX : pathname.slice(this.scope.pathname.length);
     const options = { cacheName: this.prefix + this.version, ignoreVary: true };
-    const found = await this.caches.match(this.address(path), options).catch(() => undefined);
+    const found = await within(FOUND_MS, this.caches.match(this.address(path), options)).catch(() => undefined);
     if (!found) return undefined;
     const headers = new Headers(found.headers);
     headers.set("Content-Security-Policy", `${POLICY}; frame-ancestors 'none'`);

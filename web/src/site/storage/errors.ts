@@ -3,6 +3,7 @@
 export type StorageReason =
   | "held" // another tab, or another worker, has them open
   | "newer" // a later version of the site wrote them; nothing was changed
+  | "hangs" // the browser neither opens nor refuses them
   | "missing"; // this browser, or this private window, gives no files to a page
 
 /** Why the kept files can't be opened. The texts for the user are the page's. */

@@ -2,10 +2,13 @@
 // first over a channel to leave it; that one refuses while it samples or records.
 import type { Refusal } from "../boot/start.svelte";
 import { Deferred } from "../deferred";
+import { within } from "../within";
 
 const NAME = "mikas.program";
 /** ms in which a tab answers; its page has time even while it draws. */
 const ANSWER_MS = 4000;
+/** ms in which the browser says whether the lock is free. */
+const LOCK_MS = 20_000;
 
 type Message = { kind: "leave"; from: string } | { kind: "left"; to: string } | { kind: "refused"; to: string; refusal: Refusal };
 
@@ -64,7 +67,7 @@ export class OneTab {
   }
 
   private tryNow(): Promise<boolean> {
-    return new Promise((decided) => this.hold({ ifAvailable: true }, decided));
+    return within(LOCK_MS, new Promise((decided) => this.hold({ ifAvailable: true }, decided)));
   }
 
   /** Hold the lock until it is taken away, or the tab is closed. */

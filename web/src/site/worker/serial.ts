@@ -1,6 +1,7 @@
 // The adapters on Web Serial, for Python's link (`mikas.browser.web_serial`). Here runs what can't wait for Python: each chunk is stamped when
 // it comes and kept until Python takes it. No promise is rejected: what went wrong is in what it is kept with, or in `lost`.
 import type { Serial, SerialPort } from "./webSerial";
+import { HANGS, within } from "../within";
 import { afterOthers } from "./waits";
 
 /** Of the browser's buffer: a minute of the line, while Python computes. By default it is 255 bytes, a quarter of a second. */
@@ -13,9 +14,6 @@ const RECENTLY = 0.003;
 
 /** ms in which the browser settles what is asked of a port. A driver that hangs settles nothing, and Python would wait for ever. */
 const PATIENCE = { list: 2000, open: 10_000, signals: 2000, close: 5000 };
-
-/** The refusal of a port that the browser neither opens nor closes in that time. */
-const HANGS = "TimeoutError";
 
 /** Bytes of Python. */
 interface PyBytes {
@@ -239,14 +237,6 @@ export class OpenPort {
     this.writer?.releaseLock();
     await this.port.close().catch(() => undefined);
   }
-}
-
-/** As `promise`, but broken with `HANGS` if that is not settled in so many milliseconds. */
-function within<T>(milliseconds: number, promise: Promise<T>): Promise<T> {
-  return new Promise((keep, fail) => {
-    const timer = setTimeout(() => fail(new DOMException("The browser does not answer.", HANGS)), milliseconds);
-    promise.then(keep, fail).finally(() => clearTimeout(timer));
-  });
 }
 
 async function closedAfter(opened: Promise<void>, port: SerialPort): Promise<void> {

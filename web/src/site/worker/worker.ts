@@ -2,6 +2,7 @@
 import type { FromWorker, Role, ToWorker } from "../program/messages";
 import { StorageError } from "../storage/errors";
 import { opfsFolder } from "../storage/folder";
+import { inTime } from "../storage/inTime";
 import { Pool } from "../storage/pool";
 import { PoolView } from "../storage/view";
 import { followAdapters } from "./adapters";
@@ -13,7 +14,7 @@ const post = (message: FromWorker, transfer: Transferable[] = []): void => self.
 
 async function begin(): Promise<void> {
   const progress = (loaded: number, total: number) => post({ kind: "progress", loaded, total, stage: "program" });
-  const kept = keptFiles();
+  const kept = inTime(keptFiles());
   // A reader that can read nothing is not worth the start of Python.
   if (role === "reader") await kept;
   const [python, files] = await Promise.all([startPython(progress), kept]);
