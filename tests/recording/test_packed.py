@@ -6,6 +6,7 @@ import bz2
 import gzip
 import io
 import lzma
+import os
 import shutil
 import subprocess
 import tarfile
@@ -109,7 +110,7 @@ def test_another_packing_is_named_with_its_program(tmp_path: Path, head, program
 
 @pytest.mark.parametrize(("tool", "program"), [("zstd", "unzstd"), ("lz4", "lz4 -d")])
 def test_what_the_real_tools_pack_is_known(tmp_path: Path, plain: Path, tool, program) -> None:
-    if shutil.which(tool) is None:
+    if shutil.which(tool) is None and not os.environ.get("MIKAS_REQUIRE_PACKERS"):
         pytest.skip(f"{tool} is not installed")
     path = tmp_path / "drive.pcapng"
     made = subprocess.run([tool, "-c", str(plain)], check=True, capture_output=True)
