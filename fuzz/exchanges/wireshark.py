@@ -37,14 +37,19 @@ def compare(every: Sequence[Case]) -> None:
         script.write_text(source(CATALOG, "en", "corrected", "0"), "utf-8")
         path.write_bytes(b"".join(case.data for case in cases))
         found = tshark.decoded(tshark.shown(path, script, check=False))
-        wanted = list(map(oracle.line, oracle.without_ends(path, oracle.parts(path))))
-    owners = [case.number for case in cases for _ in case.sections]
-    for one, other in zip(found, wanted, strict=False):
-        if _plain(one) != _plain(other):
-            number = owners[other["recording"]]
-            raise Disagreement(
-                "tshark", f"case {number}\n  {_plain(one)}\n  decode: {_plain(other)}"
-            )
+        wanted: list[dict[str, Any]] = []
+        owners: list[int] = []
+        for case in cases:  # together they would be recordings of several cars
+            path.write_bytes(case.data)
+            lines = list(map(oracle.line, oracle.without_ends(path, oracle.parts(path))))
+            wanted += lines
+            owners += [case.number] * len(lines)
+    # Of two cars in a case, `decode` has the lines of one after those of the other.
+    shown = sorted(map(_plain, found), key=repr)
+    decoded = sorted(zip(map(_plain, wanted), owners, strict=True), key=repr)
+    for one, (other, number) in zip(shown, decoded, strict=False):
+        if one != other:
+            raise Disagreement("tshark", f"case {number}\n  {one}\n  decode: {other}")
     if len(found) != len(wanted):
         raise Disagreement("tshark", f"{len(found)} frames, decode has {len(wanted)}")
 
