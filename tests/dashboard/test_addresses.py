@@ -11,7 +11,7 @@ import pytest
 
 from dashboard.rig import ME, OTHER, rig
 from mikas.dashboard.network.addresses import _of_default_route, in_order, own_addresses
-from mikas.dashboard.network.interfaces import Address, Kind, kind_of, kind_of_windows
+from mikas.dashboard.network.interfaces import Address, InterfaceKind, kind_of, kind_of_windows
 from mikas.dashboard.network.temporary import (
     ifconfig,
     in_ifconfig,
@@ -20,7 +20,7 @@ from mikas.dashboard.network.temporary import (
 )
 from mikas.dashboard.security.access import Access
 
-WIFI, CABLE, VPN = Kind.WIRELESS, Kind.OTHER, Kind.VIRTUAL
+WIFI, CABLE, VPN = InterfaceKind.WIRELESS, InterfaceKind.OTHER, InterfaceKind.VIRTUAL
 
 
 def order(*found):

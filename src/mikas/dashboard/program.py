@@ -157,7 +157,7 @@ class Sharing:
             try:
                 certificate = await self._certified(here)
                 self._here = self._listen(here, certificate)
-            except (Busy, UsageError) as error:  # tried again; what is open stays
+            except (Busy, UsageError) as error:  # tried again; the open ones stay
                 _log.debug("an address is not followed yet: %s", error)
                 return
             await self._close_but(here)

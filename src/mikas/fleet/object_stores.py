@@ -236,6 +236,7 @@ SENTENCES: Final[Mapping[str, Text]] = MappingProxyType(
     | dict.fromkeys(("ConnectTimeoutError", "ReadTimeoutError", "FSTimeoutError"), _SILENT)
     | {"no URL": _NO_URL}
 )  # fmt: skip
+# What stores answer to a checksum's header that they don't know.
 _MAY_BE_CHECKSUMS: Final = frozenset(
     ("NotImplemented", "InvalidArgument", "InvalidRequest", "XAmzContentSHA256Mismatch",
      "MissingContentLength", "BadDigest", "InvalidDigest", "SignatureDoesNotMatch", "NotSupported",

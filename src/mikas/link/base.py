@@ -295,6 +295,9 @@ def _steady(system: str = sys.platform) -> Callable[[], float]:
     return time.perf_counter if number is None else partial(time.clock_gettime, number)
 
 
+_STEADY: Final = _steady()
+
+
 class WallClock:
     """The clock of links in real time: UNIX time at its creation, steady from there.
 
@@ -306,7 +309,7 @@ class WallClock:
 
     def __init__(
         self,
-        steady: Callable[[], float] = _steady(),  # noqa: B008
+        steady: Callable[[], float] = _STEADY,
         date: Callable[[], float] | None = None,
     ) -> None:
         self._steady = steady

@@ -43,8 +43,8 @@ from mikas.link.base import (
 )
 from mikas.link.failures import SYSTEM_ERRORS, is_unable, opening_failed, why_lost
 from mikas.link.network.other_end import at_the_end, in_handshake, with_words
-from mikas.link.network.rfc2217 import Rfc2217Port, Settings
-from mikas.link.network.tcp import TcpPort
+from mikas.link.network.rfc2217 import LineSettings, Rfc2217Port
+from mikas.link.network.tcp import RawTcpPort
 from mikas.link.ports import find_ports, named
 from mikas.link.urls import host_and_port, kind_of, parse
 from mikas.options import OptionParser, check_names
@@ -59,7 +59,7 @@ _CLOSED_MEANWHILE: tuple[type[Exception], ...] = (TypeError, AttributeError)
 _ERRORS = SYSTEM_ERRORS + _CLOSED_MEANWHILE
 
 
-OpenPort: TypeAlias = serial.Serial | TcpPort
+OpenPort: TypeAlias = serial.Serial | RawTcpPort
 
 
 class SerialLink(Link):
@@ -175,7 +175,7 @@ class SerialLink(Link):
 
     def _lost(self, why: Text, request: bytes | None) -> LinkLost:
         port = self.port
-        if isinstance(port, TcpPort) and port.ended_there:
+        if isinstance(port, RawTcpPort) and port.ended_there:
             lost = at_the_end(self.url, port.number, port.first, port.last, telnet=port.telnet)
         else:
             lost = met_on(self.kind, LinkLost(url=self.url, problem=why))
@@ -185,7 +185,7 @@ class SerialLink(Link):
     def explained(self, error: NoConnection | LineError) -> NoConnection | LineError:
         """As `Link.explained`."""
         port = self.port
-        if isinstance(error, LinkLost) or not isinstance(port, TcpPort):
+        if isinstance(error, LinkLost) or not isinstance(port, RawTcpPort):
             return error
         other: NoConnection | LineError | None
         if port.ended_there:
@@ -202,7 +202,7 @@ class SerialLink(Link):
         """Close the port, once: a second thread might close a descriptor that is in use again."""
         if self._closing.acquire(blocking=False):
             with suppress(*SYSTEM_ERRORS):  # the adapter may be gone already
-                if given_up and isinstance(self.port, TcpPort):
+                if given_up and isinstance(self.port, RawTcpPort):
                     self.port.give_up()
                 else:
                     self.port.close()
@@ -213,7 +213,7 @@ Receive = Callable[[float], bytes]
 
 
 def _receive(port: OpenPort) -> Receive:
-    if isinstance(port, TcpPort) or port.timeout == 0:
+    if isinstance(port, RawTcpPort) or port.timeout == 0:
         return _by_select(port)
     return _by_asking(port)
 
@@ -268,7 +268,7 @@ def open_socket(url: str, options: dict[str, str]) -> SerialLink:
     """Open a port served as plain TCP: `socket://host:port`. `baud`: the K-Line's."""
     check_names(options, ("baud",))
     baud = _baud(OptionParser(options))
-    return _connect(url, TcpPort(patience=_patience(baud)), baud, "TCP")
+    return _connect(url, RawTcpPort(patience=_patience(baud)), baud, "TCP")
 
 
 def open_rfc2217(url: str, options: dict[str, str]) -> SerialLink:
@@ -276,7 +276,7 @@ def open_rfc2217(url: str, options: dict[str, str]) -> SerialLink:
     check_names(options, ("baud", "dtr", "rts"))
     given = OptionParser(options)
     baud = _baud(given)
-    settings = Settings(
+    settings = LineSettings(
         baud=baud,
         dtr=given.switch("dtr", default=True),
         rts=given.switch("rts", default=False),
@@ -286,7 +286,7 @@ def open_rfc2217(url: str, options: dict[str, str]) -> SerialLink:
     return _connect(url, port, baud, "RFC 2217")
 
 
-def _connect(url: str, port: TcpPort, baud: int, about: str) -> SerialLink:
+def _connect(url: str, port: RawTcpPort, baud: int, about: str) -> SerialLink:
     host, number = host_and_port(url)
     try:
         port.open((host, number))

@@ -15,7 +15,7 @@ import re
 import time
 from collections.abc import Callable
 from contextlib import suppress
-from typing import Any, Final
+from typing import Any, Final, cast
 
 import aiomqtt
 from paho.mqtt import client as paho
@@ -53,8 +53,9 @@ class BoundedClient(aiomqtt.Client):
     def __init__(self, *args: Any, **options: Any) -> None:
         super().__init__(*args, max_queued_incoming_messages=WAITING, **options)
         self._client.__class__ = _BoundedPaho  # aiomqtt makes its own one
-        self._client.connect_timeout = CONNECTING
-        self._allowance = self._client.allowance = Allowance()  # type: ignore[attr-defined]
+        self._paho = cast("_BoundedPaho", self._client)
+        self._paho.connect_timeout = CONNECTING
+        self._allowance = self._paho.allowance = Allowance()
 
     @property
     def has_left(self) -> bool:
@@ -64,21 +65,21 @@ class BoundedClient(aiomqtt.Client):
     @property
     def heard(self) -> int:
         """How often the broker has said something."""
-        return self._client.heard  # type: ignore[attr-defined,no-any-return]
+        return self._paho.heard
 
     @property
     def ended(self) -> NoWelcome | None:
         """The end of the connection, if the other end has ended it before its welcome."""
-        return self._client.ended  # type: ignore[attr-defined,no-any-return]
+        return self._paho.ended
 
     def ask(self) -> None:
         """Ask the broker for a sign of life."""
-        self._client._send_pingreq()  # noqa: SLF001  (nothing public does)
+        self._paho.ask()
 
     @property
     def timed_out(self) -> TimeoutError | None:
         """The system's error of a connection over which nothing came any more."""
-        return self._client.timed_out  # type: ignore[attr-defined,no-any-return]
+        return self._paho.timed_out
 
     async def publish(self, *args: Any, **options: Any) -> None:
         """As aiomqtt's."""
@@ -91,9 +92,9 @@ class BoundedClient(aiomqtt.Client):
         A thread may still be connecting: what it opens later does not reach the event loop, which
         may have ended.
         """
-        self._client.on_socket_open = None
-        self._client._sock_close()  # noqa: SLF001  (nothing public does)
-        self._client.on_socket_close = None
+        self._paho.on_socket_open = None
+        self._paho.close_socket()
+        self._paho.on_socket_close = None
 
 
 class Allowance:
@@ -135,6 +136,13 @@ class _BoundedPaho(paho.Client):
     timed_out: TimeoutError | None = None  # which the library takes for a closed connection
     ended: NoWelcome | None = None
     heard = 0
+
+    # Nothing public of the library does these two.
+    def ask(self) -> None:
+        self._send_pingreq()
+
+    def close_socket(self) -> None:
+        self._sock_close()
 
     def _sock_recv(self, bufsize: int) -> bytes:
         """As paho's, which asks for all of a packet as soon as it knows its size."""

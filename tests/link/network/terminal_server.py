@@ -9,9 +9,9 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 
 from mikas.link.network.telnet import (
-    Decoder,
     Negotiation,
     Subnegotiation,
+    TelnetDecoder,
     Verb,
     escaped,
     negotiation,
@@ -86,7 +86,7 @@ class TerminalServer:
 
     def __call__(self, client: socket.socket) -> None:
         client.sendall(self.greets)
-        decoder = Decoder(COM_PORT)
+        decoder = TelnetDecoder(COM_PORT)
         while received := client.recv(4096):
             data, events = decoder.feed(received)
             for event in events:

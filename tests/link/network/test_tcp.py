@@ -14,7 +14,7 @@ import pytest
 from mikas.errors import PortFailed
 from mikas.link import open_link
 from mikas.link.network import tcp
-from mikas.link.network.tcp import TcpPort
+from mikas.link.network.tcp import RawTcpPort
 
 from ..contract import FAR
 from .terminal_server import served, unit
@@ -22,8 +22,8 @@ from .terminal_server import served, unit
 pytestmark = pytest.mark.realtime
 
 
-def port_at(place: tuple[str, int]) -> TcpPort:
-    port = TcpPort(patience=0.05)
+def port_at(place: tuple[str, int]) -> RawTcpPort:
+    port = RawTcpPort(patience=0.05)
     port.open(place)
     return port
 
@@ -122,13 +122,13 @@ def test_an_end_that_never_reads_hangs_neither_a_write_nor_the_closing(listening
     assert time.monotonic() - began < FAR
 
 
-@pytest.mark.parametrize("end", [TcpPort.close, TcpPort.give_up])
+@pytest.mark.parametrize("end", [RawTcpPort.close, RawTcpPort.give_up])
 def test_only_a_connection_that_was_given_up_is_replaced_from_its_own_port(listening, end):
     first = port_at(listening.place)
     before = listening.accept()
     end(first)
     with closing(port_at(listening.place)):
-        assert (listening.accept() == before) is (end is TcpPort.give_up)
+        assert (listening.accept() == before) is (end is RawTcpPort.give_up)
 
 
 def test_one_that_the_other_end_has_closed_is_not_replaced(listening):

@@ -11,9 +11,9 @@ from mikas.link.network.telnet import (
     IAC,
     MOST_SUBNEGOTIATION,
     SE,
-    Decoder,
     Negotiation,
     Subnegotiation,
+    TelnetDecoder,
     Verb,
     escaped,
     negotiation,
@@ -40,8 +40,8 @@ def on_the_wire(part: bytes | Negotiation | Subnegotiation) -> bytes:
             return escaped(part)
 
 
-def fed(wire: bytes, cuts: list[int], decoder: Decoder | None = None) -> tuple[bytes, list]:
-    decoder = decoder or Decoder(COM_PORT)
+def fed(wire: bytes, cuts: list[int], decoder: TelnetDecoder | None = None) -> tuple[bytes, list]:
+    decoder = decoder or TelnetDecoder(COM_PORT)
     data, events = b"", []
     ends = sorted({min(cut, len(wire)) for cut in cuts} | {0, len(wire)})
     for begin, end in pairwise(ends):
@@ -67,7 +67,7 @@ def test_any_bytes_mean_the_same_however_they_are_cut(wire, cuts):
 
 @given(st.binary(max_size=300), st.lists(st.integers(0, 300)))
 def test_a_server_that_does_not_double_ff_gives_its_bytes_unchanged(data, cuts):
-    decoder = Decoder(COM_PORT)
+    decoder = TelnetDecoder(COM_PORT)
     first = decoder.feed(b"\x01\xff\r\x09\xf7\r")[0]  # the echo of `01`, the answer
     assert first == b"\x01\xff\r\x09\xf7\r"
     assert not decoder.doubles_ff
@@ -76,7 +76,7 @@ def test_a_server_that_does_not_double_ff_gives_its_bytes_unchanged(data, cuts):
 
 
 def test_its_answers_about_the_port_are_still_read():
-    decoder = Decoder(COM_PORT)
+    decoder = TelnetDecoder(COM_PORT)
     decoder.feed(b"\x01\xff\r")
     wire = b"\xff" + subnegotiation(COM_PORT, b"\x69\x05") + b"\xff\xff\xfb"
     assert decoder.feed(wire) == (b"\xff\xff\xff\xfb", [Subnegotiation(COM_PORT, b"\x69\x05")])
@@ -84,26 +84,26 @@ def test_its_answers_about_the_port_are_still_read():
 
 @given(payload.filter(lambda data: b"\xff" not in data), st.lists(st.integers(0, 100)))
 def test_a_server_that_adds_nul_to_each_carriage_return_gives_none_of_them(data, cuts):
-    decoder = Decoder(COM_PORT)
+    decoder = TelnetDecoder(COM_PORT)
     assert decoder.feed(b"\x01\xff\xff\r\0") == (b"\x01\xff\r", [])
     assert fed(data.replace(b"\r", b"\r\0"), cuts, decoder) == (data, [])
 
 
 def test_a_carriage_return_is_never_held_back():
-    assert Decoder(COM_PORT).feed(b"\x01\xff\xff\r") == (b"\x01\xff\r", [])
+    assert TelnetDecoder(COM_PORT).feed(b"\x01\xff\xff\r") == (b"\x01\xff\r", [])
 
 
 def test_a_first_carriage_return_without_nul_settles_it():
-    decoder = Decoder(COM_PORT)
+    decoder = TelnetDecoder(COM_PORT)
     assert decoder.feed(b"\r\x09\r\0\0\r\0")[0] == b"\r\x09\r\0\0\r\0"
 
 
 def test_other_commands_are_dropped():
-    assert Decoder(COM_PORT).feed(b"a\xff\xf1b\xff\xf9c") == (b"abc", [])
+    assert TelnetDecoder(COM_PORT).feed(b"a\xff\xf1b\xff\xf9c") == (b"abc", [])
 
 
 def test_a_subnegotiation_without_end_ends():
-    decoder = Decoder(COM_PORT)
+    decoder = TelnetDecoder(COM_PORT)
     decoder.feed(b"\xff\xfa\x2c" + b"x" * MOST_SUBNEGOTIATION)
     assert decoder.feed(b"abc") == (b"abc", [])
 

@@ -17,7 +17,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 from typing import Final
 
-from mikas.dashboard.network.interfaces import Address, Kind
+from mikas.dashboard.network.interfaces import Address, InterfaceKind
 
 _PRIVATE: Final = tuple(
     ipaddress.IPv4Network(each) for each in ("10.0.0.0/8", "172.16.0.0/12", "192.168.0.0/16")
@@ -57,7 +57,7 @@ def is_number(host: str) -> bool:
 def in_order(addresses: Sequence[Address]) -> tuple[str, ...]:
     """Return the addresses that a browser can open, the likeliest to be reached first."""
     usable = [each for each in addresses if _reach(each.number) is not None]
-    usable.sort(key=lambda it: (it.kind is Kind.VIRTUAL, _reach(it.number), it.kind))
+    usable.sort(key=lambda it: (it.kind is InterfaceKind.VIRTUAL, _reach(it.number), it.kind))
     return tuple(dict.fromkeys(each.number for each in usable))
 
 
@@ -78,5 +78,5 @@ def _reach(number: str) -> int | None:
 def _of_default_route() -> tuple[str, ...]:
     with suppress(OSError), socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         probe.connect(("192.0.2.1", 9))  # nothing is sent: the system chooses the interface
-        return in_order([Address(str(probe.getsockname()[0]), "", Kind.OTHER)])
+        return in_order([Address(str(probe.getsockname()[0]), "", InterfaceKind.OTHER)])
     return ()

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Final
 
 
-class Kind(IntEnum):
+class InterfaceKind(IntEnum):
     """The kind of an interface, the likeliest to share a network with a phone first."""
 
     WIRELESS = 0
@@ -29,7 +29,7 @@ class Address:
 
     number: str
     interface: str
-    kind: Kind
+    kind: InterfaceKind
 
 
 _SYSTEM: Final = Path("/sys/class/net")
@@ -47,31 +47,31 @@ _VIRTUAL_DESCRIPTION: Final = re.compile(
 )
 
 
-def kind_of(name: str, *, is_point_to_point: bool = False, system: Path = _SYSTEM) -> Kind:
+def kind_of(name: str, *, is_point_to_point: bool = False, system: Path = _SYSTEM) -> InterfaceKind:
     """Return the kind of an interface of Linux, macOS or BSD."""
     folder = system / name
     if (folder / "device").exists():
-        return Kind.WIRELESS if (folder / "phy80211").exists() else Kind.OTHER
+        return InterfaceKind.WIRELESS if (folder / "phy80211").exists() else InterfaceKind.OTHER
     if (folder / "bridge").exists():  # it is what its ports are
         ports = [each.name for each in (folder / "brif").glob("*")]
         real = [each for each in ports if (system / each / "device").exists()]
-        return min((kind_of(each, system=system) for each in real), default=Kind.VIRTUAL)
+        return min((kind_of(each, system=system) for each in real), default=InterfaceKind.VIRTUAL)
     with suppress(OSError, ValueError):
         kind = int((folder / "type").read_text())
         if not any(kind in known for known in _ETHERNET) or (folder / "tun_flags").exists():
-            return Kind.VIRTUAL
+            return InterfaceKind.VIRTUAL
     if is_point_to_point or _VIRTUAL_NAME.match(name):
-        return Kind.VIRTUAL
-    return Kind.WIRELESS if name.startswith("wl") else Kind.OTHER
+        return InterfaceKind.VIRTUAL
+    return InterfaceKind.WIRELESS if name.startswith("wl") else InterfaceKind.OTHER
 
 
-def kind_of_windows(kind: int, texts: Sequence[str]) -> Kind:
+def kind_of_windows(kind: int, texts: Sequence[str]) -> InterfaceKind:
     """Return the kind of an interface of Windows by IF_TYPE_* and its names.
 
     Its own hotspot is a “Wi-Fi Direct Virtual Adapter” of the type of Wi-Fi.
     """
     if kind == 71:
-        return Kind.WIRELESS
+        return InterfaceKind.WIRELESS
     if kind in (23, 53, 131) or any(map(_VIRTUAL_DESCRIPTION.search, texts)):
-        return Kind.VIRTUAL  # PPP, virtual, tunnel
-    return Kind.OTHER
+        return InterfaceKind.VIRTUAL  # PPP, virtual, tunnel
+    return InterfaceKind.OTHER

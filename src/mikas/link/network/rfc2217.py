@@ -18,12 +18,12 @@ from typing import Final
 from mikas.i18n import Text
 from mikas.link.base import EMPTY_LINES, TEXT_ANSWER
 from mikas.link.network.other_end import said_in
-from mikas.link.network.tcp import Place, TcpPort
+from mikas.link.network.tcp import Place, RawTcpPort
 from mikas.link.network.telnet import (
-    Decoder,
     Event,
     Negotiation,
     Subnegotiation,
+    TelnetDecoder,
     Verb,
     escaped,
     negotiation,
@@ -68,7 +68,7 @@ _NAMES: Final = {
 
 
 @dataclass(frozen=True, slots=True)
-class Settings:
+class LineSettings:
     """The settings of the server's port. `named`: the URL asks for some of them."""
 
     baud: int
@@ -130,7 +130,7 @@ _ASKED: Final = (
 )
 
 
-class Rfc2217Port(TcpPort):
+class Rfc2217Port(RawTcpPort):
     """A port behind a terminal server, which is asked for `settings`.
 
     `can_break`: whether the server speaks RFC 2217, not Telnet alone.
@@ -138,12 +138,12 @@ class Rfc2217Port(TcpPort):
 
     telnet = True
 
-    def __init__(self, settings: Settings, *, patience: float) -> None:
+    def __init__(self, settings: LineSettings, *, patience: float) -> None:
         super().__init__(patience=patience)
         self.can_break = False
         self._settings = settings
-        self._decoder = Decoder(_COM_PORT)
-        self._binary = True  # what is sent
+        self._decoder = TelnetDecoder(_COM_PORT)
+        self._binary = True  # of the bytes that are sent
         self._before = b""  # received before the settings are agreed on
         self._agreed: dict[tuple[bool, int], bool] = {}  # by whether it is done here, and option
         self._unanswered: dict[Setting, int] = {}

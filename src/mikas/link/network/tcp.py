@@ -54,7 +54,7 @@ class WriteTimeout(TimeoutError):
     """The other end takes no more bytes."""
 
 
-class TcpPort:
+class RawTcpPort:
     """A connection. Its calls raise `OSError`.
 
     `patience`: seconds that a write may wait. `first`, `last`: bytes that came since connecting.

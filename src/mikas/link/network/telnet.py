@@ -63,7 +63,7 @@ class _State(Enum):
     SUB_IAC = "after IAC inside a subnegotiation"
 
 
-class Decoder:
+class TelnetDecoder:
     """Splits what a server sends into data and events, whatever the pieces.
 
     `spoken`: whether anything of Telnet came. `doubles_ff`: whether the server doubles FF, as far

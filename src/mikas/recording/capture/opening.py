@@ -1,4 +1,4 @@
-"""Opening a capture: the reasons why a file is none, and what is read in its place.
+"""Opening a capture: the reasons why a file is none, and the reading of other files in its place.
 
 What is packed is unpacked (`packed`), and what other tools have merged is separated
 (`separation`); notes whose packets were shifted follow them (`note_times`); streams without their

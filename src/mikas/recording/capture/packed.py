@@ -12,14 +12,15 @@ import sys
 import zlib
 from collections.abc import Callable, Iterator
 from errno import EINVAL
+from functools import partial
 from importlib import import_module
-from tempfile import TemporaryFile
-from typing import Any, BinaryIO, Final, cast
+from typing import Any, BinaryIO, Final
 
 from mikas.cancellation import check_cancelled
 from mikas.errors import UnfitFile
 from mikas.i18n import Text
 from mikas.recording.capture.scan import LARGEST, Scanner, is_section_start
+from mikas.recording.capture.temporary import temporary_capture
 
 MOST: Final = (512 << 20) if sys.platform == "emscripten" else 2 << 30
 """Bytes that are unpacked; in a browser they lie in memory."""
@@ -75,18 +76,12 @@ def unpacked(file: BinaryIO) -> BinaryIO | None:
     packing = packing_of(head)
     if packing is None:
         return None
-    pieces = _pieces(file, *packing)
-    out = cast("BinaryIO", TemporaryFile())  # noqa: SIM115  (the caller closes it)
-    try:
-        _write(pieces, out, packing)
-        out.seek(0)
-    except BaseException:
-        out.close()
-        raise
+    out = temporary_capture(partial(_write, _pieces(file, *packing), packing))
+    out.seek(0)
     return out
 
 
-def _write(pieces: Iterator[bytes], out: BinaryIO, packing: tuple[str, str]) -> None:
+def _write(pieces: Iterator[bytes], packing: tuple[str, str], out: BinaryIO) -> None:
     size, is_checked = 0, False
     try:
         for piece in pieces:

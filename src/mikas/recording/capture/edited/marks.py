@@ -10,13 +10,13 @@ from __future__ import annotations
 import struct
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
-from tempfile import TemporaryFile
-from typing import BinaryIO, Final, NamedTuple, cast
+from typing import BinaryIO, Final, NamedTuple
 
 from mikas.cancellation import check_cancelled
 from mikas.recording.capture import blocks as pcapng
 from mikas.recording.capture.notes import TAG, Note, find_all, read_block
 from mikas.recording.capture.scan import RawBlock, Scanner, read_whole
+from mikas.recording.capture.temporary import temporary_capture
 
 _WINDOW: Final = 1 << 16
 _OVERLAP: Final = 64
@@ -114,18 +114,16 @@ class Edit(NamedTuple):
 
 def changed(file: BinaryIO, changes: Iterable[Edit]) -> BinaryIO:
     """Return a capture with these changes, which rise: a temporary file, gone when it is closed."""
-    out = cast("BinaryIO", TemporaryFile())  # noqa: SIM115  (the caller closes it)
-    try:
+
+    def write(out: BinaryIO) -> None:
         end = 0
         for change in changes:
             _copy(file, end, change.begin, out)
             out.write(change.blocks)
             end = change.end
         _copy(file, end, file.seek(0, 2), out)
-    except BaseException:
-        out.close()
-        raise
-    return out
+
+    return temporary_capture(write)
 
 
 def _copy(file: BinaryIO, begin: int, end: int, out: BinaryIO) -> None:

@@ -15,7 +15,8 @@ from __future__ import annotations
 import struct
 from contextlib import ExitStack, suppress
 from dataclasses import replace
-from tempfile import SpooledTemporaryFile, TemporaryFile
+from functools import partial
+from tempfile import SpooledTemporaryFile
 from typing import BinaryIO, Final, cast
 
 from mikas.recording.capture import blocks as pcapng
@@ -32,6 +33,7 @@ from mikas.recording.capture.edited.unit_changes import (
 )
 from mikas.recording.capture.notes import Kind, Note, read_block, said_in_place
 from mikas.recording.capture.scan import RawBlock, Unreadable, read_whole, scan
+from mikas.recording.capture.temporary import temporary_capture
 
 _WINDOW: Final = 1 << 16
 _SPOOLED: Final = 1 << 16  # bytes of a port that stay in memory
@@ -67,13 +69,7 @@ def separated(file: BinaryIO) -> BinaryIO:
     The result is a temporary file, which its close removes.
     """
     file.seek(0)
-    out = cast("BinaryIO", TemporaryFile())  # noqa: SIM115  (the caller closes it)
-    try:
-        _separate(file, out)
-    except BaseException:
-        out.close()
-        raise
-    return out
+    return temporary_capture(partial(_separate, file))
 
 
 class _Ports:
@@ -102,7 +98,7 @@ class _Stream:
     """
 
     def __init__(self, section: RawBlock) -> None:
-        self.file = cast("BinaryIO", SpooledTemporaryFile(max_size=_SPOOLED))  # noqa: SIM115
+        self.file = cast("BinaryIO", SpooledTemporaryFile(max_size=_SPOOLED))  # noqa: SIM115  (closed with its section)
         self.order = section.order
         self._section = section
         self._described: list[RawBlock] = []
