@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import json
 
 import pytest
@@ -29,6 +30,12 @@ def test_a_file_of_each_car_is_made(mikas, joined):
         assert part.read_bytes() == joined.with_name(f"{name}.pcapng").read_bytes()
         assert library.open(part).row_count
     assert (joined.parent / "both-1.pcapng").read_text() == "another file"
+
+
+def test_the_parts_of_a_packed_file_have_its_plain_name(mikas, joined):
+    joined.with_name("both.pcapng.gz").write_bytes(gzip.compress(joined.read_bytes()))
+    ran = mikas("split", "both.pcapng.gz")
+    assert ran.out == "both-1.pcapng: A111AA52\nboth-2.pcapng: B222BB52\n"
 
 
 def test_a_file_of_one_car_is_left_alone(mikas, joined):

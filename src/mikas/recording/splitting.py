@@ -43,13 +43,14 @@ def split(path: Path, target: Path) -> Iterator[tuple[RecordedCar, Path]]:
 
     Existing files are left alone: the next free number counts. Raises `CaptureError`.
     """
+    stem = target.stem.removesuffix(".pcapng")  # of one that is packed
     with opened_capture(path) as file:
         sections, number = Sections(file), 0
         for car in cars_in_sections(sections):
             try:
                 while True:
                     number += 1
-                    part = beside(target.with_name(target.stem), f"-{number}.pcapng")
+                    part = beside(target.with_name(stem), f"-{number}.pcapng")
                     with suppress(FileExistsError), _whole(part) as out:
                         for section in car.recordings:
                             begin, end = sections.edges[section : section + 2]
