@@ -8,6 +8,7 @@ import os
 import signal
 import sys
 import tempfile
+import threading
 from pathlib import Path
 
 import pytest
@@ -85,6 +86,20 @@ def english():
 
 
 @pytest.hookimpl(optionalhook=True)
+@pytest.fixture
+def begun(monkeypatch):
+    """The threads that this test's own thread begins: those of other tests may begin and end."""
+    threads, start, own = [], threading.Thread.start, threading.current_thread()
+
+    def recorded(thread):
+        start(thread)
+        if threading.current_thread() is own:
+            threads.append(thread)
+
+    monkeypatch.setattr(threading.Thread, "start", recorded)
+    return threads
+
+
 def pytest_xdist_auto_num_workers(config):
     """`-n auto`: two workers for each core, because tests in real time wait most of their time.
 

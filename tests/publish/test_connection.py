@@ -181,7 +181,7 @@ def test_a_broker_that_answers_too_late_makes_no_noise_on_the_terminal(
     assert [it.getMessage() for it in caplog.records if it.name == "asyncio"] == []
 
 
-def test_a_call_that_was_given_up_ends_without_a_traceback(monkeypatch):
+def test_a_call_that_was_given_up_ends_without_a_traceback(monkeypatch, begun):
     """As with Ctrl-C while the name is resolved, or the port opened."""
     raised, started, go = [], threading.Event(), threading.Event()
     monkeypatch.setattr(threading, "excepthook", raised.append)
@@ -190,10 +190,9 @@ def test_a_call_that_was_given_up_ends_without_a_traceback(monkeypatch):
         started.set()
         assert go.wait(PATIENCE)
 
-    before = set(threading.enumerate())
     future = module._DaemonThreads().submit(call)  # noqa: SLF001
     assert started.wait(PATIENCE)
-    (thread,) = set(threading.enumerate()) - before
+    (thread,) = begun
     future.cancel()
     go.set()
     thread.join(PATIENCE)

@@ -58,7 +58,7 @@ def served(talk: Callable[[socket.socket], object], host: str = "127.0.0.1") -> 
             for client in clients:
                 with suppress(OSError):
                     client.shutdown(socket.SHUT_RDWR)
-            for thread in threads:
+            for thread in (accepting, *threads):
                 thread.join(PATIENCE)
 
 
