@@ -85,7 +85,6 @@ def english():
         language.set_language("en")
 
 
-@pytest.hookimpl(optionalhook=True)
 @pytest.fixture
 def begun(monkeypatch):
     """The threads that this test's own thread begins: those of other tests may begin and end."""
@@ -100,6 +99,7 @@ def begun(monkeypatch):
     return threads
 
 
+@pytest.hookimpl(optionalhook=True)
 def pytest_xdist_auto_num_workers(config):
     """`-n auto`: two workers for each core, because tests in real time wait most of their time.
 
