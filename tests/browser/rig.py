@@ -337,6 +337,13 @@ class Tab:
         return until(self.page, function, given)
 
 
+def gaps_of(program: Dash | Tab, recording: dict) -> list[str]:
+    """The reasons of the gaps in a recording, without those of a computer that was too busy."""
+    events = program.get(f"/recordings/{recording['id']}")["events"]
+    reasons = [event["reason"]["en"] for event in events if event["kind"] == "gap"]
+    return [reason for reason in reasons if "The program did not run" not in reason]
+
+
 def until(page: Page, function: str, given: object = None):
     """Waits for what the function, which may be async, gives to be true in the page; gives that.
 

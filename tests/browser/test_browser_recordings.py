@@ -11,6 +11,8 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import expect
 
+from browser.rig import gaps_of
+
 
 @pytest.fixture(scope="module")
 def with_recording(served):
@@ -49,8 +51,8 @@ def test_r_records_m_marks_r_ends(own, visitor):
     tab.page.keyboard.press("Escape")
     tab.page.keyboard.press("r")
     tab.is_line("sampling")
-    made = own.get("/recordings")["recordings"]
-    assert [(it["open"], it["markers"], it["gaps"]) for it in made] == [(False, 1, 0)]
+    (made,) = own.get("/recordings")["recordings"]
+    assert (made["open"], made["markers"], gaps_of(own, made)) == (False, 1, [])
     tab.show("recordings")
     expect(tab.find("tbody tr")).to_have_count(1)
     expect(tab.find("tbody tr")).to_contain_text("M71 PROG")
@@ -228,10 +230,10 @@ def test_other_presets_during_a_recording_leave_no_gap_in_the_file(own, visitor)
         _more(own)
     tab.press("Stop recording")
     (made,) = own.get("/recordings")["recordings"]
-    assert made["gaps"] == 0
+    assert gaps_of(own, made) == []
     detail = own.get(f"/recordings/{made['id']}")
     assert set(detail["channels"]) == {it["name"] for it in own.state()["plan"]["wanted"]}
-    assert not [event for event in detail["events"] if event["kind"] in ("gap", "state")][1:]
+    assert not [event for event in detail["events"] if event["kind"] == "state"][1:]
     rows = own.get(f"/recordings/{made['id']}/rows?points=20000")
     for name, column in zip(rows["names"], rows["values"], strict=True):
         read = [time for time, v in zip(rows["times"], column, strict=True) if v is not None]

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from browser.chromium_rig import FLAGS
-from browser.rig import UNTIL
+from browser.rig import UNTIL, gaps_of
 
 from .site_rig import SiteTab, site_tab
 
@@ -90,7 +90,7 @@ def test_an_adapter_that_is_pulled_amid_a_recording_leaves_one_gap(tab, car, rec
     tab.is_line("recording")
     assert tab.recorded(recording + LONG)
     tab.stop_recording()
-    assert tab.recordings()[0]["gaps"] == 1
+    assert len(gaps_of(tab, tab.recordings()[0])) == 1
 
 
 def test_on_a_full_disk_the_recording_so_far_is_whole(tab, recording):
