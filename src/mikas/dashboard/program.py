@@ -114,7 +114,7 @@ class Sharing:
     async def _certified(self, here: Sequence[str]) -> Certificate:
         """Return the user's certificate, or mikas' own one for `here`. Raises `UsageError`.
 
-        One that is made anew for a new address has another fingerprint: those who come by an
+        A new one for a new address has another fingerprint: those who come by an
         earlier address are asked once more by their browsers; open pages stay connected.
         """
         if self._certificate is not None and not self._certificate.is_own:

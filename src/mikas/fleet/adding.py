@@ -119,14 +119,14 @@ def add(
     lasting = dataset if is_url(dataset) else str(as_path(dataset))  # whatever a worker's folder
     files_of: dict[str, Sequence[FoundFile]] = {settings.car: planned.files}  # by the given car
     states = States(planned.ledger, planned.found, planned.files)
-    anew = False  # whatever the dataset has
+    redo = False  # whatever the dataset has
     try:
         states.settle()
         while files_of:
             car, files = files_of.popitem()
             job = partial(
                 work, dataset=lasting, settings=replace(settings, car=car), run=run,
-                anew=anew,
+                redo=redo,
             )  # fmt: skip
             again: dict[str, list[FoundFile]] = defaultdict(list)
             for outcome in runner.outcomes(job, files):
@@ -142,7 +142,7 @@ def add(
                 else:
                     on_file(outcome)
             files_of |= again
-            anew = True
+            redo = True
         if result.added:
             planned.ledger.refresh()
             states.settle()

@@ -89,11 +89,11 @@ def work(
     settings: InterpretingSettings,
     run: str = "",
     *,
-    anew: bool = False,
+    redo: bool = False,
 ) -> FileOutcome:
     """Add the tables of one recording to the dataset, unless its entry says that they are there.
 
-    `run`: the name of the run, by which its unfinished files are known. `anew`: whatever its entry
+    `run`: the name of the run, by which its unfinished files are known. `redo`: whatever its entry
     says.
     """
     if file.bad is not None:
@@ -101,7 +101,7 @@ def work(
     if file.bytes > LARGEST:
         return FileOutcome(file, bad=_TOO_LARGE)
     try:
-        return _work(file, dataset, settings, run, anew=anew)
+        return _work(file, dataset, settings, run, redo=redo)
     except CaptureError as error:
         return FileOutcome(file, bad=error.problem)
     except FleetError as error:
@@ -122,7 +122,7 @@ def work(
 
 
 def _work(
-    file: FoundFile, dataset: str, settings: InterpretingSettings, run: str, *, anew: bool
+    file: FoundFile, dataset: str, settings: InterpretingSettings, run: str, *, redo: bool
 ) -> FileOutcome:
     from mikas.fleet.interpreting import interpret
 
@@ -134,7 +134,7 @@ def _work(
         digest, size, opening = digest_of(path)
         key = digest[:32]
         if (entry := _known(target, key)) is not None:
-            if entry.is_current(settings.version, settings.car) and not anew:
+            if entry.is_current(settings.version, settings.car) and not redo:
                 return FileOutcome(file, entry)
             settings = replace(settings, car=settings.car or entry.given)
         name = PurePath(shown(file.url)).name

@@ -8,8 +8,8 @@
                                                                   ▲                       │
                                                                   └─────── REFUSED ───────┘
 
-A connection over a network that fell silent is opened anew without leaving NO_ECHO, so from there a
-port may be missing.
+A connection over a network that fell silent is opened again without leaving NO_ECHO, so from there
+a port may be missing.
 
 An event without a cell in the present state's row of `TRANSITIONS` cannot occur there: a bug of the
 caller, and `ImpossibleTransition` is raised. The table knows no port, clock or unit; `supervisor`

@@ -172,7 +172,7 @@ class GuidedTests:
             return [it.dated(later) for it in self._kept[file.path]]
 
     def follow_date(self) -> None:
-        """Save the results of this program anew with their dates: the computer's date was set."""
+        """Save the results of this program again with their dates: the computer's date was set."""
         later = self._connection.later
         with self._lock:
             for path, results in self._kept.items():

@@ -4,7 +4,7 @@ A bridge that loses its Wi-Fi or its supply sends no end, and one that hangs kee
 open. The system gives such a connection up after a quarter of an hour, and a bridge that is back
 does not know it. So a connection that brings not one byte for `SILENT` seconds, although something
 was written, is dead. An adapter returns each byte at once, so one without an echo, whose unit is
-off, is taken for dead too: it is opened anew, which does no harm. Over a slow network the user
+off, is taken for dead too: it is opened again, which does no harm. Over a slow network the user
 allows a request more time (D14), and so does this module.
 
 Time counts while a read waits, so a stopped or busy program does not make a connection dead.

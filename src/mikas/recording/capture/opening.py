@@ -1,6 +1,6 @@
 """Opening a capture: the reasons why a file is none, and the reading of other files in its place.
 
-What is packed is unpacked (`packed`), and what other tools have merged is separated
+A packed file is unpacked (`packed`), and what other tools have merged is separated
 (`separation`); notes whose packets were shifted follow them (`note_times`); streams without their
 request get it from a plan (`cut_streams`). All readers open a capture here, and meet one port in a
 section.

@@ -2,7 +2,7 @@
 
 One pass over the file, a fraction of the time of its packets, which it does not read. A block may
 lie anywhere, also after damage, but not inside another one that was found: each byte is read twice
-at most. What is to be changed for reading is changed in a copy.
+at most. Changes for reading are made in a copy.
 """
 
 from __future__ import annotations

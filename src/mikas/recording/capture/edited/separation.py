@@ -94,11 +94,11 @@ class _Ports:
 
 class _Stream:
     """One port of a section. `first`: its notes before all packets; the blocks behind them are in
-    a temporary file.
+    the temporary `file`.
     """
 
-    def __init__(self, section: RawBlock) -> None:
-        self.file = cast("BinaryIO", SpooledTemporaryFile(max_size=_SPOOLED))  # noqa: SIM115  (closed with its section)
+    def __init__(self, section: RawBlock, file: BinaryIO) -> None:
+        self.file = file
         self.order = section.order
         self._section = section
         self._described: list[RawBlock] = []
@@ -263,8 +263,9 @@ class _Section:
         return self._streams[0] if self._streams else self._begin()
 
     def _begin(self) -> _Stream:
-        stream = _Stream(self._start)
-        self._open.callback(stream.file.close)
+        file = SpooledTemporaryFile(max_size=_SPOOLED)  # noqa: SIM115  (the stack closes it)
+        self._open.enter_context(file)
+        stream = _Stream(self._start, cast("BinaryIO", file))
         self._streams.append(stream)
         return stream
 
