@@ -125,7 +125,7 @@ class Plant:
         program.phase.run_time = 600.0
         program.phase.air_at_start = start.ambient
         self._settle(range(-BEGINNING, 1))
-        program.phase.coolant_at_start = start.coolant_at_start
+        program.phase.coolant_at_start = start.coolant_at_start + self._condition.coolant_sensor
         self.cycles = self.fuel_used = 0.0
 
     def _settle(self, numbers: range) -> None:

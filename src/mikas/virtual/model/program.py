@@ -39,11 +39,13 @@ class Phase:
     """
 
     __slots__ = (
-        "_tables_in", "after_start", "air_at_start", "coolant_at_start", "cranking_mixture",
-        "idle_air", "run_time", "running", "start_air", "target_speed", "turned", "warm_up_mixture",
+        "_idle_target", "_tables_in", "after_start", "air_at_start", "coolant_at_start",
+        "cranking_mixture", "idle_air", "run_time", "running", "start_air", "target_speed",
+        "turned", "warm_up_mixture",
     )  # fmt: skip
 
-    def __init__(self, coolant: float, intake_air: float) -> None:
+    def __init__(self, coolant: float, intake_air: float, idle_target: float = 0.0) -> None:
+        self._idle_target = idle_target  # rpm above the table
         self.coolant_at_start = coolant
         self.air_at_start = intake_air
         self.running = False
@@ -74,7 +76,7 @@ class Phase:
 
     def _read_tables(self, coolant: float) -> None:
         self._tables_in = TABLES_PERIOD
-        self.target_speed = TARGET_SPEED(coolant)
+        self.target_speed = TARGET_SPEED(coolant) + self._idle_target
         self.idle_air = IDLE_AIR(coolant)
         self.start_air = START_AIR(coolant)
         self.cranking_mixture = CRANKING_MIXTURE(coolant)
@@ -294,7 +296,7 @@ class Program:
     def _begin(self, lost: LostSignals, coolant: float, intake_air: float, valve: float) -> None:
         self.fan = False
         self.sensors = Sensors(lost, coolant, intake_air)
-        self.phase = Phase(coolant, intake_air)
+        self.phase = Phase(coolant, intake_air, self._condition.idle_target)
         self.idle = IdleControl(self.phase, valve, self._condition.idle_valve)
         self.mixture = MixtureControl(self.phase)
         self.spark = SparkControl(self._condition.idle_advance)

@@ -69,6 +69,8 @@ class Condition:
     # share of the air that the idle valve lets through: deposits
     idle_passage: Annotated[float, form.number(0.1, 1)] = 1.0
     idle_advance: Annotated[float, form.number(-5, 40)] = 13.0  # ° aimed at while the engine idles
+    # rpm that the program's idle speed lies above its usual one: another program, another unit
+    idle_target: Annotated[float, form.number(-150, 300)] = 0.0
     air_meter: Annotated[float, form.number(0.3, 2)] = 1.0  # what it shows, against the true flow
     # kg/h that it shows too much, as with a bad ground
     air_meter_zero: Annotated[float, form.number(0, 20)] = 0.0

@@ -1,0 +1,1 @@
+"""Defects of the virtual car as data, and the cars that have them."""
