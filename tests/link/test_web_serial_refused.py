@@ -7,7 +7,7 @@ from types import SimpleNamespace as Its
 import pytest
 
 from mikas.browser import web_serial
-from mikas.errors import NoConnection, PortBusy, PortFailed
+from mikas.errors import NoConnection, PortFailed
 
 GRANTED = Its(vid=0x0403, pid=0x6001, nth=1)
 
@@ -15,8 +15,9 @@ GRANTED = Its(vid=0x0403, pid=0x6001, nth=1)
 @pytest.mark.parametrize(
     ("refused", "error", "words"),
     [
-        ("NetworkError", PortBusy, ("another tab", "другой вкладке")),
-        ("InvalidStateError", PortBusy, ("another tab", "другой вкладке")),
+        ("NetworkError", PortFailed, ("another tab", "другой вкладке")),
+        ("NetworkError", PortFailed, ("gives no reason", "не сообщил причину")),
+        ("InvalidStateError", PortFailed, ("Reload the page", "Обновите страницу")),
         ("TimeoutError", PortFailed, ("unplug it and plug it in again", "отключите адаптер")),
         ("UnknownError", PortFailed, ("the browser's words", "the browser's words")),
     ],

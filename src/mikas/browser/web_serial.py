@@ -17,7 +17,7 @@ from functools import cache
 from importlib import import_module
 from typing import Any, Protocol
 
-from mikas.errors import LinkLost, NoPortGiven, PortBusy, PortFailed, PortNotFound
+from mikas.errors import LinkLost, NoPortGiven, PortFailed, PortNotFound
 from mikas.i18n import Text
 from mikas.link.base import (
     BAUD,
@@ -51,7 +51,10 @@ _UNPLUG = Text(
     "Завис адаптер или его драйвер: отключите адаптер и подключите снова. Если не поможет, "
     "закройте все окна браузера и откройте эту страницу снова.",
 )
-_BUSY = Text(
+_WITHOUT_REASON = Text("the browser gives no reason", "браузер не сообщил причину")
+_OPEN_HERE = Text("this page has it open already", "он уже открыт этой же страницей")
+_RELOAD = Text("Reload the page, then connect again.", "Обновите страницу и подключитесь снова.")
+_LIKELY = Text(
     "Likely, in order: another tab or window of this page, another diagnostics program, a terminal "
     "or ModemManager has it open: close that. On Linux without permission: "
     "sudo usermod -aG dialout $USER, then log out and in again. If nothing has it open, unplug the "
@@ -183,7 +186,7 @@ class WebSerialLink(Link):
 def open_web_serial(url: str, options: dict[str, str]) -> Link:
     """Open a granted port: `webserial:0403:6001?baud=9600&dtr=1&rts=0`, options as `open_serial`.
 
-    Raises `PortNotFound`, `NoPortGiven`, `PortBusy`, `PortFailed`.
+    Raises `PortNotFound`, `NoPortGiven`, `PortFailed`.
     """
     check_names(options, ("baud", "dtr", "rts"))
     given = OptionParser(options)
@@ -194,8 +197,10 @@ def open_web_serial(url: str, options: dict[str, str]) -> Link:
     serial, suspend = _host()
     opened = suspend(serial.open(granted[port], baud, *lines).promise)
     if hasattr(opened, "refused"):
-        if opened.refused in ("NetworkError", "InvalidStateError"):
-            raise PortBusy(url=url, advice=_BUSY)
+        if opened.refused == "NetworkError":
+            raise PortFailed(url=url, problem=_WITHOUT_REASON, advice=_LIKELY)
+        if opened.refused == "InvalidStateError":
+            raise PortFailed(url=url, problem=_OPEN_HERE, advice=_RELOAD)
         if opened.refused == "TimeoutError":
             raise PortFailed(url=url, problem=_HANGS, advice=_UNPLUG)
         raise PortFailed(url=url, problem=Text(opened.message, opened.message))
