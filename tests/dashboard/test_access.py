@@ -272,7 +272,8 @@ def test_from_the_network_no_file_and_no_address_can_be_named(far, url, path):
     assert not far.cars.links
 
 
-@pytest.mark.parametrize("url", ["/dev/ttyUSB7", "sim:", "sim:?scenario=city&seed=2&faults=17"])
+@pytest.mark.parametrize("url", ["/dev/ttyUSB7", "sim:", "sim:?scenario=city&seed=2&faults=17",
+                                 "sim:?scenario=city&car=leak:8"])  # fmt: skip
 def test_from_the_network_an_adapter_or_a_virtual_car_may_be_chosen(far, url):
     assert far.post("/connect", {"port": url}, headers=from_far(far))["port"] == url
     far.post("/disconnect", headers=from_far(far))

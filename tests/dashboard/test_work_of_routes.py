@@ -29,6 +29,8 @@ SMALL = {
     "GET /api/about/qr.svg": "a picture of one address",
     "GET /api/state": "the present values",
     "GET /api/ports": "the adapters of this computer",
+    "GET /api/virtual-cars": "the scenarios and defects of the program",
+    "GET /api/virtual-cars/answer": "some words",
     "GET /api/tests/run": "one test",
     "GET /api/faults": "read from the line by who controls, or as last read",
     "GET /api/passport": "read from the line by who controls, or as last read",

@@ -10,7 +10,8 @@ PARTS = {
         "test_api_guided_tests.py",
         "test_api_live.py", "test_api_messages.py", "test_api_recorded_faults.py",
         "test_api_recordings.py", "test_api_references.py", "test_api_report.py",
-        "test_api_search.py", "test_api_unit.py", "test_unkept_things.py",
+        "test_api_search.py", "test_api_unit.py", "test_api_virtual_cars.py",
+        "test_unkept_things.py",
     ),
     "what is behind the API": (
         "test_confirmations.py", "test_control.py", "test_dump_jobs.py", "test_dump_jobs_kept.py",

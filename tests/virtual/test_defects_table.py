@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import fields
 from decimal import Decimal
+from pathlib import Path
 
 import pytest
 
@@ -89,3 +90,14 @@ def test_the_idle_speed_can_be_another_program_s() -> None:
 def test_a_wrong_table_names_its_place(text: str, problem: str) -> None:
     with pytest.raises(CatalogError, match=problem):
         from_source(parse_source("defects.toml", text.encode()))
+
+
+@pytest.mark.parametrize("folder", ["docs", "docs/ru"])
+def test_the_documentation_lists_every_defect_with_its_amounts(folder: str) -> None:
+    page = Path(__file__).parents[2] / folder / "reference" / "simulator.md"
+    text = page.read_text(encoding="utf-8")
+    for side in SIDES:
+        shown = side.text.ru if folder.endswith("ru") else side.text.en
+        amounts = f"| `{side.least:g}` | `{side.noticeable:g}` | `{side.most:g}` |"
+        row = rf"\| `{side.key}` \| {re.escape(shown)}: [^|]+ {re.escape(amounts)}"
+        assert re.search(row, text), f"no row of {side.key}"

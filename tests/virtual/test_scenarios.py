@@ -25,7 +25,16 @@ from mikas.virtual.scenarios.scenario import (
 from mikas.virtual.scenarios.timeline import ScenarioTimeline, Track
 
 DOCS = Path(__file__).parents[2] / "docs" / "reference" / "scenarios.md"
-KNOWN = ["warm-idle", "cold-start", "city", "highway", "full-load", "key-off", "cranking-dip"]
+KNOWN = [
+    "mixed",
+    "warm-idle",
+    "cold-start",
+    "city",
+    "highway",
+    "full-load",
+    "key-off",
+    "cranking-dip",
+]
 
 
 def scenario(text: str) -> Scenario:

@@ -27,6 +27,7 @@ from mikas.dashboard.api import (
     network,
     search,
     unit,
+    virtual_cars,
 )
 from mikas.dashboard.api.library import cars, dumps, files, recorded, recordings, report
 from mikas.dashboard.api.messages import FieldsMessage, LiveMessage, PingMessage, component_schemas
@@ -46,7 +47,7 @@ the control lease, which the first client gets. Times are UNIX seconds, bytes up
 Live data: WebSocket `/api/live?client=…`, described in docs/reference/api.md.
 """
 
-_PARTS = (catalog, channels, connection, live, network, unit,
+_PARTS = (catalog, channels, connection, live, network, unit, virtual_cars,
           guided_tests, dumps, changes, recordings, files, cars, recorded,
           report, search)  # fmt: skip
 

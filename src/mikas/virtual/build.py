@@ -12,6 +12,7 @@ from mikas.options import OptionParser, check_names, invalid_value
 from mikas.virtual import VIRTUAL_PASSPORT
 from mikas.virtual.bus import AdapterKind, Bus, Elm327, Stalls
 from mikas.virtual.cars import EngineCar
+from mikas.virtual.defects.choosing import car_of
 from mikas.virtual.ecu import EcuEvent, VirtualEcu
 from mikas.virtual.fault_injector import LATE_BY, FaultInjector, LineFault, parse_rates
 from mikas.virtual.memory import EcuMemory
@@ -24,11 +25,11 @@ MODELS = {"5.4": 0x09, "7.1": 0x0A}
 ADAPTERS = ("kkl", "elm327")
 _LINE_FAULTS = tuple(fault.value for fault in LineFault)
 SETTINGS = (
-    "scenario", "seed", "model", "faults", "baud", "adapter", "echo", "latency_ms", "supplied",
-    "stall_every", "stall_ms", "late_by", *QUIRK_NAMES, *_LINE_FAULTS,
+    "scenario", "car", "seed", "model", "faults", "baud", "adapter", "echo", "latency_ms",
+    "supplied", "stall_every", "stall_ms", "late_by", *QUIRK_NAMES, *_LINE_FAULTS,
 )  # fmt: skip
 """Names of all settings; docs/reference/simulator.md describes each."""
-CAR_SETTINGS = ("scenario", "model", "faults")
+CAR_SETTINGS = ("scenario", "car", "model", "faults")
 WIRE_SETTINGS = tuple(name for name in SETTINGS if name not in CAR_SETTINGS)
 """Settings that apply to any source of data."""
 
@@ -45,8 +46,10 @@ def build_bus(
     """
     check_names(settings, SETTINGS)
     given = OptionParser(settings)
-    scenario = find(settings.get("scenario", DEFAULT))
-    engine = Engine(scenario, given.integer("seed", 0))
+    scenario, seed = find(settings.get("scenario", DEFAULT)), given.integer("seed", 0)
+    if "car" in settings:
+        scenario = car_of(settings["car"], seed).applied_to(scenario)
+    engine = Engine(scenario, seed)
     car = EngineCar(engine, shipped(), faults=_faults(settings.get("faults", "")), start=start)
     model = given.choice("model", "7.1", MODELS)
     passports = f"МИКАС {model}", VIRTUAL_PASSPORT, "", "2000.09.27", "ЗМЗ-4062.10", "", "", ""

@@ -83,6 +83,12 @@ def dash(context: CommandContext, options: DashboardOptions, *, desktop: bool) -
     ru="сценарий поездки (cold-start)",
 )
 @option(
+    "--car",
+    metavar="LIST",
+    en="a car with defects: leak:8,battery, or blind:4711 (mikas sim --help)",
+    ru="машина с неисправностями: leak:8,battery или blind:4711 (mikas sim --help)",
+)
+@option(
     "--seed",
     type=whole(0),
     default="1",
@@ -99,9 +105,18 @@ def dash(context: CommandContext, options: DashboardOptions, *, desktop: bool) -
 )
 @dashboard_options
 def demo(
-    context: CommandContext, options: DashboardOptions, *, scenario: str, seed: int, faults: str
+    context: CommandContext,
+    options: DashboardOptions,
+    *,
+    scenario: str,
+    car: str | None,
+    seed: int,
+    faults: str,
 ) -> None:
-    context.port = f"sim:?{urlencode({'scenario': scenario, 'seed': seed, 'faults': faults})}"
+    settings = {"scenario": scenario, "seed": str(seed), "faults": faults}
+    if car is not None:
+        settings["car"] = car
+    context.port = f"sim:?{urlencode(settings, safe=':,')}"
     context.output.detail(tr("virtual car:", "виртуальный автомобиль:"), context.port)
     show_dashboard(context, options)
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from mikas.cli.click_extensions import command, flag, option
 from mikas.cli.context import CommandContext
+from mikas.cli.language import tr
 from mikas.cli.options.parameter_types import any_file
 from mikas.errors import usage_error
 from mikas.link.base import AwakeClock
@@ -33,6 +34,9 @@ _LINE_FAULTS = ", ".join(it.value for it in LineFault if it is not LineFault.DAM
     examples=(
         "mikas sim",
         "mikas sim --scenario city --faults 13,53",
+        "mikas sim --scenario city --car leak:8,battery",
+        "mikas sim --scenario mixed --car blind:4711",
+        "mikas sim --answer blind:4711",
         "mikas sim --tcp 127.0.0.1:2000 --set unknown=01 --line-fault damaged=0.01",
         "mikas sim --replay drive.pcapng --set seek=600",
     ),
@@ -60,6 +64,18 @@ _LINE_FAULTS = ", ".join(it.value for it in LineFault if it is not LineFault.DAM
     metavar="NAME|FILE",
     en="driving scenario (warm-idle)",
     ru="сценарий поездки (warm-idle)",
+)
+@option(
+    "--car",
+    metavar="LIST",
+    en="healthy, defects with amounts (leak:8,battery), or one to find out: blind:4711",
+    ru="healthy (исправная), неисправности (leak:8,battery) или загадка: blind:4711",
+)
+@option(
+    "--answer",
+    metavar="CAR",
+    en="only says what is wrong with the car: blind:4711",
+    ru="только отвечает, что с машиной: blind:4711",
 )
 @option("--faults", metavar="LIST", en="stored faults: 13,53", ru="ошибки в памяти: 13,53")
 @flag("--no-echo", en="an adapter without echo", ru="адаптер без эха")
@@ -101,12 +117,16 @@ def sim(
     context: CommandContext,
     replay: Path | None,
     tcp: str | None,
+    answer: str | None,
     line_faults: Sequence[str],
     settings: Sequence[str],
     *,
     no_echo: bool,
     **named: str | None,
 ) -> None:
+    if answer is not None:
+        _say_answer(context, answer)
+        return
     wanted = {name: value for name, value in named.items() if value is not None}
     wanted |= dict(_pair(word) for word in (*line_faults, *settings))
     if no_echo:
@@ -117,6 +137,24 @@ def sim(
     else:
         bus = _recorded(context, replay, wanted)
     serve.run(_serve(context, bus, clock, _host_and_port(tcp) if tcp else None))
+
+
+def _say_answer(context: CommandContext, car: str) -> None:
+    """Say what is wrong with the car that `car` names."""
+    from mikas.virtual.defects.choosing import answer
+
+    found = answer(car)
+    sound = tr("Nothing: this car is sound.", "Ничего: машина исправна.")
+    context.output.result(
+        {
+            "car": car,
+            "defects": [
+                {"key": each.key, "amount": each.amount, "text": each.text._asdict()}
+                for each in found
+            ],
+        },
+        "\n".join(f"{tr(*each.text)} ({each.key}:{each.amount:g})" for each in found) or sound,
+    )
 
 
 def _recorded(context: CommandContext, path: Path, wanted: Mapping[str, str]) -> Bus:

@@ -38,7 +38,7 @@ from mikas.link import Port
 from mikas.link.urls import parse
 
 Rights = Literal["control", "view"]
-_CAR_OPTIONS = {"scenario", "seed", "model", "faults"}
+_CAR_OPTIONS = {"scenario", "car", "seed", "model", "faults"}
 # 8 bytes in pairs of digits: too many to make another certificate with the same ones
 _SHORT = 8 * 3 - 1
 _LOCAL = ("127.0.0.1", "localhost", "::1")

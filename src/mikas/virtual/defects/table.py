@@ -39,6 +39,9 @@ SOUND: Final[Mapping[str, Any]] = {
 """The value of each key in a sound car without wear."""
 
 
+PLAIN: Final = Text("{}", "{}")
+
+
 def _interval(value: object) -> tuple[float | None, float | None]:
     """Read `[15, "amount"]`: the amount is None."""
     if isinstance(value, list) and len(value) == 2 and value.count("amount") == 1:
@@ -61,6 +64,7 @@ class Side:
     noticeable: Annotated[float, number]
     most: Annotated[float, number]
     interval: Annotated[tuple[float | None, float | None] | None, _interval] = None
+    amount: Annotated[Text, TEXT] = PLAIN  # how an amount is said
 
     def at(self, share: float) -> float:
         """Return the amount at a share of the noticeable one: 0 is sound, 0.5 half of it."""
@@ -74,7 +78,11 @@ class Side:
         return low, high
 
     def contains(self, amount: float) -> bool:
-        """Whether the amount lies on this side, up to `most`."""
+        """Whether the amount lies on this side of the sound one; of an interval, up to `most`."""
+        if amount == self.sound:
+            return False
+        if self.interval is None:
+            return (amount > self.sound) == (self.most > self.sound)
         return min(self.sound, self.most) <= amount <= max(self.sound, self.most)
 
 
@@ -108,6 +116,16 @@ def from_source(source: CatalogFile) -> Mapping[str, Defect]:
     return {key: _defect(key, keys) for key, keys in tables.items()}
 
 
+def shown(defect: Defect, side: Side, amount: float) -> Text:
+    """Return an amount in words, as `25 % of its cooling is left`."""
+    number = f"{amount * (100 if defect.percent else 1):.4g}".replace("-", "\N{MINUS SIGN}")
+    gap = "" if defect.unit.en == "°" else "\N{NO-BREAK SPACE}"
+    return Text(
+        side.amount.en.replace("{}", f"{number}{gap}{defect.unit.en}"),
+        side.amount.ru.replace("{}", f"{number.replace('.', ',')}{gap}{defect.unit.ru}"),
+    )
+
+
 def _defect(key: str, keys: dict[str, Any]) -> Defect:
     sides = tuple(
         made(
@@ -115,6 +133,7 @@ def _defect(key: str, keys: dict[str, Any]) -> Defect:
             {"sound": SOUND[key]} | keys[name],
             key=key,
             text=Text(**keys[name]["text"]),
+            amount=Text(**keys[name]["amount"]) if "amount" in keys[name] else PLAIN,
         )
         for name in keys
         if name in ("low", "high")

@@ -80,6 +80,17 @@ export interface components {
             limit: number | null;
             text: components["schemas"]["TwoTexts"] | null;
         };
+        /** @description The defects of a car; none: it is sound. */
+        AnswerResponse: {
+            car: string;
+            defects: components["schemas"]["AnsweredDefect"][];
+        };
+        /** @description What is wrong with a car. */
+        AnsweredDefect: {
+            key: string;
+            amount: number;
+            text: components["schemas"]["TwoTexts"];
+        };
         /** @description Two bytes that differ; null: that side has no byte there. */
         ByteDifference: {
             address: number;
@@ -1368,10 +1379,37 @@ export interface components {
          * @enum {string}
          */
         VerdictKind: "good" | "unknown" | "attention" | "bad";
+        /** @description The scenarios, and the defects with the commonest direction of each first. */
+        VirtualCarsResponse: {
+            scenarios: components["schemas"]["VirtualScenario"][];
+            defects: components["schemas"]["VirtualDefect"][];
+        };
+        /**
+         * @description A defect in one direction: its amounts from `sound` to `most`.
+         *
+         *     `phrase`: an amount in words; `{}` stands for the number with its unit.
+         */
+        VirtualDefect: {
+            key: string;
+            text: components["schemas"]["TwoTexts"];
+            phrase: components["schemas"]["TwoTexts"];
+            unit: components["schemas"]["TwoTexts"];
+            /** @description the amount is a share, shown in % */
+            percent: boolean;
+            sound: number;
+            least: number;
+            noticeable: number;
+            most: number;
+        };
         /** @description A recording of the virtual car, not measured on an engine. `model`: 7.1, 5.4. */
         VirtualReferenceInfo: {
             id: string;
             model: string;
+            text: components["schemas"]["TwoTexts"];
+        };
+        /** @description A shipped scenario. */
+        VirtualScenario: {
+            name: string;
             text: components["schemas"]["TwoTexts"];
         };
         /** @description Write bytes, beginning at an address. */
