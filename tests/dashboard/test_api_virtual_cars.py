@@ -21,7 +21,7 @@ def test_the_scenarios_and_defects_are_listed_with_amounts(off):
 
 @pytest.mark.parametrize("car", ["blind:4711", "leak:8", "healthy"])
 def test_the_answer_is_given_when_it_is_asked_for(off, car):
-    found = off.get("/virtual-cars/answer", params={"car": car})
+    found = off.get("/virtual-cars/answer", car=car)
     assert found["car"] == car
     expected = answer(car)
     assert [it["key"] for it in found["defects"]] == [it.key for it in expected]
@@ -29,7 +29,7 @@ def test_the_answer_is_given_when_it_is_asked_for(off, car):
 
 
 def test_a_car_that_there_is_not_has_no_answer(off):
-    error = off.get("/virtual-cars/answer", 400, params={"car": "leek"})
+    error = off.get("/virtual-cars/answer", 400, car="leek")
     assert error["code"] == "UsageError"
     assert "leak" in error["ru"]
 

@@ -78,7 +78,7 @@ def answer(text: str) -> Sequence[ChosenDefect]:
     chosen = [_named(word) for word in words]
     for number, each in enumerate(chosen):
         if any(each.key == other.key for other in chosen[:number]):
-            raise usage_error(f"{each.key} is named twice", f"{each.key} указано дважды")
+            raise usage_error(f"{each.key} is named twice", f"«{each.key}» указано дважды")
     return chosen
 
 
@@ -130,7 +130,7 @@ def _named(word: str) -> ChosenDefect:
     ranges = [_range(side) for side in defect.sides]
     raise usage_error(
         f"“{word}”: the amount of {key} is a number {' or '.join(it.en for it in ranges)}",
-        f"«{word}»: величина {key} — число {' или '.join(it.ru for it in ranges)}",
+        f"«{word}»: величина «{key}» — число {' или '.join(it.ru for it in ranges)}",
     )
 
 
@@ -153,7 +153,7 @@ def _range(side: Side) -> Text:
 
 
 def _unknown(key: str) -> UsageError:
-    known = ", ".join((HEALTHY, f"{BLIND}:4711", *KEYS))
+    known = ", ".join((HEALTHY, BLIND, *KEYS))
     close = nearest(key, (HEALTHY, BLIND, *KEYS)) if key else ()
     en, ru = (f"there is no defect “{key}”", f"неисправности «{key}» нет") if key else (
         "car= is empty", "car= пусто"
