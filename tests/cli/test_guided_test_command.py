@@ -51,6 +51,36 @@ def test_a_skipped_step_decides_nothing_and_an_unfinished_test_has_no_result(mik
     assert "did not come to its end" in ran.err
 
 
+IDLING = (
+    "duration = 999\n[start]\nrunning = true\ncoolant = 86\n[timeline]\ngear = 0\nthrottle = 0\n"
+)
+
+
+def test_an_unmet_condition_is_said_with_value_and_limit(mikas, tmp_path):
+    (tmp_path / "open.toml").write_text(
+        IDLING + "[condition]\nthrottle_stops = [7, 100]\n", "utf-8"
+    )
+    port = "--port", "sim:?clock=simulated&scenario=open.toml"
+    ran = mikas(*port, "test", "idle", "--duration", "60", "--capture", "open.pcapng")
+    said = ran.err.replace("\u00a0", " ")
+    assert "waiting: Throttle position 7 %: at most 5 % is needed" in said
+    assert "verdict: Throttle position 7 %" in said
+    assert "it does not close" in said
+    again = mikas("test", "idle", "--recording", "open.pcapng", "--lang", "ru")
+    assert "ближе всего было: Дроссель 7 %: нужно не больше 5 %" in again.err.replace("\u00a0", " ")
+
+
+def test_a_coolant_sensor_that_shows_too_little_ends_in_a_verdict(mikas, tmp_path):
+    (tmp_path / "cold.toml").write_text(
+        IDLING.replace("throttle = 0", "throttle = [[0, 0], [130, 0], [132, 9], [999, 9]]")
+        + "[condition]\ncoolant_sensor = -40\n",
+        "utf-8",
+    )
+    ran = mikas("--port", "sim:?clock=simulated&scenario=cold.toml", "test", "idle", "--json")
+    assert [it["rule"] for it in ran.object["result"]["findings"]] == ["coolant_sensor"]
+    assert "at least 75" in ran.err
+
+
 def test_a_wrong_name_is_answered_with_those_there_are(mikas, port):
     assert "there is: charging" in mikas(*port, "test", "chargin").err
     assert "its steps: rest, crank" in mikas(*port, "test", "cranking", "--skip", "x").err

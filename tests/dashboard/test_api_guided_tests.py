@@ -86,6 +86,22 @@ def test_skipping_every_step_tells_nothing(cold):
     assert cold.put("/tests/results/none", {"in_report": True}, status=404)
 
 
+def test_a_run_shows_what_keeps_it_waiting(cold):
+    cold.post("/tests/idle/start")
+    cold.until(lambda _: cold.get("/tests/run")["run"]["unmet"])
+    run = cold.get("/tests/run")["run"]
+    assert (run["phase"], run["step"]) == ("start", None)
+    (unmet,) = run["unmet"]
+    assert {key: unmet[key] for key in ("name", "value", "sign", "limit")} == {
+        "name": "FREQ",
+        "value": 0,
+        "sign": ">",
+        "limit": 500,
+    }
+    assert unmet["text"]["ru"].startswith("Обороты 0")
+    cold.post("/tests/run/cancel")
+
+
 def test_a_test_over_a_recording_has_its_result(cold, tmp_path):
     """The recording is by a clock of its own: in one of a loaded computer a gap may cut a step."""
     port = f"sim:?clock=simulated&scenario={tmp_path / 'car.toml'}"

@@ -238,3 +238,61 @@ def test_any_rows_end_in_no_wrong_state(voltages: list[float], step: float) -> N
         assert read(engine.result.as_json()) == engine.result
         if engine.result.outcome is VerdictKind.GOOD:
             assert step <= 1.0
+
+
+@pytest.mark.parametrize(
+    ("until", "values", "unmet"),
+    [
+        ("FREQ > 500 and THR <= 5", {"FREQ": 800, "THR": 6}, [("THR", 6, "<=", 5)]),
+        (
+            "FREQ > 500 and 5 >= THR",
+            {"FREQ": 400, "THR": 6},
+            [("FREQ", 400, ">", 500), ("THR", 6, "<=", 5)],
+        ),
+        (
+            "FREQ > 500 and THR <= 5 and RXX",
+            {"FREQ": 800, "THR": 0, "RXX": 0},
+            [("RXX", 0, "!=", 0)],
+        ),
+        ("not RXX", {"RXX": 1}, [("RXX", 1, "", None)]),
+        ("TWAT >= 75 or SECONDS > 90", {"TWAT": 47}, [("TWAT", 47, ">=", 75)]),
+        (
+            "FREQ > 900 or (THR > 50 and FREQ > 400)",
+            {"FREQ": 800, "THR": 6},
+            [("FREQ", 800, ">", 900), ("THR", 6, ">", 50)],
+        ),
+        (
+            "TWAT - TAIR < 3",
+            {"TWAT": 30, "TAIR": 20},
+            [("TWAT", 30, "", None), ("TAIR", 20, "", None)],
+        ),
+        ("FREQ > 500 and THR <= 5", {"FREQ": 800}, [("THR", None, "<=", 5)]),
+    ],
+)
+def test_a_waiting_step_shows_the_unmet_conditions(until, values, unmet) -> None:
+    text = FORM.replace('until = "UACC > 12"', f'until = "{until}"').replace(
+        "FREQ < 40", "UACC > 0"
+    )
+    engine = TestEngine(made(text=text), shipped())
+    feed(engine, 0, 2, UACC=12, **values)
+    found = engine.progress().unmet
+    assert [(it.name, it.value, it.sign, it.limit) for it in found] == unmet
+    for it in found:
+        for words in it.text:
+            assert words
+            assert "{" not in words
+
+
+def test_the_wait_for_the_start_shows_value_and_limit() -> None:
+    engine = TestEngine(made(), shipped())
+    feed(engine, 0, 5, UACC=12, FREQ=840)
+    progress = engine.progress()
+    (unmet,) = progress.unmet
+    assert progress.seconds == pytest.approx(4.9)
+    assert (
+        unmet.text.en.replace("\u00a0", " ")
+        == "Crankshaft speed 840 rpm: less than 40 rpm is needed"
+    )
+    assert unmet.text.ru.replace("\u00a0", " ") == "Обороты 840 об/мин: нужно меньше 40 об/мин"
+    feed(engine, 5, 6.5, UACC=12.6, FREQ=0)
+    assert (engine.progress().phase, engine.progress().unmet) == (ProgressPhase.HOLD, ())

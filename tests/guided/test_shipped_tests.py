@@ -22,6 +22,10 @@ CONSUMERS = "consumers = [[0, 0], [41, 0], [42, 20]]"
 PEDAL = "throttle = [[0, 0], [4, 0], [9, 100], [11, 100], [14, 0], [24, 0], [32, 9], [44, 9]]"
 TOO_FAST = "throttle = [[0, 0], [4, 0], [4.3, 100], [11, 100], [14, 0], [24, 0], [32, 9], [44, 9]]"
 SLIPPED = "throttle = [[0, 0], [4, 0], [9, 100], [11, 100], [11.1, 0], [24, 0], [32, 9], [44, 9]]"
+RAISED = "throttle = [[0, 0], [36, 0], [38, 10], [70, 10]]"
+RAISED_LATE = "throttle = [[0, 0], [128, 0], [130, 10], [170, 10]]"
+RAISED_LITTLE = "throttle = [[0, 0], [36, 0], [38, 3], [70, 3]]"
+RESTING = "throttle = [[0, 2], [8, 4], [16, 2], [24, 4], [36, 2], [38, 10], [70, 10]]"
 ROAD = "speed = [[0, 0], [10, 0], [30, 70], [300, 70]]"
 
 START = """
@@ -60,12 +64,10 @@ starter = [[0, 0], [1, 1], [8, 0]]
 """
 IDLE = """
 [start]
-coolant = 86
 running = true
 {start}
 [timeline]
 gear = 0
-throttle = [[0, 0], [36, 0], [38, 10], [70, 10]]
 {driver}
 [condition]
 {condition}
@@ -98,7 +100,7 @@ class Drive(NamedTuple):
 DRIVES = {
     "charging": Drive(START, 56, 10, driver=CONSUMERS),
     "cranking": Drive(START, 22, 17),
-    "idle": Drive(IDLE, 56, 4),
+    "idle": Drive(IDLE, 145, 4, "coolant = 86", RAISED),
     "knock": Drive(PULL, 27, 12),
     "sensors": Drive(START, 7, 6),
     "throttle": Drive(SWEEP, 37, 8, "coolant = 85", PEDAL),
@@ -141,9 +143,24 @@ CASES = [
     Case("idle", BAD, {"leak"}, "leak = 4"),
     Case("idle", BAD, {"meter"}, "air_meter = 0.8"),
     Case("idle", ATTENTION, {"little_air"}, "air_meter = 0.9\nalternator = 0"),
-    Case("idle", ATTENTION, {"slow_idle", "little_air"}, "idle_passage = 0.3"),
-    Case("idle", ATTENTION, {"fast_idle"}, "throttle_stops = [2.4, 100]"),
+    Case("idle", ATTENTION, {"slow_idle", "passage"}, "idle_passage = 0.3"),
+    Case("idle", ATTENTION, {"passage"}, "idle_passage = 0.45"),
+    Case("idle", BAD, {"throttle_open"}, "throttle_stops = [1.2, 100]"),
+    Case("idle", BAD, {"throttle_open"}, "throttle_stops = [2, 100]"),
+    Case("idle", BAD, {"throttle_open"}, "throttle_stops = [3, 100]"),
+    Case("idle", BAD, {"throttle_open"}, "throttle_stops = [5, 100]"),
+    Case("idle", UNKNOWN, {"pedal"}, driver=RESTING),
+    Case("idle", ATTENTION, {"coolant_sensor"}, "coolant_sensor = -40", driver=RAISED_LATE),
+    Case(
+        "idle", ATTENTION, {"coolant_sensor"}, "coolant_sensor = -30", "coolant = 95", RAISED_LATE
+    ),
+    Case("idle", UNKNOWN, {"cold"}, start="coolant = 30", driver=RAISED_LATE),
+    Case("idle", UNKNOWN, {"cold"}, start="ambient = -25\ncoolant = 58", driver=RAISED_LATE),
+    Case("idle", BAD, {"fast_idle", "leak"}, "leak = 12", driver=RAISED_LITTLE),
     Case("idle", GOOD, {"good"}, "alternator = 0"),
+    Case("idle", GOOD, {"good"}, "leak = 1\nair_meter = 0.92"),
+    Case("idle", GOOD, {"good"}, "air_meter = 1.08\ncoolant_sensor = -3\nidle_valve = 4"),
+    Case("idle", GOOD, {"good"}, "idle_passage = 0.8", driver="consumers = 25\n" + RAISED),
     Case("knock", BAD, {"knock"}, "knock = 6"),
     Case("knock", ATTENTION, {"some_knock"}, "knock = 2"),
     Case("knock", BAD, {"no_control"}, faults="faults = [41]"),

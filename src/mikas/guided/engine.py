@@ -15,10 +15,11 @@ from typing import Final
 
 from mikas.catalog import Catalog
 from mikas.catalog.formulas import Calculation
-from mikas.guided.definition import GuidedStep, GuidedTest, Measure, parameters_of
+from mikas.guided.definition import SECONDS, GuidedStep, GuidedTest, Measure, parameters_of
 from mikas.guided.measuring import StepRows, Values, formulas_inputs, holds, number_of
 from mikas.guided.result import MOST_POINTS, Curve, Number, StepDone, TestResult
 from mikas.guided.verdict import judge
+from mikas.guided.waiting import Unmet, unmet
 from mikas.i18n import Text
 
 _BACK: Final = 0.5  # s by which rows may come late; more, and the clock has run back
@@ -40,9 +41,10 @@ class ProgressPhase(StrEnum):
 class Progress:
     """The state of a test, `now`. `step`: its number from 0; None before the first.
 
-    `seconds`: since the step began; `held` of `hold`: how long its condition has held; `late`:
-    longer than its timeout. `values`: of the watched channels; `lacking`: parameters of the test
-    without a value just now.
+    `seconds`: since the step began, or the wait for the first; `held` of `hold`: how long its
+    condition has held; `late`: longer than its timeout. `values`: of the watched channels; `unmet`:
+    the conditions that keep the test waiting; `lacking`: parameters of the test without a value
+    just now.
     """
 
     phase: ProgressPhase
@@ -52,6 +54,7 @@ class Progress:
     hold: float
     late: bool
     values: Mapping[str, float]
+    unmet: tuple[Unmet, ...]
     lacking: tuple[str, ...]
 
 
@@ -69,6 +72,7 @@ class TestEngine:
         self._done: list[StepDone] = []
         self._curves = {name: _CurveBuilder() for name in test.chart}
         self._time: float | None = None
+        self._waiting_since: float | None = None
         self._begun: float | None = None  # the first step
         self._ready_since: float | None = None
         self._start = Calculation(test.start) if test.start else None
@@ -80,6 +84,8 @@ class TestEngine:
             return
         if self._time is not None and time < self._time - _BACK:
             self._restart_clock(time)
+        if self._waiting_since is None:
+            self._waiting_since = time
         self._time = time if self._time is None else max(self._time, time)
         self._values.add_row(time, values)
         if self._step is None:
@@ -111,11 +117,17 @@ class TestEngine:
             phase = ProgressPhase.START if self.result is None else ProgressPhase.DONE
             names = formulas_inputs([self.test.start]) or self.test.steps[0].watch
             needed = parameters_of(self._catalog, names)
-            gap, seconds = _START_GAP, 0.0
+            gap, waits_for = _START_GAP, self.test.start
+            seconds = 0.0 if self._waiting_since is None else now - self._waiting_since
         else:
             phase, names, needed = run.phase(now), run.step.watch, run.needed
             gap, seconds = max(_START_GAP, run.step.longest_gap), now - run.began
+            waits_for = run.step.until
         values = self._values.at(now, names, gap)
+        waiting: tuple[Unmet, ...] = ()
+        if phase in (ProgressPhase.START, ProgressPhase.UNTIL) and waits_for is not None:
+            inputs = self._values.at(now, formulas_inputs([waits_for]), gap)
+            waiting = unmet(waits_for, {**inputs, SECONDS: seconds}, self._catalog)
         lacking = () if phase is ProgressPhase.DONE else self._values.lacking(now, needed, gap)
         return Progress(
             phase=phase,
@@ -125,6 +137,7 @@ class TestEngine:
             hold=run.step.hold if run else 0.0,
             late=run is not None and seconds > run.step.timeout,
             values=values,
+            unmet=waiting,
             lacking=lacking,
         )
 
@@ -184,6 +197,7 @@ class TestEngine:
         self._time = time
         self._values.clear()
         self._ready_since = None
+        self._waiting_since = time
         if self._step is not None:
             self._begun = time
             self._curves = {name: _CurveBuilder() for name in self._curves}

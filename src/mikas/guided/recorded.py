@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable
-from math import isfinite
+from math import inf, isfinite
 from typing import TYPE_CHECKING, Final
 
 from mikas.cancellation import check_cancelled
 from mikas.guided.definition import GuidedTest, VerdictKind
-from mikas.guided.engine import TestEngine
+from mikas.guided.engine import ProgressPhase, TestEngine
 from mikas.guided.result import TestResult, read
-from mikas.i18n import Text
+from mikas.guided.waiting import Unmet
+from mikas.i18n import Text, joined
 from mikas.recording.capture.notes import Kind, Note
 
 if TYPE_CHECKING:
@@ -39,7 +40,7 @@ def run_over(
     if by_hand:
         return _BY_HAND.filled(steps=", ".join(by_hand))
     catalog = recording.catalog
-    engine, seen = TestEngine(test, catalog), set[str]()
+    engine, seen, closest = TestEngine(test, catalog), set[str](), _Closest()
     undecided: TestResult | None = None
     for rows in recording.interpreted("corrected", test.channels).rows():
         columns = [(name, column.tolist()) for name, column in rows.values.items()]
@@ -52,6 +53,7 @@ def run_over(
             engine.add_row(time, fresh)
             engine.skip_all(skip)
             if engine.result is None:
+                closest.look(engine, time)
                 continue
             if engine.result.outcome is not VerdictKind.UNKNOWN:
                 return engine.result
@@ -62,10 +64,44 @@ def run_over(
     if lacking := [name for name in test.channels if name not in seen]:
         return _LACKING.filled(names=", ".join(lacking))
     if (step := engine.progress().step) is None:
-        return _NO_START.filled(needs=test.needs)
-    return _NO_STEP.filled(step=test.steps[step].text)
+        return closest.added_to(_NO_START.filled(needs=test.needs))
+    return closest.added_to(_NO_STEP.filled(step=test.steps[step].text))
 
 
+class _Closest:
+    """The moment at which the fewest conditions of the present step were unmet."""
+
+    def __init__(self) -> None:
+        self._step: int | None = None
+        self._unmet: tuple[Unmet, ...] | None = None
+        self._next = -inf
+
+    def look(self, engine: TestEngine, time: float) -> None:
+        """Look at a test once a second."""
+        if time < self._next:
+            return
+        self._next = time + 1.0
+        progress = engine.progress()
+        if progress.step != self._step:
+            self._step, self._unmet = progress.step, None
+        if progress.phase is ProgressPhase.PREPARE:
+            return
+        values = all(it.value is not None for it in progress.unmet)
+        if values and (self._unmet is None or len(progress.unmet) < len(self._unmet)):
+            self._unmet = progress.unmet
+
+    def added_to(self, reason: Text) -> Text:
+        """Return the reason, with what was missing at the closest moment."""
+        if self._unmet is None:
+            return reason
+        if not self._unmet:
+            return joined("; ", [reason, _TOO_SHORT])
+        texts = joined("; ", [it.text for it in self._unmet])
+        return joined("; ", [reason, _CLOSEST.filled(unmet=texts)])
+
+
+_TOO_SHORT: Final = Text("its conditions held for too short a time", "условия держались мало")
+_CLOSEST: Final = Text("at the closest moment: {unmet}", "ближе всего было: {unmet}")
 _BY_HAND: Final = Text(
     "no data show these steps; skip them: {steps}",
     "этих шагов по данным не видно, пропустите: {steps}",

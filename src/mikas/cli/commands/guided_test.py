@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from contextlib import ExitStack, closing
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import click
 
@@ -15,12 +15,13 @@ from mikas.cli.language import localized, tr
 from mikas.cli.options.parameter_types import existing_file, positive
 from mikas.cli.options.sampling import SamplingOptions
 from mikas.errors import usage_error
-from mikas.i18n import Text
+from mikas.i18n import Text, joined
 from mikas.json_values import picked
 from mikas.options import nearest
 
 if TYPE_CHECKING:
     from mikas.guided.definition import GuidedTest
+    from mikas.guided.engine import Progress
     from mikas.guided.loading import LoadedTests
     from mikas.guided.result import TestResult
     from mikas.link.ahead import PortAhead
@@ -144,6 +145,7 @@ def _guide(
     options = SamplingOptions(names=chosen.channels, duration=duration)
     engine = TestEngine(chosen, context.options.catalog)
     said: tuple[int | None, bool] | None = None
+    waiting = _Waiting()
     with ExitStack() as stack:
         run = stack.enter_context(
             sampling_session(context, options, ahead, context.capture, joined=False)
@@ -163,8 +165,37 @@ def _guide(
                 if text := _instruction(chosen, progress.step, is_new=is_new):
                     output.print_note(text)
                 said = now
+            if text := waiting.sentence(progress, event.time):
+                output.print_note(text)
     run.session.conclude()  # a date that was set just now
-    return engine.result.moved(run.later) if engine.result else NO_TEXT
+    if engine.result:
+        return engine.result.moved(run.later)
+    unmet = [it.text for it in engine.progress().unmet]
+    return joined("; ", unmet) if unmet else NO_TEXT
+
+
+class _Waiting:
+    """Reports what keeps a test waiting: after some seconds, at each change, and now and then."""
+
+    def __init__(self) -> None:
+        self._said: tuple[object, ...] | None = None
+        self._said_at = 0.0
+
+    def sentence(self, progress: Progress, now: float) -> str:
+        """Return the conditions that do not hold, with value and limit; empty if not due."""
+        if not progress.unmet or progress.seconds < _PATIENCE:
+            return ""
+        waits = (progress.step, *(it.name for it in progress.unmet))
+        if waits == self._said and now - self._said_at < _REPEATED:
+            return ""
+        self._said, self._said_at = waits, now
+        return tr("waiting: ", "ожидание: ") + "; ".join(
+            localized(it.text) for it in progress.unmet
+        )
+
+
+_PATIENCE: Final = 3.0  # s
+_REPEATED: Final = 20.0  # s
 
 
 def _instruction(test: GuidedTest, step: int | None, *, is_new: bool) -> str:

@@ -144,11 +144,24 @@ class TestVerdict(_Model):
     in_report: bool
 
 
+class TestUnmet(_Model):
+    """A channel whose value keeps the test waiting: `sign` and `limit` are the comparison that has
+    to hold, as a sentence in `text`. `value` null: there is none just now.
+    """
+
+    name: str
+    value: float | None
+    sign: str
+    limit: float | None
+    text: TwoTexts
+
+
 class TestRun(_Model):
     """The test that runs, or has finished with `result`.
 
     `phase`: what it waits for; `step`: from 0, null before the first. `held` of `hold` seconds the
-    step's condition has held; `late`: show the `advice`. `lacking`: parameters without values now.
+    step's condition has held; `late`: show the `advice`. `unmet`: what keeps it waiting; `lacking`:
+    parameters without values now.
     """
 
     name: str
@@ -164,6 +177,7 @@ class TestRun(_Model):
     late: bool
     advice: OptionalTexts
     values: dict[str, float]
+    unmet: list[TestUnmet]
     lacking: list[str]
     result: TestVerdict | None
 

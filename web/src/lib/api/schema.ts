@@ -1218,7 +1218,8 @@ export interface components {
          * @description The test that runs, or has finished with `result`.
          *
          *     `phase`: what it waits for; `step`: from 0, null before the first. `held` of `hold` seconds the
-         *     step's condition has held; `late`: show the `advice`. `lacking`: parameters without values now.
+         *     step's condition has held; `late`: show the `advice`. `unmet`: what keeps it waiting; `lacking`:
+         *     parameters without values now.
          */
         TestRun: {
             name: string;
@@ -1236,6 +1237,7 @@ export interface components {
             values: {
                 [key: string]: number;
             };
+            unmet: components["schemas"]["TestUnmet"][];
             lacking: string[];
             result: components["schemas"]["TestVerdict"] | null;
         };
@@ -1263,6 +1265,17 @@ export interface components {
             began: number;
             ended: number;
             skipped: boolean;
+        };
+        /**
+         * @description A channel whose value keeps the test waiting: `sign` and `limit` are the comparison that has
+         *     to hold, as a sentence in `text`. `value` null: there is none just now.
+         */
+        TestUnmet: {
+            name: string;
+            value: number | null;
+            sign: string;
+            limit: number | null;
+            text: components["schemas"]["TwoTexts"];
         };
         /** @description A result. `missing`: why rules could not be decided; `as_text`: all of it as lines. */
         TestVerdict: {
