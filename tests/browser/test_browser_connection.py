@@ -218,3 +218,22 @@ def test_a_program_in_a_terminal_has_no_such_button(off, visitor):
     tab = visitor(off.url).show("connection")
     tab.says("Phone or tablet")
     expect(tab.button("End mikas")).to_have_count(0)
+
+
+def test_a_virtual_car_is_chosen_with_its_defect_or_blind(off, visitor):
+    tab = visitor(off.url).show("connection")
+    tab.find("summary").get_by_text("Choose a car and its defect").click()
+    tab.find("#screen").get_by_label("Defect").select_option("Coolant sensor shows too little")
+    tab.says("−20 °C")
+    tab.find("#screen").get_by_label("Drive").select_option("Warm engine at idle, the car standing")
+    tab.press("Start this car")
+    tab.is_line("sampling")
+    tab.says("warm-idle coolant_sensor:-20")
+    tab.press("Find out what is wrong")
+    tab.find("#screen").get_by_role("textbox", name="Number").fill("4711")
+    tab.press("Start this car")
+    tab.says("Car blind:4711: find out what is wrong with it.")
+    tab.is_line("sampling")
+    expect(tab.find("#screen")).not_to_contain_text("sticks: moves only after")
+    tab.press("Show the answer")
+    tab.says("sticks: moves only after")

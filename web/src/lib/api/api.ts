@@ -48,6 +48,9 @@ export function createApi(host: Transport) {
     saveSearches: (searches: Api.KeptSearch[]) => put<Api.Searches>("/searches", { searches }),
 
     ports: () => get<Api.Ports>("/ports"),
+    virtualCars: () => get<Api.VirtualCars>("/virtual-cars"),
+    /** What is wrong with a virtual car, by the `car` of its address. */
+    carAnswer: (car: string) => get<Api.CarAnswer>("/virtual-cars/answer", { car }),
     connect: (port: string | null) => post<Api.State>("/connect", { port, echo: "auto", method: "auto", rate: null }),
     disconnect: () => post<Api.State>("/disconnect"),
     doctor: (port: string | null, onStep: (step: Api.DoctorStep) => void) =>

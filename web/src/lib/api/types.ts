@@ -30,6 +30,9 @@ export type Tile = Schemas["Tile"];
 export type TileKind = Tile["kind"];
 
 export type Port = Schemas["PortInfo"];
+export type VirtualCars = Schemas["VirtualCarsResponse"];
+export type VirtualDefect = Schemas["VirtualDefect"];
+export type CarAnswer = Schemas["AnswerResponse"];
 export type Ports = Schemas["PortsResponse"];
 export type Price = Schemas["PriceResponse"];
 

@@ -1,0 +1,47 @@
+// The address of a virtual car that a person chooses, and the number of a blind one in an address.
+import { number } from "../../../lib/i18n";
+import type { VirtualDefect } from "../../../lib/api/types";
+
+export type Kind = "sound" | "defect" | "blind";
+
+export interface Choice {
+  kind: Kind;
+  scenario: string;
+  defect: Pick<VirtualDefect, "key"> | null;
+  amount: number;
+  number: number;
+}
+
+export function address({ kind, scenario, defect, amount, number: blind }: Choice): string {
+  const car = kind === "blind" ? `blind:${blind}` : kind === "defect" && defect ? `${defect.key}:${amount}` : "healthy";
+  return `sim:?scenario=${scenario}&car=${car}`;
+}
+
+/** The `car` of an address if it is a blind one, as `blind:4711`. */
+export function blindCar(port: string | null | undefined): string | null {
+  return /^sim:\?(?:.*&)?car=(blind:\d+)(?:&|$)/.exec(port ?? "")?.[1] ?? null;
+}
+
+type Amounts = Pick<VirtualDefect, "sound" | "least" | "noticeable" | "most" | "percent">;
+
+/** The decimals of an amount on the slider. */
+export function decimalsOf({ least, most, percent }: Amounts): number {
+  const span = Math.abs(most - least);
+  return percent ? 2 : span >= 15 ? 0 : 1;
+}
+
+/** The amount at a place of the slider, 0 (hardly) to 100 (the most). */
+export function amountAt(defect: Amounts, place: number): number {
+  return Number((defect.least + ((defect.most - defect.least) * place) / 100).toFixed(decimalsOf(defect)));
+}
+
+export function placeOf({ least, most }: Amounts, amount: number): number {
+  return Math.round(((amount - least) / (most - least)) * 100);
+}
+
+/** The number of an amount as it is read: a share in percent. */
+export function amountText(defect: Amounts, amount: number, unit: string): string {
+  const decimals = decimalsOf(defect);
+  const shown = defect.percent ? number(amount * 100, 0) : number(amount, decimals);
+  return unit === "°" ? `${shown}°` : `${shown}\u00a0${unit}`;
+}
