@@ -8,6 +8,7 @@ not the current folder, where a library would make one called `~`.
 from __future__ import annotations
 
 import os
+import sys
 from pathlib import Path
 from typing import Final
 
@@ -41,8 +42,35 @@ def expanded(name: str) -> Path:
         return path
 
 
+def config_folder() -> Path:
+    """Return the folder of the user's settings."""
+    if _has_places_of_its_own():
+        from platformdirs import user_config_path
+
+        return user_config_path("mikas", appauthor=False)
+    return _of_xdg("XDG_CONFIG_HOME", ".config")
+
+
+def state_folder() -> Path:
+    """Return the folder of what is kept for the user from one run to the next."""
+    if _has_places_of_its_own():
+        from platformdirs import user_state_path
+
+        return NO_HOME / "mikas" if home() == NO_HOME else user_state_path("mikas", appauthor=False)
+    return _of_xdg("XDG_STATE_HOME", ".local", "state")
+
+
 def documents_folder() -> Path:
     """Return the folder of the user's documents."""
     from platformdirs import user_documents_path
 
     return NO_HOME / "Documents" if home() == NO_HOME else user_documents_path()
+
+
+def _has_places_of_its_own() -> bool:
+    return sys.platform in ("win32", "darwin")
+
+
+def _of_xdg(variable: str, *usual: str) -> Path:
+    named = os.environ.get(variable, "").strip()
+    return (Path(named) if named else home().joinpath(*usual)) / "mikas"

@@ -7,12 +7,11 @@ an option for it (`--lang`), that comes first.
 from __future__ import annotations
 
 import os
-import sys
 from pathlib import Path
 from typing import Any
 
 from mikas.errors import UsageError, reason_of, usage_error
-from mikas.home import home
+from mikas.home import config_folder
 from mikas.i18n import Language
 
 
@@ -20,13 +19,7 @@ def config_path() -> Path:
     """Return the path of the config file, whether or not it exists."""
     if named := os.environ.get("MIKAS_CONFIG"):
         return Path(named)
-    if sys.platform not in ("win32", "darwin"):  # as platformdirs, without its import
-        base = os.environ.get("XDG_CONFIG_HOME", "").strip()
-        folder = Path(base) if base else home() / ".config"
-        return folder / "mikas" / "config.toml"
-    from platformdirs import user_config_path
-
-    return user_config_path("mikas", appauthor=False) / "config.toml"
+    return config_folder() / "config.toml"
 
 
 def parsed_config(file: Path) -> dict[str, Any]:

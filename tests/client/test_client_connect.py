@@ -191,7 +191,7 @@ class TestLearntLimitsOfVirtualUnits:
     @pytest.fixture
     def users_own(self, monkeypatch, tmp_path):
         monkeypatch.delenv("MIKAS_STATE")
-        monkeypatch.setattr("platformdirs.user_state_path", lambda name, **_: tmp_path / name)
+        monkeypatch.setattr("mikas.home.state_folder", lambda: tmp_path / "mikas")
         return tmp_path / "mikas"
 
     @staticmethod

@@ -67,6 +67,20 @@ def test_the_virtual_car_is_read_like_a_recording_and_changed_like_none(desk, mo
         desk.get(f"/recordings/{other}", status=404)
 
 
+def test_it_is_recorded_without_the_users_own_folders(tmp_path, monkeypatch):
+    """A browser has none of them, and what the user has learnt must not change the recording."""
+
+    def refuse():
+        raise AssertionError("the user's own folder")
+
+    monkeypatch.setattr("mikas.home.state_folder", refuse)
+    monkeypatch.delenv("MIKAS_STATE", raising=False)
+    drive = service.DRIVES["warm-idle"]
+    short = service.Drive(drive.scenario, 1.0, drive.rate, drive.text)
+    monkeypatch.setitem(service.DRIVES, "warm-idle", short)
+    assert References(tmp_path / "m", tmp_path / "made").virtual(IDLE).path.is_file()
+
+
 def test_the_same_version_makes_the_same_recording(tmp_path, monkeypatch):
     drive = service.DRIVES["drive"]
     short = service.Drive(drive.scenario, 3.0, drive.rate, drive.text)

@@ -7,12 +7,12 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from mikas import home
 from mikas.catalog import Catalog, load, shipped
 from mikas.catalog.model import check_interpretation
 from mikas.client.ecu import Ecu
 from mikas.client.gate import Confirm
 from mikas.client.limits import LimitsStore
-from mikas.home import NO_HOME, home
 from mikas.link import CaptureTee, Link, Sink, choose_port, open_link
 from mikas.options import check_choice, check_number
 from mikas.tester import Echo, Tester, Timing
@@ -107,11 +107,7 @@ def state_folder() -> Path:
     """Return the folder of the journal and of learnt limits: MIKAS_STATE, or the user's own."""
     if named := os.environ.get(STATE_VARIABLE):
         return Path(named)
-    if home() == NO_HOME and not os.environ.get("XDG_STATE_HOME", "").strip():
-        return NO_HOME / "mikas"
-    from platformdirs import user_state_path
-
-    return user_state_path("mikas", appauthor=False)
+    return home.state_folder()
 
 
 def connect(

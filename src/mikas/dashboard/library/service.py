@@ -26,9 +26,9 @@ from pathlib import Path
 from secrets import token_hex
 from typing import Final
 
-import mikas
 from mikas.cancellation import check_cancelled
 from mikas.catalog import Catalog
+from mikas.client.connecting import ConnectionOptions, open_ecu
 from mikas.dashboard.errors import AnswerTookTooLong, NotFound, TookTooLong
 from mikas.dashboard.library.folder import LeftOut, RecordingFile, RecordingFolder
 from mikas.dashboard.library.lanes import Lane, LaneLimits
@@ -136,7 +136,7 @@ def _record(file: Path, drive: Drive, model: str) -> None:
     part = beside(file, f".{token_hex(4)}.part")  # another program may make it, too
     try:
         sink = CaptureWriter(part, url=url, overwrite=True)
-        with sink, mikas.connect(url, sink=sink) as ecu:
+        with sink, open_ecu(url, _options(file.parent), sink=sink) as ecu:
             now, unit = ecu.tester.link.now, ecu.version_code
             found = UnitFound(now(), unit, ecu.passport(), catalog=ecu.catalog.version)
             for note in SessionAnnotator().notes_of(found):
@@ -151,6 +151,13 @@ def _record(file: Path, drive: Drive, model: str) -> None:
         part.replace(file)
     finally:
         part.unlink(missing_ok=True)
+
+
+def _options(folder: Path) -> ConnectionOptions:
+    """Return options that depend on nothing that the user has learnt or set."""
+    return ConnectionOptions(
+        journal=folder / "journal.jsonl", state=folder / "units", virtual_units=False
+    )
 
 
 @dataclass(frozen=True, slots=True)
