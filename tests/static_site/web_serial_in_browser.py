@@ -23,7 +23,7 @@ gc.disable()  # as `mikas.browser.start`
 green_threads.install(mikas_host, run_sync)
 
 from mikas.browser.web_serial import find_web_ports  # noqa: E402  (as the program: no lock before)
-from mikas.errors import BadPortUrl, LinkLost, NoPortGiven, PortBusy, PortNotFound  # noqa: E402
+from mikas.errors import BadPortUrl, LinkLost, NoPortGiven, PortFailed, PortNotFound  # noqa: E402
 from mikas.link import open_link  # noqa: E402
 from mikas.link.reconnecting import ReconnectingPort  # noqa: E402
 
@@ -106,7 +106,7 @@ def test_like_adapters_keep_their_names_until_they_are_unplugged():
 
 
 def test_an_open_port_is_busy():
-    with open_link(FT232), pytest.raises(PortBusy, match="another tab"):
+    with open_link(FT232), pytest.raises(PortFailed, match="another tab"):
         open_link(FT232)
     with open_link(FT232):
         pass
