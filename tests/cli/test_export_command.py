@@ -80,7 +80,7 @@ def test_all_formats_have_the_same_values(mikas, tmp_path, drive):
     expected = [f"{value:.0f}" for value in table["TWAT"].to_pylist()]
     assert column(tmp_path / "drive.csv", "TWAT") == expected
     _, _, names, _, *rows = cells(tmp_path / "drive.msl", "\t")
-    assert [row[names.index("TWAT")] for row in rows] == expected
+    assert [row[names.index("CLT")] for row in rows] == expected
     about = json.loads(parquet.read_metadata(tmp_path / "drive.parquet").metadata[b"mikas"])[
         "about"
     ]

@@ -183,3 +183,12 @@ def test_a_channel_has_its_values_at_a_moment_of_a_recording(warm):
     assert trial(warm, "UACC * 2", recording=file["id"])["value"] > 0
     assert warm.get("/channels/FREQ/value", recording=file["id"], at=time - 1e6)["value"] is None
     assert warm.get("/channels/FREQ/value", 400, at="nan")["code"] == "BadRequest"
+
+
+def test_other_names_are_listed_understood_and_kept_as_mnemonics(warm):
+    assert {"rpm", "обороты", "оборот"} <= set(channel(warm, "FREQ")["names"])
+    tried = warm.post("/channels/try", {"formula": "обороты / 2"})
+    assert [each["name"] for each in tried["inputs"]] == ["FREQ"]
+    assert tried["problem"] is None
+    warm.put("/channels/TWICE", {**DOUBLE, "formula": "Обороты * factor"})
+    assert channel(warm, "TWICE")["formula"] == "FREQ * factor"

@@ -18,6 +18,7 @@ import mikas
 from csv_columns import columns_of
 from dashboard.recordings_rig import record
 from dashboard.rig import ME, OTHER, rig
+from mikas.catalog.synonyms import names_of
 from mikas.dashboard.api.library import files
 from mikas.dashboard.library.lanes import Lane
 from mikas.errors import ExportError
@@ -94,7 +95,7 @@ def _values(out: Path, name: str) -> list[float]:
         case ".msl":
             lines = [line.split("\t") for line in out.read_text("utf-8").splitlines()]
             head = next(at for at, cells in enumerate(lines) if cells[0] == "Time")
-            column = next(at for at, cell in enumerate(lines[head]) if name in cell)
+            column = lines[head].index(names_of(name).log)
             return [float(cells[column]) for cells in lines[head + 2 :] if len(cells) > column]
     assert out.read_bytes()[:6] == b"MLVLG\0"
     return mikas.open(out.parent / "recordings/drive.pcapng").to_pandas()[name].tolist()

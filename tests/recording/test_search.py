@@ -80,6 +80,7 @@ def test_hits_are_those_of_the_rule_row_by_row_however_the_table_is_cut(drawn, s
     [
         ("freq > 3000 and DET", "FREQ", False),
         ("DET or 3000 > Freq", "FREQ", True),
+        ("Обороты > 3000 and детонация", "FREQ", False),
         ("max(JAIR, UGB) / FREQ <= 0.01", "max(JAIR, UGB) / FREQ", True),
         ("3 < 4 and TWAT != 85", "TWAT", False),
         ("not RXX", "", False),

@@ -26,6 +26,7 @@ export const channelOf = (name: string, more: Partial<Channel> = {}): Channel =>
     flag: false,
     mine: false,
     own: [],
+    names: [],
     decimals: 0,
     limits: null,
     gauge: null,

@@ -79,30 +79,32 @@ Term: TypeAlias = "float | str | Operation"
 class Parsed:
     """The plain form, and its channels (in capitals, in order of appearance).
 
-    `places`: the first and the next character of each channel's first appearance.
+    `places`: the first and the next character of each channel's first appearance. `text`: the
+    formula with the names in `inputs`.
     """
 
     plain: Term
     inputs: tuple[str, ...]
     places: tuple[tuple[int, int], ...]
+    text: str
 
 
-def parse(text: str, constants: Mapping[str, float]) -> Parsed:
+def parse(
+    text: str, constants: Mapping[str, float], channel_of: Callable[[str], str] = str.upper
+) -> Parsed:
     """Check a formula and insert its constants; any other name is a channel's, in any case.
 
+    `channel_of`: returns the channel that a name means (`Catalog.channel_of`).
     FormulaError: not a formula, or one without a channel; the loader adds file and line.
     """
     if len(text) > LONGEST:
-        raise _wrong(
-            f"is longer than {LONGEST} signs; split it into several channels",
-            f"длиннее {LONGEST} знаков; разделите на несколько каналов",
-        )
+        raise _too_long()
     # One line, in which each sign keeps its place behind those that are left out at the begin.
     line = "".join(" " if sign.isspace() else sign for sign in text).strip()
     begin = len(text) - len(text.lstrip())
     try:
         syntax = _syntax(line)
-        form = _PlainForm(line, constants)
+        form = _PlainForm(line, constants, channel_of)
         plain = form.expression(syntax, 0)
     except FormulaError as error:
         if error.span is not None:
@@ -114,11 +116,23 @@ def parse(text: str, constants: Mapping[str, float]) -> Parsed:
             "не называет ни одного параметра, значит, нет ни времени, ни значения",
         )
     places = ((begin + first, begin + after) for first, after in form.inputs.values())
-    return Parsed(plain, tuple(form.inputs), tuple(places))
+    named = text
+    for (first, after), name in sorted(form.names.items(), reverse=True):
+        named = f"{named[: begin + first]}{name}{named[begin + after :]}"
+    if len(named) > LONGEST:
+        raise _too_long()
+    return Parsed(plain, tuple(form.inputs), tuple(places), named)
 
 
 def _wrong(en: str, ru: str, span: tuple[int, int] | None = None) -> FormulaError:
     return FormulaError(Text(en, ru), span)
+
+
+def _too_long() -> FormulaError:
+    return _wrong(
+        f"is longer than {LONGEST} signs; split it into several channels",
+        f"длиннее {LONGEST} знаков; разделите на несколько каналов",
+    )
 
 
 def tree_of(line: str) -> ast.expr:
@@ -188,9 +202,14 @@ def _habit(line: str) -> FormulaError | None:
 class _PlainForm:
     """Builds the plain form of an expression, of known nodes only."""
 
-    def __init__(self, line: str, constants: Mapping[str, float]) -> None:
+    def __init__(
+        self, line: str, constants: Mapping[str, float], channel_of: Callable[[str], str]
+    ) -> None:
         self._line = line.encode()
         self._constants = constants
+        self._channel_of = channel_of
+        self.names: dict[tuple[int, int], str] = {}
+        """The channel at each place where another name of it stands."""
         self.inputs: dict[str, tuple[int, int]] = {}
         """The channels, each with its first place."""
 
@@ -233,8 +252,10 @@ class _PlainForm:
     def _name(self, node: ast.Name) -> Term:
         if (constant := self._constants.get(node.id)) is not None:
             return float(constant)
-        name = node.id.upper()
-        self.inputs.setdefault(name, self._span(node))
+        name, span = self._channel_of(node.id), self._span(node)
+        if name != node.id.upper():
+            self.names[span] = name
+        self.inputs.setdefault(name, span)
         return name
 
     def _bool_op(self, node: ast.BoolOp, depth: int) -> Term:

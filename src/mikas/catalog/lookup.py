@@ -13,6 +13,7 @@ from functools import cached_property
 
 from mikas.catalog.conversion import Conversion
 from mikas.catalog.model import Derived, Erratum, Fault, Model, Parameter, in_order
+from mikas.catalog.synonyms import Named, named, normal, synonyms_of
 from mikas.errors import UnknownParameter
 from mikas.i18n import Text
 from mikas.options import in_latin, nearest
@@ -46,6 +47,25 @@ class Catalog:
         return {**self._by_name, **self.derived}
 
     @cached_property
+    def synonyms(self) -> Mapping[str, str]:
+        """The channel of each other name that people use, as `synonyms.normal` returns it."""
+        return synonyms_of(
+            Named(each.name, each.text, each.short) for each in self.channels.values()
+        )
+
+    @cached_property
+    def other_names(self) -> Mapping[str, list[str]]:
+        """The names in `synonyms`, by channel."""
+        found: dict[str, list[str]] = {}
+        for other, name in self.synonyms.items():
+            found.setdefault(name, []).append(other)
+        return found
+
+    def channel_of(self, word: str) -> str:
+        """Return the channel that a word means («обороты»); in capitals if it means none."""
+        return named(word.strip(), self.channels, self.synonyms)
+
+    @cached_property
     def _sizes(self) -> dict[int, int]:
         return {parameter.code: parameter.size for parameter in self.parameters}
 
@@ -70,25 +90,34 @@ class Catalog:
         return self._sharing.get(code, ())
 
     def parameter(self, name: str) -> Parameter:
-        """Return a parameter by name in any case, or by code: `0x1A`, with 1 to 4 bytes `0x3F:2`.
+        """Return a parameter by name in any case, by another name that people use, or by code.
+
+        A code is `0x1A`, with 1 to 4 bytes `0x3F:2`.
 
         A code gives the raw number without unit; its default size is the catalog's, or 1.
         UnknownParameter (with the nearest names) otherwise.
         """
         name = name.strip()
-        return self._by_name.get(name.upper()) or self._by_code(name, self._by_name)
+        return self._by_name.get(self.channel_of(name)) or self._by_code(name, self._by_name)
 
     def channel(self, name: str) -> Parameter | Derived:
         """As `parameter`, and also return a derived channel by name in any case."""
         name = name.strip()
-        return self.channels.get(name.upper()) or self._by_code(name, self.channels)
+        return self.channels.get(self.channel_of(name)) or self._by_code(name, self.channels)
 
     def _by_code(self, name: str, known: Iterable[str]) -> Parameter:
         if match := _RAW_CODE.fullmatch(name):
             return self._raw(name, int(match[1], 16), match[2])
         if _RAW_CODE.fullmatch(in_latin(name)):
             raise UnknownParameter(name, (in_latin(name),))
-        raise UnknownParameter(name, nearest(name, known, 3))
+        raise UnknownParameter(name, nearest(name, known, 3) or self._alike(name, known))
+
+    def _alike(self, name: str, known: Iterable[str]) -> tuple[str, ...]:
+        """Return the channels of other names that are almost `name`."""
+        from difflib import get_close_matches
+
+        words = get_close_matches(normal(name), self.synonyms, 3, 0.75)
+        return tuple({self.synonyms[word]: None for word in words if self.synonyms[word] in known})
 
     def _raw(self, name: str, code: int, given: str | None) -> Parameter:
         size = int(given) if given else self._sizes.get(code, 1)

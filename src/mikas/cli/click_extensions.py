@@ -182,7 +182,11 @@ class LocalizedGroup(LocalizedCommand, click.Group):
         return command
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        if not args and not ctx.find_root().ensure_object(dict).get("json"):
+        if (
+            not args
+            and not ctx.resilient_parsing
+            and not ctx.find_root().ensure_object(dict).get("json")
+        ):
             write_error(f"{ctx.get_help()}\n")
             ctx.exit(2)
         return super().parse_args(ctx, args)

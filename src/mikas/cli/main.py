@@ -15,7 +15,7 @@ from contextlib import suppress
 import click
 
 from mikas import unkept
-from mikas.cli import desktop
+from mikas.cli import completion, desktop
 from mikas.cli.click_extensions import LocalizedGroup
 from mikas.cli.commands import COMMANDS
 from mikas.cli.failures import BUG, DONE, INTERRUPTED, failure_of
@@ -89,6 +89,8 @@ def _say(sentence: Text) -> None:
 def _run(argv: list[str], hide: Callable[[str], str]) -> int:
     try:
         set_language(detect_language(argv))
+        if completion.is_asked():
+            return completion.answer(cli)
         # `cli.main` would end the process when a pipe's reader is gone. click empties the list.
         with cli.make_context("mikas", [*argv]) as context:
             result = cli.invoke(context)

@@ -75,14 +75,14 @@ class SearchCondition:
     def __init__(self, catalog: Catalog, expression: str) -> None:
         self.expression = " ".join(expression.split())
         try:
-            names = parse(self.expression, {}).inputs
+            parsed = parse(self.expression, {}, catalog.channel_of)
         except UsageError as error:
             raise usage_error(
                 f"The condition {error.reason.en}", f"Условие: {error.reason.ru}"
             ) from error
-        self.inputs = tuple(catalog.channel(name).name for name in names)
-        self.peak_of, self.is_lowest = _first_comparison(self.expression)
-        formulas = {_CONDITION: self.expression}
+        self.inputs = tuple(catalog.channel(name).name for name in parsed.inputs)
+        self.peak_of, self.is_lowest = _first_comparison(parsed.text)
+        formulas = {_CONDITION: parsed.text}
         if self.peak_of:
             formulas[_PEAK] = self.peak_of
         derived = {name: _channel(name, formula) for name, formula in formulas.items()}

@@ -11,10 +11,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from csv_columns import columns_of
+from mikas.catalog import shipped
 from mikas.cleaning import spreadsheet_text
 from mikas.i18n import Text
 from mikas.recording.export import EXCEL, PLAIN, Dialect, export
-from mikas.recording.table.channels import Channel
+from mikas.recording.table.channels import Channel, all_channels
 
 
 def test_a_csv_file_has_these_bytes(tmp_path):
@@ -35,6 +36,15 @@ def test_a_csv_file_has_these_bytes(tmp_path):
         "29;;-0,04;\n"
         "1500;-40;;0\n"
     )
+
+
+def test_units_are_in_the_header_s_language(tmp_path):
+    channels = all_channels({}, shipped(), ["FREQ", "SSM"]).values()
+    for language, units in (("en", ["(rpm)", "(step)"]), ("ru", ["(об/мин)", "(шаг)"])):
+        out = tmp_path / f"{language}.csv"
+        export(out, channels, [], language=language)
+        line = out.read_text("utf-8").splitlines()[0]
+        assert [each.split()[-1] for each in line.split(",")[1:]] == units
 
 
 def test_time_counts_from_the_first_row(tmp_path):

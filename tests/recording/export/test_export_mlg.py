@@ -110,7 +110,7 @@ def test_an_mlg_file_has_these_bytes(tmp_path):
     )
     assert data[77:132] == (
         b"\x07"
-        + b"TWAT".ljust(34, b"\0")
+        + b"CLT".ljust(34, b"\0")
         + "°C".encode().ljust(10, b"\0")
         + b"\0"
         + bytes.fromhex("3f800000 00000000 00")
@@ -128,10 +128,10 @@ def test_the_fixed_table_is_read_back_from_mlg(tmp_path):
     export(out, CHANNELS, FIXED, about={"unit": "Микас 7.1"})
     log = read(out.read_bytes())
     assert log.timestamp == START
-    assert log.names == ["Time", "TWAT", "UACC", "IDLE"]
+    assert log.names == ["Time", "CLT", "Batt V", "IDLE"]
     assert log.units == ["s", "°C", "V", ""]
     assert log.digits == [3, 0, 1, 0]
-    assert "unit: Микас 7.1; TWAT = Coolant temperature / Температура" in log.info
+    assert "unit: Микас 7.1; CLT = TWAT = Coolant temperature / Температура" in log.info
     assert log.info.endswith('"Capture Date: Tue Nov 14 22:13:20 UTC 2023"\n')
 
 
@@ -139,7 +139,7 @@ def test_no_rows_are_a_header(tmp_path):
     out = tmp_path / "log.mlg"
     export(out, [TWAT], [])
     log = read(out.read_bytes())
-    assert (log.timestamp, log.names, log.values) == (0, ["Time", "TWAT"], [])
+    assert (log.timestamp, log.names, log.values) == (0, ["Time", "CLT"], [])
 
 
 @given(drawn=tables(ALL_FLOATS))
@@ -183,7 +183,7 @@ def test_marks_stand_between_the_rows(tmp_path):
     assert log.marks == [
         (0, -50_000 % 65_536, "MARK 000 - стук"),
         (2, 25_000, "MARK 001 - gap of 1.0 s: no answer"),
-        (3, 100_000 % 65_536, "MARK 002 - Board voltage 18.1 V is above 18 V: da"),
+        (3, 100_000 % 65_536, "MARK 002 - Batt V 18.1 > 18: danger"),
         (3, 150_000 % 65_536, 'MARK 003 - a "note" with two lines'),
         (4, 900_000 % 65_536, "MARK 004 - marker"),
         (4, 950_000 % 65_536, "MARK 005 - gap to the end: nothing came"),
@@ -198,10 +198,16 @@ def test_a_mark_byte_by_byte_as_tunerstudio_writes_it(tmp_path):
     )
 
 
-def test_a_mark_is_cut_between_two_letters(tmp_path):
+def test_long_marks_keep_begin_and_end_between_two_letters(tmp_path):
     out = tmp_path / "log.mlg"
-    export(out, [TWAT], [rows([START], TWAT=[85])], events=[Marker(START, "Ж" * 40)])
-    assert read(out.read_bytes()).marks == [(0, 0, "MARK 000 - " + "Ж" * 19)]
+    export(
+        out,
+        [TWAT],
+        [rows([START], TWAT=[85])],
+        events=[Marker(START, "Ж" * 40 + end) for end in ("1", "22")],
+    )
+    marks = [text for *_, text in read(out.read_bytes()).marks]
+    assert marks == [f"MARK 000 - {'Ж' * 9}…{'Ж' * 8}1", f"MARK 001 - {'Ж' * 9}…{'Ж' * 7}22"]
 
 
 def test_long_names_are_cut_between_characters_and_stay_different(tmp_path):

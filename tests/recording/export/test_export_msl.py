@@ -31,12 +31,12 @@ def test_an_msl_file_has_these_bytes(tmp_path):
     head, _, body = out.read_text(encoding="utf-8").partition("\n")
     assert head.startswith('"mikas ')
     assert head.endswith(
-        ": unit: Mikas '7.1'; TWAT = Coolant temperature / Температура охлаждающей жидкости; "
-        'UACC = Board voltage / Напряжение бортсети; IDLE = Idle / Холостой ход"'
+        ": unit: Mikas '7.1'; CLT = TWAT = Coolant temperature / Температура охлаждающей жидкости; "
+        'Batt V = UACC = Board voltage / Напряжение бортсети; IDLE = Idle / Холостой ход"'
     )
     assert body == (
         '"Capture Date: Tue Nov 14 22:13:20 UTC 2023"\n'
-        "Time\tTWAT\tUACC\tIDLE\n"
+        "Time\tCLT\tBatt V\tIDLE\n"
         "s\t°C\tV\t\n"
         "0.000\t85\t13.84\t1\n"
         "0.029\tNaN\t-0.04\tNaN\n"
@@ -59,7 +59,7 @@ def test_no_rows_are_a_heading(tmp_path):
     _, date, names, units, data = read(out)
     assert (date, names, units, data) == (
         "Capture Date: unknown",
-        ["Time", "TWAT"],
+        ["Time", "CLT"],
         ["s", "°C"],
         [],
     )
@@ -85,3 +85,10 @@ def test_what_was_exported_is_read_back(tmp_path_factory, drawn):
                 assert row[number] == "NaN"
             else:
                 assert float(row[number]) == value
+
+
+def test_the_viewer_s_name_is_left_to_a_channel_that_has_it(tmp_path):
+    out = tmp_path / "log.msl"
+    own = [Channel(name, "", Text("", "")) for name in ("CLT", "BATT_V", "MINE")]
+    export(out, [*CHANNELS, *own], [])
+    assert read(out)[2] == ["Time", "TWAT", "UACC", "IDLE", "CLT", "BATT_V", "MINE"]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from graphlib import CycleError
 from pathlib import PurePath
 from typing import Any, TypeVar
@@ -14,6 +14,7 @@ from mikas.catalog.loading.entries import Entries, Entry
 from mikas.catalog.loading.fields import constant, made, read_value
 from mikas.catalog.loading.source import KeyPath
 from mikas.catalog.lookup import Catalog
+from mikas.catalog.synonyms import Named, named, synonyms_of
 from mikas.errors import UsageError
 from mikas.i18n import Text
 from mikas.options import nearest
@@ -37,8 +38,14 @@ def catalog_of(entries: Entries, version: str) -> Catalog:
     _check_sizes(entries["parameter"])
     _check_names(entries)
     known = {**entries["parameter"], **entries["derived"]}
+    names = synonyms_of(Named(each.name, each.text, each.short) for each in parameters)
+
+    def channel_of(word: str) -> str:
+        return named(word, known, names)
+
     derived = {
-        name: _derived(name, entry, units, known) for name, entry in entries["derived"].items()
+        name: _derived(name, entry, units, known, channel_of)
+        for name, entry in entries["derived"].items()
     }
     _check_cycles(entries["derived"], derived)
     return Catalog(
@@ -118,17 +125,21 @@ def _refuse(
 
 
 def _derived(
-    name: str, entry: Entry, unit_texts: Mapping[str, Text], known: Mapping[str, Entry]
+    name: str,
+    entry: Entry,
+    unit_texts: Mapping[str, Text],
+    known: Mapping[str, Entry],
+    channel_of: Callable[[str], str],
 ) -> model.Derived:
     entry.require("formula")
     values, constants = entry.values, entry.values.get("constants", {})
     for each in constants:
         read_value(*entry.places["constants", each], constant, each)
     try:
-        inputs = parse(values["formula"], constants).inputs
+        formula = parse(values["formula"], constants, channel_of)
     except UsageError as error:
         raise entry.wrong(("formula",), error.reason) from None
-    for each in inputs:
+    for each in formula.inputs:
         if each not in known:
             raise entry.wrong(("formula",), does_not_exist(each, (*known, *constants)))
     unit = values.get("unit", "")
@@ -138,7 +149,8 @@ def _derived(
         name=name,
         text=entry.text("text"),
         short=_short(entry),
-        inputs=inputs,
+        formula=formula.text,
+        inputs=formula.inputs,
         constants=tuple(constants.items()),
         unit_text=unit_texts.get(unit, Text(unit, unit)),
         alarm_limits=alarm_limits(entry, is_flag=False),

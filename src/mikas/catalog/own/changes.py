@@ -14,13 +14,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, Final
 
+from mikas.catalog.formula_syntax import parse
 from mikas.catalog.loading.fields import mnemonic
 from mikas.catalog.loading.loader import shipped
 from mikas.catalog.lookup import Catalog
 from mikas.catalog.model import LIMITS, AlarmLimits, Derived, Level, Parameter
 from mikas.catalog.own.editing import with_keys, without
 from mikas.catalog.own.file import OwnCatalog
-from mikas.errors import UnknownParameter, UsageError, usage_error
+from mikas.errors import FormulaError, UnknownParameter, UsageError, usage_error
 from mikas.i18n import Text
 
 KEYS: Final = ("limits", "gauge", "reference", "span_least")
@@ -92,8 +93,20 @@ def set_channel(
         "constants": {**dict.fromkeys(dict(before)), **keys.get("constants", {})},
         "limits": _limits(limits or {}, None),
     }
+    keys = {
+        **keys,
+        "formula": _with_mnemonics(keys["formula"], dict(keys.get("constants") or {}), known),
+    }
     written = {**keys, "text": text["en"] if same else dict(text), **tables}
     return own.change(lambda file: with_keys(file, "derived", name, written, file=str(own.path)))
+
+
+def _with_mnemonics(formula: str, constants: Mapping[str, float], known: Catalog) -> str:
+    """Return the formula with the channels' own names: other names may change with a version."""
+    try:
+        return parse(formula, constants, known.channel_of).text
+    except FormulaError:
+        return formula  # the catalog's reader says what is wrong with it
 
 
 def remove_channel(own: OwnCatalog, known: Catalog, name: str) -> Catalog:

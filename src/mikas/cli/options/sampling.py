@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 import click
 
 from mikas.cli.click_extensions import grouped, option_field, optional_field
+from mikas.cli.completion import channel_names
 from mikas.cli.options.common import RELEARN
 from mikas.cli.options.parameter_types import one_of, positive, whole
 
@@ -71,6 +72,8 @@ class SamplingOptions:
 
 
 sampling_options = grouped(
-    SamplingOptions, click.argument("names", metavar="[NAME[/N]]...", nargs=-1), RELEARN
+    SamplingOptions,
+    click.argument("names", metavar="[NAME[/N]]...", nargs=-1, shell_complete=channel_names),
+    RELEARN,
 )
 """The options that `watch` and `log` share."""

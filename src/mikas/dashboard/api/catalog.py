@@ -97,6 +97,7 @@ class ChannelInfo(BaseModel):
     unit_key: str = Field(description="as in the catalog's `units`; else the text itself")
     text: TwoTexts
     short: TwoTexts = Field(description="the text of a small tile")
+    names: list[str] = Field(description="other names that people use, in small letters")
     decimals: int
     formula: str
     range: tuple[float, float] | None
@@ -156,6 +157,7 @@ def channel_info(known: Catalog, channel: Parameter | Derived, own: Entries) -> 
         ChannelInfo,
         channel,
         flag=channel.is_flag,
+        names=known.other_names.get(channel.name, []),
         unit=channel.unit_text,
         unit_key=channel.unit,
         gauge=channel.gauge_scale,

@@ -259,7 +259,7 @@ async def try_formula(requester: TheRequester, _: KnownClient, body: TrialReques
 
 def _parsed(known: Catalog, body: TrialRequest) -> Parsed:
     """Return the formula. Raises `FormulaError`, also for a channel that does not exist."""
-    parsed = parse(body.formula, body.constants)
+    parsed = parse(body.formula, body.constants, known.channel_of)
     for name, span in zip(parsed.inputs, parsed.places, strict=True):
         if name not in known.channels:
             raise FormulaError(does_not_exist(name, (*known.channels, *body.constants)), span)

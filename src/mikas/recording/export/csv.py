@@ -35,7 +35,8 @@ def write(path: Path, sheet: Sheet) -> None:
 
 
 def _title(channel: Channel, sheet: Sheet) -> str:
-    unit = f"({channel.unit})" if channel.unit else ""
+    unit = channel.unit_in(sheet.language)
+    unit = f"({unit})" if unit else ""
     title = f"{channel.name} {channel.text.to(sheet.language)} {unit}"
     return spreadsheet_text(without(title, sheet.dialect.separator, '"'))
 

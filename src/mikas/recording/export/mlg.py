@@ -9,7 +9,7 @@ to 4 ms. The channels are such floats; a missing value is NaN.
     field    type, name (34), unit (10), display style, scale, transform, digits: 55 bytes
     info     the two lines of `heading`, then 00
     block    00, rolling counter, 16 bits of a 10 µs clock, the fields, the sum of their bytes
-    marker   01, the same counter and clock, its words (50), no sum
+    marker   01, the same counter and clock, its words (50, else the brief form), no sum
 """
 
 from __future__ import annotations
@@ -23,13 +23,14 @@ import numpy as np
 
 from mikas.errors import ExportError
 from mikas.i18n import Text
-from mikas.recording.export.megalogviewer import LogMark, heading, marked
+from mikas.recording.export.megalogviewer import LogMark, field_names, heading, marked
 from mikas.recording.export.sheet import Column, Sheet
 from mikas.recording.table.channels import Channel
 
 _HEADER = struct.Struct(">6sHIHIHH")
 _FIELD = struct.Struct(">B34s10sBffb")
 _MARKER = struct.Struct(">BBH50s")
+_MARK_BYTES = 49
 _S32, _F32 = 5, 7
 _FLOAT = 0  # display style
 _MOST = (0xFFFF - _HEADER.size) // _FIELD.size - 1  # the info's place is a number of 16 bits
@@ -99,19 +100,30 @@ def _record(channels: int) -> int:
 
 def _marker(written: int, mark: LogMark) -> bytes:
     clock = math.floor(mark.time * 100_000) % 65_536
-    return _MARKER.pack(1, written % 256, clock, _fitting(mark.text, 49))
+    return _MARKER.pack(1, written % 256, clock, _mark_text(mark))
+
+
+def _mark_text(mark: LogMark) -> bytes:
+    """Return the text, or its brief form, else its begin and its end: alarms begin alike."""
+    for text in filter(None, (mark.text, mark.brief)):
+        if len(data := text.encode()) <= _MARK_BYTES:
+            return data
+    whole, cut = mark.text.encode(), "…".encode()
+    begin = _fitting(mark.text, _MARK_BYTES * 2 // 3 - len(cut))
+    rest = _MARK_BYTES - len(begin) - len(cut)
+    return begin + cut + whole[-rest:].decode(errors="ignore").encode()
 
 
 def _names(channels: tuple[Channel, ...]) -> list[bytes]:
     """Return names that fit, all different."""
     names: list[bytes] = []
     taken = {b"Time"}
-    for channel in channels:
-        name = _fitting(channel.name, 33)
+    for field in field_names(channels):
+        name = _fitting(field, 33)
         for number in count(2):
             if name not in taken:
                 break
-            name = _fitting(channel.name, 29) + f"~{number}".encode()
+            name = _fitting(field, 29) + f"~{number}".encode()
         taken.add(name)
         names.append(name)
     return names

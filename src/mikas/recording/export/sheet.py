@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mikas.catalog.synonyms import names_of
 from mikas.i18n import Language, Text
 from mikas.recording.table.channels import Channel, Rows, calendar, with_gaps
 from mikas.sampling.events import AlarmChanged, Event, Gap, Marker, TextNote
@@ -126,7 +127,7 @@ _NO_REASON = Text("nothing came", "ничего не пришло")
 class Moment:
     """`kind`: marker, note, gap or alarm. `ended`: of a gap, None if it lasted to the end.
 
-    `facts`: an alarm's fields by name, for programs.
+    `facts`: an alarm's fields by name, for programs. `brief`: an alarm in few letters; or empty.
     """
 
     kind: str
@@ -134,6 +135,7 @@ class Moment:
     text: Text
     ended: float | None = None
     facts: dict[str, Any] = field(default_factory=dict)
+    brief: str = ""
 
     def as_json(self) -> dict[str, Any]:
         """Return the moment as in a file's metadata."""
@@ -166,7 +168,16 @@ def _moments(events: Iterable[Event], zero: float) -> Iterator[Moment]:
                     name: getattr(event, name)
                     for name in ("name", "level", "before", "side", "value", "limit")
                 }
-                yield Moment(event.kind, time, _line(text), facts=facts)
+                yield Moment(event.kind, time, _line(text), facts=facts, brief=_brief(event))
+
+
+def _brief(event: AlarmChanged) -> str:
+    """Return `CLT 101 > 100: warning`, with the name of logs; the level is that of now."""
+    value = "" if event.value is None else f" {event.value:g}"
+    beyond = {"high": ">", "low": "<"}.get(event.side or "", "")
+    if value and beyond and event.limit is not None and event.level != "none":
+        value += f" {beyond} {event.limit:g}"
+    return f"{names_of(event.name).log or event.name}{value}: {event.level}"
 
 
 def _gap(event: Gap, time: float, ended: float | None) -> Text:

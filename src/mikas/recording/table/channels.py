@@ -14,9 +14,10 @@ from datetime import UTC, datetime, timedelta
 from typing import TYPE_CHECKING, Any, Final
 
 from mikas.catalog import Catalog
+from mikas.catalog.conversion import NO_TEXT
 from mikas.cleaning import is_in_calendar
 from mikas.errors import usage_error
-from mikas.i18n import Text
+from mikas.i18n import Language, Text
 from mikas.json_values import json_of
 from mikas.recording.capture.clock import LONGEST
 from mikas.sampling.events import Event, Gap
@@ -34,13 +35,21 @@ PLAINLY_UNIX: Final = 1e9  # 2001; a simulated clock would have run for 31 years
 
 @dataclass(frozen=True, slots=True)
 class Channel:
-    """A column: mnemonic, unit, description in both languages, number of decimals."""
+    """A column: mnemonic, unit, description in both languages, number of decimals.
+
+    `unit_text`: the unit for people; empty: as `unit`.
+    """
 
     name: str
     unit: str
     text: Text
     is_flag: bool = False
     decimals: int = 0
+    unit_text: Text = NO_TEXT
+
+    def unit_in(self, language: Language) -> str:
+        """Return the unit in a language."""
+        return (self.unit_text.ru if language == "ru" else "") or self.unit
 
     def facts(self) -> dict[str, Any]:
         """Return unit, description and decimals, for metadata."""
@@ -114,7 +123,9 @@ def all_channels(
     for name in (*(name for name in derived if is_recorded(name, catalog, recorded)), *wanted):
         if name not in known:
             each = catalog.channel(name)
-            known[name] = Channel(name, each.unit, each.text, each.is_flag, each.decimals)
+            known[name] = Channel(
+                name, each.unit, each.text, each.is_flag, each.decimals, each.unit_text
+            )
     return known
 
 

@@ -41,7 +41,14 @@ class Converter:
             conversion = each.interpretation(interpretation)
             if each.code in codes:
                 channels.append(
-                    Channel(each.name, conversion.unit, each.text, each.is_flag, each.decimals)
+                    Channel(
+                        each.name,
+                        conversion.unit,
+                        each.text,
+                        each.is_flag,
+                        each.decimals,
+                        conversion.unit_text,
+                    )
                 )
                 self._by_code.setdefault(each.code, []).append((each.name, conversion))
         self.channels = tuple(channels)

@@ -189,6 +189,8 @@ export interface components {
             text: components["schemas"]["TwoTexts"];
             /** @description the text of a small tile */
             short: components["schemas"]["TwoTexts"];
+            /** @description other names that people use, in small letters */
+            names: string[];
             decimals: number;
             formula: string;
             range: [

@@ -20,6 +20,16 @@ describe("completions", () => {
     expect(names("FREQ")).toEqual([]);
   });
 
+  it("are proposed by another name, which is whole by itself", () => {
+    const known = [
+      { name: "DUTY", about: "Load", kind: "channel" as const, also: ["скважность"] },
+      { name: "FREQ", about: "Частота", kind: "channel" as const, also: ["rpm", "обороты"] },
+    ];
+    expect(completions("rpm > 3", 3, known).map(({ name, from, to }) => [name, from, to])).toEqual([["FREQ", 0, 3]]);
+    expect(completions("Обор", 4, known).map(({ name }) => name)).toEqual(["FREQ"]);
+    expect([isWhole("rpm", 3, known), isWhole("Обороты", 7, known), isWhole("обор", 4, known)]).toEqual([true, true, false]);
+  });
+
   it("are not chosen unasked behind a whole name", () => {
     const known = [
       ...candidates,

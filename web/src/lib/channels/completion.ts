@@ -1,10 +1,12 @@
-// Completion of a formula while it is typed: channels, constants, functions and words that begin with, or contain, what stands before the caret.
+// Completion of a formula while it is typed: channels, constants, functions and words that begin with, or contain, what stands before the caret, also in another name.
 
 export interface Candidate {
   /** What is inserted. */
   name: string;
   /** What it is, in words. */
   about: string;
+  /** Other names, which formulas understand as well: words joined by “_”. */
+  also?: readonly string[];
   kind: "channel" | "constant" | "function" | "word";
 }
 
@@ -21,12 +23,13 @@ export function completions(formula: string, caret: number, candidates: readonly
   const before = /[\p{L}_][\p{L}\d_]*$/u.exec(formula.slice(0, caret))?.[0] ?? "";
   if (!before) return [];
   const after = /^[\p{L}\d_]*/u.exec(formula.slice(caret))![0];
-  const typed = before.toLocaleLowerCase();
-  const rank = ({ name, about }: Candidate): number => {
+  const typed = before.toLocaleLowerCase().replaceAll("ё", "е");
+  const rank = ({ name, about, also = [] }: Candidate): number => {
     const lower = name.toLocaleLowerCase();
     if (lower === typed && after === "") return -1;
+    if (also.includes(typed)) return 4;
     if (lower.startsWith(typed)) return 3;
-    if (typed.length > 1 && lower.includes(typed)) return 2;
+    if (typed.length > 1 && [lower, ...also].some((each) => each.includes(typed))) return 2;
     return typed.length > 1 && about.toLocaleLowerCase().includes(typed) ? 1 : 0;
   };
   return candidates
@@ -40,7 +43,7 @@ export function completions(formula: string, caret: number, candidates: readonly
 /** Whether a whole name stands before the caret: then nothing should replace it unasked (DET is in RDET). */
 export function isWhole(formula: string, caret: number, candidates: readonly Candidate[]): boolean {
   const before = /[\p{L}_][\p{L}\d_]*$/u.exec(formula.slice(0, caret))?.[0].toLocaleLowerCase();
-  return candidates.some(({ name }) => name.toLocaleLowerCase() === before);
+  return candidates.some(({ name, also = [] }) => name.toLocaleLowerCase() === before || also.includes(before ?? ""));
 }
 
 /** Whether a key inserts the chosen one of `count` completions; `chosen` −1: none is, and Tab leaves the field. */

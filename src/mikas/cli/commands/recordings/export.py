@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from mikas.cli.click_extensions import OVERWRITE, command, option, output_option
+from mikas.cli.completion import channel_names
 from mikas.cli.context import CommandContext
 from mikas.cli.language import current_language, localized, tr
 from mikas.cli.options.parameter_types import existing_file
@@ -45,7 +46,7 @@ MOST_PROBLEMS = 20
     ),
 )
 @click.argument("file", metavar="FILE", type=existing_file)
-@click.argument("names", metavar="[NAME]...", nargs=-1)
+@click.argument("names", metavar="[NAME]...", nargs=-1, shell_complete=channel_names)
 @output_option()
 @option(
     "--dialect",

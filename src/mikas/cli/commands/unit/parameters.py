@@ -10,6 +10,7 @@ import click
 
 from mikas.catalog import Catalog, Derived, Parameter
 from mikas.cli.click_extensions import YES, command, option
+from mikas.cli.completion import channel_names
 from mikas.cli.context import CommandContext
 from mikas.cli.language import localized, tr
 from mikas.cli.options.common import RELEARN
@@ -104,7 +105,7 @@ def _parameter_json(catalog: Catalog, parameter: Parameter, interpretation: str)
     "пишется 0x1A, двухбайтовый 0x3F:2.",
     examples=("mikas read", "mikas read TWAT FREQ UACC", "mikas read 0x3F:2 --json"),
 )
-@click.argument("names", metavar="[NAME]...", nargs=-1)
+@click.argument("names", metavar="[NAME]...", nargs=-1, shell_complete=channel_names)
 @RELEARN
 def read(context: CommandContext, names: tuple[str, ...]) -> None:
     for name in names:
@@ -154,7 +155,7 @@ def _reference(reading: Reading) -> str:
     examples=("mikas write UOZ 12.5", "mikas write INJ --raw 5802", "mikas write UOZ 12.5 --yes"),
     context_settings={"ignore_unknown_options": True},
 )
-@click.argument("name", metavar="NAME")
+@click.argument("name", metavar="NAME", shell_complete=channel_names)
 @click.argument("value", metavar="[VALUE]", required=False)
 @option(
     "--raw",
