@@ -86,7 +86,7 @@ class Parsed:
     plain: Term
     inputs: tuple[str, ...]
     places: tuple[tuple[int, int], ...]
-    text: str
+    text: str = ""
 
 
 def parse(
