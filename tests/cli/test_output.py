@@ -93,6 +93,16 @@ def test_faults_have_the_same_numbers_in_the_question_as_in_the_table(mikas):
     assert "before: 13, 53\n" in ran.err
 
 
+def test_an_erase_with_the_engine_running_is_asked_about(mikas):
+    asked = mikas("faults", "erase", sim="&faults=13&scenario=warm-idle").err
+    assert "The engine is running (8" in asked
+    assert (
+        "сбросить 1 ошибку"
+        in mikas("--lang", "ru", "faults", "erase", sim="&faults=13").err.lower()
+    )
+    assert "Заглушите его" in mikas("--lang", "ru", "faults", "erase", sim="&faults=13").err
+
+
 def test_memory_is_read_and_written_with_addresses_and_bytes(mikas):
     ran = mikas("mem", "read", "ram", "40", "3", "--json").object
     assert set(ran) == {"schema", "space", "address", "data"}

@@ -14,6 +14,7 @@ from mikas.errors import (
     NoConnection,
     NoList,
     NoResponse,
+    NotConfirmed,
     NotSupported,
     ReadBackDiffers,
     UnknownParameter,
@@ -60,6 +61,29 @@ class TestFaults:
         assert it.requests(0x62) == [b"\x62\x0e\x08", b"\x62\x0e\x00"]
         assert changes[0].before == bytes(FAULTS).hex(" ").upper()
         assert lines(tmp_path / "j")[1]["outcome"] == ""
+
+    @pytest.mark.parametrize(
+        ("speed", "warning"),
+        [
+            (DATA[0x29], "The engine is running (840 rpm)"),
+            (b"\x00", ""),
+            (None, ""),  # the unit does not say
+        ],
+    )
+    def test_an_erase_with_the_engine_running_is_asked_about_as_such(self, speed, warning):
+        it = bench()
+        if speed is None:
+            del it.car.data[0x29]
+        else:
+            it.car.data[0x29] = speed
+        changes = []
+        ecu = ecu_on(it, confirm=lambda c: changes.append(c) and False)
+        with pytest.raises(NotConfirmed):
+            ecu.erase_faults()
+        assert not it.requests(0x62)
+        text = changes[0].warning
+        assert (text.en if text else "").startswith(warning)
+        assert bool(text) == bool(warning)
 
     def test_what_comes_back_at_once_is_shown(self):
         it = bench(faults=[13, 53])

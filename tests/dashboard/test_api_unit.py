@@ -9,7 +9,7 @@ import pytest
 from dashboard.rig import ME, OTHER, rig
 from mikas.commands import WriteList
 from mikas.dashboard.security.control import LIFETIME
-from protocol_codes import SIMULATED
+from protocol_codes import CODE_OF, SIMULATED
 
 
 @pytest.fixture
@@ -50,7 +50,7 @@ def test_the_last_reading_of_the_faults_outlives_the_adapter(faulty):
 
 def test_faults_are_erased_in_two_steps_and_stand_in_the_journal(faulty):
     asked = change(faulty, kind="erase_faults")
-    assert (asked["before"], asked["after"], asked["danger"]) == ([13, 14], [], False)
+    assert (asked["before"], asked["after"]) == ([13, 14], [])
     assert [lost["code"] for lost in asked["lost"]] == [13, 14]
     assert faulty.get("/faults")["count"] == 2
     assert confirm(faulty, asked) == {"before": [13, 14], "after": [], "done": True}
@@ -62,6 +62,27 @@ def test_faults_are_erased_in_two_steps_and_stand_in_the_journal(faulty):
         "en": "erase 2 stored faults",
         "ru": "сбросить 2 ошибки",
     }
+
+
+def test_an_erase_with_the_engine_running_is_asked_about(faulty):
+    asked = change(faulty, kind="erase_faults")
+    assert asked["danger"]
+    assert asked["meaning"]["en"].startswith("The engine is running (8")
+    assert asked["meaning"]["ru"].startswith("Двигатель работает (8")
+
+
+def test_an_erase_that_was_asked_about_before_the_engine_started_is_asked_about_again(faulty):
+    car = faulty.cars.car(faulty.dashboard.connection.port.url)
+    running = car.raw
+    car.raw = lambda code, now: b"\0" if code == CODE_OF["FREQ"] else running(code, now)
+    asked = change(faulty, kind="erase_faults")
+    assert (asked["danger"], asked["meaning"]) == (False, None)
+    car.raw = running
+    error = confirm(faulty, asked, 409)
+    assert error["code"] == "ConfirmationOutdated"
+    assert "engine" in str(error)
+    assert faulty.get("/faults")["count"] == 2
+    assert confirm(faulty, change(faulty, kind="erase_faults"))["after"] == []
 
 
 def test_the_units_list_is_no_change_of_the_car(tmp_path):

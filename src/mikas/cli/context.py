@@ -235,6 +235,8 @@ def require_consent(what: Text, *, yes: bool) -> None:
 
 def _described(change: Change, meaning: Callable[[str], str] | None) -> str:
     lines = [capital(localized(change.what))]
+    if change.warning is not None:
+        lines.append(f"  {localized(change.warning)}")
     if change.before is not None:
         before = (meaning(change.before) if meaning else change.before) or "–"
         lines.append(tr(f"  before: {before}", f"  было:  {before}"))

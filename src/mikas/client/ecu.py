@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Generator, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Self
 
@@ -27,9 +27,18 @@ from mikas.client.parameters.unit_list import UnitList
 from mikas.client.parameters.watching import Watcher
 from mikas.client.scanning import Scan, ScannedCode
 from mikas.client.support import Support, try_commands
-from mikas.errors import NoResponse, NotSupported, usage_error
+from mikas.errors import (
+    EcuRefused,
+    LineError,
+    NoResponse,
+    NotSupported,
+    UnknownParameter,
+    usage_error,
+)
 from mikas.i18n import Text, counted
 from mikas.tester import Tester
+
+_SPEED = "FREQ"
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,6 +53,15 @@ def erasing(count: int) -> Text:
     """Return the text for erasing `count` faults."""
     faults = counted(count, ("stored fault", "stored faults"), ("ошибку", "ошибки", "ошибок"))
     return Text("erase {faults}", "сбросить {faults}").filled(faults=faults)
+
+
+def engine_runs(rpm: float) -> Text:
+    """Return the warning before faults are erased with the engine running."""
+    return Text(
+        f"The engine is running ({rpm:.0f} rpm). Stop it, switch the ignition on, and erase then.",
+        f"Двигатель работает ({rpm:.0f} об/мин). Заглушите его, включите зажигание и только потом "
+        "сбрасывайте.",
+    )
 
 
 def _codes(faults: Sequence[Fault]) -> bytes:
@@ -223,10 +241,22 @@ class Ecu:
         """Read the stored faults in the unit's order; one unknown to the catalog has no text."""
         return tuple(self.catalog.fault(code) for code in self.tester.request(c.ReadFaults()))
 
+    def engine_speed(self) -> float | None:
+        """Read the engine's speed in rpm; None: the unit does not give it."""
+        try:
+            return float(self.read(_SPEED)[_SPEED].value)
+        except (EcuRefused, LineError, UnknownParameter):
+            return None
+
     def erase_faults(self) -> Erased:
-        """Erase the faults by two writes (§3). Raises `NotConfirmed`, `WriteRefused`."""
+        """Erase the faults by two writes (§3). Raises `NotConfirmed`, `WriteRefused`.
+
+        Where changes are confirmed, the confirmation says that the engine is running.
+        """
         before = self.faults()
         change = Change.by(c.WriteParameter, erasing(len(before)), _codes(before), b"")
+        if self._gate.asks and (rpm := self.engine_speed()):
+            change = replace(change, warning=engine_runs(rpm))
 
         def act() -> Erased:
             try:

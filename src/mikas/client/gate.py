@@ -25,13 +25,17 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """A planned change. `before` and `after`: all bytes in hex; None: unknown."""
+    """A planned change. `before` and `after`: all bytes in hex; None: unknown.
+
+    `warning`: why it had better not be made now; shown where it is confirmed.
+    """
 
     what: Text
     safety: Safety
     command: str
     before: str | None = None
     after: str | None = None
+    warning: Text | None = None
 
     @classmethod
     def by(
@@ -129,6 +133,11 @@ class Gate:
                 error.advice = _NO_OUTCOME
                 raise
             return outcome
+
+    @property
+    def asks(self) -> bool:
+        """Whether changes are confirmed."""
+        return self._confirm is not None
 
     def ask(self, change: Change) -> None:
         """Confirm a change, which may be made in parts, each `approved`. Raises `NotConfirmed`."""

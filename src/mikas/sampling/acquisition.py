@@ -137,7 +137,9 @@ class Acquisition:
         """Sample other channels from the next cycle on, or by another catalog; `PlanChanged`
         follows.
 
-        Raises `UnknownParameter` and `UsageError`, and then nothing changes.
+        If the same data are requested, sampling goes on without a pause: only limits, or derived
+        channels of parameters that are sampled anyway, have changed. Raises `UnknownParameter` and
+        `UsageError`, and then nothing changes.
         """
         before = self._catalog
         self._catalog = catalog or before
@@ -228,6 +230,7 @@ class Acquisition:
 
     def _sample(self, ecu: Ecu) -> Iterator[Event]:
         context = self._context
+        context.answered = frozenset()
         while not context.stopped:
             if context.relearn:
                 context.relearn = False
@@ -250,9 +253,11 @@ class Acquisition:
             if method is None:
                 yield from self._idle(ecu, _SHORT)
                 continue
-            whole, replaced = plan.with_method(method), True
-            while replaced:  # without a request in between
-                replaced = yield from PlanRunner(ecu, whole, context, self._unsupported).events()
+            runner = PlanRunner(ecu, plan.with_method(method), context, self._unsupported)
+            while (yield from runner.events()):  # without a request in between
+                runner = PlanRunner(ecu, runner.whole, context, self._unsupported)
+            if context.is_current:  # the plan has failed, or a dropped parameter is due
+                context.answered = frozenset()
 
     def _method(self, ecu: Ecu, plan: Plan) -> Generator[Event, None, FixedMethod | None]:
         """Return the requested method, or the fastest, measured if necessary; None: none works."""

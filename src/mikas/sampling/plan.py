@@ -131,6 +131,14 @@ class Plan:
         divisors = self.divisors.items()
         return tuple(datum for datum, every in divisors if cycle % every == self._offsets[datum])
 
+    def reads_as(self, other: Plan) -> bool:
+        """Return whether both plans send the same requests in the same cycles."""
+        return (
+            (self.method, self.max_list) == (other.method, other.max_list)
+            and list(self.divisors.items()) == list(other.divisors.items())
+            and self._offsets == other._offsets
+        )
+
     def requests(self, cycle: int) -> list[tuple[Datum, ...]]:
         """Return the lists requested by 61 in this cycle, besides 63 or a stream."""
         if self.method in STREAMS:

@@ -170,7 +170,7 @@ class Parameters:
         """
         if not listed and (command := self._data.request_for(wanted.data)) is not None:
             self.tester.announce(command)
-        if listed and self.unit_list.current == wanted.parameters:
+        if listed and self.unit_list.is_set_to(wanted.parameters):
             self.tester.announce(c.ReadList(list_of(wanted.parameters)))
 
     def at_once(self, parameters: Sequence[Parameter]) -> dict[str, Reading]:
@@ -205,7 +205,7 @@ class Parameters:
     def through_list(self, wanted: Wanted) -> dict[str, Reading]:
         """Read `wanted` by the unit's list, which is set first if it differs."""
         with self.unit_list.held():
-            if self.unit_list.current != wanted.parameters:
+            if not self.unit_list.is_set_to(wanted.parameters):
                 self.unit_list.set(wanted.parameters)
             return wanted.readings(self.unit_list.read(wanted.parameters))
 

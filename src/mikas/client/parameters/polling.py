@@ -83,6 +83,9 @@ class Poller(ABC):
     def is_refusal(self, error: errors.MikasError) -> bool:
         """Whether `error` of `cycle` may be the unit's refusal of the method or of a parameter."""
 
+    def use(self, parameters: Sequence[Parameter]) -> None:  # noqa: B027  (no stream: nothing)
+        """Decode a stream by other `parameters` of the same data from here on; it goes on."""
+
     @abstractmethod
     def close(self) -> None:
         """Leave the line quiet; `cycle` may be called again. May raise a `LineError`."""
@@ -177,6 +180,12 @@ class StreamPoller(Poller):
 
     def is_refusal(self, error: errors.MikasError) -> bool:
         return isinstance(error, errors.EcuRefused) or self._silent > 1
+
+    def use(self, parameters: Sequence[Parameter]) -> None:
+        wanted = self._parameters.wanted(parameters)
+        if wanted.data != self._wanted.data:
+            raise ValueError("the unit sends other data")
+        self._wanted = wanted
 
     def close(self) -> None:
         stream, self._stream = self._stream, None

@@ -82,6 +82,11 @@ class UnitList:
         with self._lock:
             yield
 
+    def is_set_to(self, wanted: tuple[Parameter, ...]) -> bool:
+        """Whether the unit's list has the data of `wanted`, in their order; limits may differ."""
+        current = self.current
+        return current == wanted or (bool(current) and list_of(current) == list_of(wanted))
+
     def kept(self) -> tuple[str, ...]:
         """Return the names kept by an earlier session. Raises `NoList` if there are none.
 

@@ -15,7 +15,7 @@ from functools import partial
 
 from mikas.catalog import Parameter
 from mikas.client import Ecu, Reading
-from mikas.client.ecu import erasing
+from mikas.client.ecu import engine_runs, erasing
 from mikas.client.gate import journal_hex
 from mikas.client.memory.spaces import writing
 from mikas.client.parameters.parameters import datum_to_write, decode
@@ -48,6 +48,9 @@ _WORKING = Text(
     "Это рабочая память: двигатель может дёрнуться или заглохнуть; выключение зажигания отменит "
     "изменение.",
 )
+_STARTED = Text(
+    "The engine has been started since this was shown", "Двигатель запустили после показа"
+)
 _MEANING = Text(
     "The file is deleted permanently. Download it first if you may need it.",
     "Файл удаляется безвозвратно. Если он может понадобиться, сначала скачайте его.",
@@ -69,11 +72,17 @@ class UnitChanges:
     approval: WriteApproval = field(default_factory=WriteApproval, init=False)
 
     async def erase_faults(self) -> PendingChange:
-        """Prepare erasing the stored faults."""
+        """Prepare erasing the stored faults; with the engine running it is dangerous.
+
+        If the engine is started before the confirmation, that is outdated.
+        """
         stored = await self._connection.ask(self._fault_history.read)
+        rpm = await self._connection.ask(lambda ecu: ecu.engine_speed())
         codes = [fault.code for fault in stored.faults]
 
         def erase(ecu: Ecu) -> list[int]:
+            if not rpm and ecu.engine_speed():
+                raise ConfirmationOutdated(_STARTED)
             with self.approval.given(journal_hex(bytes(codes))):
                 erased = ecu.erase_faults()
             self._fault_history.add(erased.after, ecu.tester.link.now(), erased=True)
@@ -87,6 +96,8 @@ class UnitChanges:
                 FaultShown(fault.text.en, fault.text.ru, fault.code) for fault in stored.faults
             ),
             make=lambda: self._connection.ask(erase),
+            danger=bool(rpm),
+            meaning=engine_runs(rpm) if rpm else None,
         )
 
     async def write_parameter(

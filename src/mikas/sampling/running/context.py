@@ -66,6 +66,8 @@ class SamplingContext:
         """Names reported as refused."""
         self.read: set[str] = set()
         """Names of parameters that the unit has answered."""
+        self.answered: frozenset[Datum] = frozenset()
+        """The data of a trial that the unit has answered as a whole: they need no other trial."""
         self.due = -inf
         """The beginning of the next cycle, with a rate or in a cycle without requests."""
         self.pending_alarms: deque[AlarmChanged] = deque()
@@ -90,18 +92,37 @@ class SamplingContext:
         self.refused.clear()
         self.dropped.clear()
         self.read.clear()
+        self.answered = frozenset()
         self.is_reported = False
         self._last.clear()
 
     def start_request(self) -> None:
-        """Serve the latest request; reset the state of the one before."""
-        self.request = request = self.latest
+        """Serve the latest request; reset the state of the one before.
+
+        The named parameters are requested again. Another catalog is no such wish: a parameter that
+        the unit lacks costs a second.
+        """
+        before, self.request = self.request, self.latest
+        request = self.request
         self.is_reported = False
         self.due = -inf
-        if request.selection.explicit:  # the named parameters are requested again
+        if request.selection.explicit and request.selection.catalog is before.selection.catalog:
             self.refused.clear()
         if request.method is not None:
             del self.knowledge.failures[request.method]
+
+    def goes_on_with(self, request: SamplingRequest, method: FixedMethod) -> bool:
+        """Return whether `request` may be served without a pause, by `method` as now.
+
+        Another catalog may. A selection that is requested again also has to be without refusals,
+        as these are requested again.
+        """
+        before = self.request
+        if (request.method, request.rate) != (before.method, before.rate):
+            return False
+        if request.selection.catalog is not before.selection.catalog:
+            return True
+        return not self.refused and request.method in (None, method)
 
     @property
     def is_current(self) -> bool:

@@ -39,17 +39,19 @@ class PlanCycles:
         self.ecu = ecu
         self.plan = plan
         self._identity_check = identity_check
-        self._parameters: dict[Datum, list[Parameter]] = {}
-        for planned in plan.parameters:
-            parameter = planned.parameter
-            sharing = self._parameters.setdefault(datum_of(parameter), [])
-            if parameter not in sharing:
-                sharing.append(parameter)
+        self._parameters = _parameters_of(plan)
         self._streams = plan.method in STREAMS
         self.poller = create_poller(ecu.parameters, plan.method, self._named(plan.fast))
         self._cycles: dict[int, _Turns] = {}  # by number within the plan's period
         if plan.method == "list":
             ecu.forget_list()  # the unit may have lost its supply since
+
+    def use(self, plan: Plan) -> None:
+        """Decode by `plan`, which sends the same requests in the same cycles; a stream goes on."""
+        self.plan = plan
+        self._parameters = _parameters_of(plan)
+        self._cycles.clear()
+        self.poller.use(self._named(plan.fast))
 
     def _named(self, data: tuple[Datum, ...]) -> list[Parameter]:
         return [parameter for datum in data for parameter in self._parameters[datum]]
@@ -111,9 +113,22 @@ class PlanCycles:
         return self._cycles[place]
 
 
+def _parameters_of(plan: Plan) -> dict[Datum, list[Parameter]]:
+    """Return the parameters of `plan` by their datum, which some share."""
+    parameters: dict[Datum, list[Parameter]] = {}
+    for planned in plan.parameters:
+        sharing = parameters.setdefault(datum_of(planned.parameter), [])
+        if planned.parameter not in sharing:
+            sharing.append(planned.parameter)
+    return parameters
+
+
 @dataclass(eq=False)
 class PlanRunner:
-    """Runs `whole`, the plan of the context's request, with those preferred that come first."""
+    """Runs `whole`, the plan of the context's request, with those preferred that come first.
+
+    A later request for the same data is served without a pause, and `whole` is its plan then.
+    """
 
     ecu: Ecu
     whole: Plan
@@ -149,13 +164,18 @@ class PlanRunner:
     def events(self) -> Generator[Event, None, bool]:
         """Yield events until the plan ends; return whether others come first, by another plan.
 
+        They begin with the plan, and another follows if a later request needs no other plan.
+
         Raises `NoConnection` and `SyncLost`; with `strict` also the requested method's refusal.
         """
         number, goes_on = 0, False
         yield from self.context.report_plan(self._plan, self._now())
         self.context.unended = None
         try:
-            while not self._is_over():
+            while True:
+                yield from self._follow_request()
+                if self._is_over():
+                    return False
                 others = self.context.first is not self._first
                 if others and not goes_on:  # else a cycle has begun
                     self._first = self.context.first
@@ -174,7 +194,27 @@ class PlanRunner:
         finally:
             with suppress(errors.LineError):  # the next exchange finds the line's fault
                 self._close()
-        return False
+
+    def _follow_request(self) -> Iterator[Event]:
+        """Serve the latest request from here on if it needs the same data in the same cycles."""
+        context, latest = self.context, self.context.latest
+        if context.request is latest or not context.goes_on_with(latest, self.whole.method):
+            return
+        left = self.unsupported.remaining(latest)
+        whole = None if left is None else left.with_method(self.whole.method)
+        if whole is None or not whole.reads_as(self.whole):
+            return
+        before, self.whole = self.whole, whole
+        plan = self._preferring_first()
+        if not plan.reads_as(self._plan):
+            self.whole = before
+            return
+        self._plan, context.request, context.is_reported = plan, latest, False
+        self.ecu.use_catalog(latest.selection.catalog)
+        self._cycles.use(plan)
+        if self._between is not self._cycles:
+            self._between.use(plan.with_method("batch"))
+        yield from context.report_plan(plan, self._now())
 
     def _is_over(self) -> bool:
         return (

@@ -54,8 +54,8 @@ class UnsupportedParameters:
             if not self._context.is_current:
                 return None
             self._try_dropped(ecu)
-            plan = self._remaining()
-            if plan is None:
+            plan = self.remaining(self._context.request)
+            if plan is None or self._context.answered.issuperset(plan.divisors):
                 break
             try:
                 yield from self._try(ecu, plan)
@@ -69,7 +69,7 @@ class UnsupportedParameters:
                 if not dropped and self._context.is_current:
                     yield from self._all_refused(ecu, error)
                     return None
-        plan = self._remaining()
+        plan = self.remaining(self._context.request)
         if plan is None:
             first = self._context.request.selection.parameters[0].parameter
             yield from self._all_refused(ecu, refused(first.name, first.code))
@@ -87,11 +87,14 @@ class UnsupportedParameters:
             self._context.dropped.discard(name)
             yield ParameterReturned(ecu.tester.link.now(), name, ecu.limits())
         refusing = {datum_of(p) for p in parameters if ecu.parameters.refuses([p])}
+        if len(fresh) == len(parameters):
+            self._context.answered = frozenset(plan.divisors)
         yield from self._drop(ecu, plan, refusing)
 
-    def _remaining(self) -> Plan | None:
+    def remaining(self, request: SamplingRequest) -> Plan | None:
+        """Return the plan of `request` without the refused parameters; None: none is left."""
         context = self._context
-        requested = context.request.selection.parameters
+        requested = request.selection.parameters
         left = tuple(p for p in requested if datum_of(p.parameter) not in context.refused)
         return Plan(left, max_list=context.knowledge.max_list) if left else None
 
