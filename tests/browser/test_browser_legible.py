@@ -271,7 +271,10 @@ def test_a_lamp_that_means_trouble_has_its_colour_shape_and_word(car, live):
     expect(lamp).to_have_attribute("data-lamp", "warning")
     expect(tab.find('[data-tile="DET"]')).to_contain_class("warning")
     expect(lamp).to_contain_text("warning")
-    expect(tab.find("header[data-line] .signal")).to_have_count(0)  # a lamp is no alarm
+    expect(tab.find('[data-count="DET"]')).to_contain_text("1 time")
+    car.garage.set("DET", "00")
+    expect(lamp).to_contain_text("s ago")  # held for three seconds
+    expect(lamp).to_have_attribute("data-lamp", "off")
 
 
 def test_minimum_and_maximum_say_since_when(car, live):
@@ -281,7 +284,7 @@ def test_minimum_and_maximum_say_since_when(car, live):
         car.garage.set("UACC", raw)
         expect(tab.value("UACC")).to_have_text(text)
     expect(tab.find('[data-max="UACC"]')).to_contain_text("18.1")
-    tab.press("Reset min and max")
+    tab.press("Reset min, max and counters")
     expect(tab.find('[data-max="UACC"]')).to_contain_text("13.8")
     choose(tab, "all")
     expect(tab.find("th", has_text="max since")).to_be_visible()

@@ -81,6 +81,32 @@ def test_a_coolant_sensor_that_shows_too_little_ends_in_a_verdict(mikas, tmp_pat
     assert "at least 75" in ran.err
 
 
+PULLS = """duration = 200
+[start]
+running = true
+coolant = 86
+[timeline]
+gear = [[0, 3], [200, 3]]
+throttle = [[0, 15], [20, 15], [21, 80], [27, 80], [28, 15], [60, 15], [61, 80], [68, 80], [69, 15]]
+speed = [[0, 60], [21, 60], [27, 80], [40, 60], [61, 60], [68, 85], [90, 60]]
+[condition]
+knock = {knock}
+"""
+
+
+@pytest.mark.parametrize(("knock", "outcome", "rule"), [(6, "bad", "knock"), (0, "good", "good")])
+def test_a_pull_is_found_wherever_it_stands_in_a_recording(mikas, tmp_path, knock, outcome, rule):
+    (tmp_path / "pulls.toml").write_text(PULLS.format(knock=knock), "utf-8")
+    port = "--port", "sim:?clock=simulated&scenario=pulls.toml"
+    names = "FREQ", "THR", "TWAT/20", "UOZ", "UOZOC", "DET", "RDET"
+    mikas(*port, "log", *names, "-o", "pulls.pcapng", "--duration", "80")
+    result = mikas("test", "knock", "--recording", "pulls.pcapng", "--json").object["result"]
+    assert (result["outcome"], [it["rule"] for it in result["findings"]]) == (outcome, [rule])
+    assert [it["name"] for it in result["steps"]] == ["pull"]
+    (times,) = (it["value"] for it in result["numbers"] if it["name"] == "TIMES")
+    assert (times >= 3) is (knock > 0)
+
+
 def test_a_wrong_name_is_answered_with_those_there_are(mikas, port):
     assert "there is: charging" in mikas(*port, "test", "chargin").err
     assert "its steps: rest, crank" in mikas(*port, "test", "cranking", "--skip", "x").err

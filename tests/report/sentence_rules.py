@@ -88,7 +88,12 @@ def sides(f: Findings) -> int:
 
 def attention(f: Findings) -> bool:
     off = not all(rated(f).values())
-    return bool(real(f) or f.measured.alarms or off or failed_tests(f))
+    return bool(real(f) or f.measured.alarms or off or failed_tests(f) or often_retarded(f))
+
+
+def often_retarded(f: Findings) -> bool:
+    knock = f.measured.knock
+    return knock.readings >= 50 and knock.retarded >= 0.2 * knock.readings
 
 
 def failed_tests(f: Findings) -> bool:
@@ -215,6 +220,10 @@ RULES: dict[str, Callable[[Findings], bool]] = {
     ),
     "an alarm was on: {}": lambda f: sides(f) == 1,
     "alarms were on: {}": lambda f: sides(f) > 1,
+    "the engine knocked {}, above {} rpm {}": lambda f: f.measured.knock.knocks > 0,
+    "the ignition was retarded for knock in {} % of the readings": lambda f: (
+        often_retarded(f) or (f.measured.knock.knocks > 0 and f.measured.knock.readings >= 50)
+    ),
     "none of the values has a reference to judge it by": lambda f: idle(f) and not referenced(f),
     "no value could be rated at warm idle": lambda f: (
         idle(f) and not rated(f) and bool(referenced(f))
@@ -271,6 +280,7 @@ RULES: dict[str, Callable[[Findings], bool]] = {
     "text unconfirmed: commonly printed, no source known": lambda f: (
         stored(f, Confidence.UNCONFIRMED)
     ),
+    "it was set {}": lambda f: any(each.sets > each.times for each in alarms(f)),
     "still on at the end": lambda f: any(each.still for each in alarms(f)),
     "by the alarm's event; its values were not kept": lambda f: any(
         each.limit.name not in f.measured.whole for each in alarms(f)

@@ -172,6 +172,10 @@ def spikes(times):
     return np.where(np.isin(np.arange(times.size), (100, 300)), 117.0, 88.0)
 
 
+def knocks(times):
+    return np.where(np.isin(np.arange(times.size), (100, 103, 300)), 1.0, 0.0)
+
+
 def own_references(tmp_path: Path) -> Findings:
     file = tmp_path / "own.toml"
     file.write_text("[parameter.TWAT]\nreference = [82, 97]\n")
@@ -203,6 +207,8 @@ def cases(tmp_path: Path) -> list[Findings]:
         found(rows(TWAT=spikes)), found(rows(TWAT=117.0, UACC=9.0), faults=(22,)),
         found(rows(TWAT=lambda t: np.where(t < 20, 101.0, 88.0))),
         found(rows(TWAT=None), events=[event(10, "warning", 101.0)]),
+        found(rows(FREQ=3400.0, DET=knocks, RDET=1.0)), found(rows(RDET=1.0)),
+        found(rows(DET=knocks)),
         erased(13, 53, read=60), erased(13, read=5000), erased(99, read=60, erased=False),
         erased(12, read=60), erased(13, read=60, stored=(13,)),
         found(interruptions=None), found(interruptions=(GAP,) * 5, sessions=3, ports=2, damaged=1),

@@ -101,7 +101,7 @@ def test_a_missing_value_leaves_the_state_as_it_is() -> None:
 
 def test_the_limits_of_the_catalog_raise_alarms() -> None:
     alarms = Alarms(shipped())
-    assert list(alarms.states) == ["TWAT", "FREQ", "UACC", "DUTY"]
+    assert list(alarms.states) == ["TWAT", "FREQ", "UACC", "DET", "DUTY"]
     events = alarms.update({"TWAT": 101, "FREQ": 840, "UACC": 9.5, "THR": 999}, 0.0)
     assert [(each.name, each.level) for each in events] == [
         ("TWAT", WARNING),
@@ -116,17 +116,32 @@ def test_a_flag_raises_its_alarm(tmp_path: Path) -> None:
     alarms = Alarms(with_limits(catalog, RXX=AlarmLimits(when_true=WARNING)))
     knock = catalog.parameter("DET")
     events = []
-    for time, raw in enumerate([b"\0", b"\x40", b"\x40", b"\0"]):
+    for time, raw in enumerate([b"\0", b"\x40", b"\x40", b"\0", b"\0", b"\0"]):
         events += alarms.update({"DET": decode(knock, raw, time, "corrected"), "RXX": True}, time)
     assert [(each.time, each.name, each.level, each.side) for each in events] == [
         (0, "RXX", WARNING, Side.HIGH),
         (1, "DET", DANGER, Side.HIGH),
-        (3, "DET", NONE, Side.HIGH),
+        (5, "DET", NONE, Side.HIGH),
     ]
     assert [each.text for each in events[1:]] == [
         Text("Knock present: danger", "Детонация: опасность"),
         Text("Knock present: over", "Детонация: прекратилось"),
     ]
+
+
+def test_the_alarm_of_a_flag_lasts_three_seconds_after_it_was_last_set() -> None:
+    """A knock is shown for an eighth of a second; each knock makes no alarm of its own."""
+    alarms = Alarms(shipped())
+    flags = {1.0: 1, 1.1: 0, 3.5: 1, 3.6: 0, 6.4: 0, 6.6: 0, 9.0: 1, 9.1: 0}
+    events = [each for time, value in flags.items() for each in alarms.update({"DET": value}, time)]
+    assert [(each.time, each.level) for each in events] == [
+        (1.0, WARNING),
+        (6.6, NONE),
+        (9.0, WARNING),
+    ]
+    assert alarms.states["DET"].level is WARNING
+    alarms.update({"DET": 0}, 8.0)  # a clock that was set back: the knock is not in its past
+    assert alarms.states["DET"].level is NONE
 
 
 def test_only_fresh_readings_count_and_in_the_corrected_sense() -> None:

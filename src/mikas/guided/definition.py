@@ -65,7 +65,7 @@ class Statistic(StrEnum):
 
     `slope` is per minute. `jump`: the largest change from one reading to the next. `fall`: the
     largest drop below an earlier value, in time or in the order of `by`. `seconds`: how long the
-    formula was true; `share`: in which percentage of the readings.
+    formula was true; `share`: in which percentage of the readings; `times`: how often it became so.
     """
 
     MIN = "min"
@@ -81,6 +81,7 @@ class Statistic(StrEnum):
     FALL = "fall"
     SECONDS = "seconds"
     SHARE = "share"
+    TIMES = "times"
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,8 +91,9 @@ class GuidedStep:
     After `prepare` seconds the step is done once `until` has held for `hold` seconds without a gap.
     Its measures take the readings of that time, or with `whole` all since `prepare`. After
     `timeout` seconds `advice` is shown; the step goes on. `by_hand`: no data show that the driver
-    did it. `targets`: by channel, where its value belongs. In the data no input may be missing for
-    longer than `longest_gap` seconds, and each comes at least `rate` times a second.
+    did it; `optional`: rules over its measures are left out if it was not done. `targets`: by
+    channel, where its value belongs. In the data no input may be missing for longer than
+    `longest_gap` seconds, and each comes at least `rate` times a second.
     """
 
     name: str
@@ -101,6 +103,7 @@ class GuidedStep:
     prepare: Annotated[float, between(0, 600)] = 0.0
     whole: Annotated[bool, boolean] = False
     by_hand: Annotated[bool, boolean] = False
+    optional: Annotated[bool, boolean] = False
     timeout: Annotated[float, between(1, 7200)] = 120.0
     advice: Annotated[Text, TEXT] = NO_TEXT
     watch: Annotated[tuple[str, ...], strings] = ()
@@ -157,8 +160,9 @@ class Rule:
 class GuidedTest:
     """One test. `start`: must be true before the first step; `needs` is that in words.
 
-    `own`: from a file of the user. `channels`: the parameters to sample, those of the formulas and
-    the watched ones. `chart`: channels drawn with the verdict.
+    `any_order`: in a recording each step is looked for by itself, and the one that decides most
+    counts. `own`: from a file of the user. `channels`: the parameters to sample, those of the
+    formulas and the watched ones. `chart`: channels drawn with the verdict.
     """
 
     name: str
@@ -168,6 +172,7 @@ class GuidedTest:
     needs: Annotated[Text, TEXT]
     start: Annotated[Parsed | None, string]
     chart: Annotated[tuple[str, ...], strings]
+    any_order: Annotated[bool, boolean]
     steps: Annotated[tuple[GuidedStep, ...], {ANY: schema_of(GuidedStep)}, "step"]
     measures: Annotated[Mapping[str, Measure], {ANY: schema_of(Measure)}, "measure"]
     rules: Annotated[tuple[Rule, ...], {ANY: schema_of(Rule)}, "rule"]

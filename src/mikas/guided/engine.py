@@ -59,12 +59,18 @@ class Progress:
 
 
 class TestEngine:
-    """Runs `test` once. `result` is None until its last step is done."""
+    """Runs `test` once. `result` is None until its last step is done.
+
+    `start_gap`: seconds that values of the start condition may be old.
+    """
 
     __test__ = False  # for pytest
 
-    def __init__(self, test: GuidedTest, catalog: Catalog) -> None:
+    def __init__(
+        self, test: GuidedTest, catalog: Catalog, *, start_gap: float = _START_GAP
+    ) -> None:
         self.test = test
+        self._start_gap = start_gap
         self.result: TestResult | None = None
         self._catalog = catalog
         self._values = Values(catalog)
@@ -117,7 +123,7 @@ class TestEngine:
             phase = ProgressPhase.START if self.result is None else ProgressPhase.DONE
             names = formulas_inputs([self.test.start]) or self.test.steps[0].watch
             needed = parameters_of(self._catalog, names)
-            gap, waits_for = _START_GAP, self.test.start
+            gap, waits_for = self._start_gap, self.test.start
             seconds = 0.0 if self._waiting_since is None else now - self._waiting_since
         else:
             phase, names, needed = run.phase(now), run.step.watch, run.needed
@@ -144,7 +150,7 @@ class TestEngine:
     def _ready(self, time: float) -> bool:
         if self._start is None:
             return True
-        values = self._values.at(time, self._start.inputs, _START_GAP)
+        values = self._values.at(time, self._start.inputs, self._start_gap)
         if not holds(self._start, values):
             self._ready_since = None
         elif self._ready_since is None:
@@ -169,7 +175,9 @@ class TestEngine:
         self._finish(time)
 
     def _finish(self, time: float) -> None:
-        outcome, findings, missing = judge(self.test, self._numbers)
+        outcome, findings, missing = judge(
+            self.test, self._numbers, [step.name for step in self._done if not step.skipped]
+        )
         channels = ((self._catalog.channel(name), it) for name, it in self._curves.items())
         self.result = TestResult(
             test=self.test.name,

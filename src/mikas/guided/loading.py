@@ -132,6 +132,7 @@ class _Builder:
             needs=self._text("needs", required=start is not None),
             start=start,
             chart=chart or steps[0].watch[:2],
+            any_order=form.get("any_order", False),
             steps=steps,
             measures=measures,
             rules=rules,
@@ -223,6 +224,8 @@ class _Builder:
             return Text("s", "с"), 1, 0.0
         if statistic is Statistic.SHARE:
             return Text("%", "%"), 0, 0.0
+        if statistic is Statistic.TIMES:
+            return NO_TEXT, 0, 0.0
         try:
             channel = self._catalog.channel(formula)
         except MikasError:

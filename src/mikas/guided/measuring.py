@@ -252,6 +252,7 @@ _STATISTICS: Final[Mapping[Statistic, Callable[[_Sample], float]]] = {
     Statistic.JUMP: _jump,
     Statistic.FALL: _fall,
     Statistic.SECONDS: _seconds,
+    Statistic.TIMES: lambda it: float((np.diff((it.values != 0) * 1.0, prepend=0.0) > 0).sum()),
     Statistic.SHARE: lambda it: float(100 * np.mean(it.values != 0)),
 }
 

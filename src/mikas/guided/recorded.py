@@ -2,23 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from math import inf, isfinite
 from typing import TYPE_CHECKING, Final
 
 from mikas.cancellation import check_cancelled
-from mikas.guided.definition import GuidedTest, VerdictKind
+from mikas.guided.definition import GuidedStep, GuidedTest, VerdictKind
 from mikas.guided.engine import ProgressPhase, TestEngine
+from mikas.guided.measuring import number_of
 from mikas.guided.result import TestResult, read
+from mikas.guided.verdict import judge
 from mikas.guided.waiting import Unmet
 from mikas.i18n import Text, joined
 from mikas.recording.capture.notes import Kind, Note
 
 if TYPE_CHECKING:
+    from mikas.catalog import Catalog
     from mikas.recording.recording import Recording
 
 _MOST: Final = 50  # results of a recording
 _CHECKED: Final = 1000  # rows between two checks for a cancellation
+_MOST_FOUND: Final = 200  # times that a test or a step is found in a recording
+_START_GAP: Final = 15.0  # s that values of the start condition may be old: slow channels
 
 
 def results_of(notes: Iterable[Note]) -> tuple[TestResult, ...]:
@@ -30,8 +36,9 @@ def results_of(notes: Iterable[Note]) -> tuple[TestResult, ...]:
 def run_over(
     test: GuidedTest, recording: Recording, skip: Collection[str] = ()
 ) -> TestResult | Text:
-    """Return the first decided result of `test` over a recording, or else the first result; a text
-    that says why there is none, if its steps do not occur.
+    """Return the first decided result of `test` over a recording, or else the first result; of a
+    test whose steps may come in any order the weightiest. If its steps do not occur, return a text
+    that says why.
 
     A test with a step that only a person knows to be done (`by_hand`) is never found, unless that
     is among the steps to `skip`.
@@ -39,33 +46,122 @@ def run_over(
     by_hand = [step.name for step in test.steps if step.by_hand and step.name not in skip]
     if by_hand:
         return _BY_HAND.filled(steps=", ".join(by_hand))
-    catalog = recording.catalog
-    engine, seen, closest = TestEngine(test, catalog), set[str](), _Closest()
-    undecided: TestResult | None = None
+    find = _in_any_order if test.any_order else _in_order
+    return find(test, recording, skip)
+
+
+def _in_order(test: GuidedTest, recording: Recording, skip: Collection[str]) -> TestResult | Text:
+    """Run the test again and again, until a result is decided."""
+    search, seen = _Search(test, recording.catalog, skip), set[str]()
+    for time, fresh in _rows(test, recording):
+        seen |= fresh.keys()
+        result = search.add_row(time, fresh)
+        if result is not None and result.outcome is not VerdictKind.UNKNOWN:
+            return result
+    return search.results[0] if search.results else _why_not(test, search, seen)
+
+
+def _in_any_order(
+    test: GuidedTest, recording: Recording, skip: Collection[str]
+) -> TestResult | Text:
+    """Look for each step by itself, and return the result of the moments that decide most."""
+    searches = {
+        step.name: _Search(_alone(test, step), recording.catalog)
+        for step in test.steps
+        if step.name not in skip
+    }
+    seen = set[str]()
+    for time, fresh in _rows(test, recording):
+        seen |= fresh.keys()
+        for search in searches.values():
+            search.add_row(time, fresh)
+    for step in test.steps:
+        search_of = searches.get(step.name)
+        if search_of is not None and not search_of.results and not step.optional:
+            return _why_not(test, search_of, seen)
+    if not any(search.results for search in searches.values()):
+        return _why_not(test, next(iter(searches.values())), seen) if searches else _NOTHING
+    return _combined(test, {name: it.results for name, it in searches.items() if it.results})
+
+
+def _alone(test: GuidedTest, step: GuidedStep) -> GuidedTest:
+    """Return a test of this step alone, which judges nothing."""
+    measures = {name: it for name, it in test.measures.items() if it.step == step.name}
+    return replace(test, steps=(step,), measures=measures, rules=())
+
+
+def _combined(test: GuidedTest, found: Mapping[str, Sequence[TestResult]]) -> TestResult:
+    """Return the result of one moment of each step, those of the weightiest verdict."""
+
+    def result(chosen: Mapping[str, TestResult]) -> TestResult:
+        numbers = {it.name: it for one in chosen.values() for it in one.numbers}
+        for name, measure in test.measures.items():
+            numbers.setdefault(name, number_of(measure, None, why=_NOT_THERE))
+        outcome, findings, missing = judge(test, numbers, found)
+        parts = sorted(chosen.values(), key=lambda it: it.began)
+        return replace(
+            parts[-1],
+            began=parts[0].began,
+            ended=max(it.ended for it in parts),
+            outcome=outcome,
+            findings=findings,
+            missing=missing,
+            numbers=tuple(numbers[name] for name in test.measures),
+            steps=tuple(step for it in parts for step in it.steps),
+        )
+
+    chosen = {name: candidates[0] for name, candidates in found.items()}
+    for name, candidates in found.items():
+        options = ({**chosen, name: each} for each in candidates)
+        chosen = max(options, key=lambda it: _WEIGHT.index(result(it).outcome))
+    return result(chosen)
+
+
+def _why_not(test: GuidedTest, search: _Search, seen: Collection[str]) -> Text:
+    if lacking := [name for name in test.channels if name not in seen]:
+        return _LACKING.filled(names=", ".join(lacking))
+    return search.reason
+
+
+def _rows(test: GuidedTest, recording: Recording) -> Iterator[tuple[float, dict[str, float]]]:
+    """Yield the recorded rows: their times, and the values that are there."""
     for rows in recording.interpreted("corrected", test.channels).rows():
         columns = [(name, column.tolist()) for name, column in rows.values.items()]
         for number, time in enumerate(rows.times.tolist()):
             if number % _CHECKED == 0:
                 check_cancelled()
             values = {name: column[number] for name, column in columns}
-            fresh = {name: value for name, value in values.items() if isfinite(value)}
-            seen |= fresh.keys()
-            engine.add_row(time, fresh)
-            engine.skip_all(skip)
-            if engine.result is None:
-                closest.look(engine, time)
-                continue
-            if engine.result.outcome is not VerdictKind.UNKNOWN:
-                return engine.result
-            undecided = undecided or engine.result
-            engine = TestEngine(test, catalog)
-    if undecided is not None:
-        return undecided
-    if lacking := [name for name in test.channels if name not in seen]:
-        return _LACKING.filled(names=", ".join(lacking))
-    if (step := engine.progress().step) is None:
-        return closest.added_to(_NO_START.filled(needs=test.needs))
-    return closest.added_to(_NO_STEP.filled(step=test.steps[step].text))
+            yield time, {name: value for name, value in values.items() if isfinite(value)}
+
+
+class _Search:
+    """A test that is begun again whenever it has ended."""
+
+    def __init__(self, test: GuidedTest, catalog: Catalog, skip: Collection[str] = ()) -> None:
+        self._test, self._catalog, self._skip = test, catalog, skip
+        self._engine = TestEngine(test, catalog, start_gap=_START_GAP)
+        self._closest = _Closest()
+        self.results: list[TestResult] = []
+
+    def add_row(self, time: float, fresh: Mapping[str, float]) -> TestResult | None:
+        """Take a row; return the result of a test that ends with it."""
+        engine = self._engine
+        engine.add_row(time, fresh)
+        engine.skip_all(self._skip)
+        if (result := engine.result) is None:
+            self._closest.look(engine, time)
+            return None
+        if len(self.results) < _MOST_FOUND:
+            self.results.append(result)
+        self._engine = TestEngine(self._test, self._catalog, start_gap=_START_GAP)
+        return result
+
+    @property
+    def reason(self) -> Text:
+        """Why the test is not finished."""
+        if (step := self._engine.progress().step) is None:
+            return self._closest.added_to(_NO_START.filled(needs=self._test.needs))
+        return self._closest.added_to(_NO_STEP.filled(step=self._test.steps[step].text))
 
 
 class _Closest:
@@ -102,6 +198,14 @@ class _Closest:
 
 _TOO_SHORT: Final = Text("its conditions held for too short a time", "условия держались мало")
 _CLOSEST: Final = Text("at the closest moment: {unmet}", "ближе всего было: {unmet}")
+_WEIGHT: Final = (
+    VerdictKind.UNKNOWN,
+    VerdictKind.GOOD,
+    VerdictKind.ATTENTION,
+    VerdictKind.BAD,
+)
+_NOT_THERE: Final = Text("the recording does not have this step", "в записи этого шага нет")
+_NOTHING: Final = Text("all steps are skipped", "все шаги пропущены")
 _BY_HAND: Final = Text(
     "no data show these steps; skip them: {steps}",
     "этих шагов по данным не видно, пропустите: {steps}",

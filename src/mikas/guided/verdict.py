@@ -2,12 +2,13 @@
 
 Every rule that holds is a finding, and the worst decides. A rule whose measures are missing can't
 be decided, and where a rule of verdict `unknown` holds nothing can: then nothing is called good. A
-value within one step of its channel from a limit lowers the confidence of what it decides.
+rule that lacks only measures of optional steps that were not done is left out. A value within one
+step of its channel from a limit lowers the confidence of what it decides.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import replace
 from math import nan
 from typing import Final, TypeAlias
@@ -26,17 +27,20 @@ Verdict: TypeAlias = tuple[VerdictKind, tuple[Finding, ...], tuple[Text, ...]]
 """The outcome, the rules that hold, and why others could not be decided."""
 
 
-def judge(test: GuidedTest, numbers: Mapping[str, Number]) -> Verdict:
-    """Apply the rules of `test` to the numbers of its measures."""
+def judge(test: GuidedTest, numbers: Mapping[str, Number], done: Collection[str]) -> Verdict:
+    """Apply the rules of `test` to the numbers of its measures, with the steps that were `done`."""
     values = {name: nan if it.value is None else it.value for name, it in numbers.items()}
     found: list[Finding] = []
     good: list[Finding] = []
     missing: dict[Text, None] = {}
     near_limit: dict[Text, None] = {}
+    left_out = {step.name for step in test.steps if step.optional and step.name not in done}
     for rule in test.rules:
         calculation = Calculation(rule.when)
         lacking = [numbers[name] for name in calculation.inputs if numbers[name].value is None]
         if lacking:
+            if all(test.measures[it.name].step in left_out for it in lacking):
+                continue
             missing |= {joined(": ", (it.text, it.why)): None for it in lacking}
             continue
         near = list(_near(calculation, values, test.measures))

@@ -116,10 +116,12 @@ class Findings:
 
     @property
     def outcome(self) -> Outcome:
-        """Attention: a fault, a value outside its reference, an alarm, or a finding of a guided
-        test. Good: none of these, the faults were read, none is open, and some value was rated.
+        """Attention: a fault, a value outside its reference, an alarm, retard for knock in many
+        readings, or a finding of a guided test. Good: none of these, the faults were read, none is
+        open, and some value was rated.
         """
-        if self.real_faults or self.abnormal or self.measured.alarms or self.failed_tests:
+        crossed = self.measured.alarms or self.measured.knock.often_retarded
+        if self.real_faults or self.abnormal or crossed or self.failed_tests:
             return Outcome.ATTENTION
         open_ones = any(is_open(self.subject, each) for each in self.cleared)
         known = self.rated and self.subject.faults is not None and not open_ones

@@ -3,7 +3,8 @@
     values ──► Alarms.update ──► AlarmChanged      at each change of level
 
 A level begins beyond its limit and ends when the value is back within it by the hysteresis: noise
-at a limit makes one event. A missing value changes no level.
+at a limit makes one event. That of a flag lasts until `FLAG_HOLD` seconds after it was last set: a
+knock is shown for an eighth of a second, too short to be seen. A missing value changes no level.
 """
 
 from __future__ import annotations
@@ -11,8 +12,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from math import isfinite, nan
-from typing import TypeAlias
+from math import inf, isfinite, nan
+from typing import Final, TypeAlias
 
 from mikas.catalog import Catalog, Derived, Level, Parameter
 from mikas.client.parameters.parameters import Reading
@@ -22,6 +23,9 @@ from mikas.sampling.events import AlarmChanged
 
 Value: TypeAlias = Reading | DerivedValue | float | None
 """A bare number is in the corrected interpretation and of the sample's time."""
+
+FLAG_HOLD: Final = 3.0
+"""Seconds after its last set value for which the alarm of a flag stays on."""
 
 _FRESH = 1.0  # s; a value that is older than its sample by more is missing
 _LEVELS = tuple(Level)
@@ -46,7 +50,7 @@ BEYOND = {Side.LOW: Text("below", "ниже"), Side.HIGH: Text("above", "выш�
 class AlarmState:
     """The alarm of a channel, by `value`, its latest one; None before the first.
 
-    `side` and `limit` are None without an alarm.
+    `side` and `limit` are None without an alarm. `set_at`: when a flag was set last.
     """
 
     channel: Parameter | Derived
@@ -54,6 +58,7 @@ class AlarmState:
     side: Side | None = None
     limit: float | None = None
     value: float | None = None
+    set_at: float = -inf
 
 
 class Alarms:
@@ -70,8 +75,10 @@ class Alarms:
         for name, state in self.states.items():
             if not isfinite(value := _number(values.get(name), time)):
                 continue
-            level, side, limit = _level_of(state, value)
-            self.states[name] = after = AlarmState(state.channel, level, side, limit, value)
+            level, side, limit = _level_of(state, value, time)
+            set_at = time if state.channel.is_flag and value else state.set_at
+            after = AlarmState(state.channel, level, side, limit, value, set_at)
+            self.states[name] = after
             if (level, side) != (state.level, state.side):
                 events.append(_event(state, after, time))
         return events
@@ -98,12 +105,15 @@ def _number(value: Value, time: float) -> float:
     return nan if value is None else float(value)
 
 
-def _level_of(state: AlarmState, value: float) -> tuple[Level, Side | None, float | None]:
-    """Return the level of `value` after `state`, its side and its limit."""
+def _level_of(
+    state: AlarmState, value: float, time: float
+) -> tuple[Level, Side | None, float | None]:
+    """Return the level of `value` at `time`, after `state`, its side and its limit."""
     limits = state.channel.alarm_limits
     assert limits is not None
     if limits.for_flag:
-        return (limits.when_true, Side.HIGH, 1.0) if value else (Level.NONE, None, None)
+        is_on = bool(value) or 0 <= time - state.set_at < FLAG_HOLD
+        return (limits.when_true, Side.HIGH, 1.0) if is_on else (Level.NONE, None, None)
     for side, sign, on_side in ((Side.HIGH, 1, limits.highs), (Side.LOW, -1, limits.lows)):
         held = _LEVELS.index(state.level) if state.side is side else 0
         for level, limit in reversed(on_side):

@@ -1,10 +1,11 @@
 """The alarms of the time covered: which limit, how often, how long, how far, when.
 
 One rule: the limits are those of the catalog and those in the recorded events; an alarm is on from
-a value beyond the limit until one that is back within it by the hysteresis, as in
-`sampling/alarms.py`. The values decide wherever they cover the time; an event counts where they
-do not show its alarm (its channel was not kept, or is decoded differently now). A pause of more
-than `HOLDS` between two values adds nothing to the duration.
+a value beyond the limit until one that is back within it by the hysteresis, that of a flag until
+`FLAG_HOLD` seconds after it was last set, as in `sampling/alarms.py`. The values decide wherever
+they cover the time; an event counts where they do not show its alarm (its channel was not kept, or
+is decoded differently now). A pause of more than `HOLDS` between two values adds nothing to the
+duration.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from mikas.cancellation import check_cancelled
 from mikas.catalog import Catalog, Derived, Level, Parameter
 from mikas.errors import MikasError
 from mikas.recording.table.channels import Rows
-from mikas.sampling.alarms import Side
+from mikas.sampling.alarms import FLAG_HOLD, Side
 from mikas.sampling.events import AlarmChanged, Event, StateChanged, UnitFound
 
 if TYPE_CHECKING:
@@ -60,6 +61,7 @@ class Limit:
 class Alarm:
     """The times beyond one limit. `seconds`: in all; `began`: of the first time; `peak`: the value
     farthest beyond it, at `peaked`; `still`: on at the end. `by_event`: known from events alone.
+    `sets`: how often a flag was set; its alarm lasts longer, so it may be on fewer times.
     """
 
     channel: Channel
@@ -71,6 +73,7 @@ class Alarm:
     peaked: float
     still: bool = False
     by_event: bool = False
+    sets: int = 0
 
 
 def limits_of(catalog: Catalog, events: Iterable[Event] = ()) -> tuple[Limit, ...]:
@@ -173,6 +176,7 @@ class _LimitWatch:
         self._begins: list[Column] = []
         self._ends: list[Column] = []
         self._seconds = 0.0
+        self._sets, self._is_set, self._set_at = 0, False, -inf  # of a flag
         self._peak, self._peaked = -inf, nan  # the value times the sign
 
     @property
@@ -185,7 +189,7 @@ class _LimitWatch:
         if not times.size:
             return
         self._last, last = float(times[-1]), self._last
-        on = self._states(values)
+        on = self._held(times, values) if self._channel.is_flag else self._states(values)
         if not (self._on or on.any()):
             return
         steps = np.diff(times, prepend=last)
@@ -200,12 +204,26 @@ class _LimitWatch:
             self._peak, self._peaked = float(beyond[at]), float(times[at])
         self._on = bool(on[-1])
 
+    def _held(self, times: Column, values: Column) -> NDArray[np.bool_]:
+        """Return whether the alarm of a flag is on after each value, and count how often it was
+        set.
+        """
+        is_set: NDArray[np.bool_] = np.not_equal(values, 0)
+        if not is_set.any() and self._set_at == -inf:
+            return is_set  # the usual case, quick
+        before = np.concatenate(([self._is_set], is_set[:-1]))
+        self._sets += int((is_set & ~before).sum())
+        latest = np.maximum.accumulate(np.where(is_set, np.arange(values.size), -1))
+        set_at = np.where(latest >= 0, times[latest], self._set_at)
+        since = times - set_at
+        self._is_set, self._set_at = bool(is_set[-1]), float(set_at[-1])
+        held: NDArray[np.bool_] = is_set | ((since >= 0) & (since < FLAG_HOLD))
+        return held
+
     def _states(self, values: Column) -> NDArray[np.bool_]:
         """Return whether the alarm is on after each value: on beyond the limit, off when it is back
         within it by the hysteresis, else as before.
         """
-        if self._channel.is_flag:
-            return np.not_equal(values, 0)
         over = values - self.limit.sign * self.limit.value
         begins, ends = over > 0, over <= -self._hysteresis
         if not (self._on or begins.any()):
@@ -238,6 +256,7 @@ class _LimitWatch:
             peaked=peaked,
             still=self._on or any(each.still for each in alone),
             by_event=not begins.size,
+            sets=self._sets,
         )
 
 

@@ -7,7 +7,7 @@ a few hundred columns a channel are kept.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from mikas.cancellation import check_cancelled
 from mikas.catalog import Catalog
 from mikas.recording.table.channels import Rows
 from mikas.report.measurements.alarms import Alarm, AlarmCollector, Channel
+from mikas.report.measurements.knock import Knock, KnockCounter
 from mikas.report.measurements.statistics import (
     BlockTimes,
     ChannelStatistics,
@@ -44,6 +45,7 @@ class Measurements:
     curves: Mapping[str, Envelope]
     alarms: tuple[Alarm, ...] = ()
     watched: frozenset[str] = frozenset()
+    knock: Knock = field(default_factory=Knock)
 
     @property
     def seconds(self) -> float:
@@ -64,6 +66,7 @@ class MeasurementCollector:
         self, catalog: Catalog, names: Iterable[str], events: Sequence[Event] = ()
     ) -> None:
         self._alarms = AlarmCollector(catalog, events)
+        self._knock = KnockCounter()
         self._channels = tuple(catalog.channel(name) for name in names)
         self._finder = WarmIdleFinder(channel.name for channel in self._channels)
         counted = [each for each in self._channels if not each.accumulates]
@@ -85,6 +88,7 @@ class MeasurementCollector:
         idle = self._finder.find(rows)
         elsewhere = ~idle
         self._alarms.add(rows)
+        self._knock.add(rows)
         for channel in self._channels:
             column = rows.values.get(channel.name)
             if column is None:
@@ -113,6 +117,7 @@ class MeasurementCollector:
             whole=whole,
             at_idle=self._stats(self._at_idle),
             curves={name: curve for name, curve in self._curves.items() if name in present},
+            knock=self._knock.found,
             alarms=self._alarms.alarms(self._began, self._ended),
             watched=self._alarms.watched,
         )

@@ -73,6 +73,9 @@ def _in_full(alarm: Alarm, found: Findings) -> Text:
     if peak.en:
         at = moment(alarm.peaked, began)
         parts.append(Text(f"{peak.en} {at.en}", f"{peak.ru} {at.ru}"))
+    if alarm.sets > alarm.times:
+        times = counted(alarm.sets, ("time", "times"), ("раз", "раза", "раз"))
+        parts.append(Text(f"it was set {times.en}", f"флаг появлялся {times.ru}"))
     if alarm.still:
         parts.append(Text("still on at the end", "в конце ещё не прекратилась"))
     if alarm.by_event:

@@ -9,6 +9,7 @@ from mikas.catalog import Catalog
 from mikas.i18n import Language, Text, counted, joined
 from mikas.recording.formatting import duration, moment, number, within
 from mikas.report.findings import BandPosition, Findings, Outcome, Unrated, is_open
+from mikas.report.measurements.knock import FAST, Knock
 from mikas.report.measurements.warm_idle import ENOUGH, SETTLING, RuleResult, WarmIdle
 from mikas.report.sections.alarm_texts import NOTED, alarm_summary
 from mikas.report.subject import ClearedFaults
@@ -29,8 +30,27 @@ MARKS = {
 def summary_sentence(found: Findings) -> Text:
     """Return the summary: faults first, then alarms, then values, then guided tests."""
     alarms = [alarm_summary(found)] if found.measured.alarms else []
-    said = joined("; ", (_of_faults(found), *alarms, *_of_values(found), *_of_tests(found)))
+    knock = _of_knock(found.measured.knock)
+    parts = (_of_faults(found), *alarms, *knock, *_of_values(found), *_of_tests(found))
+    said = joined("; ", parts)
     return Text(f"{said.en}.", f"{said.ru}.")
+
+
+def _of_knock(knock: Knock) -> Iterator[Text]:
+    """Yield how often the engine knocked, and how often the ignition was retarded for that."""
+    if knock.knocks:
+        times = counted(knock.knocks, ("time", "times"), ("раз", "раза", "раз"))
+        speed = f"{FAST:.0f}"
+        yield Text(
+            f"the engine knocked {times.en}, above {speed} rpm {knock.fast}",
+            f"детонация {times.ru}, выше {speed} об/мин {knock.fast}",
+        )
+    if knock.share is not None and (knock.knocks or knock.often_retarded):
+        share = f"{100 * knock.share:.0f}"
+        yield Text(
+            f"the ignition was retarded for knock in {share} % of the readings",
+            f"УОЗ снижен по детонации в {share} % опросов",
+        )
 
 
 def _of_tests(found: Findings) -> Iterator[Text]:

@@ -4,6 +4,7 @@ import { frameClock } from "../platform/frameClock.svelte";
 import type { DisplayValue } from "./displayValue";
 import { number, localized } from "../i18n";
 import type { Extremes } from "../series/columns";
+import { sinceSet, type Pulses } from "../series/pulses";
 import { widestText } from "./textWidth";
 import { valueText, wordsOf } from "./valueText";
 import type { Channel, Level } from "../api/types";
@@ -24,8 +25,26 @@ export class ChannelValue {
   readonly text = $derived(number(this.value, this.channel?.decimals ?? 0));
   /** The two words of a flag. */
   readonly words = $derived(wordsOf(this.channel));
+  /** The level of a flag that means trouble: that of its alarm, or the colour that the catalog gives it without one. */
+  private readonly troubled = $derived.by<Level | null>(() => {
+    if (!this.channel?.flag) return null;
+    const { alarm_when_true: alarm, lamp } = this.channel;
+    const level = alarm === "none" ? lamp?.trouble : alarm;
+    return level && level !== "none" ? level : null;
+  });
+  /** Seconds since such a flag was set, while it is still shown: it may be set too shortly to be seen. Null: it is not held. */
+  readonly held = $derived.by<number | null>(() => {
+    if (this.troubled === null || this.kind === "none" || this.value) return null;
+    const { source } = this.stores.display;
+    return frameClock.eachFrame(() => sinceSet(source.columns, this.name(), source.now()));
+  });
+  /** How often a flag was set, over the time of the extremes; null for another channel. */
+  readonly pulses = $derived.by<Pulses | null>(() => {
+    if (!this.channel?.flag) return null;
+    return frameClock.slowly(() => this.stores.display.source.pulses(this.name()));
+  });
   /** The value as it is read: a word for a flag, else the number. */
-  readonly shown = $derived(valueText(this.channel, this.value));
+  readonly shown = $derived(valueText(this.channel, this.held === null ? this.value : 1));
   /** The widest that `shown` becomes, in em. */
   readonly em = $derived(widestText(this.channel, this.words, this.shown));
   readonly title = $derived.by(() => (this.channel ? localized(this.channel.text) : this.name()));
@@ -48,16 +67,11 @@ export class ChannelValue {
       const alarm = this.stores.live.state?.alarms.find(({ name }) => name === this.name());
       return alarm ? { level: alarm.level, side: alarm.side } : null;
     }
-    return limitState(this.value, this.channel);
+    return limitState(this.held === null ? this.value : 1, this.channel);
   });
   readonly level = $derived(this.limitState?.level ?? null);
-  /** Of a flag that is on and means trouble: the level at which it alarms, or the colour that the catalog gives it without an alarm. */
-  readonly trouble = $derived.by<Level | null>(() => {
-    if (!this.channel || !this.value) return null;
-    const { alarm_when_true: alarm, lamp } = this.channel;
-    const level = alarm === "none" ? lamp?.trouble : alarm;
-    return level && level !== "none" ? level : null;
-  });
+  /** The level of a flag that is on, or held, and means trouble. */
+  readonly trouble = $derived(this.value || this.held !== null ? this.troubled : null);
 
   constructor(private readonly name: () => string) {}
 }

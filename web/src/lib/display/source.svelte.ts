@@ -2,6 +2,7 @@
 import { displayValueOf, isInGap, NONE, type DisplayValue } from "../channels/displayValue";
 import { frameClock } from "../platform/frameClock.svelte";
 import type { Columns, Extremes } from "../series/columns";
+import type { Pulses } from "../series/pulses";
 import type { Latest, Live } from "../live/live.svelte";
 import type { LineEvent } from "../api/types";
 
@@ -17,6 +18,8 @@ export interface Source {
   latest(name: string): Latest | undefined;
   /** Minimum and maximum: live since the last reset, of a recording over all of it. */
   extremes(name: string): Extremes | undefined;
+  /** How often a flag was set, over the same time. */
+  pulses(name: string): Pulses;
   /** Live: the view is frozen (sampling and recording continue). Recording: the player is paused. */
   readonly paused: boolean;
   toggle(): void;
@@ -58,6 +61,10 @@ class LiveSource implements Source {
 
   extremes(name: string): Extremes | undefined {
     return this.live.extremes.get(name);
+  }
+
+  pulses(name: string): Pulses {
+    return this.live.pulses(name);
   }
 
   toggle(): void {

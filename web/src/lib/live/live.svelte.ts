@@ -5,6 +5,7 @@ import { address } from "../api/http";
 import { frameClock } from "../platform/frameClock.svelte";
 import { clientId, clientName, controlLease, pageId } from "../api/client";
 import { Columns, type Extremes } from "../series/columns";
+import { PulseCounter, type Pulses } from "../series/pulses";
 import { EventLog, movedEvent } from "./eventLog";
 import { answering } from "./lineState";
 import type { LineEvent, LiveMessage, Rows, State } from "../api/types";
@@ -60,6 +61,8 @@ export class Live {
   extremesFrom = $state<number | null>(null);
   /** Older values stay out of `extremes`. */
   private extremesReset = -Infinity;
+  /** Of flags: how often each was set since the last reset, of the last hour at most when the page was opened. */
+  private readonly counters = new Map<string, PulseCounter>();
 
   private socket: LiveSocket | null = null;
   private attempts = 0;
@@ -200,6 +203,7 @@ export class Live {
       this.extremes.clear();
       this.extremesFrom = null;
       this.extremesReset = -Infinity;
+      this.counters.clear();
       this.eventLog.clear();
       this.events = [];
     }
@@ -227,16 +231,25 @@ export class Live {
     this.decimatedUntil += seconds;
     if (this.extremesFrom !== null) this.extremesFrom += seconds;
     this.extremesReset += seconds;
+    this.counters.clear();
     this.events = this.eventLog.move(seconds);
     this.historyLoads += 1;
     this.tick += 1;
   }
 
-  /** Restart minimum and maximum. */
+  /** Restart minimum, maximum and the counts of flags. */
   resetExtremes(): void {
     this.extremes.clear();
+    this.counters.clear();
     this.extremesFrom = this.extremesReset = this.now();
     frameClock.request();
+  }
+
+  /** How often a flag was set since the last reset. */
+  pulses(name: string): Pulses {
+    const counter = this.counters.get(name) ?? new PulseCounter(this.extremesReset);
+    this.counters.set(name, counter);
+    return counter.read(this.columns, name);
   }
 
   /** Load the history again: these channels are computed otherwise now. If it is being loaded, after that: it may hold the values of before. */
@@ -248,6 +261,7 @@ export class Live {
     }
     const seconds = this.columns.length ? this.now() - this.columns.first : FIRST_HISTORY;
     this.columns.clear();
+    this.counters.clear();
     void this.loadHistory(Math.max(FIRST_HISTORY, seconds));
   }
 

@@ -3,6 +3,7 @@ import type { ApiClient } from "../api/api";
 import { ApiError } from "../api/http";
 import { frameClock } from "../platform/frameClock.svelte";
 import { Columns, extremesOf, type Extremes } from "../series/columns";
+import { PulseCounter, type Pulses } from "../series/pulses";
 import type { Car, LineEvent, RecordingDetail } from "../api/types";
 
 /** Rows of a part, and of the overview. */
@@ -33,6 +34,7 @@ export class RecordingData {
 
   private reading: AbortController | null = null;
   private found = new Map<string, Extremes | undefined>();
+  private readonly counted = new Map<string, Pulses>();
   private foundAt = -1;
 
   constructor(protected readonly api: ApiClient) {}
@@ -56,12 +58,25 @@ export class RecordingData {
 
   /** Minimum and maximum over the whole recording; undefined if it has no such channel. */
   extremes(name: string): Extremes | undefined {
-    if (this.foundAt !== this.tick) {
-      this.found.clear();
-      this.foundAt = this.tick;
-    }
+    this.forget();
     if (!this.found.has(name)) this.found.set(name, extremesOf(this.columns.column(name) ?? []));
     return this.found.get(name);
+  }
+
+  /** How often a flag was set over the whole recording. */
+  pulses(name: string): Pulses {
+    this.forget();
+    const pulses = this.counted.get(name) ?? new PulseCounter().read(this.columns, name);
+    this.counted.set(name, pulses);
+    return pulses;
+  }
+
+  /** Forget what was found in other data. */
+  private forget(): void {
+    if (this.foundAt === this.tick) return;
+    this.found.clear();
+    this.counted.clear();
+    this.foundAt = this.tick;
   }
 
   /**

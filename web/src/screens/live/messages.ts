@@ -2,7 +2,9 @@ import { dictionary } from "../../lib/i18n";
 
 export const t = dictionary({
   presets: { en: "Presets", ru: "Наборы приборов" },
-  reset: { en: "Reset min and max", ru: "Сбросить мин. и макс." },
+  times: { en: { one: "{n} time", other: "{n} times" }, ru: { one: "{n} раз", few: "{n} раза", many: "{n} раз", other: "{n} раза" } },
+  timesOrMore: { en: "{n} times or more", ru: "{n} раз или больше" },
+  reset: { en: "Reset min, max and counters", ru: "Сбросить мин., макс. и счётчики" },
   edit: { en: "Edit", ru: "Изменить" },
   loading: { en: "Loading the list of values…", ru: "Загружаем список величин…" },
   ago: { en: "{age} s ago", ru: "{age} с назад" },
