@@ -1,0 +1,224 @@
+"""What is known of each cause, one TOML file each: texts, complaints, faults, what to check.
+
+How strongly a cause shows is in the tables of `weights`, for the shipped ones. A user's own file
+in the folder `causes` beside the config file says it itself, under `[effects]`: by feature, in
+spreads of sound cars, at an amount that is noticed (docs/reference/causes.md).
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import StrEnum
+from functools import cache
+from pathlib import Path
+from typing import Final
+
+from mikas.catalog.loading.fields import (
+    ANY,
+    TEXT,
+    Reader,
+    Schema,
+    between,
+    choice,
+    integer,
+    read_table,
+    string,
+)
+from mikas.catalog.loading.source import CatalogFile, read_source
+from mikas.causes.features import BY_NAME as FEATURES
+from mikas.errors import CatalogError, reason_of, usage_error
+from mikas.files import ABSENT
+from mikas.i18n import Text
+
+FOLDER: Final = "causes"
+"""The folder of the user's causes, beside the config file."""
+
+MOST_FILES: Final = 100
+
+SYSTEMS: Final = (
+    "start", "charging", "idle", "air", "throttle", "mixture", "spark", "knock", "warmth",
+)  # fmt: skip
+"""The parts of a car whose features a cause may move."""
+
+
+class Complaint(StrEnum):
+    """What an owner says of the car."""
+
+    IDLES_HIGH = "idles-high"
+    HUNTS = "hunts"
+    NO_START = "no-start"
+    NO_POWER = "no-power"
+    KNOCKS = "knocks"
+    OVERHEATS = "overheats"
+    THIRSTY = "thirsty"
+    BATTERY = "battery"
+
+
+COMPLAINTS: Final[Mapping[Complaint, Text]] = {
+    Complaint.IDLES_HIGH: Text("idles high", "высокие обороты ХХ"),
+    Complaint.HUNTS: Text("idle hunts, dies", "плавает ХХ, глохнет"),
+    Complaint.NO_START: Text("won't start, starts badly", "не заводится, плохо заводится"),
+    Complaint.NO_POWER: Text("no power, jerks", "не тянет, дёргается"),
+    Complaint.KNOCKS: Text("knocks", "детонирует"),
+    Complaint.OVERHEATS: Text("overheats", "греется"),
+    Complaint.THIRSTY: Text("thirsty", "большой расход"),
+    Complaint.BATTERY: Text("battery, charging", "аккумулятор, зарядка"),
+}
+"""Each complaint in words."""
+
+
+@dataclass(frozen=True, slots=True)
+class KnownCause:
+    """One cause, in one direction (`variant`), as its file has it.
+
+    `effects`: of a user's cause, by feature, in spreads at a noticeable amount; the shipped ones
+    have theirs in the tables.
+    """
+
+    id: str
+    variant: str
+    text: Text
+    check: Text
+    complaints: frozenset[Complaint]
+    faults: frozenset[int]
+    looks_like: tuple[str, ...]
+    systems: frozenset[str]
+    confidence: str
+    source: str
+    effects: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def name(self) -> str:
+        """The name in the tables: the id, and the direction where there are several."""
+        return f"{self.id}-{self.variant}" if self.variant else self.id
+
+
+@dataclass(frozen=True, slots=True)
+class Knowledge:
+    """The causes by name, and the error of each file that is not one."""
+
+    causes: Mapping[str, KnownCause]
+    errors: tuple[CatalogError, ...] = ()
+
+
+_DIRECTIONS: Final = ("low", "high", "open", "short")
+_COMPLAINT: Final = choice(Complaint, *Complaint)
+_ID: Final = re.compile(r"[a-z][a-z0-9_]{0,39}")
+
+
+def _list_of(reader: Reader, most: int) -> Reader:
+    def read(value: object) -> tuple[object, ...]:
+        if not isinstance(value, list) or len(value) > most:
+            raise usage_error(
+                f"must be a list of up to {most}", f"нужен список, не больше {most} значений"
+            )
+        return tuple(reader(item) for item in value)
+
+    return read
+
+
+def _identity(value: object) -> str:
+    if isinstance(value, str) and _ID.fullmatch(value):
+        return value
+    raise usage_error(
+        "must be small Latin letters, digits and _", "нужны строчные латинские буквы, цифры и _"
+    )
+
+
+FORM: Final[Schema] = {
+    "id": _identity,
+    "complaints": _list_of(_COMPLAINT, len(Complaint)),
+    "faults": _list_of(integer(0, 255), 50),
+    "looks_like": _list_of(_identity, 20),
+    "systems": _list_of(choice(str, *SYSTEMS), len(SYSTEMS)),
+    "confidence": choice(str, "confirmed", "reported", "unconfirmed"),
+    "source": string,
+    "text": TEXT,
+    **{f"text_{direction}": TEXT for direction in _DIRECTIONS},
+    "check": TEXT,
+    "effects": {ANY: between(-100, 100)},
+}
+
+
+def load(folder: Path | None = None) -> Knowledge:
+    """Return the shipped causes and those in the user's `folder`, a later id over an earlier.
+
+    A wrong file is an error of the result; the others still load.
+    """
+    causes = {cause.name: cause for cause in _shipped()}
+    errors: list[CatalogError] = []
+    for path in _files(folder, errors):
+        try:
+            own = from_source(read_source(path), own=True)
+        except CatalogError as error:
+            errors.append(error)
+            continue
+        causes = {name: each for name, each in causes.items() if each.id != own[0].id}
+        causes |= {cause.name: cause for cause in own}
+    return Knowledge(causes, tuple(errors))
+
+
+@cache
+def _shipped() -> tuple[KnownCause, ...]:
+    paths = sorted(Path(__file__).parent.glob("*.toml"))
+    return tuple(cause for path in paths for cause in from_source(read_source(path)))
+
+
+def _files(folder: Path | None, errors: list[CatalogError]) -> list[Path]:
+    if folder is None:
+        return []
+    try:
+        return sorted(path for path in folder.iterdir() if path.suffix == ".toml")[:MOST_FILES]
+    except ABSENT:
+        return []
+    except OSError as error:
+        reason = reason_of(error)
+        problem = Text(f"can't be read: {reason.en}", f"не читается: {reason.ru}")
+        errors.append(CatalogError(str(folder), 0, problem))
+        return []
+
+
+def from_source(source: CatalogFile, *, own: bool = False) -> tuple[KnownCause, ...]:
+    """Return the cause in each of its directions. `own`: a user's, which needs `effects`.
+
+    Raises `CatalogError`.
+    """
+    keys = read_table(source, (), source.tables, FORM)
+    if "id" not in keys:
+        keys["id"] = Path(source.name).stem
+    texts = {"": keys["text"]} if "text" in keys else {}
+    texts |= {each: keys[f"text_{each}"] for each in _DIRECTIONS if f"text_{each}" in keys}
+    if not texts or "check" not in keys:
+        raise source.error((), "needs [text] and [check]", "нужны [text] и [check]")
+    effects = keys.get("effects", {})
+    if own and not effects:
+        raise source.error((), "needs [effects]", "нужны [effects]")
+    for name in effects:
+        if name not in FEATURES:
+            raise source.wrong(
+                ("effects", name),
+                Text("is no feature (docs/reference/causes.md)", "нет такого признака"),
+            )
+    return tuple(
+        KnownCause(
+            id=keys["id"],
+            variant=variant,
+            text=_both(text),
+            check=_both(keys["check"]),
+            complaints=frozenset(keys.get("complaints", ())),
+            faults=frozenset(keys.get("faults", ())),
+            looks_like=keys.get("looks_like", ()),
+            systems=frozenset(keys.get("systems", ())),
+            confidence=keys.get("confidence", "unconfirmed"),
+            source=keys.get("source", ""),
+            effects={name: float(value) for name, value in effects.items()},
+        )
+        for variant, text in texts.items()
+    )
+
+
+def _both(keys: Mapping[str, str]) -> Text:
+    first = next(iter(keys.values()))
+    return Text(keys.get("en", first), keys.get("ru", first))

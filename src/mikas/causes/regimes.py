@@ -1,0 +1,177 @@
+"""Regimes: what the engine did in each row, by the unit's own values.
+
+Key on, cranking, starting (the first seconds of running), idle (cold, warm), part load, full load,
+overrun. The throttle counts as closed near the least that this drive has, so that a throttle that
+does not close still has an idle.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from math import isnan, nan
+from typing import Final
+
+from mikas.causes.samples import PAUSE, Column, Samples, quantile
+
+RUNNING: Final = 500.0  # rpm
+STARTED: Final = 12.0  # s after a start: enrichment and high idle fade
+SETTLING: Final = 4.0  # s that throttle and speed are steady before idle counts
+COLD: Final = 60.0
+WARM: Final = 68.0
+CLOSED: Final = 0.8  # % above the least opening
+OPEN: Final = 2.0
+FULL: Final = 60.0
+STEADY: Final = 260.0  # rpm within `SETTLING`
+
+
+class Regime(StrEnum):
+    """What the engine does."""
+
+    KEY_ON = "key-on"
+    CRANKING = "cranking"
+    STARTING = "starting"
+    COLD_IDLE = "cold-idle"
+    MILD_IDLE = "mild-idle"
+    WARM_IDLE = "warm-idle"
+    PART_LOAD = "part-load"
+    FULL_LOAD = "full-load"
+    OVERRUN = "overrun"
+    OTHER = "other"
+
+
+@dataclass(frozen=True, slots=True)
+class Drive:
+    """Samples with the regime of each row. `starts`: rows in which the engine began to run.
+
+    `run_time`: seconds of running so far, NaN while it stands; `closed`: the least opening, %.
+    """
+
+    samples: Samples
+    speed: Column
+    rows: Mapping[Regime, Sequence[int]]
+    running: Sequence[int]
+    starts: Sequence[int]
+    stalls: Sequence[int]
+    run_time: Column
+    closed: float
+
+    def at(self, *regimes: Regime) -> list[int]:
+        """Return the rows of these regimes, rising."""
+        if len(regimes) == 1:
+            return list(self.rows[regimes[0]])
+        return sorted(row for regime in regimes for row in self.rows[regime])
+
+
+def drive_of(samples: Samples) -> Drive | None:
+    """Return the samples by regime; None: the engine's speed was not read."""
+    speed = _speed(samples)
+    if speed is None:
+        return None
+    times = samples.times
+    throttle = samples.column("THR")
+    idle_flag = samples.column("RXX")
+    coolant = samples.column("TWAT")
+    run_time, starts, stalls = _run_time(times, speed)
+    running = [row for row, rpm in enumerate(speed) if rpm >= RUNNING]
+    closed = 0.0
+    if throttle is not None:
+        opened = [throttle[row] for row in running if not isnan(throttle[row])]
+        closed = quantile(opened, 0.02) if opened else 0.0
+    rows: dict[Regime, list[int]] = {regime: [] for regime in Regime}
+    shut = [_shut(row, throttle, idle_flag, closed) for row in range(len(times))]
+    steady = _steady(times, speed, shut)
+    for row, rpm in enumerate(speed):
+        if isnan(rpm):
+            continue
+        warmth = coolant[row] if coolant is not None else nan
+        opening = throttle[row] - closed if throttle is not None else nan
+        if rpm < RUNNING:
+            regime = _standing(rpm, run_time[row])
+        elif run_time[row] < STARTED:
+            regime = Regime.STARTING
+        elif shut[row]:
+            regime = _closed_throttle(rpm, warmth, settled=steady[row])
+        else:
+            regime = _under_load(rpm, opening, closed)
+        rows[regime].append(row)
+    return Drive(samples, speed, rows, running, starts, stalls, run_time, closed)
+
+
+def _speed(samples: Samples) -> Column | None:
+    """Return rpm: the coarse speed above 2000 rpm, below it the idle speed's finer one."""
+    coarse, fine = samples.column("FREQ"), samples.column("FREQX")
+    if coarse is None or fine is None:
+        return coarse or fine
+    return [b if b < 2000 and not isnan(b) else a for a, b in zip(coarse, fine, strict=True)]
+
+
+def _run_time(times: Column, speed: Column) -> tuple[Column, list[int], list[int]]:
+    result, starts, stalls = [], [], []
+    began = nan  # when the engine began to run; before the first row: long ago
+    known = False  # whether a start was seen
+    last = nan
+    for row, (time, rpm) in enumerate(zip(times, speed, strict=True)):
+        if not isnan(last) and time - last > 30.0:
+            known, began = False, nan
+        last = time
+        if rpm >= RUNNING:
+            if isnan(began):
+                began = time if known else time - 1000.0
+                if known:
+                    starts.append(row)
+            result.append(time - began)
+            continue
+        if rpm < 40:
+            if not isnan(began) and time - began > 3.0:
+                stalls.append(row)
+            known, began = True, nan
+        elif isnan(began):
+            known = True
+        result.append(nan if isnan(began) else time - began)
+    return result, starts, stalls
+
+
+def _shut(row: int, throttle: Column | None, flag: Column | None, closed: float) -> bool:
+    if throttle is not None and not isnan(throttle[row]):
+        return throttle[row] <= closed + CLOSED
+    return flag is not None and flag[row] == 1
+
+
+def _steady(times: Column, speed: Column, shut: Sequence[bool]) -> list[bool]:
+    """Return where throttle and speed have been steady for `SETTLING` seconds."""
+    result = []
+    begin = low = 0  # since when it is shut without a pause; the first row of the window
+    for row, time in enumerate(times):
+        paused = row > 0 and time - times[row - 1] > PAUSE
+        if not shut[row] or isnan(speed[row]) or paused:
+            begin = row + (not shut[row])
+        low = max(low, begin)
+        while low < row and times[low] < time - SETTLING:
+            low += 1
+        window = speed[low : row + 1]
+        settled = row > begin and time - times[begin] >= SETTLING
+        result.append(settled and max(window) - min(window) <= STEADY)
+    return result
+
+
+def _standing(rpm: float, run_time: float) -> Regime:
+    """Return the regime below the speed of a running engine: a dying one is none."""
+    if rpm < 40:
+        return Regime.KEY_ON
+    return Regime.CRANKING if isnan(run_time) else Regime.OTHER
+
+
+def _closed_throttle(rpm: float, warmth: float, *, settled: bool) -> Regime:
+    if not settled or rpm >= 2600:
+        return Regime.OVERRUN if rpm > 1600 else Regime.OTHER
+    if warmth < COLD:
+        return Regime.COLD_IDLE
+    return Regime.MILD_IDLE if warmth < WARM else Regime.WARM_IDLE
+
+
+def _under_load(rpm: float, opening: float, closed: float) -> Regime:
+    if opening + closed >= FULL:
+        return Regime.FULL_LOAD
+    return Regime.PART_LOAD if opening >= OPEN and rpm > 1100 else Regime.OTHER
