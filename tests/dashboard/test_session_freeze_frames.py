@@ -5,6 +5,10 @@ from __future__ import annotations
 import pytest
 
 from dashboard.rig import ME, rig
+from mikas.client.identity import Passport
+from mikas.dashboard.session.freeze_frames import FreezeFrameStore
+from mikas.dashboard.session.history import History
+from mikas.sampling.events import FaultReading, Gap, UnitFound
 
 CAR = "sim:?scenario=warm-idle&faults=71"
 NAMES = ("FREQ", "TWAT", "MINERR")
@@ -74,3 +78,49 @@ def test_what_was_erased_and_comes_back_has_another_frame(tmp_path):
         it.client.delete(f"/api/freeze-frames/{again['id']}", headers=ME)
         (fault,) = it.get("/faults")["faults"]
         assert fault["frame"] is None  # the other one is of an earlier appearance
+
+
+def unit(time, program, *, another=False):
+    return UnitFound(time, 0x0A, Passport((program, None, None), (None,) * 5), another)
+
+
+@pytest.fixture
+def store(tmp_path):
+    """A store with the values of ten seconds of a unit."""
+    history = History()
+    made = FreezeFrameStore(tmp_path, history, lambda: 30.0)
+    made.begin_connection(0.0)
+    made.add_event(unit(0.0, "one"))
+    for time in range(1, 11):
+        history.add(float(time), ("FREQ",), [float(time)])
+    made.history = history
+    return made
+
+
+def reading(store, before, read):
+    store.keep_frames_of(FaultReading(read, (13,)), FaultReading(before, ()))
+
+
+def test_a_value_of_an_older_connection_is_none_of_the_moment(store):
+    store.begin_connection(12.0)
+    reading(store, 9.0, 13.0)
+    assert store.frames == []
+    store.history.add(14.0, ("FREQ",), [14.0])
+    reading(store, 9.0, 14.1)
+    assert [frame.then["FREQ"].value for frame in store.frames] == [14.0]
+
+
+def test_another_cars_values_are_in_no_frame(store):
+    store.add_event(unit(11.0, "two", another=True))
+    store.history.add(12.0, ("FREQ",), [12.0])
+    reading(store, 11.5, 12.5)
+    assert [frame.times for frame in store.frames] == [(12.0,)]
+
+
+def test_a_gap_that_becomes_known_later_takes_its_value_away(store):
+    reading(store, 9.0, 13.0)
+    assert [frame.then["FREQ"].value for frame in store.frames] == [10.0]
+    store.history.add(14.0, ("FREQ",), [14.0])
+    store.add_event(Gap(14.0, 10.0, 14.0))
+    store.follow(30.0)
+    assert store.frames == []

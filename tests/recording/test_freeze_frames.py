@@ -10,9 +10,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mikas.recording.freeze_frames import frame_from, frame_of, new_faults
+from mikas.recording.freeze_frames import Breaks, frame_from, frame_of, new_faults
 from mikas.recording.table.channels import Rows
-from mikas.sampling.events import FaultReading
+from mikas.sampling.events import FaultReading, Gap, UnitFound
 
 TIMES = [float(second) for second in range(100)]
 
@@ -74,3 +74,35 @@ KEYS = ("code", "without", "seen", "times", "values")
 def test_any_file_is_a_frame_or_none(stored):
     frame = frame_from(stored)
     assert frame is None or frame.then is not None
+
+
+def missing(begin, end, column=TIMES):
+    return [nan if begin < time < end else value for time, value in zip(TIMES, column, strict=True)]
+
+
+def test_no_value_from_before_a_gap_is_of_the_moment():
+    held, twat = missing(42, 48), missing(42, 46)
+    breaks = Breaks.of([Gap(42.0, 42.0, 46.0)])
+    frame = frame_of(13, 40.0, 46.5, rows(FREQ=held, TWAT=twat), breaks)
+    assert set(frame.then) == {"TWAT"}  # FREQ was not read again yet
+    assert (frame.then["TWAT"].value, frame.then["TWAT"].low) == (46.0, 40.0)
+    again = frame_from(json.loads(json.dumps(frame.as_json(), allow_nan=False)))
+    assert set(again.then) == {"TWAT"}
+    assert frame_of(13, 40.0, 45.5, rows(FREQ=held, TWAT=twat), breaks) is None
+
+
+def test_the_last_value_is_of_a_moment_right_before_the_gap():
+    breaks = Breaks.of([Gap(42.0, 42.0, None)])
+    assert frame_of(13, 40.0, 42.1, rows(FREQ=missing(42, 48)), breaks).then["FREQ"].value == 42.0
+    assert frame_of(13, 40.0, 42.7, rows(FREQ=missing(42, 48)), breaks) is None
+
+
+def test_no_row_is_of_another_car_and_no_value_of_an_older_connection():
+    found = UnitFound(42.0, 0x0A, None, another=True)
+    frame = frame_of(13, 43.0, 45.0, rows(FREQ=TIMES), Breaks.of([found]))
+    assert frame.times[0] == 42.0
+    before = frame_of(13, 38.0, 40.0, rows(FREQ=TIMES), Breaks.of([found]))
+    assert before.times[-1] == 41.0
+    older = Breaks(connections=(42.5,))
+    assert frame_of(13, 38.0, 42.9, rows(FREQ=missing(42, 48)), older) is None
+    assert frame_of(13, 38.0, 43.0, rows(FREQ=TIMES), older).then["FREQ"].value == 43.0

@@ -196,6 +196,7 @@ class Dashboard:
             before=self.session.unit,  # another unit may answer now
         )
         self.session.begin(thread.acquisition)
+        self.freeze_frames.begin_connection(thread.now())
         self.monitor.begin(request.every, thread.now())
         return thread
 
@@ -216,11 +217,10 @@ class Dashboard:
             self.monitor.add_event(it)
             if isinstance(it, events.Sampled | events.UnitFound):
                 self.guided.add_event(it)
-            if isinstance(it, events.UnitFound):
-                if it.another:
-                    self._clear_unit()
-                    self.fault_history.clear()
-                self.freeze_frames.begin_unit(it)
+            if isinstance(it, events.UnitFound) and it.another:
+                self._clear_unit()
+                self.fault_history.clear()
+            self.freeze_frames.add_event(it)
             self.freeze_frames.follow(it.time)
             if isinstance(it, events.StateChanged):
                 self.connection.state_known()

@@ -9,10 +9,10 @@ minute. The frames of a recording are in `recorded_faults.py`.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from math import isfinite, isnan, nan
+from math import inf, isfinite, isnan, nan
 from typing import Any, Final
 
 from mikas.catalog import Fault
@@ -20,7 +20,7 @@ from mikas.cleaning import clean_line, is_in_calendar
 from mikas.recording.annotations.fields import number_of
 from mikas.recording.table.channels import Rows
 from mikas.recording.table.decimation import decimated
-from mikas.sampling.events import FaultReading
+from mikas.sampling.events import Event, FaultReading, Gap, UnitFound
 from mikas.sampling.fault_watch import MINERR, appeared
 
 AROUND: Final = 5.0  # s before and after
@@ -30,6 +30,47 @@ _MOST_COLUMNS: Final = 300
 _NAME: Final = 40
 _USUAL: Final = ("FREQ", "TWAT", "JAIR", "UACC", "THR")
 """Shown beside the channels of the fault, up to five in all: what the engine was doing."""
+
+
+_STILL: Final = 0.5  # s after the last value before a gap in which it still is of the moment
+
+
+@dataclass(frozen=True, slots=True)
+class Breaks:
+    """Where the values of a moment end: at a gap, with a connection, with a unit.
+
+    `gaps`: the times of the last values before them; `connections`: of their begins; `units`: when
+    another one answered.
+    """
+
+    gaps: tuple[float, ...] = ()
+    connections: tuple[float, ...] = ()
+    units: tuple[float, ...] = ()
+
+    @classmethod
+    def of(cls, events: Iterable[Event]) -> Breaks:
+        """Return those of the events of one recording."""
+        gaps, units = [], []
+        for event in events:
+            if isinstance(event, Gap):
+                gaps.append(event.began)
+            elif isinstance(event, UnitFound) and event.another:
+                units.append(event.time)
+        return cls(gaps=tuple(gaps), units=tuple(units))
+
+    def of_unit(self, moment: float) -> tuple[float, float]:
+        """Return from when to when the unit of `moment` answered."""
+        since = max((time for time in self.units if time <= moment), default=-inf)
+        return since, min((time for time in self.units if time > moment), default=inf)
+
+    def lie_between(self, value: float, moment: float) -> bool:
+        """Return whether a value of the time `value` is none of `moment`."""
+        if any(value < begin <= moment for begin in (*self.connections, *self.units)):
+            return True
+        return moment - value > _STILL and any(value <= began < moment for began in self.gaps)
+
+
+_NO_BREAKS: Final = Breaks()
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +87,8 @@ class FreezeFrame:
     """The rows around a fault: `values` by channel, as long as `times`; NaN is missing.
 
     The fault was not stored at `without`, and was at `seen`. `then`: the values of that moment, by
-    channel, those of all rows; of many rows a channel's extremes are kept (`table/decimation.py`).
+    channel, those of all rows, and none from before a gap or of an earlier connection. Of many rows
+    a channel's extremes are kept (`table/decimation.py`).
     """
 
     code: int
@@ -88,11 +130,16 @@ class AppearedFault:
     frame: FreezeFrame | None
 
 
-def frame_of(code: int, before: float, read: float, rows: Rows) -> FreezeFrame | None:
+def frame_of(
+    code: int, before: float, read: float, rows: Rows, breaks: Breaks = _NO_BREAKS
+) -> FreezeFrame | None:
     """Return the frame of the fault `code`; None if its moment is not known, or without values.
 
-    `before`, `read`: of the last reading of the faults without it, and of the first with it.
+    `before`, `read`: of the last reading of the faults without it, and of the first with it. No row
+    is of another unit than that reading.
     """
+    since, until = breaks.of_unit(read)
+    rows = rows.part((rows.times >= since) & (rows.times < until))
     times, lowest = rows.times.tolist(), rows.values.get(MINERR)
     readings = ((), ()) if lowest is None else (times, lowest.tolist())
     without, seen = appeared(code, before, read, *readings)
@@ -105,7 +152,7 @@ def frame_of(code: int, before: float, read: float, rows: Rows) -> FreezeFrame |
         if not all(map(isnan, column.tolist()))
     }
     listed = {name: column.tolist() for name, column in kept.items()}
-    then = _values_then(without, seen, around.times.tolist(), listed)
+    then = _values_then(without, seen, around.times.tolist(), listed, breaks)
     if not then:
         return None
     fewer = decimated(Rows(around.times, kept), _MOST_ROWS)
@@ -114,14 +161,18 @@ def frame_of(code: int, before: float, read: float, rows: Rows) -> FreezeFrame |
 
 
 def _values_then(
-    without: float, seen: float, times: Sequence[float], values: Mapping[str, Sequence[float]]
+    without: float,
+    seen: float,
+    times: Sequence[float],
+    values: Mapping[str, Sequence[float]],
+    breaks: Breaks = _NO_BREAKS,
 ) -> dict[str, ValueThen]:
     """Return the values of the moment; a channel not read in the seconds before is left out."""
     found: dict[str, ValueThen] = {}
     for name, column in values.items():
         pairs = zip(times, column, strict=True)
         known = [(time, value) for time, value in pairs if time <= seen and not isnan(value)]
-        if known and known[-1][0] >= seen - AROUND:
+        if known and known[-1][0] >= seen - AROUND and not breaks.lie_between(known[-1][0], seen):
             last = known[-1][1]
             within = [value for time, value in known if time >= without] or [last]
             found[name] = ValueThen(last, min(within), max(within))
@@ -171,12 +222,13 @@ def frame_from(stored: Any) -> FreezeFrame | None:  # noqa: ANN401  (any JSON)
         for name, column in values.items()
         if isinstance(column, list) and len(column) == len(instants)
     }
-    then = _values_then(without, seen, instants, columns) | _stored_then(stored.get("then"))
+    kept = stored.get("then")  # files of earlier versions have none
+    then = _stored_then(kept) if kept else _values_then(without, seen, instants, columns)
     return FreezeFrame(code, without, seen, instants, columns, then)
 
 
 def _stored_then(stored: object) -> dict[str, ValueThen]:
-    """Return the values of the moment in a file; older files have none."""
+    """Return the values of the moment in a file."""
     items = list(stored.items())[:_MOST_COLUMNS] if isinstance(stored, dict) else []
     found = {
         clean_line(name, _NAME): ValueThen(*map(_number, numbers))

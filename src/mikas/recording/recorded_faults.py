@@ -21,9 +21,16 @@ import numpy as np
 from mikas.recording.annotations.events import recorded_faults
 from mikas.recording.capture.notes import Note
 from mikas.recording.capture.reader import Source
-from mikas.recording.freeze_frames import AROUND, LONGEST, AppearedFault, frame_of, new_faults
+from mikas.recording.freeze_frames import (
+    AROUND,
+    LONGEST,
+    AppearedFault,
+    Breaks,
+    frame_of,
+    new_faults,
+)
 from mikas.recording.table.channels import Rows, joined_rows
-from mikas.sampling.events import Event, FaultReading, UnitFound
+from mikas.sampling.events import Event, FaultReading
 from mikas.sampling.fault_watch import MINERR, appeared
 
 if TYPE_CHECKING:
@@ -68,15 +75,15 @@ class FrameCollector:
     """
 
     def __init__(self, readings: Sequence[FaultReading], events: Iterable[Event] = ()) -> None:
-        changes = [it.time for it in events if isinstance(it, UnitFound) and it.another]
+        breaks = Breaks.of(events)
         new = [
             each
             for each in new_faults(readings)
-            if not any(each[1] < change <= each[2] for change in changes)
+            if not any(each[1] < change <= each[2] for change in breaks.units)
         ]
         latest = {code: at for at, (code, _, _) in enumerate(new)}
         ranked = sorted(range(len(new)), key=lambda at: (latest[new[at][0]] == at, at))
-        self._windows = [_Window(*new[at]) for at in sorted(ranked[-_MOST:], reverse=True)]
+        self._windows = [_Window(*new[at], breaks) for at in sorted(ranked[-_MOST:], reverse=True)]
 
     @property
     def is_empty(self) -> bool:
@@ -99,8 +106,8 @@ class FrameCollector:
 class _Window:
     """The rows around one fault; those that can't be in its frame are dropped as others come."""
 
-    def __init__(self, code: int, before: float, read: float) -> None:
-        self._code, self._before, self._read = code, before, read
+    def __init__(self, code: int, before: float, read: float, breaks: Breaks) -> None:
+        self._code, self._before, self._read, self._breaks = code, before, read, breaks
         self._begin, self._end = before - AROUND, read + AROUND
         self._pieces: list[Rows] = []
         self._last = -inf
@@ -139,7 +146,8 @@ class _Window:
     def result(self) -> AppearedFault:
         frame = None
         if self._pieces:
-            frame = frame_of(self._code, self._before, self._read, joined_rows(self._pieces))
+            rows = joined_rows(self._pieces)
+            frame = frame_of(self._code, self._before, self._read, rows, self._breaks)
         return AppearedFault(self._code, self._before, self._read, frame)
 
 

@@ -14,7 +14,7 @@ import os
 import threading
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
@@ -27,16 +27,18 @@ from mikas.i18n import Text
 from mikas.recording.freeze_frames import (
     AROUND,
     LONGEST,
+    Breaks,
     FreezeFrame,
     frame_from,
     frame_of,
     new_faults,
 )
-from mikas.sampling.events import FaultReading, UnitFound
+from mikas.sampling.events import Event, FaultReading, Gap, UnitFound
 from mikas.saving import save
 from mikas.virtual import VIRTUAL_PASSPORT
 
 _MOST: Final = 30
+_BREAKS: Final = 100
 _MOST_BYTES: Final = 4 << 20
 _LATER: Final = 0.5  # s after the last row that is wanted
 _UNKEPT: Final = Text(
@@ -67,6 +69,22 @@ class FreezeFrameStore:
         self._frames: dict[str, FreezeFrame] = {}
         self._pending: list[FreezeFrame] = []  # to be completed, by the links' clock
         self._dated: dict[Path, float] = {}  # files of this program: `_later` of their dates
+        self._breaks = Breaks()  # the latest, by the links' clock
+
+    def begin_connection(self, time: float) -> None:
+        """No value from before is of a moment from here on."""
+        begins = (*self._breaks.connections, time)[-_BREAKS:]
+        self._breaks = replace(self._breaks, connections=begins)
+
+    def add_event(self, event: Event) -> None:
+        """Note the gaps, and when another unit answers; in the sampling thread."""
+        breaks = self._breaks
+        if isinstance(event, Gap) and event.began not in breaks.gaps:
+            self._breaks = replace(breaks, gaps=(*breaks.gaps, event.began)[-_BREAKS:])
+        elif isinstance(event, UnitFound):
+            if event.another:
+                self._breaks = replace(breaks, units=(*breaks.units, event.time)[-_BREAKS:])
+            self.begin_unit(event)
 
     def begin_unit(self, unit: UnitFound) -> None:
         """Show the frames of `unit` from here on; also those so far, if it is the same one."""
@@ -184,12 +202,18 @@ class FreezeFrameStore:
     def _complete(self, ripe: list[FreezeFrame], *, at_once: bool = False) -> None:
         for early in ripe:
             frame = self._make(early.code, early.without, early.seen)
-            if frame is not None and frame.id == early.id:
+            if frame is None:  # a gap before its moment is known by now
+                self._discard(early)
+            elif frame.id == early.id:
                 self._keep(frame, at_once=at_once)
+
+    def _discard(self, early: FreezeFrame) -> None:
+        with suppress(UsageError):  # a file that stays is shown at the next start only
+            self.delete(early.moved(self._later()).id)
 
     def _make(self, code: int, without: float, read: float) -> FreezeFrame | None:
         rows = self._history.rows(self._now() - read + LONGEST + 2 * AROUND)
-        return frame_of(code, without, read, rows)
+        return frame_of(code, without, read, rows, self._breaks)
 
     def _keep(self, taken: FreezeFrame, *, at_once: bool = False) -> None:
         """Keep a frame that was `taken` by the links' clock, with its dates."""

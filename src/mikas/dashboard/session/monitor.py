@@ -318,5 +318,6 @@ class ConnectionMonitor:
         if event.another:
             self.dropped.clear()
             self.alarms.clear()
+            self.latest.clear()  # of another car
             self.rates, self.method = {}, None
         self.log(event)

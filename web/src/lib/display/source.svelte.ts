@@ -16,6 +16,8 @@ export interface Source {
   now(): number;
   /** The last value at or before that time. */
   latest(name: string): Latest | undefined;
+  /** Since when the unit shown answers: earlier values are another car's. */
+  readonly since: number;
   /** Minimum and maximum: live since the last reset, of a recording over all of it. */
   extremes(name: string): Extremes | undefined;
   /** How often a flag was set, over the same time. */
@@ -43,6 +45,10 @@ class LiveSource implements Source {
 
   get events(): readonly LineEvent[] {
     return this.live.events;
+  }
+
+  get since(): number {
+    return this.live.unitSince;
   }
 
   get paused(): boolean {

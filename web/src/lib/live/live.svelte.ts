@@ -59,6 +59,8 @@ export class Live {
   readonly extremes = new Map<string, Extremes>();
   /** The program's time of the first value in `extremes`, or of the last reset; null before both. */
   extremesFrom = $state<number | null>(null);
+  /** When another unit was found, the last time: older values are another car's. */
+  unitSince = $state(-Infinity);
   /** Older values stay out of `extremes`. */
   private extremesReset = -Infinity;
   /** Of flags: how often each was set since the last reset, of the last hour at most when the page was opened. */
@@ -202,7 +204,7 @@ export class Live {
       this.latest.clear();
       this.extremes.clear();
       this.extremesFrom = null;
-      this.extremesReset = -Infinity;
+      this.extremesReset = this.unitSince = -Infinity;
       this.counters.clear();
       this.eventLog.clear();
       this.events = [];
@@ -231,10 +233,32 @@ export class Live {
     this.decimatedUntil += seconds;
     if (this.extremesFrom !== null) this.extremesFrom += seconds;
     this.extremesReset += seconds;
+    this.unitSince += seconds;
     this.counters.clear();
     this.events = this.eventLog.move(seconds);
     this.historyLoads += 1;
     this.tick += 1;
+  }
+
+  /** Another unit answers since then: values, minima, maxima and counts from before are another car's. */
+  private endUnit(since: number): void {
+    this.unitSince = since;
+    for (const [name, { time }] of this.latest) if (time < since) this.latest.delete(name);
+    this.extremesReset = Math.max(this.extremesReset, since);
+    this.counters.clear();
+    if (this.extremesFrom === null || this.extremesFrom >= since) return;
+    this.extremes.clear();
+    this.extremesFrom = null;
+    for (const rows of this.pending ?? []) rows.names.forEach((name, index) => this.updateExtremes(name, rows.times, rows.values[index]!));
+    const { columns } = this;
+    const from = columns.rowFrom(since);
+    const times = [...columns.times(from)];
+    for (const name of columns.names)
+      this.updateExtremes(
+        name,
+        times,
+        [...columns.column(name, from)!].map((value) => (Number.isNaN(value) ? null : value)),
+      );
   }
 
   /** Restart minimum, maximum and the counts of flags. */
@@ -281,6 +305,8 @@ export class Live {
 
   private addEvents(events: LineEvent[]): void {
     this.events = this.eventLog.add(events);
+    const since = this.events.findLast((event) => event.kind === "unit" && event.another)?.time ?? -Infinity;
+    if (since > this.unitSince) this.endUnit(since);
     this.onevents(this.events);
   }
 
@@ -319,7 +345,7 @@ export class Live {
     const count = times.findLastIndex((time) => time <= until) + 1;
     const selected = values.map((cells) => cells.slice(0, count));
     this.columns.append(names, times.slice(0, count), selected);
-    names.forEach((name, index) => this.updateExtremes(name, times, selected[index]!));
     this.addEvents(events.map((event) => movedEvent(event, moved)));
+    names.forEach((name, index) => this.updateExtremes(name, times, selected[index]!));
   }
 }

@@ -60,6 +60,35 @@ it("moves all that it holds when the program's date is set", async () => {
   vi.unstubAllGlobals();
 });
 
+it("values, minima and maxima end with the unit that they are of", async () => {
+  const sockets: LiveSocket[] = [];
+  const connect = () => {
+    sockets.push({ onmessage: null, onclose: null, close: () => undefined });
+    return sockets.at(-1)!;
+  };
+  vi.stubGlobal("document", { addEventListener: () => undefined, hidden: false });
+  vi.stubGlobal("requestAnimationFrame", () => 0);
+  vi.stubGlobal("window", { addEventListener: () => undefined });
+  vi.stubGlobal("setInterval", () => 0);
+  const { live, display } = new Stores({ ...served, connect, fetch: () => Promise.reject(new TypeError("no network")) });
+  live.start();
+  const say = (message: object) => sockets[0]!.onmessage!({ data: JSON.stringify({ now: 5, dropped: 0, ...message }) } as MessageEvent);
+  const data = (names: string[], ...times: number[]) => ({ names, times, values: names.map(() => times) });
+  say({ later: 0, data: data(["A", "B"], 1, 4) });
+  await vi.waitFor(() => expect(live.columns.length).toBe(2));
+  const found = { kind: "unit", time: 4.5, another: true };
+  say({ events: [{ ...found, time: 2, another: false }] });
+  expect(live.extremes.get("A")).toEqual({ min: 1, max: 4 });
+  say({ events: [found], data: data(["A"], 4.2, 5, 6) });
+  expect(live.extremes.get("A")).toEqual({ min: 5, max: 6 });
+  expect([live.extremes.get("B"), live.latest.get("B"), live.latest.get("A")?.value]).toEqual([undefined, undefined, 6]);
+  expect([live.extremesFrom, display.source.since]).toEqual([5, 4.5]);
+  // Found out later, when the history came: the values since then still count.
+  say({ events: [{ ...found, time: 5.5 }] });
+  expect([live.extremes.get("A"), live.extremesFrom]).toEqual([{ min: 6, max: 6 }, 6]);
+  vi.unstubAllGlobals();
+});
+
 describe("a socket that brings nothing", () => {
   /** A live connection whose sockets the test holds; none closes by itself. */
   function connection(patience = served.patience, fetch: typeof served.fetch = () => Promise.reject(new TypeError("no network"))) {

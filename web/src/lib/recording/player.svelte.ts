@@ -39,6 +39,11 @@ export class Player extends RecordingData implements Source {
     return !this.playing;
   }
 
+  get since(): number {
+    const units = this.events.filter((event) => event.kind === "unit" && event.another && event.time <= this.position);
+    return units.at(-1)?.time ?? -Infinity;
+  }
+
   /** Show a recording in place of the live data. Throws `ApiError` if it can't be read. */
   async open(id: string): Promise<void> {
     this.close();
@@ -95,7 +100,8 @@ export class Player extends RecordingData implements Source {
 
   latest(name: string): Latest | undefined {
     const found = this.columns.valueAt(name, this.columns.rowAt(this.position), REACH);
-    return found && { value: found.value, time: this.columns.times()[found.row]! };
+    const time = found && this.columns.times()[found.row]!;
+    return time === undefined || time < this.since ? undefined : { value: found!.value, time };
   }
 
   private go(now: number): void {

@@ -18,6 +18,8 @@ export interface Look {
   seconds: number;
   lines: readonly Line[];
   thickness: number;
+  /** The time since when the values are of the unit that is shown. */
+  since: number;
   /** Changes when rows were inserted before the last one: loaded history. */
   version: number;
 }
@@ -59,7 +61,7 @@ export class RollingTraces {
     if (across === 0 || down === 0) return;
     const perPixel = look.seconds / across;
     const edge = Math.floor(look.to / perPixel);
-    const key = JSON.stringify([across, down, look.seconds, look.thickness, look.version, look.lines]);
+    const key = JSON.stringify([across, down, look.seconds, look.thickness, look.version, look.since, look.lines]);
     const columns = look.columns;
     const same = key === this.key && columns === this.columns && columns.last >= this.drawn;
     const shift = edge - this.edge;
@@ -78,7 +80,7 @@ export class RollingTraces {
       context.globalCompositeOperation = "source-over";
     } else context.clearRect(0, 0, across, down);
     const right = edge * perPixel;
-    const frame = { from: right - look.seconds, to: right };
+    const frame = { from: right - look.seconds, to: right, since: look.since };
     context.lineWidth = look.thickness * scale;
     context.lineJoin = "bevel";
     for (const line of look.lines) {

@@ -7,6 +7,8 @@ export interface Frame {
   to: number;
   low: number;
   high: number;
+  /** Earlier values are another unit's. */
+  since?: number;
 }
 
 /** Minimum and maximum between two times; undefined without values. */
@@ -25,7 +27,7 @@ export function drawTrace(
   pad = 2,
   after = -Infinity,
 ): void {
-  const first = columns.rowAt(frame.from) + 1;
+  const first = Math.max(columns.rowAt(frame.from) + 1, columns.rowFrom(frame.since ?? -Infinity));
   const last = columns.rowAt(frame.to) + 1;
   const values = columns.column(name, first, last);
   if (!values) return;
