@@ -118,7 +118,7 @@ def test_a_click_on_a_cell_leads_to_its_moments(drives, visitor):
     _cell(tab, "80–90").focus()
     tab.page.keyboard.press("ArrowLeft")  # over the empty cell between
     tab.page.keyboard.press("Enter")
-    group = tab.page.get_by_role("group", name="Marked moments")
+    group = tab.page.get_by_role("group", name="Found moments")
     expect(group).to_contain_text("1 of 2")
     expect(tab.traced("TWAT")).to_have_text("55")
     expect(tab.traced("JAIR")).to_have_text("10.0")
@@ -149,7 +149,7 @@ def test_a_point_of_the_cloud_leads_to_its_moment(drives, visitor):
     for x, y in ((1, 41), (1, 120), (0.5, 120)):
         tab.page.mouse.move(box["x"] + box["width"] * x - 5, box["y"] + y)
     tab.page.mouse.up()
-    group = tab.page.get_by_role("group", name="Marked moments")
+    group = tab.page.get_by_role("group", name="Found moments")
     expect(group).to_contain_text("1 of 2")
     expect(tab.traced("TWAT")).to_have_text("87")
     expect(tab.traced("JAIR")).to_have_text("20.0")

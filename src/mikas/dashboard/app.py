@@ -29,7 +29,15 @@ from mikas.dashboard.api import (
     unit,
     virtual_cars,
 )
-from mikas.dashboard.api.library import cars, dumps, files, recorded, recordings, report
+from mikas.dashboard.api.library import (
+    cars,
+    dumps,
+    files,
+    marks,
+    recorded,
+    recordings,
+    report,
+)
 from mikas.dashboard.api.messages import FieldsMessage, LiveMessage, PingMessage, component_schemas
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.error_responses import ErrorResponse
@@ -49,7 +57,7 @@ Live data: WebSocket `/api/live?client=…`, described in docs/reference/api.md.
 
 _PARTS = (catalog, channels, connection, live, network, unit, virtual_cars,
           guided_tests, dumps, changes, recordings, files, cars, recorded,
-          report, search)  # fmt: skip
+          marks, report, search)  # fmt: skip
 
 # Of all applications of the process: FastAPI analyses the routes of a router when it is first asked
 # for one, which takes longer than any request.

@@ -136,11 +136,21 @@ class SessionRecorder:
         """End the recording at the end of the program."""
         self.last = self.stop()
 
-    def marker(self, label: str) -> float:
-        """Mark this moment, and return its date. Without a recording it is only shown."""
+    def marker(self, label: str, date: float | None = None) -> float:
+        """Mark this moment, or that of a `date`, and return its date.
+
+        Without a recording at that moment it is only shown.
+        """
         time = self._connection.now()  # not that of the latest sample: several may follow it
-        self.recorder.marker(time, label)
-        if (path := self._path) is not None:
+        if date is not None:
+            time = min(date - self._connection.later, time)
+        status = self.recorder.status
+        recorded = date is None or (
+            status is not None and status.since is not None and status.since <= time
+        )
+        if recorded:
+            self.recorder.marker(time, label)
+        if recorded and (path := self._path) is not None:
             self._marked[time] = path
             if len(self._marked) > _MOST_MARKED:
                 self._marked.popitem(last=False)

@@ -194,10 +194,10 @@ class CaptureWriter:
                 raise CaptureError(str(self.path), _DELETED)
 
 
-def append_note(path: Path, note: Note) -> None:
-    """Add a note to a recording that is not being written; whole, or not at all.
+def append_note(path: Path, *notes: Note) -> None:
+    """Add notes to a recording that is not being written; whole, or not at all.
 
-    `note.time`: as readers give the times of its last recording (`capture.dating`).
+    `time` of each: as readers give the times of its last recording (`capture.dating`).
     Raises `CaptureError` if the file is no capture or can't be written.
     """
     CaptureReader(path)
@@ -209,18 +209,18 @@ def append_note(path: Path, note: Note) -> None:
             found = index(file)
             last = len(found.sections) - 1
             seconds = shift_at_end(file) or corrections(found.notes).get(last, 0.0)
-            note = moved(note, -seconds)
             file.seek(0)
             order = pcapng.BYTE_ORDERS.get(file.read(12)[8:]) or "<"
             end = file.seek(0, os.SEEK_END)
             try:
-                write_all(file, pcapng.encode(block_of(note), order))
+                added = (block_of(moved(note, -seconds)) for note in notes)
+                write_all(file, b"".join(pcapng.encode(block, order) for block in added))
             except BaseException:  # Ctrl-C, too
                 with suppress(OSError):
                     file.truncate(end)
                 raise
     except OSError as error:
-        raise capture_error(path, error) from error
+        raise capture_error(path, error, _READ_ONLY.get(error.errno or 0)) from error
 
 
 def _not_begun(path: Path, error: OSError) -> CaptureError:
@@ -248,6 +248,14 @@ _NOT_BEGUN: Final = {
         "the name is too long; choose a shorter one", "имя длинное; выберите покороче"
     ),
 }
+_READ_ONLY: Final = dict.fromkeys(
+    (errno.EACCES, errno.EPERM, errno.EROFS),
+    Text(
+        "it may only be read, so nothing can be added to it; copy it to where you may write",
+        "файл только для чтения, и добавить в него ничего нельзя; скопируйте его туда, где можно "
+        "писать",
+    ),
+)
 _PACKED = Text(
     "it is packed, so nothing can be added to it; unpack it first",
     "файл сжат, и добавить в него ничего нельзя; сначала распакуйте его",

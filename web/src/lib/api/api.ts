@@ -106,7 +106,10 @@ export function createApi(host: Transport) {
 
     startRecording: (name: string | null = null) => post<Api.State>("/recording/start", { name }),
     stopRecording: () => post<Api.State>("/recording/stop"),
-    marker: (label: string) => post<Api.Marker>("/recording/marker", { label }),
+    /** Mark this moment, or one that has passed. */
+    marker: (label: string, time: number | null = null) => post<Api.Marker>("/recording/marker", { label, time }),
+    /** Mark moments of a recording afterwards: all, or none. */
+    markRecording: (id: string, markers: readonly Api.NewMarker[]) => post<Api.Markers>(`/recordings/${part(id)}/markers`, { markers }),
     nameMarker: (recording: string | null, time: number, label: string) =>
       put<Api.Marker>(`${of(recording, "/recording")}/marker`, { time, label }),
     removeMarker: (recording: string | null, time: number) => remove<Api.Marker>(`${of(recording, "/recording")}/marker`, { time }),

@@ -674,14 +674,19 @@ export interface components {
             /** @description true: the marker was removed; else absent */
             removed?: boolean;
         };
-        /** @description A marker's label. */
+        /** @description A marker's label. `time` null: now; else a moment that has passed. */
         MarkerRequest: {
             /** @default  */
             label: string;
+            time?: number | null;
         };
         /** @description The marker's time. */
         MarkerResponse: {
             time: number;
+        };
+        /** @description The markers as they stand in the file. */
+        MarkersResponse: {
+            markers: components["schemas"]["NewMarker"][];
         };
         /** @description The content at `time`. */
         MemoryResponse: {
@@ -726,6 +731,16 @@ export interface components {
             hysteresis: number;
             /** @default none */
             when_true: components["schemas"]["Level"];
+        };
+        /** @description A moment of the recording, and its name. */
+        NewMarker: {
+            time: number;
+            /** @default  */
+            label: string;
+        };
+        /** @description Moments of a recording. */
+        NewMarkers: {
+            markers: components["schemas"]["NewMarker"][];
         };
         /** @description A text in both languages. */
         NewText: {

@@ -84,6 +84,8 @@ export type RecordingRows = Schemas["RowsResponse"];
 export type RecordingDetail = Schemas["RecordingDetail"];
 export type History = Schemas["HistoryResponse"];
 export type Marker = Schemas["MarkerResponse"];
+export type Markers = Schemas["MarkersResponse"];
+export type NewMarker = Schemas["NewMarker"];
 
 /** A line of the response to POST /doctor. */
 export type DoctorStep = Schemas["DiagnosisStep"];

@@ -21,10 +21,44 @@ export function nextMark(marks: readonly Mark[], time: number, step: 1 | -1): Ma
 }
 
 export class Naming {
-  /** The marker that was just set; null: none, or its name has been given. */
-  marker = $state.raw<{ time: number; recorded: boolean } | null>(null);
+  /** The marker that was just set; null: none, or its name has been given. `id`: in that recording; null: of live data. */
+  marker = $state.raw<{ time: number; recorded: boolean; id: string | null } | null>(null);
 
-  constructor(private readonly app: Pick<Stores, "api" | "player" | "toasts">) {}
+  constructor(private readonly app: Pick<Stores, "api" | "live" | "player" | "toasts">) {}
+
+  /** Mark this moment of what is shown, live or in a recording; its name can follow. */
+  async here(): Promise<void> {
+    const { player } = this.app;
+    if (player.shown === null) return this.now();
+    const { id } = player.shown;
+    const [set] = await this.place([{ time: player.position, label: "" }]);
+    if (set) this.marker = { time: set.time, recorded: true, id };
+  }
+
+  /** Mark this moment of live data. */
+  async now(): Promise<void> {
+    const recorded = this.app.live.state?.recording != null;
+    const set = await this.app.toasts.attempt(() => this.app.api.marker(""));
+    if (set) this.marker = { time: set.time, recorded, id: null };
+  }
+
+  /** Set markers in what is shown, live or a recording, and return those that were set. */
+  async place(marks: readonly Mark[]): Promise<readonly Mark[]> {
+    const { api, player, toasts } = this.app;
+    if (player.shown === null) {
+      const set: Mark[] = [];
+      for (const { time, label } of marks) {
+        const made = await toasts.attempt(() => api.marker(label, time));
+        if (!made) break;
+        set.push({ time: made.time, label });
+      }
+      return set;
+    }
+    const { id } = player.shown;
+    const made = await toasts.attempt(() => api.markRecording(id, marks));
+    for (const { time, label } of made?.markers ?? []) player.marked(id, time, label);
+    return made?.markers ?? [];
+  }
 
   /** Give a marker of live data, or of the recording `id`, another name; a removed one comes back. Returns whether that succeeded. */
   name(time: number, label: string, id: string | null): Promise<boolean> {

@@ -1,4 +1,4 @@
-// Start and stop a recording and set a marker, from any screen (keys R and M).
+// Start and stop a recording, from any screen (key R).
 import { dictionary } from "../i18n";
 import { opening } from "../live/lineState";
 import { supportedNames } from "./subscriptions.svelte";
@@ -34,7 +34,7 @@ const REFUSED = "RecordingRefused";
 export class RecordingControl {
   busy = $state(false);
 
-  constructor(private readonly app: Pick<Stores, "api" | "catalog" | "naming" | "live" | "subscriptions" | "carDetails" | "toasts">) {}
+  constructor(private readonly app: Pick<Stores, "api" | "catalog" | "live" | "subscriptions" | "carDetails" | "toasts">) {}
 
   /** Why no recording can be started now, in words; null: it can. */
   get refusal(): string | null {
@@ -82,12 +82,5 @@ export class RecordingControl {
 
   private async recordAll(): Promise<void> {
     if (await this.app.subscriptions.subscribeAll()) this.app.toasts.success(() => t("everythingNow"));
-  }
-
-  /** Mark this moment; its name can follow. */
-  async mark(): Promise<void> {
-    const recorded = this.app.live.state?.recording != null;
-    const made = await this.app.toasts.attempt(() => this.app.api.marker(""));
-    if (made) this.app.naming.marker = { time: made.time, recorded };
   }
 }

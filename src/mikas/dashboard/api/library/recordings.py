@@ -54,9 +54,10 @@ class StartRecordingRequest(BaseModel):
 
 
 class MarkerRequest(BaseModel):
-    """A marker's label."""
+    """A marker's label. `time` null: now; else a moment that has passed."""
 
     label: Line = Field("", max_length=LONGEST_LINE)
+    time: float | None = Field(None, allow_inf_nan=False)
 
 
 class MarkerResponse(BaseModel):
@@ -170,8 +171,8 @@ async def stop(dashboard: TheDashboard, client: Controller) -> State:
 
 @router.post("/recording/marker", responses=errors(409))
 def marker(dashboard: TheDashboard, _: Controller, body: MarkerRequest) -> MarkerResponse:
-    """Mark this moment."""
-    return MarkerResponse(time=dashboard.recorder.marker(body.label))
+    """Mark this moment, or one that has passed."""
+    return MarkerResponse(time=dashboard.recorder.marker(body.label, body.time))
 
 
 @router.put("/recording/marker", responses=errors(404, 409))
