@@ -314,6 +314,21 @@ def test_markers_of_a_recording_are_found_and_named(stored, visitor):
     assert kept() == ["valve sticks"]
 
 
+def test_an_open_recording_is_marked_where_it_stands(stored, visitor):
+    tab = opened(stored, visitor)
+    tab.page.keyboard.press("m")
+    field = tab.page.get_by_role("textbox", name="Its name")
+    field.fill("rattle")
+    field.press("Enter")
+    expect(tab.find(".flags button.marker").filter(has_text="rattle")).to_have_count(1)
+    events = stored.get("/recordings/trip.pcapng")["events"]
+    marks = [it for it in events if it["kind"] == "marker" and it["label"] == "rattle"]
+    assert len(marks) == 1
+    assert not stored.get("/history")["events"]  # no marker of live data
+    place = f"/api/recordings/trip.pcapng/marker?time={marks[0]['time']!r}"
+    stored.api.delete(place).raise_for_status()
+
+
 def test_the_chart_is_saved_as_vectors_and_as_an_image_and_copied(stored, visitor):
     car = {"car": "Volga 3110", "plate": "А123ВС 52", "mileage": None, "workshop": ""}
     stored.put("/recordings/trip.pcapng/car", car)
