@@ -14,6 +14,7 @@ import pytest
 from cli_harness import is_russian
 
 from mikas.catalog import shipped
+from mikas.cli.commands.recordings.causes import COMPLAINTS
 from mikas.cli.main import cli
 from mikas.client import METHODS
 from mikas.virtual.fault_injector import LineFault
@@ -76,6 +77,8 @@ def names(command: click.Command):
         *("mergecap", "cat"),
         "stroke",
         *("ram", "xram", "code", "sfr"),
+        "healthy",
+        *COMPLAINTS,
     )
     yield from getattr(command, "homes", ())
     for parameter in command.params:
@@ -89,7 +92,7 @@ def test_the_contract_s_commands_are_all_there():
         "ports", "doctor", "info", "params", "read", "scan", "watch", "log", "faults", "write",
         "list set", "list read", "mem read", "mem write", "mem dump", "mem verify", "mem diff",
         "mem restore", "mem goto", "raw", "decode", "export", "find", "split", "test", "sim",
-        "dash", "demo",
+        "dash", "demo", "report", "causes",
     } <= paths  # fmt: skip
 
 

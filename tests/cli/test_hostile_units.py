@@ -80,6 +80,7 @@ CASES = {
     "mem goto": changing("mem goto 1000", 0x41, confirmed="--yes --i-know-what-this-does"),
     "raw": Case("raw 0129"),
     "test": Case("test sensors --duration 1"),
+    "causes": Case("causes --duration 1"),
     "report": Case("report -o report.html --duration 1"),
 }
 WITHOUT_A_UNIT = {

@@ -135,9 +135,9 @@ def test_without_a_unit_there_is_no_report(mikas, tmp_path) -> None:
 
 
 def test_ended_by_hand_it_reports_the_samples_so_far(mikas, tmp_path, monkeypatch) -> None:
-    from mikas.cli.commands.recordings import report
+    from mikas.cli import measuring
 
-    events = report.SamplingRun.events
+    events = measuring.SamplingRun.events
 
     def stops(current):
         for event in events(current):
@@ -145,7 +145,7 @@ def test_ended_by_hand_it_reports_the_samples_so_far(mikas, tmp_path, monkeypatc
             if current.samples == 40:
                 raise KeyboardInterrupt
 
-    monkeypatch.setattr(report.SamplingRun, "events", stops)
+    monkeypatch.setattr(measuring.SamplingRun, "events", stops)
     ran = mikas("report", "-o", "car.html", sim="")
     assert ran.status == 0
     assert "Stopped early" in ran.err
@@ -155,12 +155,12 @@ def test_ended_by_hand_it_reports_the_samples_so_far(mikas, tmp_path, monkeypatc
 
 
 def test_ended_before_the_first_sample_there_is_no_report(mikas, tmp_path, monkeypatch) -> None:
-    from mikas.cli.commands.recordings import report
+    from mikas.cli import measuring
 
     def stops(current):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(report.SamplingRun, "events", stops)
+    monkeypatch.setattr(measuring.SamplingRun, "events", stops)
     assert mikas("report", "-o", "car.html", sim="").status == 130
     assert not (tmp_path / "car.html").exists()
 

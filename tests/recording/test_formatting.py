@@ -14,10 +14,8 @@ from mikas.recording.formatting import (
     duration,
     number,
     percent,
-    span,
     with_unit,
     within,
-    worded_span,
 )
 from mikas.report.labels import LABELS, Labels
 
@@ -50,32 +48,6 @@ def test_units_and_bands_are_written_as_in_the_language() -> None:
     assert band(catalog.parameter("INJ"), "ru") == "4 … 5,5"
     assert band(catalog.parameter("THR"), "en") == "0"
     assert band(catalog.parameter("TAIR"), "en") == ""
-
-
-@pytest.mark.parametrize(
-    ("name", "low", "high", "en", "ru"),
-    [("FREQ", 0, 1680, "up to 1680", "до 1680"), ("FREQ", 850, 1680, "850 … 1680", "850 … 1680"),
-     ("UACC", 14.1, 14.1, "14.1", "14,1"), ("TWAT", 0, 5, "0 … 5", "0 … 5"),
-     ("UOZ", -3, 0, "−3.0 … 0.0", "−3,0 … 0,0")],
-)  # fmt: skip
-def test_a_span_from_nothing_is_worded_where_nothing_is_the_least(name, low, high, en, ru) -> None:
-    channel = shipped().parameter(name)
-    assert (span(low, high, channel, "en"), span(low, high, channel, "ru")) == (en, ru)
-
-
-@pytest.mark.parametrize(
-    ("low", "high", "en", "ru"),
-    [(0, 1680, "up to 1680 rpm", "до 1680 об/мин"),
-     (0.2, 1680, "up to 1680 rpm", "до 1680 об/мин"),
-     (850, 1680, "850 to 1680 rpm", "от 850 до 1680 об/мин"), (850, 850, "850 rpm", "850 об/мин"),
-     (-3, 0, "−3 to 0 rpm", "от −3 до 0 об/мин")],
-)  # fmt: skip
-def test_a_span_in_a_title_is_in_words(low, high, en, ru) -> None:
-    worded = worded_span(low, high, 0, Text("rpm", "об/мин"))
-    assert worded == Text(
-        en.replace(" rpm", "\N{NO-BREAK SPACE}rpm"),
-        ru.replace(" об/мин", "\N{NO-BREAK SPACE}об/мин"),
-    )
 
 
 @pytest.mark.parametrize(

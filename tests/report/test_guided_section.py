@@ -44,15 +44,6 @@ def test_a_test_that_found_something_is_in_headline_and_section() -> None:
     assert en.count("<polyline") == 2
 
 
-def test_a_curve_says_its_span_in_words_and_stays_with_its_heading() -> None:
-    _, en, ru = page(result(30))
-    assert re.search(r"<figcaption>[^<]*: 30 to 31\N{NO-BREAK SPACE}°C</figcaption>", en)
-    assert re.search(r"<figcaption>[^<]*: от 30 до 31\N{NO-BREAK SPACE}°C</figcaption>", ru)
-    (test,) = re.findall(r"(?s)<div class='test'><h3>.*?</section>", en)
-    assert "<polyline" in test
-    assert ".test { break-inside: avoid; }" in en
-
-
 def test_noise_does_not_fill_the_drawing_of_a_course() -> None:
     _, en, _ = page(result(15))
     drawing = re.findall(r"<polyline class='course' points='([^']*)'", en)[0]

@@ -63,6 +63,7 @@ NAVIGATION: tuple[Entry | Section, ...] = (
             _page("reference/cli.md", "The command line", "Командная строка"),
             _page("reference/help.md", "Help of every command", "Справка всех команд"),
             _page("reference/guided-tests.md", "Guided tests", "Проверки"),
+            _page("reference/causes.md", "Causes", "Причины"),
             _page("reference/report.md", "The report", "Отчёт"),
             _page("reference/exports.md", "Exports", "Экспорт"),
             _page("reference/capture.md", "Captures", "Файлы записей"),

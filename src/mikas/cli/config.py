@@ -45,6 +45,11 @@ def own_tests() -> Path:
     return config_path().parent / "tests"
 
 
+def own_causes() -> Path:
+    """Return the folder of the user's causes, whether or not it exists."""
+    return config_path().parent / "causes"
+
+
 def load() -> dict[str, Any]:
     """Return the settings in the file, none without a file. Raises `UsageError` if it is wrong."""
     file = config_path()

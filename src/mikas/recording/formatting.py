@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from datetime import datetime
 from math import ceil, floor, isfinite
-from typing import Final
 
 from mikas.catalog import Confidence, Derived, Parameter
 from mikas.i18n import Language, Text
@@ -39,49 +38,12 @@ def quantity(value: float, channel: Parameter | Derived) -> Text:
     return Text(with_unit(value, channel, "en"), with_unit(value, channel, "ru"))
 
 
-def span(low: float, high: float, channel: Parameter | Derived, language: Language) -> str:
-    """Return both numbers with the channel's decimals: `13.5 … 14.5`, `14.5`, `up to 1680`."""
-    first, last = (number(end, channel.decimals, language) for end in (low, high))
-    return _span(first, last, language=language, from_zero=low == 0 and not _is_signed(channel))
-
-
-def worded_span(low: float, high: float, decimals: int, unit: Text) -> Text:
-    """Return `960 to 2550 rpm`, `up to 1680 rpm`, `850 rpm`, for a title or a sentence."""
-
-    def worded(language: Language) -> str:
-        ends = [number(end, decimals, language) for end in (low, high)]
-        text = f"{ends[0]} to {ends[1]}" if language == "en" else f"от {ends[0]} до {ends[1]}"
-        if ends[0] == ends[1]:
-            text = ends[0]
-        elif float(f"{low:.{decimals}f}") == 0:
-            text = UP_TO.to(language).format(ends[1])
-        return f"{text}\N{NO-BREAK SPACE}{unit.to(language)}" if unit.to(language) else text
-
-    return Text(worded("en"), worded("ru"))
-
-
-UP_TO: Final = Text("up to {}", "до {}")
-
-
-def _is_signed(channel: Parameter | Derived) -> bool:
-    """Whether the channel can be below 0, as far as the catalog knows."""
-    possible = channel.range or channel.gauge_scale
-    return possible is None or possible[0] < 0
-
-
-def _span(low: str, high: str, *, language: Language, from_zero: bool) -> str:
-    if low == high:
-        return low
-    return UP_TO.to(language).format(high) if from_zero else f"{low} … {high}"
-
-
 def band(channel: Parameter | Derived, language: Language) -> str:
     """Return the catalog's reference, `13 … 16`; empty without one."""
     if channel.reference is None:
         return ""
     low, high = (short(end, language) for end in channel.reference)
-    is_from_zero = channel.reference[0] == 0 and not _is_signed(channel)
-    return _span(low, high, language=language, from_zero=is_from_zero)
+    return low if low == high else f"{low} … {high}"
 
 
 def short(value: float, language: Language) -> str:

@@ -29,7 +29,6 @@ Span = tuple[float, float]
 WIDTH: Final = 320
 HEIGHT: Final = 190
 _LEFT, _RIGHT, _TOP, _BOTTOM = 46, 314, 10, 154
-_DIGIT: Final = 8  # the width of a digit of `page.css` in the drawing, with room
 _STRIP: Final = 5  # the bar of warm idle, on the time line
 _TICKS: Final = 4
 _MOST_BARS: Final = 300
@@ -182,8 +181,7 @@ def _time_axis(plot: _Frame, language: Language) -> Iterator[Markup]:
         if step >= _DAY:
             days = count * step // _DAY
             label = Text(f"{days} d", f"{days} дн.").to(language)
-        most = WIDTH - _DIGIT / 2 * len(label)  # the last one would be cut at the edge
-        yield _svg("text", label, cls="time", x=min(x, most), y=_BOTTOM + 16)
+        yield _svg("text", label, cls="time", x=x, y=_BOTTOM + 16)
 
 
 def _time_step(seconds: float) -> int:

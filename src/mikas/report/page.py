@@ -1,7 +1,7 @@
 """The report as one self-contained HTML page with its style and drawings.
 
-It prints on two sheets of A4, with guided tests or freeze frames on more. It has no script, and its
-Content-Security-Policy allows only its own style: a recording may contain any text.
+It prints on two sides of A4. It has no script, and its Content-Security-Policy allows only its own
+style: a recording may contain any text.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from mikas.files import absolute
 from mikas.i18n import Language, Text
 from mikas.recording.export.exporting import check_free, write_whole
 from mikas.recording.export.sheet import program
-from mikas.recording.formatting import CONFIDENCE, band, date_of, moment, percent, span, with_unit
+from mikas.recording.formatting import CONFIDENCE, band, date_of, moment, number, percent, with_unit
 from mikas.report.charts import chart
 from mikas.report.findings import (
     BandPosition,
@@ -172,6 +172,7 @@ class _Page:
 
     def _judged(self, value: ChannelFinding) -> dict[str, str | bool]:
         channel, stats, language = value.channel, value.stats, self._language
+        ends = [number(end, channel.decimals, language) for end in (stats.low, stats.high)]
         share = (
             "" if value.unrated else self._label("within_band", share=percent(stats.inside or 0.0))
         )
@@ -183,7 +184,7 @@ class _Page:
             "text": channel.text.to(language),
             "name": channel.name,
             "median": with_unit(stats.median, channel, language),
-            "spread": span(stats.low, stats.high, channel, language),
+            "spread": ends[0] if ends[0] == ends[1] else " … ".join(ends),
             "band": band(channel, language),
             "kind": value.mark.value,
             "mark": MARKS[value.mark].to(language),
@@ -202,7 +203,8 @@ class _Page:
         channel, stats, language = value.channel, value.stats, self._language
         text = self._number(value)
         if not channel.is_flag and stats.low != stats.high:
-            text += f" ({span(stats.low, stats.high, channel, language)})"
+            low, high = (number(e, channel.decimals, language) for e in (stats.low, stats.high))
+            text += f" ({low} … {high})"
         note = self._label("substitute") if value.sensor else ""
         return {
             "text": channel.text.to(language),

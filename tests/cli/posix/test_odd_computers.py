@@ -136,7 +136,7 @@ def lines(folder: str, prefix: str) -> list[list[str]]:
         ["raw", "01", *risky], ["decode", "--", drive],
         *(["export", "-o", at(f"e.{kind}"), "--", drive] for kind in ("csv", "mf4", "parquet")),
         ["find", "--", drive, "FREQ>0"], ["split", "--", at("2.pcapng")],
-        ["report", "-o", at("r.html"), "--", drive],
+        ["report", "-o", at("r.html"), "--", drive], ["causes", "--", drive],
         ["wireshark"], ["wireshark", "--install"], ["sigrok"], ["sigrok", "--install"],
         ["fleet", "add", "--to", dataset, "--workers", "1", "--", drive],
         ["fleet", "sql", "--", dataset, "SELECT count(*) FROM samples"],

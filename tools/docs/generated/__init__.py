@@ -2,6 +2,7 @@
 
 tables         tables of Markdown, and the words in them
 catalog_pages  parameters, faults, derived channels, models, errata
+causes_page    causes, and the features that they move
 command_pages  the commands of the protocol
 frames         frames on the line, drawn
 help_pages     what every command says to --help

@@ -10,13 +10,21 @@ from pathlib import PurePosixPath
 
 from mikas.catalog import Catalog, shipped
 from mikas.i18n import Language
-from tools.docs.generated import catalog_pages, command_pages, frames, help_pages, python_pages
+from tools.docs.generated import (
+    catalog_pages,
+    causes_page,
+    command_pages,
+    frames,
+    help_pages,
+    python_pages,
+)
 from tools.docs.pages import DOCS, LANGUAGES, RUSSIAN
 
 _PAGES: dict[str, Callable[[Catalog, Language], str]] = {
     "reference/parameters.md": catalog_pages.parameters,
     "reference/faults.md": catalog_pages.faults,
     "reference/channels.md": catalog_pages.channels,
+    "reference/causes.md": causes_page.causes,
     "reference/commands.md": command_pages.commands,
 }
 

@@ -76,6 +76,11 @@ COMMANDS: dict[str, tuple[str, Text]] = {
         "a report on the car, from a recording or measured now",
         "отчёт о машине: по записи или по измерению сейчас",
     ),
+    "causes": home(
+        "recordings.causes",
+        "what is wrong with the car, ranked, from recordings or measured now",
+        "причины неисправности: по записям или по измерению сейчас",
+    ),
     "wireshark": home(
         "recordings.decoders",
         "a plugin that shows recordings in Wireshark (needs no port)",

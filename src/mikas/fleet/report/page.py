@@ -16,7 +16,7 @@ from mikas.fleet.report import sentences
 from mikas.fleet.report.findings import CarFault, CarFindings, FleetFindings
 from mikas.fleet.report.measures import MEASURES, CarMeasure
 from mikas.i18n import Language, Text, plural
-from mikas.recording.formatting import duration, span, with_unit
+from mikas.recording.formatting import duration, number, with_unit
 from mikas.report.charts import chart
 from mikas.report.labels import Labels
 from mikas.report.measurements.statistics import BlockTimes, Envelope
@@ -97,11 +97,12 @@ def _value(
     measure: CarMeasure, values: Collection[float], found: FleetFindings, language: Language
 ) -> dict[str, object]:
     channel = measure.channel(found.catalog)
+    ends = (number(end, channel.decimals, language) for end in (min(values), max(values)))
     return {
         "text": measure.title.to(language),
         "count": len(values),
         "median": with_unit(median(values), channel, language),
-        "spread": span(min(values), max(values), channel, language),
+        "spread": " … ".join(ends),
     }
 
 

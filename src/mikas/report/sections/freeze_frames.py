@@ -12,7 +12,7 @@ from typing import Final
 from markupsafe import Markup
 
 from mikas.i18n import Language, Text
-from mikas.recording.formatting import between, number, span, with_unit
+from mikas.recording.formatting import between, number, with_unit
 from mikas.recording.freeze_frames import AppearedFault, FreezeFrame, ValueThen, shown_first
 from mikas.report.findings import Findings
 from mikas.report.labels import Labels
@@ -112,4 +112,5 @@ def _value(value: float, channel: Channel, language: Language) -> str:
 def _range(then: ValueThen, channel: Channel, language: Language) -> str:
     if channel.is_flag or then.low == then.high:
         return ""
-    return span(then.low, then.high, channel, language)
+    low, high = (number(end, channel.decimals, language) for end in (then.low, then.high))
+    return low if low == high else f"{low} … {high}"

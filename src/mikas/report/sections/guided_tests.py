@@ -9,14 +9,18 @@ from markupsafe import Markup
 from mikas.guided.definition import VerdictKind
 from mikas.guided.result import CHECK, MISSING, OUTCOMES, Curve, Finding, TestResult
 from mikas.i18n import Language, Text
-from mikas.recording.formatting import moment, worded_span
+from mikas.recording.formatting import moment, number
 from mikas.report.charts import axis_ends
 from mikas.report.findings import Findings
 from mikas.report.measurements.alarms import Channel
-from mikas.report.sections.section import PageSection, items, paragraph
+from mikas.report.sections.section import PageSection, items, paragraph, table
 
 _TITLE: Final = Text("Guided tests", "Проверки по шагам")
-_MEASURED: Final = Text("Measured: value, number of readings", "Измерено: значение, число замеров")
+_HEAD: Final = (
+    Text("Measured", "Измерено"),
+    Text("Value", "Значение"),
+    Text("Readings", "Замеров"),
+)
 _WIDTH, _HEIGHT, _CURVES = 320, 120, 3
 
 
@@ -32,7 +36,7 @@ def section(found: Findings, language: Language) -> PageSection | None:
 def _test(result: TestResult, found: Findings, language: Language) -> Markup:
     when = moment(result.ended, found.measured.began).to(language)
     parts = [
-        Markup("<div class='test'><h3>{}: {} <span class='quiet small'>{}</span></h3>").format(
+        Markup("<h3>{}: {} <span class='quiet small'>{}</span></h3>").format(
             result.title.to(language), OUTCOMES[result.outcome].to(language), when
         )
     ]
@@ -42,22 +46,20 @@ def _test(result: TestResult, found: Findings, language: Language) -> Markup:
     if result.missing:
         parts.append(paragraph(MISSING.to(language)))
         parts.append(items(text.to(language) for text in result.missing))
-    if result.numbers:
-        parts.append(Markup("<p class='small quiet'>{}</p>").format(_MEASURED.to(language)))
     rows = (
-        Markup("<div><span>{}</span><span class='number'>{} <small>{}</small></span></div>").format(
+        (
             it.text.to(language),
             it.shown.to(language) if it.value is not None else it.why.to(language),
-            it.count or "—",
+            str(it.count or "—"),
         )
         for it in result.numbers
     )
-    parts.append(Markup("<div class='others small'>{}</div>").format(Markup("").join(rows)))
+    parts.append(table((text.to(language) for text in _HEAD), rows))
     channels = found.subject.catalog.channels
     # A constant value is among the numbers.
     moving = [it for it in result.curves if it.times and max(it.highs) > min(it.lows)]
     drawings = (_drawing(it, channels.get(it.name), language) for it in moving[:_CURVES])
-    parts.append(Markup("<div class='charts'>{}</div></div>").format(Markup("").join(drawings)))
+    parts.append(Markup("<div class='charts'>{}</div>").format(Markup("").join(drawings)))
     return Markup("").join(parts)
 
 
@@ -89,9 +91,10 @@ def _drawing(curve: Curve, channel: Channel | None, language: Language) -> Marku
         for time, bottom, top in zip(curve.times, curve.lows, curve.highs, strict=True)
     )
     title = curve.text.to(language)
-    ends = worded_span(low, high, channel.decimals if channel else 1, curve.unit).to(language)
+    ends = " … ".join(number(value, 1, language) for value in (low, high))
+    unit = curve.unit.to(language)
     return Markup(
-        "<figure><figcaption>{}: {}</figcaption>"
+        "<figure><figcaption>{}: {} {}</figcaption>"
         "<svg class='chart' viewBox='0 0 {} {}' role='img' aria-label='{}'>"
         "<polyline class='course' points='{}'/></svg></figure>"
-    ).format(title, ends, _WIDTH, _HEIGHT, title, points)
+    ).format(title, ends, unit, _WIDTH, _HEIGHT, title, points)

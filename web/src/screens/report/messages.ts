@@ -2,8 +2,8 @@ import { dictionary } from "../../lib/i18n";
 
 export const t = dictionary({
   what: {
-    en: "One page for the car's owner: the ECU, the faults in plain words, values at warm idle with reference and mark, three charts. Prints on two A4 sheets; with guided tests or freeze frames on three or more.",
-    ru: "Одна страница для владельца: блок, ошибки простыми словами, значения на прогретом ХХ с нормой и оценкой, три графика. Печатается на двух листах A4, с проверками по шагам и стоп-кадрами — на трёх и больше.",
+    en: "One page for the car's owner: the ECU, the faults in plain words, values at warm idle with reference and mark, three charts. Prints on two A4 pages.",
+    ru: "Одна страница для владельца: блок, ошибки простыми словами, значения на прогретом ХХ с нормой и оценкой, три графика. Печатается на двух листах A4.",
   },
   source: { en: "Source", ru: "По данным" },
   session: { en: "live car (the last quarter of an hour)", ru: "подключённая машина (последние 15 минут)" },

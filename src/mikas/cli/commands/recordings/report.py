@@ -2,27 +2,22 @@
 
 from __future__ import annotations
 
-from contextlib import closing
 from math import isfinite
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 import click
 
 from mikas.cli.click_extensions import OVERWRITE, command, option, output_option
 from mikas.cli.context import CommandContext
-from mikas.cli.language import current_language, decimal, localized, tr
+from mikas.cli.language import current_language, localized
 from mikas.cli.options.car import CarOptions, car_options
 from mikas.cli.options.common import RELEARN
 from mikas.cli.options.parameter_types import existing_file, positive
 from mikas.cli.options.sampling import SamplingOptions
-from mikas.cli.render.notices import Notices
-from mikas.cli.render.output import StatusLine
-from mikas.cli.sampling_run import SamplingRun, sampling_session
 from mikas.errors import usage_error
+from mikas.i18n import Text
 from mikas.json_values import json_of, picked
-from mikas.sampling.events import UnitFound
 
 if TYPE_CHECKING:
     from mikas.recording.recording import Recording
@@ -104,52 +99,19 @@ def _name_cars(context: CommandContext, recording: Recording) -> None:
 
 def _measured_now(context: CommandContext, seconds: float, car: CarOptions) -> Findings:
     """Record for `seconds` and evaluate that; the file is kept only if `--capture` names it."""
-    from mikas.recording.recording import Recording
+    from mikas.cli.measuring import measured_now
     from mikas.report.from_recording import find_in_recording
 
-    with TemporaryDirectory(prefix="mikas-") as folder, context.open_ahead() as ahead:
-        path = context.capture or Path(folder) / "report.pcapng"
-        options, note = SamplingOptions(duration=seconds), car.note_maker()
-        with sampling_session(context, options, ahead, path, car=note) as current:
-            try:
-                _sample(context, current)
-            except KeyboardInterrupt:
-                if not current.samples:
-                    raise
-                context.say(
-                    "Stopped early: the report covers the time measured.",
-                    "Прервано: отчёт составлен по измеренной части.",
-                )
-            failure = current.recorder.failure
-        if failure is not None:
-            raise failure
-        name = path.name if context.capture else ""
-        recording = Recording(path, context.options.catalog)
-        return find_in_recording(recording, name=name, errors=current.errors)
+    options = SamplingOptions(duration=seconds)
+    with measured_now(context, options, _STOPPED, car=car.note_maker()) as (recording, run):
+        name = recording.path.name if context.capture else ""
+        return find_in_recording(recording, name=name, errors=run.errors)
 
 
-def _sample(context: CommandContext, current: SamplingRun) -> None:
-    progress = StatusLine(context.output, lambda: _progress(current))
-    notices = Notices(current, progress.print_notice, verbose=context.output.verbose)
-    try:
-        with closing(notices.watch()) as events:
-            for event in events:
-                if isinstance(event, UnitFound):
-                    if event.another:
-                        return  # the report is on the first car
-                    current.acquisition.call(lambda ecu: ecu.faults())
-                progress.draw(event.time)
-    finally:
-        progress.clear()
-
-
-def _progress(current: SamplingRun) -> str:
-    done, seconds = int(current.seconds), current.options.duration
-    rate = decimal(f"{current.rate:.1f}")
-    return tr(
-        f"measuring: {done} of {seconds:g} s, {rate} samples/s",
-        f"измерение: {done} из {seconds:g} с, {rate} опр/с",
-    )
+_STOPPED = Text(
+    "Stopped early: the report covers the time measured.",
+    "Прервано: отчёт составлен по измеренной части.",
+)
 
 
 def _print_summary(context: CommandContext, out: Path, found: Findings) -> None:

@@ -1,0 +1,75 @@
+"""`mikas causes`: over recordings, measured now, causes of one's own, and what is refused."""
+
+from __future__ import annotations
+
+import pytest
+
+LEAK = "duration = 400\n[start]\nrunning = true\ncoolant = 86\n[condition]\nleak = 9\n"
+OWN = """\
+id = "gremlin"
+complaints = ["hunts"]
+[text]
+en = "A gremlin"
+[check]
+en = "Look for it."
+[effects]
+idle-hunting = 5
+"""
+
+
+@pytest.fixture
+def leaking(mikas, tmp_path):
+    """A recording of three minutes of warm idle with an air leak."""
+    (tmp_path / "leak.toml").write_text(LEAK, "utf-8")
+    port = "--port", "sim:?clock=simulated&scenario=leak.toml"
+    ran = mikas(*port, "causes", "--duration", "150", "--capture", "leak.pcapng", "--json")
+    assert ran.status == 0
+    return ran.object
+
+
+def test_a_leak_is_ranked_first_now_and_from_the_recording(mikas, leaking):
+    first = leaking["causes"][0]
+    assert (leaking["verdict"], first["id"]) == ("causes", "leak")
+    assert leaking["files"] == []
+    again = mikas("causes", "leak.pcapng", "--json").object
+    assert again["causes"] == leaking["causes"]
+    assert again["files"] == ["leak.pcapng"]
+    evidence = first["for"][0]
+    assert evidence["text"]["ru"].startswith("коррекция смеси")
+    assert 0 <= evidence["from"] < evidence["to"]
+    assert evidence["recording"] == 0
+    assert {"test", "why", "guided", "text"} <= again["next"][0].keys()
+
+
+def test_people_read_the_verdict_the_moments_and_the_doubt(mikas, leaking):
+    words = mikas("causes", "leak.pcapng", "leak.pcapng", "--complaint", "idles-high").out
+    assert words.startswith("What was seen speaks for: Air leak")
+    assert "1. Almost certainly: Air leak" in words
+    assert "leak.pcapng: between 0:0" in words
+    assert "not from cars" in words
+    russian = mikas("causes", "leak.pcapng", "--lang", "ru").out
+    assert "1. Почти наверняка: Подсос воздуха" in russian
+    assert "Что измерить дальше:" in russian
+
+
+def test_causes_of_one_s_own_count_and_a_wrong_file_is_reported_with_its_line(mikas, leaking):
+    folder = mikas.home / "config/mikas/causes"
+    folder.mkdir(parents=True)
+    (folder / "gremlin.toml").write_text(OWN, "utf-8")
+    (folder / "wrong.toml").write_text(OWN.replace("idle-hunting", "nonsense"), "utf-8")
+    ran = mikas("causes", "leak.pcapng", "--json")
+    assert ran.status == 0
+    (error,) = ran.object["errors"]
+    assert (error["file"].endswith("wrong.toml"), error["line"]) == (True, 8)
+    assert "wrong.toml" in ran.err
+    assert "nonsense" in ran.err
+
+
+def test_files_of_different_cars_are_refused_with_their_names(mikas, tmp_path):
+    for plate in ("A123BC77", "K456MH50"):
+        mikas("log", "-o", f"{plate}.pcapng", "FREQ", "--count", "5", "--plate", plate)
+    ran = mikas("causes", "A123BC77.pcapng", "K456MH50.pcapng")
+    assert ran.status == 2
+    assert "A123BC77" in ran.err
+    assert "K456MH50.pcapng" in ran.err
+    assert mikas("causes", "A123BC77.pcapng", "A123BC77.pcapng").status == 0

@@ -1,0 +1,57 @@
+"""The page of the causes: those that are known, and the features that they move."""
+
+from __future__ import annotations
+
+from mikas.catalog import Catalog, Confidence
+from mikas.causes.evidence import feature_texts
+from mikas.causes.knowledge import COMPLAINTS, KnownCause, load
+from mikas.i18n import Language, Text
+from tools.docs.generated.tables import CONFIDENCE, code, page, table
+
+_SEEN = {
+    "start": Text("a start", "пуск"),
+    "cold-start": Text("a cold start", "пуск холодного двигателя"),
+    "cold-idle": Text("cold idle", "ХХ непрогретого двигателя"),
+    "idle": Text("warm idle", "ХХ прогретого двигателя"),
+    "drive": Text("a drive", "движение"),
+    "pull": Text("full load", "полная нагрузка"),
+    "long-drive": Text("a long warm drive", "долгая езда на прогретом двигателе"),
+}
+
+
+def causes(_: Catalog, language: Language) -> str:
+    """Return the page of the causes."""
+    known = sorted(load().causes.values(), key=lambda each: each.name)
+    return page(
+        "causes",
+        language,
+        complaints=table(
+            language,
+            ("word|complaint", "слово|жалоба"),
+            ((code(each), words.to(language)) for each, words in COMPLAINTS.items()),
+        ),
+        causes=table(
+            language,
+            ("id|cause|looks like|confidence", "id|причина|похоже на|достоверность"),
+            (_cause(each, language) for each in known),
+        ),
+        features=table(
+            language,
+            ("name|what it is|unit|seen in", "имя|что это|единица|когда виден"),
+            (
+                (
+                    code(name),
+                    words.text.to(language),
+                    words.unit.to(language),
+                    _SEEN[words.seen].to(language),
+                )
+                for name, words in feature_texts().items()
+            ),
+        ),
+    )
+
+
+def _cause(cause: KnownCause, language: Language) -> tuple[str, ...]:
+    like = ", ".join(code(each) for each in cause.looks_like)
+    sure = CONFIDENCE[Confidence(cause.confidence)]
+    return code(cause.id), cause.text.to(language), like, sure.to(language)
