@@ -46,6 +46,7 @@ router = APIRouter(tags=["about"])
 _SHIPPED: Final = Path(__file__).parent.parent / "presets.toml"
 _SVG: Final = content("image/svg+xml", "the image")
 _MOST_BYTES: Final = 1 << 22  # of the file of presets; a request's body has 1 MiB, unindented
+_Finite = Annotated[float, Field(allow_inf_nan=False)]
 _ChannelName = Annotated[str, Field(min_length=1, max_length=40)]
 
 
@@ -212,6 +213,9 @@ class Tile(BaseModel):
     kind: Literal["gauge", "number", "lamp", "strip", "table"]
     names: list[_ChannelName] = Field(max_length=100)
     span: int = Field(1, ge=1, le=3)
+    scale: tuple[_Finite, _Finite] | None = Field(
+        None, description="of a gauge; null: that of the channel"
+    )
 
 
 class Preset(BaseModel):

@@ -58,3 +58,13 @@ it("who may only look has no record button", () => {
   band({ rights: "view" });
   expect(screen.queryByRole("button", { name: "Record" })).toBeNull();
 });
+
+it("the chip of alarms names the worst one with its value, and how many others there are", () => {
+  const alarm = { side: "high", limit: 110, since: 90 };
+  const alarms = [
+    { ...alarm, name: "UACC", level: "warning", value: 15 },
+    { ...alarm, name: "TWAT", level: "danger", value: 120 },
+  ] as State["alarms"];
+  band({ alarms });
+  expect(screen.getByRole("button", { name: /2 alarms: TWAT 120/ }).textContent).toContain("TWAT 120 °C +1");
+});

@@ -1318,6 +1318,11 @@ export interface components {
             names: string[];
             /** @default 1 */
             span: number;
+            /** @description of a gauge; null: that of the channel */
+            scale?: [
+                number,
+                number
+            ] | null;
         };
         /** @description A channel of the formula at that moment. */
         TrialInput: {

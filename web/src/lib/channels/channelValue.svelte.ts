@@ -14,6 +14,24 @@ export interface LimitState {
   side: "low" | "high";
 }
 
+export type Side = "low" | "high";
+
+/** Seconds outside of the reference: idle is never quite even. */
+const STEADY = 2;
+/** °C from which the references of a warm engine hold for the others; below them the coolant itself is too cold. */
+const WARM = 70;
+
+/** On which side of its reference a value is; null unless the engine idles and is warm. */
+export function sideOf(
+  value: number | undefined,
+  channel: Pick<Channel, "reference"> | undefined,
+  engine: { idle: number | undefined; coolant: number | undefined },
+): Side | null {
+  const reference = channel?.reference;
+  if (value === undefined || !reference || !engine.idle || !((engine.coolant ?? -Infinity) >= WARM)) return null;
+  return value < reference[0] ? "low" : value > reference[1] ? "high" : null;
+}
+
 /** To be made while a component is initialised. */
 export class ChannelValue {
   private readonly stores = useStores();
@@ -69,11 +87,27 @@ export class ChannelValue {
     }
     return limitState(this.held === null ? this.value : 1, this.channel);
   });
+  /** The values of a sound warm engine at idle. */
+  readonly reference = $derived(this.channel?.reference ? [...new Set(this.channel.reference)].map((end) => number(end)).join("–") : "");
+  /** On which side of the reference the value has been for a while, in an engine that idles warm; null: inside, or no such engine. */
+  readonly off = $derived.by(() => frameClock.slowly(() => this.steadySide()));
   readonly level = $derived(this.limitState?.level ?? null);
   /** The level of a flag that is on, or held, and means trouble. */
   readonly trouble = $derived(this.value || this.held !== null ? this.troubled : null);
 
+  private side: Side | null = null;
+  private since = 0;
+
   constructor(private readonly name: () => string) {}
+
+  private steadySide(): Side | null {
+    const { display } = this.stores;
+    const latest = (name: string) => (display.value(name) as { value?: number }).value;
+    const now = display.source.now();
+    const side = sideOf(latest(this.name()), this.channel, { idle: latest("RXX"), coolant: latest("TWAT") });
+    if (side !== this.side || now < this.since) [this.side, this.since] = [side, now];
+    return side !== null && now - this.since >= STEADY ? side : null;
+  }
 }
 
 /** Which limit the value is beyond, if any. */

@@ -15,6 +15,8 @@ export const t = dictionary({
   refused: { en: "no value from this ECU", ru: "блок не даёт" },
   notSampled: { en: "not sampled now", ru: "сейчас не опрашивается" },
   unknown: { en: "not in the catalog", ru: "нет в каталоге" },
+  offReference: { en: "normal {reference}", ru: "норма {reference}" },
+  offLong: { en: "Outside what a sound warm engine has at idle; no alarm.", ru: "Не такое, как у исправного прогретого двигателя на холостом ходу; это не тревога." },
   reference: { en: "warm idle {low}–{high}", ru: "прогретый ХХ {low}–{high}" },
   tail: { en: "last 30 s", ru: "последние 30 с" },
   since: { en: "since {time}", ru: "с {time}" },

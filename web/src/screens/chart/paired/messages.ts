@@ -26,6 +26,8 @@ export const t = dictionary({
     ru: "Каждое измеренное значение «{name}» считается один раз. {others}: из того же замера или последнее перед ним, если оно не старше {seconds} с. Ничего не интерполируется.",
   },
   ruleSame: { en: "Each measured value of {name} counts once. {others}: from the same reading only. Nothing is interpolated.", ru: "Каждое измеренное значение «{name}» считается один раз. {others}: только из того же замера. Ничего не интерполируется." },
+  moreRule: { en: "How it is counted", ru: "Как посчитано" },
+  lessRule: { en: "Hide", ru: "Скрыть" },
   used: { en: { one: "{n} reading", other: "{n} readings" }, ru: { one: "{n} замер", few: "{n} замера", many: "{n} замеров" } },
   left: { en: "{count} without a partner (too old, or a gap between)", ru: "без пары (старое значение или пропуск данных): {count}" },
   outside: { en: "{count} outside the edges", ru: "вне границ: {count}" },

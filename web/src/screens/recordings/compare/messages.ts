@@ -9,6 +9,7 @@ export const t = dictionary({
   lead: { en: "Both are drawn in the chart on a common clock: seconds from the start of each.", ru: "Обе записи рисуются на одном графике: секунды от начала каждой." },
   references: { en: "References", ru: "Образцы" },
   others: { en: "Other recordings", ru: "Другие записи" },
+  virtuals: { en: "Virtual cars", ru: "Виртуальные автомобили" },
   virtual: { en: "virtual car, not measured on a real engine", ru: "виртуальный автомобиль, не измерено на настоящем двигателе" },
   referencesHint: { en: "Mark a recording of a healthy car with the star in Recordings: it comes first here.", ru: "Отметьте звездой запись исправной машины на экране «Записи»: она будет здесь первой." },
   making: { en: "being made, some seconds", ru: "создаётся, несколько секунд" },

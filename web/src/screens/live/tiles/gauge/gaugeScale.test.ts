@@ -1,12 +1,25 @@
 import { describe, expect, it } from "vitest";
 import type { Channel } from "../../../../lib/api/types";
-import { arc, bandsOf, beyond, dash, rangeOf, share, turned } from "./gaugeScale";
+import { arc, bandsOf, beyond, dash, rangeOf, share, turned, visible } from "./gaugeScale";
 
 const channel = (about: Partial<Channel>): Channel => about as Channel;
 
 describe("a gauge's range", () => {
   it("is the catalog's, whatever the values", () => {
     expect(rangeOf(channel({ gauge: [0, 7000] }))).toEqual({ low: 0, high: 7000 });
+  });
+
+  it("is the tile's own, if that has one", () => {
+    expect(rangeOf(channel({ gauge: [0, 7000] }), [0, 2000])).toEqual({ low: 0, high: 2000 });
+    expect(rangeOf(channel({ gauge: [0, 7000] }), [9, 9])).toEqual({ low: 0, high: 7000 });
+  });
+
+  it("shows a narrow band around its middle, inside the arc", () => {
+    const rounded = (from: number, to: number) => visible(from, to).map((at) => Number(at.toFixed(3)));
+    expect(rounded(0.123, 0.138)).toEqual([0.116, 0.146]);
+    expect(rounded(0.2, 0.5)).toEqual([0.2, 0.5]);
+    expect(rounded(0, 0)).toEqual([0, 0.03]);
+    expect(rounded(1, 1)).toEqual([0.97, 1]);
   });
 
   it("does not exist without one", () => {

@@ -6,9 +6,9 @@ export interface Range {
   high: number;
 }
 
-/** The range of a gauge: the catalog's `gauge`; null: the channel has none. Values seen do not change it. */
-export function rangeOf(channel: Pick<Channel, "gauge"> | undefined): Range | null {
-  const gauge = channel?.gauge;
+/** The range of a gauge: the tile's own scale, else the catalog's `gauge`; null: neither exists. Values seen do not change it. */
+export function rangeOf(channel: Pick<Channel, "gauge"> | undefined, scale: readonly [number, number] | null = null): Range | null {
+  const gauge = scale && scale[1] > scale[0] ? scale : channel?.gauge;
   return gauge && gauge[1] > gauge[0] ? { low: gauge[0], high: gauge[1] } : null;
 }
 
@@ -59,6 +59,16 @@ const point = (at: number, radius: number): string => {
 export function arc(from: number, to: number, radius: number): string {
   const large = (to - from) * SWEEP > 180 ? 1 : 0;
   return `M${point(from, radius)}A${radius} ${radius} 0 ${large} 1 ${point(to, radius)}`;
+}
+
+/** The least share that is seen as a band, not as a dot. */
+const LEAST = 0.03;
+
+/** The ends of a band, around its middle at least so wide that it is seen, inside the arc. */
+export function visible(from: number, to: number): [number, number] {
+  const more = Math.max(0, LEAST - (to - from)) / 2;
+  const begin = Math.min(Math.max(0, from - more), 1 - LEAST);
+  return [Math.min(begin, from), Math.max(to + more, begin + LEAST)].map((at) => Math.min(1, Math.max(0, at))) as [number, number];
 }
 
 /** The dash pattern that shows only this part of the whole arc, if its `pathLength` is 1. */
