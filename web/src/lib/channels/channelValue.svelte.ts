@@ -102,7 +102,10 @@ export class ChannelValue {
 
   private steadySide(): Side | null {
     const { display } = this.stores;
-    const latest = (name: string) => (display.value(name) as { value?: number }).value;
+    const latest = (name: string) => {
+      const shown = display.value(name);
+      return shown.kind === "none" ? undefined : shown.value;
+    };
     const now = display.source.now();
     const side = sideOf(latest(this.name()), this.channel, { idle: latest("RXX"), coolant: latest("TWAT") });
     if (side !== this.side || now < this.since) [this.side, this.since] = [side, now];

@@ -68,7 +68,8 @@ const LEAST = 0.03;
 export function visible(from: number, to: number): [number, number] {
   const more = Math.max(0, LEAST - (to - from)) / 2;
   const begin = Math.min(Math.max(0, from - more), 1 - LEAST);
-  return [Math.min(begin, from), Math.max(to + more, begin + LEAST)].map((at) => Math.min(1, Math.max(0, at))) as [number, number];
+  const inside = (at: number) => Math.min(1, Math.max(0, at));
+  return [inside(Math.min(begin, from)), inside(Math.max(to + more, begin + LEAST))];
 }
 
 /** The dash pattern that shows only this part of the whole arc, if its `pathLength` is 1. */
