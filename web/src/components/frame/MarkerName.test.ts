@@ -28,6 +28,16 @@ it("marks the recording that is open, where it stands", async () => {
   expect(stores.naming.marker).toEqual({ time: 142.5, recorded: true, id: "drive.pcapng" });
 });
 
+it("marks where the chart's cursor stands, while nothing is played", async () => {
+  const { stores } = shown();
+  stores.cursors.a = 120.25;
+  await stores.naming.here();
+  location.hash = "#/chart";
+  stores.route.screen = "chart";
+  await stores.naming.here();
+  expect(stores.player.events.map(({ time }) => time)).toEqual([120.25, 142.5]);
+});
+
 it("marks live data where no recording is open, and with the button of the one in progress", async () => {
   const { asked, stores } = shown();
   await stores.naming.now();

@@ -24,14 +24,15 @@ export class Naming {
   /** The marker that was just set; null: none, or its name has been given. `id`: in that recording; null: of live data. */
   marker = $state.raw<{ time: number; recorded: boolean; id: string | null } | null>(null);
 
-  constructor(private readonly app: Pick<Stores, "api" | "live" | "player" | "toasts">) {}
+  constructor(private readonly app: Pick<Stores, "api" | "cursors" | "live" | "player" | "route" | "toasts">) {}
 
-  /** Mark this moment of what is shown, live or in a recording; its name can follow. */
+  /** Mark this moment of what is shown, live or in a recording, where a chart's cursor stands or the player; its name can follow. */
   async here(): Promise<void> {
-    const { player } = this.app;
+    const { cursors, player, route } = this.app;
     if (player.shown === null) return this.now();
     const { id } = player.shown;
-    const [set] = await this.place([{ time: player.position, label: "" }]);
+    const cursor = route.screen === "chart" && !player.playing ? cursors.a : null;
+    const [set] = await this.place([{ time: cursor ?? player.position, label: "" }]);
     if (set) this.marker = { time: set.time, recorded: true, id };
   }
 
