@@ -21,7 +21,7 @@ def test_faults_are_read_and_erased_and_kept_in_the_journal(own, visitor):
     sheet.get_by_role("button", name="Cancel").click()
     assert own.garage.car.faults == [17, 41]
     tab.press("Erase…")
-    sheet.get_by_role("button", name="Erase", exact=True).click()
+    sheet.get_by_role("button", name="Erase with the engine running").click()
     tab.says("No faults are stored")
     assert own.garage.car.faults == []
     expect(tab.find('nav a[data-screen="faults"] .count')).to_have_count(0)
@@ -37,7 +37,7 @@ def test_a_list_that_changed_meanwhile_is_shown_again_not_erased(own, visitor):
     sheet = tab.page.get_by_role("dialog")
     expect(sheet).to_contain_text("41")
     own.garage.car.faults.append(53)
-    sheet.get_by_role("button", name="Erase", exact=True).click()
+    sheet.get_by_role("button", name="Erase with the engine running").click()
     expect(sheet).to_contain_text("nothing was erased")
     expect(sheet).to_contain_text("53")
     assert own.garage.car.faults == [17, 41, 53]
@@ -98,7 +98,7 @@ def test_an_erase_reads_the_faults_three_times(own, visitor, monkeypatch):
     tab.press("Erase…")
     sheet = tab.page.get_by_role("dialog")
     expect(sheet).to_contain_text("17")
-    sheet.get_by_role("button", name="Erase", exact=True).click()
+    sheet.get_by_role("button", name="Erase with the engine running").click()
     tab.says("No faults are stored")
     tab.find("summary", has_text="Journal").click()
     expect(tab.find("details li").first).to_contain_text("were stored: 17, 41")

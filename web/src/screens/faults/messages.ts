@@ -57,7 +57,7 @@ export const t = dictionary({
   erase_lost: { en: "This will be erased from the unit", ru: "Будет стёрто из памяти блока" },
   erase_kept: { en: "The list stays in the journal here. A fault whose cause remains comes back: some at once, some only on the next drive.", ru: "Список останется в журнале. Если причина не устранена, ошибка появится снова: сразу или в следующей поездке." },
   erase_still: { en: "Only while the car stands still.", ru: "Только на стоящей машине." },
-  erase_again: { en: "Nothing was erased: the list has changed meanwhile, or the engine was started. This is the state now.", ru: "Ничего не стёрто: список изменился или двигатель запустили. Вот как сейчас." },
+  erase_again: { en: "The list has changed meanwhile, or the engine was started, so nothing was erased. This is the state now.", ru: "Список изменился или двигатель запустили, поэтому ничего не стёрто. Вот как сейчас." },
   erase_running: { en: "Erase with the engine running", ru: "Сбросить на работающем двигателе" },
   erase_yes: { en: "Erase", ru: "Сбросить" },
   erasing: { en: "Erasing and reading back…", ru: "Сбрасываем и перечитываем…" },
