@@ -107,6 +107,23 @@ def test_a_pull_is_found_wherever_it_stands_in_a_recording(mikas, tmp_path, knoc
     assert (times >= 3) is (knock > 0)
 
 
+def test_an_ignition_only_unit_is_found_out_and_said(mikas, tmp_path):
+    (tmp_path / "idling.toml").write_text(
+        IDLING.replace("throttle = 0", "throttle = [[0, 0], [45, 0], [47, 10], [999, 10]]"), "utf-8"
+    )
+    url = "sim:?clock=simulated&model=5.4&ignition_only=yes&scenario=idling.toml"
+    ran = mikas("--port", url, "test", "idle", "--json", "--capture", "old.pcapng")
+    result = ran.object["result"]
+    assert (result["outcome"], [it["rule"] for it in result["findings"]]) == (
+        "good",
+        ["good_ignition"],
+    )
+    mikas("report", "old.pcapng", "-o", "report.html", "--lang", "en")
+    page = (tmp_path / "report.html").read_text("utf-8")
+    assert "this unit controls the ignition alone" in page
+    assert "outside the normal range" not in page
+
+
 def test_a_wrong_name_is_answered_with_those_there_are(mikas, port):
     assert "there is: charging" in mikas(*port, "test", "chargin").err
     assert "its steps: rest, crank" in mikas(*port, "test", "cranking", "--skip", "x").err

@@ -10,6 +10,7 @@ import pytest
 from guided_rig import Row, car_rows, run
 
 from mikas.catalog import shipped
+from mikas.catalog.ignition_only import DEAD
 from mikas.guided.definition import VerdictKind, parameters_of
 from mikas.guided.engine import TestEngine
 from mikas.guided.loading import load
@@ -224,7 +225,9 @@ def test_every_rule_of_every_test_is_proven_here() -> None:
     assert load(shipped()).errors == ()
     assert set(DRIVES) == set(TESTS)
     for name, test in TESTS.items():
-        proven = {"good"}.union(*(case.found for case in CASES if case.test == name))
+        ignition = {rule.name for rule in test.rules if rule.ignition_only}
+        assert ignition <= {"good_ignition"}  # proven below
+        proven = {"good", *ignition}.union(*(case.found for case in CASES if case.test == name))
         assert proven | STANDING.get(name, set()) == {rule.name for rule in test.rules}, name
 
 
@@ -316,3 +319,26 @@ def test_a_missing_channel_never_makes_a_verdict(test: str) -> None:
     for name in parameters_of(shipped(), formulas_inputs(formulas)):
         result = run(known, lacking(sound(test), name))
         assert result is None or result.outcome is UNKNOWN, name
+
+
+@pytest.mark.parametrize(
+    ("test", "rule"), [("idle", "good_ignition"), ("throttle", "good_ignition")]
+)
+def test_an_ignition_only_unit_is_not_blamed_for_its_dead_channels(test: str, rule: str) -> None:
+    zeros = {name: float(shipped().parameter(name).decode(b"\0\0"[: size(name)])) for name in DEAD}
+    rows = [
+        (time, values | {n: zeros[n] for n in DEAD & values.keys()}) for time, values in sound(test)
+    ]
+    result = judged(test, rows)
+    assert (result.outcome, rules(result)) == (GOOD, {rule}), result.as_text().en
+    assert "ignition alone" in result.verdict.en
+
+
+def size(name: str) -> int:
+    return shipped().parameter(name).size
+
+
+def test_a_dead_air_meter_alone_is_no_ignition_only_unit() -> None:
+    rows = ((time, values | {"JAIR": 0.0}) for time, values in sound("idle"))
+    result = judged("idle", rows)
+    assert result.outcome is not GOOD

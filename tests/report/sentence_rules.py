@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from mikas.catalog import Confidence, shipped
+from mikas.catalog.ignition_only import DEAD
 from mikas.report.findings import Findings
 from mikas.report.subject import ClearedFaults
 
@@ -42,7 +43,12 @@ def sensor_faults(f: Findings) -> set[str]:
 
 
 def referenced(f: Findings) -> dict[str, tuple[float, float]]:
-    return {c.name: c.reference for c in f.measured.channels if getattr(c, "reference", None)}
+    dead = DEAD if f.measured.ignition_only else ()
+    return {
+        c.name: c.reference
+        for c in f.measured.channels
+        if getattr(c, "reference", None) and c.name not in dead
+    }
 
 
 def values_at(f: Findings) -> dict:
@@ -220,6 +226,10 @@ RULES: dict[str, Callable[[Findings], bool]] = {
     ),
     "an alarm was on: {}": lambda f: sides(f) == 1,
     "alarms were on: {}": lambda f: sides(f) > 1,
+    "this unit controls the ignition alone (injection and air flow are zero while the engine "
+    "runs), so nothing of injection, mixture, air meter and idle valve is judged": lambda f: (
+        f.measured.ignition_only
+    ),
     "the engine knocked {}, above {} rpm {}": lambda f: f.measured.knock.knocks > 0,
     "the ignition was retarded for knock in {} % of the readings": lambda f: (
         often_retarded(f) or (f.measured.knock.knocks > 0 and f.measured.knock.readings >= 50)
@@ -384,7 +394,8 @@ RULES: dict[str, Callable[[Findings], bool]] = {
         idle(f) and bool(idle_by(f) & sensor_faults(f))
     ),
     "Not measured: {}.": lambda f: bool(f.measured.channels) and bool(
-        {p.name for p in f.subject.catalog.parameters if p.reference} - set(referenced(f))
+        {p.name for p in f.subject.catalog.parameters if p.reference}
+        - {c.name for c in f.measured.channels}
     ),
     "All values: the data contain none.": lambda f: not f.measured.channels,
     "Whether a limit was crossed: no value with limits was measured.": lambda f: (

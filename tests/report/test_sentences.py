@@ -208,7 +208,7 @@ def cases(tmp_path: Path) -> list[Findings]:
         found(rows(TWAT=lambda t: np.where(t < 20, 101.0, 88.0))),
         found(rows(TWAT=None), events=[event(10, "warning", 101.0)]),
         found(rows(FREQ=3400.0, DET=knocks, RDET=1.0)), found(rows(RDET=1.0)),
-        found(rows(DET=knocks)),
+        found(rows(DET=knocks)), found(rows(INJ=0.0, JAIR=0.0)),
         erased(13, 53, read=60), erased(13, read=5000), erased(99, read=60, erased=False),
         erased(12, read=60), erased(13, read=60, stored=(13,)),
         found(interruptions=None), found(interruptions=(GAP,) * 5, sessions=3, ports=2, damaged=1),

@@ -144,7 +144,10 @@ class Measure:
 
 @dataclass(frozen=True, slots=True)
 class Rule:
-    """`when` over measures gives `outcome`; `text` has the measures in braces."""
+    """`when` over measures gives `outcome`; `text` has the measures in braces.
+
+    `ignition_only`: counts only on a unit that controls the ignition alone.
+    """
 
     name: str
     when: Annotated[Parsed, string]
@@ -154,6 +157,7 @@ class Rule:
     check: Annotated[Text, TEXT]
     doubt: Annotated[Text, TEXT]
     confidence: Annotated[Certainty, choice(Certainty, *Certainty)] = Certainty.MEDIUM
+    ignition_only: Annotated[bool, boolean] = False
 
 
 @dataclass(frozen=True, slots=True)

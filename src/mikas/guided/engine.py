@@ -15,6 +15,7 @@ from typing import Final
 
 from mikas.catalog import Catalog
 from mikas.catalog.formulas import Calculation
+from mikas.catalog.ignition_only import InjectionWatch
 from mikas.guided.definition import SECONDS, GuidedStep, GuidedTest, Measure, parameters_of
 from mikas.guided.measuring import StepRows, Values, formulas_inputs, holds, number_of
 from mikas.guided.result import MOST_POINTS, Curve, Number, StepDone, TestResult
@@ -81,6 +82,7 @@ class TestEngine:
         self._waiting_since: float | None = None
         self._begun: float | None = None  # the first step
         self._ready_since: float | None = None
+        self._injection = InjectionWatch()
         self._start = Calculation(test.start) if test.start else None
         self._step: _StepRun | None = None
 
@@ -94,6 +96,7 @@ class TestEngine:
             self._waiting_since = time
         self._time = time if self._time is None else max(self._time, time)
         self._values.add_row(time, values)
+        self._injection.add_row(values)
         if self._step is None:
             if not self._ready(time):
                 return
@@ -175,9 +178,9 @@ class TestEngine:
         self._finish(time)
 
     def _finish(self, time: float) -> None:
-        outcome, findings, missing = judge(
-            self.test, self._numbers, [step.name for step in self._done if not step.skipped]
-        )
+        done = [step.name for step in self._done if not step.skipped]
+        dead = self._injection.ignition_only
+        outcome, findings, missing = judge(self.test, self._numbers, done, ignition_only=dead)
         channels = ((self._catalog.channel(name), it) for name, it in self._curves.items())
         self.result = TestResult(
             test=self.test.name,

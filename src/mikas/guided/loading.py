@@ -17,6 +17,7 @@ from typing import Any, Final
 from mikas.catalog import Catalog, Derived
 from mikas.catalog.conversion import NO_TEXT
 from mikas.catalog.formula_syntax import Parsed, parse
+from mikas.catalog.ignition_only import DEAD, SPEED, WITNESSES
 from mikas.catalog.loading.build import does_not_exist
 from mikas.catalog.loading.fields import made, read_table, schema_of
 from mikas.catalog.loading.source import CatalogFile, KeyPath, read_source
@@ -136,9 +137,18 @@ class _Builder:
             steps=steps,
             measures=measures,
             rules=rules,
-            channels=parameters_of(self._catalog, (*inputs, *watched, *chart)),
+            channels=self._needed((*inputs, *watched, *chart)),
             own=own,
         )
+
+    def _needed(self, names: tuple[str, ...]) -> tuple[str, ...]:
+        """Return the parameters to sample: those named, and those that show a unit without
+        injection.
+        """
+        needed = parameters_of(self._catalog, names)
+        if DEAD.isdisjoint(needed) or SPEED not in needed:
+            return needed
+        return tuple(dict.fromkeys((*needed, *WITNESSES)))
 
     def _name(self) -> str:
         name = Path(self._source.name).stem.lower()

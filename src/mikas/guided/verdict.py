@@ -14,6 +14,7 @@ from math import nan
 from typing import Final, TypeAlias
 
 from mikas.catalog.formulas import Calculation
+from mikas.catalog.ignition_only import DEAD, SAID
 from mikas.guided.definition import GuidedTest, Measure, Rule, VerdictKind
 from mikas.guided.measuring import holds
 from mikas.guided.result import Finding, Number
@@ -27,16 +28,30 @@ Verdict: TypeAlias = tuple[VerdictKind, tuple[Finding, ...], tuple[Text, ...]]
 """The outcome, the rules that hold, and why others could not be decided."""
 
 
-def judge(test: GuidedTest, numbers: Mapping[str, Number], done: Collection[str]) -> Verdict:
-    """Apply the rules of `test` to the numbers of its measures, with the steps that were `done`."""
+def judge(
+    test: GuidedTest,
+    numbers: Mapping[str, Number],
+    done: Collection[str],
+    *,
+    ignition_only: bool = False,
+) -> Verdict:
+    """Apply the rules of `test` to the numbers of its measures, with the steps that were `done`.
+
+    On a unit that controls the ignition alone, rules over its dead channels are left out.
+    """
     values = {name: nan if it.value is None else it.value for name, it in numbers.items()}
     found: list[Finding] = []
     good: list[Finding] = []
     missing: dict[Text, None] = {}
     near_limit: dict[Text, None] = {}
     left_out = {step.name for step in test.steps if step.optional and step.name not in done}
+    dead = {it.name for it in test.measures.values() if ignition_only and _is_dead(it)}
     for rule in test.rules:
         calculation = Calculation(rule.when)
+        if rule.ignition_only and not ignition_only:
+            continue
+        if not dead.isdisjoint(calculation.inputs):
+            continue
         lacking = [numbers[name] for name in calculation.inputs if numbers[name].value is None]
         if lacking:
             if all(test.measures[it.name].step in left_out for it in lacking):
@@ -60,7 +75,12 @@ def judge(test: GuidedTest, numbers: Mapping[str, Number], done: Collection[str]
         return (VerdictKind.UNKNOWN, (), tuple(missing))
     if good:
         return (VerdictKind.GOOD, (_doubted(good[0], near_limit),), ())
-    return (VerdictKind.UNKNOWN, (), (_NO_RULE,))
+    return (VerdictKind.UNKNOWN, (), (SAID if ignition_only else _NO_RULE,))
+
+
+def _is_dead(measure: Measure) -> bool:
+    """Whether a measure is made of channels that mean nothing on a unit without injection."""
+    return any(not DEAD.isdisjoint(formula.inputs) for formula in measure.formulas)
 
 
 def _finding(rule: Rule, numbers: Mapping[str, Number], near: list[Text]) -> Finding:

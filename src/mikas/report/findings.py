@@ -14,6 +14,7 @@ from typing import Final
 
 from mikas.catalog import Catalog, Fault, Meaning
 from mikas.catalog.conversion import NO_TEXT
+from mikas.catalog.ignition_only import DEAD
 from mikas.catalog.model import in_order
 from mikas.guided.definition import VerdictKind
 from mikas.guided.result import TestResult
@@ -40,6 +41,7 @@ class Unrated(StrEnum):
     """The reason why a value has no rating, the first that holds."""
 
     NO_REFERENCE = "no-reference"
+    IGNITION_ONLY = "ignition-only"  # a channel that the unit does not have
     NO_IDLE = "no-idle"  # not enough warm idle
     SENSOR = "sensor"  # a fault of its sensor's circuit
     TOO_FEW = "too-few"  # values at warm idle
@@ -141,6 +143,7 @@ def find(subject: ReportSubject, measured: Measurements) -> Findings:
             channel,
             stats[channel.name],
             at_idle=at_idle,
+            dead=measured.ignition_only and _is_dead(channel, subject.catalog),
             sensor=sensor.get(channel.name, ()),
             related=related.get(channel.name, ()),
         )
@@ -155,6 +158,7 @@ def _value(
     stats: ChannelStatistics,
     *,
     at_idle: bool,
+    dead: bool,
     sensor: tuple[int, ...],
     related: tuple[int, ...],
 ) -> ChannelFinding:
@@ -162,6 +166,8 @@ def _value(
     found = ChannelFinding(channel, stats, sensor=sensor, related=beside)
     if channel.reference is None:
         return found
+    if dead:
+        return replace(found, unrated=Unrated.IGNITION_ONLY)
     if not at_idle:
         return replace(found, unrated=Unrated.NO_IDLE)
     if sensor:
@@ -174,6 +180,11 @@ def _value(
     if stats.median < channel.reference[0]:
         return replace(found, mark=BandPosition.LOW, meaning=known.low)
     return replace(found, mark=BandPosition.HIGH, meaning=known.high)
+
+
+def _is_dead(channel: Channel, catalog: Catalog) -> bool:
+    """Whether a channel means nothing on a unit that controls the ignition alone."""
+    return not DEAD.isdisjoint(catalog.required_by([channel.name]))
 
 
 def _by_channel(

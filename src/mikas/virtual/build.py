@@ -6,8 +6,10 @@ Every setting is a text, as in a URL or on a command line, and is checked.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 
 from mikas.catalog import shipped
+from mikas.catalog.ignition_only import DEAD
 from mikas.options import OptionParser, check_names, invalid_value
 from mikas.virtual import VIRTUAL_PASSPORT
 from mikas.virtual.bus import AdapterKind, Bus, Elm327, Stalls
@@ -25,11 +27,11 @@ MODELS = {"5.4": 0x09, "7.1": 0x0A}
 ADAPTERS = ("kkl", "elm327")
 _LINE_FAULTS = tuple(fault.value for fault in LineFault)
 SETTINGS = (
-    "scenario", "car", "seed", "model", "faults", "baud", "adapter", "echo", "latency_ms",
-    "supplied", "stall_every", "stall_ms", "late_by", *QUIRK_NAMES, *_LINE_FAULTS,
+    "scenario", "car", "seed", "model", "ignition_only", "faults", "baud", "adapter", "echo",
+    "latency_ms", "supplied", "stall_every", "stall_ms", "late_by", *QUIRK_NAMES, *_LINE_FAULTS,
 )  # fmt: skip
 """Names of all settings; docs/reference/simulator.md describes each."""
-CAR_SETTINGS = ("scenario", "car", "model", "faults")
+CAR_SETTINGS = ("scenario", "car", "model", "ignition_only", "faults")
 WIRE_SETTINGS = tuple(name for name in SETTINGS if name not in CAR_SETTINGS)
 """Settings that apply to any source of data."""
 
@@ -49,6 +51,9 @@ def build_bus(
     scenario, seed = find(settings.get("scenario", DEFAULT)), given.integer("seed", 0)
     if "car" in settings:
         scenario = car_of(settings["car"], seed).applied_to(scenario)
+    if given.switch("ignition_only", default=False):
+        zeros = {name: bytes(shipped().parameter(name).size) for name in DEAD}
+        scenario = replace(scenario, raw={**zeros, **scenario.raw})
     engine = Engine(scenario, seed)
     car = EngineCar(engine, shipped(), faults=_faults(settings.get("faults", "")), start=start)
     model = given.choice("model", "7.1", MODELS)

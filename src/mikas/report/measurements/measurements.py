@@ -13,6 +13,7 @@ import numpy as np
 
 from mikas.cancellation import check_cancelled
 from mikas.catalog import Catalog
+from mikas.catalog.ignition_only import RUNNING, SPEED, WITNESSES, InjectionWatch
 from mikas.recording.table.channels import Rows
 from mikas.report.measurements.alarms import Alarm, AlarmCollector, Channel
 from mikas.report.measurements.knock import Knock, KnockCounter
@@ -46,6 +47,7 @@ class Measurements:
     alarms: tuple[Alarm, ...] = ()
     watched: frozenset[str] = frozenset()
     knock: Knock = field(default_factory=Knock)
+    ignition_only: bool = False
 
     @property
     def seconds(self) -> float:
@@ -67,6 +69,7 @@ class MeasurementCollector:
     ) -> None:
         self._alarms = AlarmCollector(catalog, events)
         self._knock = KnockCounter()
+        self._injection, self._rpm = InjectionWatch(), 0.0
         self._channels = tuple(catalog.channel(name) for name in names)
         self._finder = WarmIdleFinder(channel.name for channel in self._channels)
         counted = [each for each in self._channels if not each.accumulates]
@@ -89,6 +92,7 @@ class MeasurementCollector:
         elsewhere = ~idle
         self._alarms.add(rows)
         self._knock.add(rows)
+        self._watch_injection(rows)
         for channel in self._channels:
             column = rows.values.get(channel.name)
             if column is None:
@@ -100,6 +104,19 @@ class MeasurementCollector:
                 self._elsewhere[channel.name].add(column[elsewhere])
         self._ended = float(np.max(rows.times))
         self._rows += len(rows.times)
+
+    def _watch_injection(self, rows: Rows) -> None:
+        speed = rows.values.get(SPEED)
+        rpm = np.full(len(rows.times), self._rpm)
+        if speed is not None:
+            latest = np.maximum.accumulate(np.where(np.isfinite(speed), np.arange(speed.size), -1))
+            rpm = np.where(latest >= 0, speed[latest], self._rpm)
+            self._rpm = float(rpm[-1])
+        for name in WITNESSES:
+            if (column := rows.values.get(name)) is not None:
+                there = np.isfinite(column) & (rpm >= RUNNING)
+                alive = bool((there & np.not_equal(column, 0)).any())
+                self._injection.count(name, int(there.sum()), is_alive=alive)
 
     @property
     def measured(self) -> Measurements:
@@ -118,6 +135,7 @@ class MeasurementCollector:
             at_idle=self._stats(self._at_idle),
             curves={name: curve for name, curve in self._curves.items() if name in present},
             knock=self._knock.found,
+            ignition_only=self._injection.ignition_only,
             alarms=self._alarms.alarms(self._began, self._ended),
             watched=self._alarms.watched,
         )

@@ -31,9 +31,18 @@ def summary_sentence(found: Findings) -> Text:
     """Return the summary: faults first, then alarms, then values, then guided tests."""
     alarms = [alarm_summary(found)] if found.measured.alarms else []
     knock = _of_knock(found.measured.knock)
-    parts = (_of_faults(found), *alarms, *knock, *_of_values(found), *_of_tests(found))
+    unit = [_IGNITION_ONLY] if found.measured.ignition_only else []
+    parts = (_of_faults(found), *unit, *alarms, *knock, *_of_values(found), *_of_tests(found))
     said = joined("; ", parts)
     return Text(f"{said.en}.", f"{said.ru}.")
+
+
+_IGNITION_ONLY = Text(
+    "this unit controls the ignition alone (injection and air flow are zero while the engine "
+    "runs), so nothing of injection, mixture, air meter and idle valve is judged",
+    "этот блок управляет только зажиганием (впрыск и расход воздуха на работающем двигателе "
+    "нулевые), поэтому впрыск, смесь, ДМРВ и РДВ не оцениваются",
+)
 
 
 def _of_knock(knock: Knock) -> Iterator[Text]:
@@ -172,7 +181,10 @@ def doubtful_idle(found: Findings) -> dict[str, tuple[int, ...]]:
 
 def _of_ratings(found: Findings) -> Text:
     if not found.rated:
-        if any(value.unrated is not Unrated.NO_REFERENCE for value in found.values):
+        if any(
+            value.unrated not in (Unrated.NO_REFERENCE, Unrated.IGNITION_ONLY)
+            for value in found.values
+        ):
             return Text(
                 "no value could be rated at warm idle",
                 "на прогретом холостом ходу ни одно значение оценить не удалось",
