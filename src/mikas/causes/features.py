@@ -13,9 +13,10 @@ from math import isnan, log1p, nan
 from typing import Final
 
 from mikas.causes.regimes import Drive, Regime
-from mikas.causes.samples import Column, Span, median, quantile, spans_of
+from mikas.causes.samples import PAUSE, Column, Span, median, quantile, spans_of
 from mikas.virtual.model import physics as ph
 
+FADING: Final = 5.0  # s of an idle until it is even
 NEUTRAL: Final = -0.5  # E3: RCOK without a correction, by the letter
 
 
@@ -37,9 +38,10 @@ class View:
     def __init__(self, drive: Drive) -> None:
         self.drive = drive
         self.times = drive.samples.times
-        self.warm = self._late(drive.at(Regime.WARM_IDLE))
-        self.cold = drive.at(Regime.COLD_IDLE)
-        self.idle = sorted([*self.warm, *drive.at(Regime.MILD_IDLE)])
+        self.warm = self._settled(self._late(drive.at(Regime.WARM_IDLE)))
+        self.cold = self._settled(drive.at(Regime.COLD_IDLE))
+        mild = self._late(drive.at(Regime.MILD_IDLE))
+        self.idle = self._settled(sorted([*self._late(drive.at(Regime.WARM_IDLE)), *mild]))
         self.load = drive.at(Regime.PART_LOAD, Regime.FULL_LOAD)
         self._expected: dict[int, float] | None = None
 
@@ -49,6 +51,19 @@ class View:
 
     def _late(self, rows: Sequence[int]) -> list[int]:
         return [row for row in rows if self.drive.run_time[row] > 25.0]
+
+    def _settled(self, rows: Sequence[int]) -> list[int]:
+        """Return the rows without the first seconds of each idle: the speed is still falling."""
+        kept = []
+        since = last = -1e9
+        for row in rows:
+            time = self.times[row]
+            if time - last > PAUSE:
+                since = time
+            last = time
+            if time - since >= FADING:
+                kept.append(row)
+        return kept
 
     def values(self, name: str, rows: Sequence[int]) -> list[float]:
         """Return the values of a channel in these rows, the missing left out."""
@@ -230,6 +245,23 @@ def _charging_most(view: View) -> Seen | None:
     if len(rows) < 20:
         return None
     return view.seen(quantile(view.values("UACC", rows), 0.95), rows)
+
+
+def _charging_spread(view: View) -> Seen | None:
+    rows = _fast(view)
+    values = view.values("UACC", rows)
+    if len(rows) < 20:
+        return None
+    return view.seen(quantile(values, 0.9) - quantile(values, 0.1), rows)
+
+
+def _charging_fall(view: View) -> Seen | None:
+    """How far the voltage falls from driving to idle."""
+    rows = _fast(view)
+    if len(rows) < 20 or view.seconds(view.idle) < 8:
+        return None
+    high = quantile(view.values("UACC", rows), 0.9)
+    return view.seen(high - quantile(view.values("UACC", view.idle), 0.1), view.idle)
 
 
 def _recovery(view: View) -> Seen | None:
@@ -478,6 +510,25 @@ def _cooling_by_wind(view: View) -> Seen | None:
     return view.seen(max(values) - quantile(values, 0.03), rows)
 
 
+def _rise_at_idle(view: View) -> Seen | None:
+    """How much warmer the coolant gets at idle than while driving."""
+    warm = set(_plateau_rows(view))
+    driven = [row for row in view.load if row in warm]
+    idle = [row for row in view.idle if row in warm]
+    if len(driven) < 40 or view.seconds(idle) < 15:
+        return None
+    rise = quantile(view.values("TWAT", idle), 0.9) - median(view.values("TWAT", driven))
+    return view.seen(rise, idle)
+
+
+def _evenness(view: View) -> Seen | None:
+    """The range of the coolant once it is warm."""
+    values = view.values("TWAT", _plateau_rows(view))
+    if len(values) < 200:
+        return None
+    return view.seen(quantile(values, 0.95) - quantile(values, 0.05), _plateau_rows(view))
+
+
 def _warm_up(view: View) -> Seen | None:
     """Degrees a litre of petrol while the engine warms up."""
     coolant, fuel = view.column("TWAT"), view.column("JQT")
@@ -497,7 +548,7 @@ def _warm_up(view: View) -> Seen | None:
         if coolant[row] >= 74 or (coolant[row] - begin >= 45):
             break
     rise = coolant[rows[-1]] - begin if rows else 0.0
-    if burnt < 0.12 or not rows:
+    if burnt < 0.1 or rise < 15:
         return None
     return view.seen(rise / burnt, rows)
 
@@ -531,6 +582,8 @@ FEATURES: Final = (
     Feature("voltage-cold-idle", _middle("UACC", "cold", 6)),
     Feature("voltage-driven", _charging_fast),
     Feature("voltage-driven-high", _charging_most),
+    Feature("voltage-driven-spread", _charging_spread),
+    Feature("voltage-fall", _charging_fall),
     Feature("voltage-recovery", _recovery),
     Feature("idle-speed", _middle("FREQX", "warm", 6)),
     Feature("idle-hunting", _width("FREQX", "idle", 8)),
@@ -563,11 +616,13 @@ FEATURES: Final = (
     Feature("knock", _knock_rate),
     Feature("retard", _retard),
     Feature("most-retard", _most_retard),
-    Feature("coolant-driven", _warmth_driven),
+    Feature("coolant-driven", _warmth_driven, "air"),
+    Feature("coolant-rise", _rise_at_idle, "air"),
+    Feature("coolant-range", _evenness, "air"),
     Feature("coolant-most", _most_warmth),
-    Feature("coolant-drop", _cooling_by_wind),
-    Feature("warm-up", _warm_up),
-    Feature("late-warm-up", _late_warm_up),
+    Feature("coolant-drop", _cooling_by_wind, "air"),
+    Feature("warm-up", _warm_up, "air"),
+    Feature("late-warm-up", _late_warm_up, "air"),
 )
 BY_NAME: Final = {feature.name: feature for feature in FEATURES}
 

@@ -8,16 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from mikas.causes.evidence import feature_texts
+from mikas.causes.judging import Judged
 from mikas.causes.knowledge import Knowledge
 from mikas.causes.model import SOUND, Table
 from mikas.causes.result import NextMeasurement
 from mikas.i18n import Text, joined
-
-if TYPE_CHECKING:
-    from mikas.causes.ranking import Judged
 
 WORTH: Final = 0.05  # of a measurement that is proposed
 MOST: Final = 2
@@ -77,6 +75,9 @@ _MISSING: Final[Mapping[str, Text]] = {
     "pull": Text("full load", "полная нагрузка"),
     "long-drive": Text("a long warm drive", "долгая езда на прогретом двигателе"),
 }
+
+
+DRIVING: Final = _MISSING["drive"]
 
 
 def missing(seen: Collection[str]) -> tuple[Text, ...]:

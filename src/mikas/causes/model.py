@@ -47,6 +47,7 @@ class Fit:
     amounts: tuple[float, ...]
     likelihood: float  # logarithm
     distance: float
+    strangest: float  # the largest deviation that is left, in the hypothesis' spreads
 
 
 class Model:
@@ -99,7 +100,8 @@ class Model:
         count = len(off)
         likelihood = -0.5 * (FREEDOM + count) * log(1 + squares / FREEDOM)
         likelihood -= sum(log(width) for width in spread)
-        return Fit(causes, amounts, likelihood, squares / max(1, count))
+        strangest = max((abs(each) for each in off), default=0.0)
+        return Fit(causes, amounts, likelihood, squares / max(1, count), strangest)
 
 
 def _cholesky(matrix: Sequence[Row]) -> list[list[float]]:

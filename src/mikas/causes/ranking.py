@@ -11,15 +11,14 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import combinations
-from math import exp, log
 from typing import Final
 
 from mikas.causes.evidence import Explained, evidence_of
 from mikas.causes.features import Seen, View, context_of, features_of
+from mikas.causes.judging import Judged, judge, weights_beforehand, with_own_causes
 from mikas.causes.knowledge import Complaint, Knowledge, KnownCause, load
-from mikas.causes.measurements import missing, proposals
-from mikas.causes.model import GRID, KNOTS, SOUND, Fit, Model, Table, log_sum
+from mikas.causes.measurements import DRIVING, missing, proposals
+from mikas.causes.model import Fit
 from mikas.causes.regimes import drive_of
 from mikas.causes.result import (
     ORIGIN,
@@ -32,17 +31,15 @@ from mikas.causes.samples import Samples
 from mikas.causes.weights import Weights, shipped
 from mikas.i18n import Text
 
-BEFORE_SOUND: Final = 0.5  # of a car about which nothing is known
-BEFORE_TWO: Final = 0.04  # of two causes at once
-COMPLAINED: Final = 4.0  # times as likely, if the complaint is of this cause
-STORED: Final = 8.0  # times as likely, with such a fault stored
-CERTAIN: Final = 0.97
+CERTAIN: Final = 0.985
 PROBABLE: Final = 0.55
 POSSIBLE: Final = 0.06
 MOST: Final = 5
-STRANGE: Final = 2.6  # squared distance a feature, from which a hypothesis does not fit
+FAR: Final = 1.7  # squared distance a feature, from which a hypothesis does not fit
+STRANGE: Final = 4.4  # spreads that one feature is off, likewise
 LEAST: Final = 9  # features; with fewer nothing is said
-PAIRED: Final = 6  # the best single causes that pairs are made of
+LEAST_STANDING: Final = 4  # of an engine that was cranked and did not run
+CLEARED: Final = 0.02  # of sound; above it no cause is named as found
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,90 +109,6 @@ def observe(
     return Observation(values, seen, contexts[0] if contexts else {}, sources, seconds, ran)
 
 
-@dataclass(frozen=True, slots=True)
-class Judged:
-    """All hypotheses: the probability of each cause in any of them, of sound, and the best fit."""
-
-    probability: Mapping[str, float]
-    sound: float
-    best: Fit
-    sound_fit: Fit
-    model: Model
-
-
-def judge(deviations: Mapping[str, float], table: Table, before: Mapping[str, float]) -> Judged:
-    """Return how probable each cause is. `before`: its weight beforehand, together 1 - sound."""
-    model = Model(table, deviations)
-    sound_fit = model.fit((), ())
-    hypotheses: list[tuple[tuple[str, ...], float, Fit]] = [
-        ((), sound_fit.likelihood + log(BEFORE_SOUND), sound_fit)
-    ]
-    best_of: dict[str, Fit] = {}
-    for cause in table.means:
-        fits = [model.fit((cause,), (amount,)) for amount in GRID]
-        best_of[cause] = max(fits, key=lambda fit: fit.likelihood)
-        likelihood = log_sum([fit.likelihood for fit in fits]) - log(len(GRID))
-        hypotheses.append(((cause,), likelihood + log(before[cause]), best_of[cause]))
-    leading = sorted(best_of, key=lambda c: best_of[c].likelihood, reverse=True)[:PAIRED]
-    pairs = [pair for pair in combinations(leading, 2) if _id(pair[0]) != _id(pair[1])]
-    for pair in pairs:
-        fits = [model.fit(pair, (a, b)) for a in KNOTS for b in KNOTS]
-        best = max(fits, key=lambda fit: fit.likelihood)
-        likelihood = log_sum([fit.likelihood for fit in fits]) - log(len(fits))
-        weight = BEFORE_TWO / len(pairs)
-        hypotheses.append((pair, likelihood + log(weight), best))
-    total = log_sum([weight for _, weight, _ in hypotheses])
-    probability = dict.fromkeys(table.means, 0.0)
-    sound = 0.0
-    for causes, weight, _ in hypotheses:
-        share = exp(weight - total)
-        if not causes:
-            sound = share
-        for cause in causes:
-            probability[cause] += share
-    best = max(hypotheses, key=lambda each: each[1])[2]
-    return Judged(probability, sound, best, sound_fit, model)
-
-
-def _id(name: str) -> str:
-    return name.partition("-")[0]
-
-
-def _weights_beforehand(
-    known: Knowledge, table: Table, complaint: Complaint | None, faults: Collection[int]
-) -> dict[str, float]:
-    weights = {}
-    for name in table.means:
-        cause = known.causes.get(name)
-        weight = 1.0
-        if cause is not None and complaint in cause.complaints:
-            weight *= COMPLAINED
-        if cause is not None and cause.faults & set(faults):
-            weight *= STORED
-        weights[name] = weight
-    total = sum(weights.values())
-    share = (1 - BEFORE_SOUND - BEFORE_TWO) / total
-    return {name: weight * share for name, weight in weights.items()}
-
-
-def with_own_causes(table: Table, known: Knowledge) -> Table:
-    """Return the table with the causes that are known, the user's by the effects in their files."""
-    means = {name: rows for name, rows in table.means.items() if name in known.causes}
-    spreads = dict(table.spreads)
-    place = {name: index for index, name in enumerate(table.names)}
-    for name, cause in known.causes.items():
-        if not cause.effects:
-            continue
-        rows = [[0.0] * len(table.names) for _ in KNOTS]
-        for feature, effect in cause.effects.items():
-            if feature in place:
-                for row, knot in zip(rows, KNOTS, strict=True):
-                    row[place[feature]] = effect * knot
-        means[name] = rows
-        spreads[name] = [max(1.0, spread) for spread in table.spreads[SOUND]]
-    return Table(table.names, table.correlation, means, spreads, table.counts)
-
-
 def rank_observation(
     observation: Observation,
     known: Knowledge,
@@ -209,18 +122,20 @@ def rank_observation(
     table = with_own_causes(weights.table, known)
     doubts = (ORIGIN, *((_IGNITION_ONLY,) if ignition_only else ()))
     not_seen = missing(observation.deviations)
-    if len(observation.deviations) < LEAST or not observation.ran:
+    cranked = "crank-speed" in observation.deviations
+    least = LEAST if observation.ran or not cranked else LEAST_STANDING
+    if len(observation.deviations) < least or not (observation.ran or cranked):
         text = _TOO_LITTLE if observation.ran or not observation.deviations else _STOOD
         return Ranking(
             Verdict.CANNOT_TELL, text, (), proposals(None, observation.deviations, table, known),
             not_seen, doubts, observation.seconds,
         )  # fmt: skip
-    before = _weights_beforehand(known, table, complaint, faults)
+    before = weights_beforehand(known, table, complaint, faults)
     judged = judge(observation.deviations, table, before)
-    strange = judged.best.distance > STRANGE
+    strange = _strange(judged.best)
     causes = _ranked(judged, observation, known, weights, strange)
     verdict, text = _verdict(judged, causes, strange, not_seen)
-    if verdict is Verdict.SOUND:
+    if judged.sound >= 0.5 and verdict is not Verdict.UNKNOWN:
         causes = ()
     return Ranking(
         verdict, text, tuple(causes),
@@ -251,7 +166,7 @@ def _ranked(
             RankedCause(
                 cause.id,
                 cause.variant,
-                _likelihood(probability, strange),
+                _likelihood(probability, judged.sound, strange=strange),
                 probability,
                 cause.text,
                 cause.check,
@@ -264,21 +179,30 @@ def _ranked(
     return sorted(ranked, key=lambda cause: -cause.probability)[:MOST]
 
 
-def _likelihood(probability: float, strange: bool) -> Likelihood:
+def _likelihood(probability: float, sound: float, *, strange: bool) -> Likelihood:
     """Return the word: of a car that no hypothesis fits, none is almost certain."""
+    if sound > CLEARED:
+        return Likelihood.POSSIBLE
     if probability >= CERTAIN and not strange:
         return Likelihood.ALMOST_CERTAIN
     return Likelihood.PROBABLE if probability >= PROBABLE else Likelihood.POSSIBLE
 
 
+def _strange(fit: Fit) -> bool:
+    """Whether a hypothesis leaves unexplained what its own cars do not show."""
+    return fit.distance > FAR or fit.strangest > STRANGE
+
+
 def _verdict(
     judged: Judged, causes: Sequence[RankedCause], strange: bool, not_seen: Sequence[Text]
 ) -> tuple[Verdict, Text]:
-    if strange and judged.sound_fit.distance > STRANGE:
+    if strange and _strange(judged.sound_fit):
         return Verdict.UNKNOWN, _UNKNOWN
-    if judged.sound >= max(0.5, *(each.probability for each in causes), 0.0):
+    if judged.sound >= 0.5:
+        if DRIVING in not_seen:
+            return Verdict.CANNOT_TELL, _DRIVE_IT
         return Verdict.SOUND, _SOUND_SO_FAR if not_seen else _SOUND
-    if not causes or (causes[0].probability < 0.3 and judged.sound > 0.15):
+    if not causes or judged.sound > CLEARED:
         return Verdict.CANNOT_TELL, _UNDECIDED
     return Verdict.CAUSES, _FOUND.filled(cause=causes[0].text)
 
@@ -289,6 +213,10 @@ _SOUND: Final = Text(
 _SOUND_SO_FAR: Final = Text(
     "Nothing speaks against this engine, as far as these data show.",
     "По этим данным ничто не говорит о неисправности двигателя.",
+)
+_DRIVE_IT: Final = Text(
+    "Nothing speaks against this engine so far, but it was not driven: drive it.",
+    "Пока ничто не говорит о неисправности, но езды в данных нет: нужна поездка.",
 )
 _FOUND: Final = Text("What was seen speaks for: {cause}.", "Данные говорят за: {cause}.")
 _UNKNOWN: Final = Text(
