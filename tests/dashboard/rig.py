@@ -217,6 +217,7 @@ def rig(
         language=language,
         desktop=desktop,
         tests=tmp_path / "tests",
+        causes=tmp_path / "causes",
     )
     dashboard = Dashboard(settings, port=begin, lan=access.get("lan", False))
     dashboard.plan.request = PlanSettings(dict.fromkeys(names, 1), method, rate)

@@ -7,7 +7,7 @@ import numpy as np
 from dashboard.rig import rig
 from mikas.catalog import shipped
 from mikas.client import Passport
-from mikas.dashboard.api.library.report import _judged, _of_this_unit, _pauses
+from mikas.dashboard.api.library.report import _pauses, of_this_unit, without_other_readings
 from mikas.i18n import Text
 from mikas.recording.table.channels import Rows
 from mikas.sampling.events import Gap, LineState, Marker, StateChanged, UnitFound
@@ -21,12 +21,12 @@ ROWS = Rows(np.arange(10.0), {"TWAT": np.arange(10.0), "UACC": np.arange(10.0)})
 
 
 def test_what_is_shown_in_another_sense_is_not_judged() -> None:
-    assert set(_judged(ROWS, shipped(), "corrected").values) == {"TWAT", "UACC"}
-    assert set(_judged(ROWS, shipped(), "literal").values) == {"TWAT"}  # E2
+    assert set(without_other_readings(ROWS, shipped(), "corrected").values) == {"TWAT", "UACC"}
+    assert set(without_other_readings(ROWS, shipped(), "literal").values) == {"TWAT"}  # E2
 
 
 def _since(rows, events):
-    return _of_this_unit(rows, events)[0]
+    return of_this_unit(rows, events)[0]
 
 
 def test_the_car_before_does_not_count() -> None:
@@ -40,7 +40,7 @@ def test_the_car_before_does_not_count() -> None:
     assert changed.values["TWAT"].tolist() == [4, 5, 6, 7, 8, 9]
     twice = [unit(1.0), unit(4.0, another=True), unit(8.0, another=True)]
     assert _since(ROWS, twice).times.tolist() == [8, 9]
-    assert _of_this_unit(ROWS, twice)[1] == twice[2:]
+    assert of_this_unit(ROWS, twice)[1] == twice[2:]
 
 
 def test_a_passport_that_was_read_with_a_hole_is_no_other_car() -> None:

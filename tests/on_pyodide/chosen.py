@@ -5,7 +5,8 @@ from __future__ import annotations
 # Each part is a process of Node.
 PARTS = {
     "the API": (
-        "test_access.py", "test_api_cars.py", "test_api_channels.py", "test_api_connection.py",
+        "test_access.py", "test_api_cars.py", "test_api_causes.py", "test_api_channels.py",
+        "test_api_connection.py",
         "test_api_errors.py", "test_api_exports.py", "test_api_foreign.py",
         "test_api_guided_tests.py",
         "test_api_live.py", "test_api_marks.py", "test_api_messages.py",

@@ -105,6 +105,7 @@ def _compose() -> Dashboard:
             addresses=tuple,
             own=own,
             tests=KEPT / "tests",
+            causes=KEPT / "causes",
             made_again=_MADE_AGAIN,
         )
     )

@@ -31,6 +31,7 @@ from mikas.dashboard.api import (
 )
 from mikas.dashboard.api.library import (
     cars,
+    causes,
     dumps,
     files,
     marks,
@@ -57,7 +58,7 @@ Live data: WebSocket `/api/live?client=…`, described in docs/reference/api.md.
 
 _PARTS = (catalog, channels, connection, live, network, unit, virtual_cars,
           guided_tests, dumps, changes, recordings, files, cars, recorded,
-          marks, report, search)  # fmt: skip
+          marks, report, search, causes)  # fmt: skip
 
 # Of all applications of the process: FastAPI analyses the routes of a router when it is first asked
 # for one, which takes longer than any request.

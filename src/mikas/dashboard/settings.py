@@ -87,6 +87,8 @@ class Settings:
     own: OwnCatalog | None = None
     tests: Path | None = None
     """The folder of the user's guided tests; None: only the shipped ones."""
+    causes: Path | None = None
+    """The folder of the user's causes; None: only the shipped ones."""
     desktop: bool = False
     """Whether an icon has started the program: no terminal ends it (`mikas.dashboard.program`)."""
     made_again: Path | None = None

@@ -140,7 +140,7 @@ def show_dashboard(
     with ExitStack() as stack:
         # Imports take as long as the handshake listens.
         ahead = None if context.port is None else stack.enter_context(context.open_ahead())
-        from mikas.cli.config import own_tests
+        from mikas.cli.config import own_causes, own_tests
         from mikas.client.connecting import state_folder
         from mikas.dashboard.dashboard import Dashboard
         from mikas.dashboard.network.addresses import is_ipv6, own_addresses
@@ -173,6 +173,7 @@ def show_dashboard(
             language=requested_language(),
             own=context.own_catalog,
             tests=own_tests(),
+            causes=own_causes(),
             desktop=desktop,
             addresses=addresses,
         )

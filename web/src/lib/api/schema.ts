@@ -142,6 +142,65 @@ export interface components {
             problem: components["schemas"]["TwoTexts"] | null;
         };
         /**
+         * @description What speaks for or against a cause; `low`, `high`: what sound cars have.
+         *
+         *     `recording`: the id of the recording it is from; null: the running connection.
+         */
+        CauseEvidence: {
+            feature: string;
+            text: components["schemas"]["TwoTexts"];
+            value: number;
+            low: number;
+            high: number;
+            recording: string | null;
+            moments: components["schemas"]["CauseMoment"][];
+        };
+        /** @description A file of the user's causes that is none; line 0: the file as a whole. */
+        CauseFileError: {
+            file: string;
+            line: number;
+            text: components["schemas"]["TwoTexts"];
+        };
+        /** @description A cause. `likely`: its likelihood in words. */
+        CauseInfo: {
+            id: string;
+            variant: string;
+            likelihood: components["schemas"]["Likelihood"];
+            likely: components["schemas"]["TwoTexts"];
+            text: components["schemas"]["TwoTexts"];
+            check: components["schemas"]["TwoTexts"];
+            speaks_for: components["schemas"]["CauseEvidence"][];
+            speaks_against: components["schemas"]["CauseEvidence"][];
+        };
+        /** @description What to measure next; `guided`: `test` is the name of a guided test. */
+        CauseMeasurement: {
+            test: string;
+            guided: boolean;
+            text: components["schemas"]["TwoTexts"];
+            why: components["schemas"]["TwoTexts"];
+        };
+        /** @description A span of time in which an evidence was seen, UNIX seconds. */
+        CauseMoment: {
+            begin: number;
+            end: number;
+        };
+        /**
+         * @description The causes of one car, the likeliest first. `seconds`: of data.
+         *
+         *     `complaints`: all that can be asked for; `errors`: the wrong files of the user's folder.
+         */
+        CausesResponse: {
+            verdict: components["schemas"]["Verdict"];
+            text: components["schemas"]["TwoTexts"];
+            causes: components["schemas"]["CauseInfo"][];
+            next: components["schemas"]["CauseMeasurement"][];
+            not_seen: components["schemas"]["TwoTexts"][];
+            doubts: components["schemas"]["TwoTexts"][];
+            seconds: number;
+            complaints: components["schemas"]["ComplaintInfo"][];
+            errors: components["schemas"]["CauseFileError"][];
+        };
+        /**
          * @description How sure a finding is, from least to most.
          * @enum {string}
          */
@@ -299,6 +358,16 @@ export interface components {
             slept: boolean;
             before: number;
             after: number;
+            text: components["schemas"]["TwoTexts"];
+        };
+        /**
+         * @description What an owner says of the car.
+         * @enum {string}
+         */
+        Complaint: "idles-high" | "hunts" | "no-start" | "no-power" | "knocks" | "overheats" | "thirsty" | "battery";
+        /** @description A complaint that an owner may have. */
+        ComplaintInfo: {
+            name: components["schemas"]["Complaint"];
             text: components["schemas"]["TwoTexts"];
         };
         /**
@@ -638,6 +707,11 @@ export interface components {
          * @enum {string}
          */
         Level: "none" | "warning" | "danger";
+        /**
+         * @description How likely a cause is, in words. The figures behind them: docs/development/causes.md.
+         * @enum {string}
+         */
+        Likelihood: "almost-certain" | "probable" | "possible";
         /**
          * @description The state of the line to the ECU, from worst to best.
          * @enum {string}
@@ -1409,6 +1483,11 @@ export interface components {
             unit: string;
             raw: string;
         };
+        /**
+         * @description What the values say in all. `UNKNOWN`: something is off that no known cause explains.
+         * @enum {string}
+         */
+        Verdict: "sound" | "causes" | "cannot-tell" | "unknown";
         /**
          * @description The kind of a verdict, in order of weight: a later one outweighs an earlier.
          * @enum {string}

@@ -111,12 +111,12 @@ def _of_connection(dashboard: Dashboard) -> Findings:
     with monitor.lock:
         unit, method, errors_ = monitor.unit, monitor.method or "", monitor.meters.errors
         events = monitor.logged
-    rows, events = _of_this_unit(dashboard.history.rows(MINUTES * 60), events)
+    rows, events = of_this_unit(dashboard.history.rows(MINUTES * 60), events)
     if unit is None and not len(rows.times):
         raise NotConnected
     later = dashboard.session.later
     rows, events = Rows(rows.times + later, rows.values), [it.moved(later) for it in events]
-    rows = _judged(rows, catalog, dashboard.settings.connection.interpretation)
+    rows = without_other_readings(rows, catalog, dashboard.settings.connection.interpretation)
     measuring = MeasurementCollector(catalog, rows.values, events)
     measuring.add(rows)
     stored, measured = dashboard.fault_history.latest, measuring.measured
@@ -159,7 +159,7 @@ def _appeared(dashboard: Dashboard) -> Iterator[AppearedFault]:
         yield AppearedFault(code, before, read, frame)
 
 
-def _of_this_unit(rows: Rows, events: list[Event]) -> tuple[Rows, list[Event]]:
+def of_this_unit(rows: Rows, events: list[Event]) -> tuple[Rows, list[Event]]:
     """Return those since the present unit was first found, without those of another car."""
     others = [n for n, it in enumerate(events) if isinstance(it, UnitFound) and it.another]
     if not others:
@@ -168,7 +168,7 @@ def _of_this_unit(rows: Rows, events: list[Event]) -> tuple[Rows, list[Event]]:
     return rows.part(slice(bisect_left(rows.times, events[0].time), None)), events
 
 
-def _judged(rows: Rows, catalog: Catalog, interpretation: str) -> Rows:
+def without_other_readings(rows: Rows, catalog: Catalog, interpretation: str) -> Rows:
     """Return the rows without channels whose interpretation differs from their reference's."""
     other = _otherwise_read(catalog, interpretation)
     return Rows(rows.times, {n: column for n, column in rows.values.items() if n not in other})

@@ -1,0 +1,67 @@
+"""The causes through the API: of the running connection, of recordings, and what is refused."""
+
+from __future__ import annotations
+
+from dashboard.recordings_rig import record
+from dashboard.rig import rig
+
+LEAK = "&scenario=warm-idle&car=leak:9"
+OWN = """\
+id = "gremlin"
+[text]
+en = "A gremlin"
+[check]
+en = "Look for it."
+[effects]
+nonsense = 5
+"""
+
+
+def test_a_recording_has_its_causes_with_moments_and_the_next_measurement(tmp_path):
+    folder = tmp_path / "recordings"
+    folder.mkdir()
+    record(folder / "leak.pcapng", LEAK, count=2500)
+    record(folder / "unread.pcapng", count=20).write_bytes(b"no capture")
+    with rig(tmp_path, None) as it:
+        found = it.get("/recordings/leak.pcapng/causes", complaint="idles-high")
+        assert found["verdict"] == "causes"
+        first = found["causes"][0]
+        assert (first["id"], first["likely"]["en"][:6]) == ("leak", "almost")
+        evidence = first["speaks_for"][0]
+        assert evidence["recording"] == "leak.pcapng"
+        rows = it.get("/recordings/leak.pcapng/rows", names="FREQ")["times"]
+        assert all(rows[0] <= m["begin"] <= m["end"] <= rows[-1] for m in evidence["moments"])
+        assert {"test", "guided", "text", "why"} == found["next"][0].keys()
+        assert len(found["complaints"]) == 8
+        twice = it.get(
+            "/recordings/leak.pcapng/causes?with=leak.pcapng&with=leak.pcapng", complaint="hunts"
+        )
+        assert twice["seconds"] == found["seconds"]
+        it.get("/recordings/none.pcapng/causes", 404)
+        it.get("/recordings/unread.pcapng/causes", 400)
+        it.get("/recordings/leak.pcapng/causes", 400, complaint="nonsense")
+
+
+def test_of_the_connected_car_too_little_says_what_is_missing(tmp_path):
+    with rig(tmp_path, "sim:?scenario=warm-idle") as it:
+        it.until(lambda now: now["state"]["line"] == "sampling")
+        found = it.get("/causes")
+        assert found["verdict"] in ("cannot-tell", "sound")
+        assert found["not_seen"]
+        assert found["doubts"]
+
+
+def test_without_a_connection_there_are_no_causes(tmp_path):
+    with rig(tmp_path, None) as it:
+        it.get("/causes", 503)
+
+
+def test_a_wrong_file_of_one_s_own_is_reported_with_its_line(tmp_path):
+    folder = tmp_path / "causes"
+    folder.mkdir()
+    (folder / "gremlin.toml").write_text(OWN, "utf-8")
+    with rig(tmp_path, "sim:?scenario=warm-idle") as it:
+        it.until(lambda now: now["state"]["line"] == "sampling")
+        (error,) = it.get("/causes")["errors"]
+        assert error["file"].endswith("gremlin.toml")
+        assert error["line"] == 7
