@@ -57,6 +57,14 @@ def test_the_virtual_car_is_offered_where_it_stays(off, visitor):
     expect(car).to_be_visible()
 
 
+def test_the_virtual_car_leads_to_its_gauges(own, visitor):
+    tab = visitor(own.url).show("connection")
+    tab.press("Disconnect")
+    tab.press("Start the virtual car")
+    expect(tab.find('nav a[data-screen="live"]')).to_have_attribute("aria-current", "page")
+    expect(tab.value("FREQ")).to_be_visible()
+
+
 @pytest.mark.parametrize(
     ("port", "said", "line"),
     [

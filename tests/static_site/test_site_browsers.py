@@ -88,7 +88,8 @@ def test_without_web_serial_the_virtual_car_works(lacking):
     has_no_violations(tab, "serial")
     tab.press("Start the virtual car")
     tab.is_line("sampling")
-    tab.press("Русский")
+    expect(tab.value("FREQ")).to_be_visible()  # it leads to the gauges
+    tab.show("connection").press("Русский")
     tab.says("Этот браузер не умеет работать с кабелем")
 
 

@@ -1,4 +1,7 @@
-"""What ends a recording in the middle: it is listed on return, and at most a second is missing."""
+"""What ends a recording in the middle: it is listed on return, and at most a second is missing.
+
+The next page says so, connects to the car without a click, and offers to go on.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +12,7 @@ from contextlib import suppress
 from pathlib import Path
 
 import pytest
+from playwright.sync_api import expect
 
 from browser.chromium_rig import FLAGS
 from browser.rig import UNTIL, gaps_of
@@ -36,7 +40,14 @@ def is_kept(tab: SiteTab, long: float) -> None:
     # Faults and methods are read at its beginning, on a loaded machine for more than a second.
     assert latest["gaps"] <= 1
     assert latest["length"] > long - MISSING
-    tab.connect()
+
+
+def comes_back(tab: SiteTab, long: float) -> None:
+    """The next page says what was cut short, and is on the car again by itself."""
+    is_kept(tab, long)
+    tab.says(f"{tab.recordings()[0]['id']} is kept; at most its last second is missing")
+    tab.is_line("sampling")
+    tab.press("Close", exact=True)
 
 
 def renderers(browser) -> set[int]:
@@ -65,21 +76,39 @@ def kill_renderers(browser) -> None:
 
 def test_a_reload_amid_a_recording_asks_first(tab, recording):
     asked = []
-    tab.page.on("dialog", lambda dialog: (asked.append(dialog.type), dialog.accept()))
+    tab.page.once("dialog", lambda dialog: (asked.append(dialog.type), dialog.accept()))
     long = tab.recorded(recording)
     tab.again()
     assert asked == ["beforeunload"]
-    is_kept(tab, long)
+    comes_back(tab, long)
+
+
+def test_a_recording_that_was_cut_short_can_be_continued(tab, recording):
+    before = {it["id"] for it in tab.recordings()}
+    tab.page.once("dialog", lambda dialog: dialog.accept())
+    tab.again().press("Continue", exact=True)
+    tab.is_line("recording")
+    assert len({it["id"] for it in tab.recordings()} - before) == 1
+    tab.stop_recording()
+    tab.again().is_line("off")  # nothing was cut short
+    expect(tab.button("Continue", exact=True)).to_have_count(0)
+
+
+def test_what_was_recorded_is_opened_with_one_touch(tab, recording):
+    tab.stop_recording()
+    tab.find(".toast", has_text="Recording saved").get_by_role("button", name="Open").click()
+    expect(tab.page.get_by_role("region", name="Player")).to_contain_text(tab.recordings()[0]["id"])
+    tab.find("header[data-shown]").get_by_role("button", name="Back to live").click()
 
 
 def test_a_closed_tab_loses_nothing_recorded(tab, recording):
-    is_kept(tab.renew(), recording)
+    comes_back(tab.renew(), recording)
 
 
 def test_a_page_whose_process_is_killed_loses_nothing_recorded(tab, recording, chromium):
     with tab.page.expect_event("crash"):
         kill_renderers(chromium)
-    is_kept(tab.renew(), recording)
+    comes_back(tab.renew(), recording)
 
 
 def test_an_adapter_that_is_pulled_amid_a_recording_leaves_one_gap(tab, car, recording):
@@ -123,7 +152,10 @@ def test_a_killed_browser_loses_nothing_recorded(
     with killed.expect_event("close"):
         kill(*of_profile(tmp_path))
     with start() as context, site_tab(context, site.url) as again:
+        # The browser may not have stored yet that it was recording: both happen.
+        context.add_init_script("localStorage.removeItem('mikas.recording.amid')")
         is_kept(again.open(), long)
+        again.connect()
 
 
 def of_profile(folder) -> list[int]:

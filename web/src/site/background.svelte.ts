@@ -1,6 +1,7 @@
 // What goes on beside the screens as long as the page is open.
 import type { Stores } from "../stores";
 import { t } from "./notices/messages";
+import { interrupted } from "./interrupted";
 import { storage } from "./notices/storage.svelte";
 import { updates } from "./offline/updates.svelte";
 import type { Program } from "./program/program";
@@ -20,6 +21,9 @@ export function background(program: Program, stores: Stores): void {
     const recording = $derived(live.state?.recording?.file ?? null);
     const catalog = $derived(live.state?.catalog ?? null);
     $effect(() => program.follow({ recording, catalog }));
+
+    // Who can't keep the recording has nothing to come back to.
+    $effect(() => void (live.state && storage.kept && interrupted.follow(live.state, Date.now())));
 
     const line = $derived(live.state?.line);
     $effect(() => void (program.lineIsFree = line === "off"));

@@ -2,6 +2,7 @@
 import { mount } from "svelte";
 import { background } from "./background.svelte";
 import { answerDownloads } from "./offline/downloads";
+import { interrupted } from "./interrupted";
 import { updates } from "./offline/updates.svelte";
 import App from "../App.svelte";
 import "../styles/tokens.css";
@@ -45,6 +46,8 @@ export function run(program: Program, owner: Owner, target: Element): void {
   // A recording ends with the tab: ask before.
   window.addEventListener("beforeunload", (event) => state()?.recording && event.preventDefault());
   void storage.look().then(() => storage.kept || (host.words = { ...words, kept: unkept }));
+  const usual = live.onfirst;
+  live.onfirst = (first) => void (interrupted.began(stores) || usual(first));
   findAdapters();
   answerDownloads(program.fetch, stores);
   void updates.watch(live);

@@ -14,6 +14,7 @@ const t = dictionary({
   allValues: { en: "Record all values", ru: "Записывать всё" },
   everythingNow: { en: "All values are recorded now", ru: "Теперь записываются все величины" },
   stopped: { en: "Recording saved: {file}", ru: "Запись сохранена: {file}" },
+  open: { en: "Open", ru: "Открыть" },
   lost: { en: "Nothing can be recorded: the program does not answer", ru: "Записать нельзя: программа не отвечает" },
   view: {
     en: "This page may only view; recordings are started at the computer with the cable",
@@ -31,10 +32,13 @@ const STARTED = "RecordingStarted";
 /** Code of the toast that says why none can be started. */
 const REFUSED = "RecordingRefused";
 
+/** ms for which a message with an offer is shown. */
+const OFFER_MS = 12_000;
+
 export class RecordingControl {
   busy = $state(false);
 
-  constructor(private readonly app: Pick<Stores, "api" | "catalog" | "live" | "subscriptions" | "carDetails" | "toasts">) {}
+  constructor(private readonly app: Pick<Stores, "api" | "catalog" | "live" | "subscriptions" | "carDetails" | "toasts" | "recordings">) {}
 
   /** Why no recording can be started now, in words; null: it can. */
   get refusal(): string | null {
@@ -61,10 +65,13 @@ export class RecordingControl {
     }
   }
 
-  /** Announce that a recording has ended and is stored. */
+  /** Announce that a recording has ended and is stored, and offer to open it. */
   announceSaved(file: string): void {
     this.app.toasts.dismiss(new Set([STARTED]));
-    this.app.toasts.success(() => t("stopped", { file }));
+    this.app.toasts.success(() => t("stopped", { file }), {
+      duration: OFFER_MS,
+      action: { text: () => t("open"), run: () => void this.app.recordings.show(file) },
+    });
   }
 
   /** Everything is recorded, unless a script has reduced the plan: say so then, and offer to record all. */
@@ -74,7 +81,7 @@ export class RecordingControl {
     const [sampled, all] = [supported.filter((name) => wanted.has(name)).length, supported.length];
     if (sampled === all) return this.app.toasts.success(() => t("startedAll", { file }));
     this.app.toasts.success(() => t("started", { file, sampled, all }), {
-      duration: 12_000,
+      duration: OFFER_MS,
       code: STARTED,
       action: { text: () => t("allValues"), run: () => void this.recordAll() },
     });

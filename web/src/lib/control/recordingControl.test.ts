@@ -1,9 +1,9 @@
-import { expect, it } from "vitest";
+import { expect, it, vi } from "vitest";
 import type { State } from "../api/types";
 import { served } from "../platform/host";
 import { Stores } from "../../stores";
 
-const { live, recordingControl } = new Stores(served);
+const { live, recordingControl, recordings, toasts } = new Stores(served);
 
 it("a recording can be asked for as soon as the port is being opened, and not while there is none", () => {
   live.link = "open";
@@ -18,4 +18,13 @@ it("a recording can be asked for as soon as the port is being opened, and not wh
     true,
     true,
   ]);
+});
+
+it("a recording that has ended can be opened at once", () => {
+  const show = vi.spyOn(recordings, "show").mockResolvedValue();
+  recordingControl.announceSaved("drive.pcapng");
+  const { text, action } = toasts.shown.at(-1)!;
+  expect([text(), action?.text()]).toEqual(["Recording saved: drive.pcapng", "Open"]);
+  action!.run();
+  expect(show).toHaveBeenCalledWith("drive.pcapng");
 });

@@ -28,7 +28,7 @@ export class ConnectionStore {
   /** The port being connected to; "" for the most likely one. */
   wanted = $state<string | null>(null);
   /** Disconnecting or connecting elsewhere would end this recording and has to be confirmed. Without `port`: disconnect. */
-  leaving = $state.raw<{ file: string; port?: string | null } | null>(null);
+  leaving = $state.raw<{ file: string; port?: string | null; driven?: boolean } | null>(null);
 
   steps = $state.raw<DoctorStep[]>([]);
   readonly check = new ApiRequest<void>();
@@ -38,7 +38,7 @@ export class ConnectionStore {
   /** When the check began, in seconds of this computer. */
   checkedAt = $state(0);
 
-  constructor(private readonly app: Pick<Stores, "api" | "host" | "live" | "recordingControl">) {}
+  constructor(private readonly app: Pick<Stores, "api" | "host" | "live" | "recordingControl" | "route">) {}
 
   /** The port that is or was checked, as the program says. */
   get checkedPort(): string | null {
@@ -76,9 +76,19 @@ export class ConnectionStore {
 
   /** Connect, or disconnect without a port. A recording of another port would end: ask first. */
   async connect(port?: string | null): Promise<void> {
+    await this.change(port, false);
+  }
+
+  /** Start a virtual car, and show its gauges. */
+  async drive(car: string): Promise<void> {
+    await this.change(car, true);
+  }
+
+  /** `driven`: the gauges are shown then. */
+  private async change(port: string | null | undefined, driven: boolean): Promise<void> {
     const file = this.recorded;
-    if (file && port !== this.app.live.state?.port) this.leaving = { file, port };
-    else await this.turnTo(port);
+    if (file && port !== this.app.live.state?.port) this.leaving = { file, port, driven };
+    else if ((await this.turnTo(port)) && driven) this.app.route.go("live");
   }
 
   /** The confirmation was given. */
@@ -86,7 +96,9 @@ export class ConnectionStore {
     const left = this.leaving;
     if (!left) return;
     this.leaving = null;
-    if (await this.turnTo(left.port)) this.app.recordingControl.announceSaved(left.file);
+    if (!(await this.turnTo(left.port))) return;
+    this.app.recordingControl.announceSaved(left.file);
+    if (left.driven) this.app.route.go("live");
   }
 
   private async turnTo(port?: string | null): Promise<boolean> {

@@ -55,7 +55,9 @@ export class RecordingStore {
     this.opened = id;
     this.opening.reset();
     await this.opening.run(() => player.open(id));
-    if (!this.opening.error && player.detail?.id === id) route.go("live");
+    // Only this screen shows why it can't be opened.
+    if (this.opening.error) route.go("recordings");
+    else if (player.detail?.id === id) route.go("live");
   }
 
   /** Mark a recording as a reference, or remove its mark. */
