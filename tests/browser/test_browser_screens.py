@@ -6,13 +6,13 @@ build/screenshots or `MIKAS_SCREENSHOTS`.
 from __future__ import annotations
 
 import os
-import re
 from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
 from playwright.sync_api import expect
 
+from actions.screens import each_opened
 from browser.rig import SCREENS
 
 THERE = {  # what a screen shows once it has what it shows
@@ -82,62 +82,6 @@ def test_axe_has_nothing_against_any_screen(lived_in, visitor, theme):
     assert findings == {}
 
 
-def further(tab):
-    """Open the views, sheets and menus that no screen shows at first; yield the name of each."""
-    press, page = tab.press, tab.page
-    tab.show("live")
-    press("Edit", exact=True)
-    yield "live-editing"
-    press("Add…")
-    yield "live-add"
-    page.keyboard.press("Escape")
-    press("Cancel", exact=True)
-    press("Big numbers")
-    yield "live-big"
-    press("Values of the big numbers…")
-    yield "live-big-values"
-    page.keyboard.press("Escape")
-    press("All tiles")
-    tab.find('[data-opens="TWAT"]').first.click()
-    yield "live-card"
-    page.keyboard.press("Escape")
-    page.keyboard.press("?")
-    yield "keys"
-    page.keyboard.press("Escape")
-    tab.show("chart")
-    for name in ("Traces…", "Find…"):
-        press(name)
-        yield f"chart-{name.lower().rstrip('…')}"
-        page.keyboard.press("Escape")
-    for name in ("Statistics…", "Markers…", "Image…"):
-        press("More tools")
-        if name == "Statistics…":
-            yield "chart-menu"
-        tab.find("#screen .menu li").get_by_role("button", name=name).click()
-        yield f"chart-{name.lower().rstrip('…')}"
-        page.keyboard.press("Escape")
-    for view in ("scatter", "table"):
-        page.get_by_role("tab", name=view.capitalize()).click()
-        expect(tab.find("#screen .small").first).to_be_visible()
-        yield f"chart-{view}"
-    tab.show("faults")
-    press("Erase…")
-    expect(page.get_by_role("dialog")).to_contain_text("17")
-    yield "faults-erase"
-    page.keyboard.press("Escape")
-    tab.show("tests")
-    tab.find("[data-test=idle]").get_by_role("button", name="Start").click()
-    expect(tab.find(".todo")).to_be_visible()
-    yield "tests-running"
-    press("End the test")
-    tab.show("recordings")
-    for name in ("Export ", "Compare ", "Car details of ", "Delete "):
-        page.get_by_label(re.compile(f"^{name}")).first.click()
-        expect(page.get_by_role("dialog")).to_be_visible()
-        yield f"recordings-{name.split()[0].lower()}"
-        page.keyboard.press("Escape")
-
-
 @pytest.mark.parametrize("theme", ["light", "dark"])
 def test_axe_has_nothing_against_sheets_and_views(lived_in, visitor, theme):
     lived_in.nobody_controls()
@@ -146,7 +90,7 @@ def test_axe_has_nothing_against_sheets_and_views(lived_in, visitor, theme):
     expect(tab.value("TWAT")).to_be_visible()
     tab.page.evaluate(AXE.read_text("utf-8"))
     findings = {}
-    for name in further(tab):
+    for name in each_opened(tab):
         findings |= violations(tab, name)
         tab.page.screenshot(
             path=PICTURES / f"{name}-en-{'day' if theme == 'light' else 'night'}.png"
