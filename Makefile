@@ -13,7 +13,7 @@ venv_python := .venv/bin/python
 $(shell [ -x $(venv_python) ] && [ "$$(cat .venv/installed 2>/dev/null)" = "$$(pwd -P)" ] || rm -f .venv/installed)
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test newest unlocked notebooks fleet docs site page package browser cable hour fuzz soak check bench audit sbom lock clean
+.PHONY: help demo test newest unlocked notebooks fleet docs site page package browser cable hour fuzz soak check bench causes audit sbom lock clean
 
 # What was compiled is kept: each worker of the tests, and each program that they start, would compile all again.
 unexport PYTHONDONTWRITEBYTECODE
@@ -114,8 +114,20 @@ check: .venv/with-check web/node_modules/installed build/docs/index.html ## lint
 	@$(npm) run check
 	@$(venv_python) -m tools.docs.check
 
+# Themes may follow: make bench causes
+themes := $(filter-out bench,$(MAKECMDGOALS))
+
 bench: .venv/with-test ## rates, times, memory, kills and full disks against their targets, into docs/development/benchmarks.md: an hour
-	@$(venv_python) -m bench
+	@$(venv_python) -m bench $(themes)
+
+ifeq ($(filter bench,$(MAKECMDGOALS)),)
+causes: .venv/with-test ## simulate cars with known defects, weigh what speaks for each cause: src/mikas/causes/weights, an hour
+	@$(venv_python) -m tools.causes
+else
+.PHONY: $(themes)
+$(themes): bench
+	@:
+endif
 
 # Exchanges and seed of the campaign; a hundred thousand take a minute or two: make soak EXCHANGES=100000 SEED=2
 EXCHANGES ?= 1000000

@@ -18,6 +18,7 @@ from pathlib import Path
 from bench import russian
 from bench.rows import Scope
 from bench.themes import (
+    causes,
     cpu,
     crash,
     dash,
@@ -47,6 +48,7 @@ THEMES = {
     "viewers": viewers,
     "dissectors": dissectors,
     "site": static_site,
+    "causes": causes,
     "crash": crash,
     "hostile": hostile,
 }

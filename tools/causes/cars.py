@@ -49,7 +49,7 @@ class Car:
     """A car in its drive. `defects`: amounts by the names of defects; none: sound."""
 
     seed: int
-    drive: str  # "mixed", "idle", "warm-up", "stand"
+    drive: str  # "mixed", "whole" (begins with a start), "idle", "warm-up"
     defects: Mapping[str, float] = field(default_factory=dict)
 
 
@@ -106,6 +106,8 @@ def drive_of(kind: str, random: Random) -> tuple[ScenarioTimeline, Start]:
         return _timeline(600.0, key, random.uniform(2, 5), consumers, [(0, 0.0)]), start
     turn = random.random()
     begin, starter = 0.0, 0.0
+    if kind == "whole":  # with the start of the engine
+        turn *= 0.75
     if turn < 0.45:
         start = Start(ambient=ambient, coolant=ambient, coolant_at_start=ambient)
     elif turn < 0.75:
@@ -232,9 +234,9 @@ def _decoded(parameter: Parameter, raw: NDArray[np.uint8]) -> list[float]:
 
 def training_cars() -> list[Car]:
     """Return the cars for weighing: sound ones, and each defect at many amounts."""
-    cars = [Car(seed, _kind(seed)) for seed in range(210)]
+    cars = [Car(seed, _kind(seed)) for seed in range(460)]
     for number, defect in enumerate(BY_NAME):
-        for index in range(26):
+        for index in range(38):
             seed = 10_000 + number * 1000 + index
             random = Random(f"{seed} amount")
             amount = random.uniform(0.4, 1.1) if index % 3 else random.uniform(1.0, 1.8)
@@ -242,14 +244,34 @@ def training_cars() -> list[Car]:
     return cars
 
 
-def test_cars(share: float, drive: str, each: int, offset: int) -> list[Car]:
-    """Return cars for measuring, of seeds that are not used for weighing."""
+def measured_cars(drive: str, each: int, first: int, share: float = 1.0) -> list[Car]:
+    """Return `each` cars of every defect at about `share` of a noticeable amount.
+
+    `first`: the lowest of their seeds, none of which is used for weighing.
+    """
     cars = []
     for number, defect in enumerate(BY_NAME):
         for index in range(each):
-            seed = 500_000 + offset * 50_000 + number * 1000 + index
+            seed = first + number * 1000 + index
             amount = share * Random(f"{seed} amount").uniform(0.9, 1.15)
             cars.append(Car(seed, drive, {defect: round(amount, 3)}))
+    return cars
+
+
+def sound_cars(count: int, first: int = 900_000) -> list[Car]:
+    """Return sound cars, of seeds that are not used for weighing."""
+    return [Car(seed, "whole") for seed in range(first, first + count)]
+
+
+def pairs_of_defects(count: int, first: int = 800_000) -> list[Car]:
+    """Return cars with two defects of different keys, each noticeable."""
+    cars = []
+    for seed in range(first, first + count):
+        random = Random(f"{seed} pair")
+        one, other = random.sample(sorted(BY_NAME), 2)
+        while BY_NAME[one].key == BY_NAME[other].key:
+            other = random.choice(sorted(BY_NAME))
+        cars.append(Car(seed, "whole", {one: 1.0, other: 1.0}))
     return cars
 
 

@@ -21,16 +21,18 @@ KNOWN: Final = load()
 Floats = NDArray[np.float64]
 
 FEWEST: Final = 12  # cars that a mean at a knot is made of, with those of its neighbours
-TIGHT: Final = 0.6  # of a sound car's spread: residuals of few cars are not believed to be less
+TIGHT: Final = 1.0  # of a sound car's spread: residuals of few cars are not believed to be less
 SURE: Final = 16.0  # of a chi-square with four degrees of freedom
 STEPS: Final = {
     # the least that a feature can differ by, where all sound cars show the same
     "rest-air": 0.15, "stalls": 0.4, "no-air": 0.5, "hidden-throttle": 0.5, "throttle-jumps": 0.5,
     "least-throttle": 0.5, "idle-throttle": 0.5, "flat-top": 0.15, "knock": 0.5, "retard": 0.15,
     "most-retard": 1.0, "valve-lag": 1.5, "voltage-idle": 0.1, "voltage-driven": 0.1,
-    "voltage-driven-high": 0.1, "idle-speed": 10.0, "idle-advance": 0.5, "trim-idle": 2.0,
-    "trim-light": 2.0, "trim-heavy": 2.0, "trim-difference": 2.0, "coolant-driven": 1.0,
-    "coolant-most": 1.0, "coolant-drop": 1.0,
+    "voltage-driven-high": 0.1, "idle-speed": 10.0, "idle-hunting": 15.0,
+    "cold-idle-hunting": 20.0, "idle-advance": 0.5, "trim-idle": 2.0, "trim-light": 2.0,
+    "trim-heavy": 2.0, "trim-difference": 2.0, "coolant-driven": 1.0, "coolant-most": 1.0,
+    "coolant-range": 1.0, "coolant-rise": 1.0, "voltage-driven-spread": 0.1, "voltage-fall": 0.1,
+    "coolant-drop": 1.0,
 }  # fmt: skip
 
 

@@ -505,7 +505,7 @@ def _cooling_by_wind(view: View) -> Seen | None:
     """How far the coolant falls again after it was warm, driven."""
     rows = _plateau_rows(view)
     values = view.values("TWAT", rows)
-    if view.seconds(rows) < 100:
+    if view.seconds(rows) < 100 or view.seconds(_driven(view)) < 60:
         return None
     return view.seen(max(values) - quantile(values, 0.03), rows)
 
@@ -524,7 +524,7 @@ def _rise_at_idle(view: View) -> Seen | None:
 def _evenness(view: View) -> Seen | None:
     """The range of the coolant once it is warm."""
     values = view.values("TWAT", _plateau_rows(view))
-    if len(values) < 200:
+    if len(values) < 200 or view.seconds(_driven(view)) < 60:
         return None
     return view.seen(quantile(values, 0.95) - quantile(values, 0.05), _plateau_rows(view))
 
@@ -578,7 +578,6 @@ FEATURES: Final = (
     Feature("crank-turns", _crank_turns, "coolant"),
     Feature("stalls", _stalls),
     Feature("voltage-idle", _middle("UACC", "idle", 6)),
-    Feature("voltage-idle-low", _middle("UACC", "idle", 6, 0.05)),
     Feature("voltage-cold-idle", _middle("UACC", "cold", 6)),
     Feature("voltage-driven", _charging_fast),
     Feature("voltage-driven-high", _charging_most),

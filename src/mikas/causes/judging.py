@@ -11,7 +11,7 @@ from typing import Final
 from mikas.causes.knowledge import Complaint, Knowledge
 from mikas.causes.model import GRID, KNOTS, SOUND, Fit, Model, Table, log_sum, squeezed
 
-BEFORE_SOUND: Final = 0.75  # of a car about which nothing is known
+BEFORE_SOUND: Final = 0.85  # of a car about which nothing is known
 BEFORE_TWO: Final = 0.01  # of two causes at once
 COMPLAINED: Final = 4.0  # times as likely, if the complaint is of this cause
 STORED: Final = 8.0  # times as likely, with such a fault stored

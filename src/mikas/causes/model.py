@@ -15,7 +15,7 @@ from typing import Final
 KNOTS: Final = (0.45, 0.8, 1.2, 1.8)
 """Amounts, in noticeable ones, at which the tables have means."""
 
-GRID: Final = (0.3, 0.45, 0.62, 0.8, 1.0, 1.2, 1.5, 1.8)
+GRID: Final = (0.45, 0.62, 0.8, 1.0, 1.2, 1.5, 1.8)
 SOUND: Final = "sound"
 FREEDOM: Final = 14.0  # degrees of freedom: far tails, since the world differs from the table
 WEIGHT: Final = 2.0
@@ -47,6 +47,7 @@ class Fit:
     amounts: tuple[float, ...]
     likelihood: float  # logarithm
     distance: float
+    count: int  # of features
     strangest: float  # the largest deviation that is left, in the hypothesis' spreads
 
 
@@ -101,7 +102,7 @@ class Model:
         likelihood = -0.5 * (FREEDOM + count) * log(1 + squares / FREEDOM)
         likelihood -= sum(log(width) for width in spread)
         strangest = max((abs(each) for each in off), default=0.0)
-        return Fit(causes, amounts, likelihood, squares / max(1, count), strangest)
+        return Fit(causes, amounts, likelihood, squares / max(1, count), count, strangest)
 
 
 def _cholesky(matrix: Sequence[Row]) -> list[list[float]]:

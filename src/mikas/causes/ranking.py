@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
+from math import sqrt
 from typing import Final
 
 from mikas.causes.evidence import Explained, evidence_of
@@ -31,15 +32,15 @@ from mikas.causes.samples import Samples
 from mikas.causes.weights import Weights, shipped
 from mikas.i18n import Text
 
-CERTAIN: Final = 0.985
+CERTAIN: Final = 0.995
 PROBABLE: Final = 0.55
 POSSIBLE: Final = 0.06
 MOST: Final = 5
-FAR: Final = 1.7  # squared distance a feature, from which a hypothesis does not fit
+FAR: Final = 5.0  # standard errors of the squared distance, from which a hypothesis does not fit
 STRANGE: Final = 4.4  # spreads that one feature is off, likewise
 LEAST: Final = 9  # features; with fewer nothing is said
 LEAST_STANDING: Final = 4  # of an engine that was cranked and did not run
-CLEARED: Final = 0.02  # of sound; above it no cause is named as found
+CLEARED: Final = 0.01  # of sound; above it no cause is named as found
 
 
 @dataclass(frozen=True, slots=True)
@@ -190,7 +191,7 @@ def _likelihood(probability: float, sound: float, *, strange: bool) -> Likelihoo
 
 def _strange(fit: Fit) -> bool:
     """Whether a hypothesis leaves unexplained what its own cars do not show."""
-    return fit.distance > FAR or fit.strangest > STRANGE
+    return fit.distance > 1 + FAR / sqrt(max(1, fit.count)) or fit.strangest > STRANGE
 
 
 def _verdict(
