@@ -33,8 +33,8 @@ from mikas.link.ports import Port
 from mikas.link.virtual import RealTimeVirtualLink
 
 SCREENS = (
-    "live", "chart", "faults", "tests", "passport", "memory", "recordings", "report",
-    "connection",
+    "live", "chart", "faults", "tests", "causes", "passport", "memory", "recordings",
+    "report", "connection",
 )  # fmt: skip
 FT232 = Port("/dev/ttyUSB7", "FT232R USB UART (FTDI)", "FT232R", likely=True)
 CAR = """\

@@ -20,6 +20,7 @@ THERE = {  # what a screen shows once it has what it shows
     "chart": ".panes canvas",
     "faults": "ol.cards article",
     "tests": "[data-test]",
+    "causes": "[data-verdict]",
     "passport": "dl, table",
     "memory": '[role="grid"]',
     "recordings": "tbody tr",

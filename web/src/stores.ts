@@ -32,6 +32,7 @@ import { Reference } from "./screens/chart/time/reference/reference.svelte";
 import { ChartMoves } from "./screens/chart/time/shortcuts";
 import { TraceDrag } from "./screens/chart/time/traceDrag.svelte";
 import { View } from "./screens/chart/time/view.svelte";
+import { CauseStore } from "./screens/causes/store.svelte";
 import { ConnectionStore } from "./screens/connection/store.svelte";
 import { FaultStore } from "./screens/faults/store.svelte";
 import { Big } from "./screens/live/big/big.svelte";
@@ -89,6 +90,7 @@ export class Stores extends OnHost {
   readonly faults = new FaultStore(this);
   readonly tests = new Tests(this);
   readonly recorded = new RecordedTests(this.api);
+  readonly causes = new CauseStore(this);
   readonly passports = new PassportStore(this);
   readonly memory = new MemoryStore(this.api);
   readonly recordings = new RecordingStore(this);

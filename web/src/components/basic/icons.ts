@@ -4,6 +4,7 @@ export const icons = {
   chart: "M3 4v16h18M6 15l4-5 4 3 6-8",
   faults: "M12 4 2.8 19.5h18.4ZM12 10v4.5M12 17v.4",
   tests: "M9 3h6v3H9ZM9 4.5H6V21h12V4.5h-3M9 13l2 2 4-4",
+  causes: "M12 3.5a8.5 8.5 0 1 0 0 17 8.5 8.5 0 0 0 0-17ZM12 8v4l3 3M12 3.5v-2M12 22.5v-2M3.5 12h-2M22.5 12h-2",
   passport: "M4 5h16v14H4ZM8 9h4M8 12h8M8 15h8",
   memory: "M7 7h10v10H7ZM10 3v4M14 3v4M10 17v4M14 17v4M3 10h4M3 14h4M17 10h4M17 14h4",
   recordings: "M4 6h16M4 12h16M4 18h9",

@@ -45,6 +45,11 @@ export type TestVerdict = Schemas["TestVerdict"];
 export type RecordedTest = Schemas["RecordedTest"];
 export type TestCurve = Schemas["TestCurve"];
 
+export type Causes = Schemas["CausesResponse"];
+export type Cause = Schemas["CauseInfo"];
+export type CauseEvidence = Schemas["CauseEvidence"];
+export type Complaint = Schemas["ComplaintInfo"]["name"];
+
 export type Fault = Schemas["StoredFault"];
 export type FreezeFrame = Schemas["FreezeFrameInfo"];
 export type FreezeFrames = Schemas["FreezeFramesResponse"];

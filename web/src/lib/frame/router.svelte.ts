@@ -1,7 +1,7 @@
 // The current screen from the URL: `#/recordings/NAME` is screen "recordings" with rest ["NAME"]. In the hash, so that the server serves
 // one page and Back works.
 
-const SCREENS = ["live", "chart", "faults", "tests", "passport", "memory", "recordings", "report", "connection"] as const;
+const SCREENS = ["live", "chart", "faults", "tests", "causes", "passport", "memory", "recordings", "report", "connection"] as const;
 
 export type ScreenName = (typeof SCREENS)[number];
 

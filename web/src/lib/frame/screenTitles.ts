@@ -7,6 +7,7 @@ export const screenTitle = dictionary<ScreenName>({
   chart: { en: "Chart", ru: "График" },
   faults: { en: "Faults", ru: "Ошибки" },
   tests: { en: "Tests", ru: "Проверки" },
+  causes: { en: "Causes", ru: "Причины" },
   passport: { en: "Passport", ru: "Паспорт" },
   memory: { en: "Memory", ru: "Память" },
   recordings: { en: "Recordings", ru: "Записи" },

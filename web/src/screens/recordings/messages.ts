@@ -38,6 +38,7 @@ export const t = dictionary({
   report: { en: "Report", ru: "Отчёт" },
   delete: { en: "Delete", ru: "Удалить" },
   export_of: { en: "Export {name}", ru: "Экспорт {name}" },
+  causes_of: { en: "Causes from {name}", ru: "Причины по {name}" },
   report_of: { en: "Report on {name}", ru: "Отчёт по {name}" },
   delete_of: { en: "Delete {name}", ru: "Удалить {name}" },
 
