@@ -6,11 +6,12 @@ of `PERIOD` becomes one sample, with the last value that each channel has in it.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from math import floor, isnan, nan
 from typing import TYPE_CHECKING, Final
 
 from mikas.cancellation import check_cancelled
+from mikas.catalog.ignition_only import DEAD, RUNNING, SPEED, WITNESSES, InjectionWatch
 from mikas.causes.samples import Samples, samples_of
 
 if TYPE_CHECKING:
@@ -19,15 +20,9 @@ if TYPE_CHECKING:
 PERIOD: Final = 0.2  # s
 CHANNELS: Final = (
     "FREQ", "FREQX", "THR", "RXX", "TWAT", "TAIR", "UACC", "JAIR", "UGB", "JQT", "SSM", "FSM",
-    "RCOK", "UOZ", "UOZOC", "DET",
+    "RCOK", "UOZ", "UOZOC", "DET", "INJ",
 )  # fmt: skip
-"""The channels that features are made of."""
-
-INJECTION: Final = frozenset({"INJ", "JAIR", "JQT", "VALF", "RCOK", "RCOD", "SSM", "FSM", "UGB"})
-"""The channels that a unit without injectors does not serve (facts.md, MIKAS 5.4 209.3763)."""
-
-_ALIVE: Final = 500.0  # rpm
-_LEAST: Final = 20  # samples of a running engine, from which dead channels are believed
+"""The channels that features are made of, and those that show a unit without injection."""
 
 
 def samples_of_rows(stretches: Iterable[Rows]) -> list[Samples]:
@@ -76,29 +71,17 @@ def _thinned(values: Sequence[float], last: Sequence[int]) -> list[float]:
     return found
 
 
-def unserved(samples: Collection[Samples]) -> frozenset[str]:
-    """Return the channels of injection, if all that were read stayed 0 while the engine ran.
-
-    That is an ignition-only unit. An air meter that alone is dead is none: the others live.
-    """
-    running = 0
+def unserved(samples: Iterable[Samples]) -> frozenset[str]:
+    """Return the channels that mean nothing, if this is a unit that controls the ignition alone."""
+    watch = InjectionWatch()
     for each in samples:
-        speed = each.column("FREQ") or each.column("FREQX")
+        speed = each.column(SPEED)
         if speed is None:
             continue
-        rows = [row for row, value in enumerate(speed) if value >= _ALIVE]
-        running += len(rows)
-        if _alive(each.columns, rows):
-            return frozenset()
-    read = {name for each in samples for name in each.columns} & INJECTION
-    enough = running >= _LEAST and {"JAIR", "JQT"} <= read
-    return INJECTION if enough else frozenset()
-
-
-def _alive(columns: Mapping[str, Sequence[float]], rows: Sequence[int]) -> bool:
-    """Return whether the fuel, the air or the idle valve moved from 0 in these rows."""
-    for name in ("JAIR", "JQT", "FSM", "SSM"):
-        column = columns.get(name)
-        if column is not None and any(column[row] > 0 for row in rows):
-            return True
-    return False
+        running = [row for row, value in enumerate(speed) if value >= RUNNING]
+        for name in WITNESSES:
+            column = each.column(name)
+            if column is not None:
+                values = [value for row in running if not isnan(value := column[row])]
+                watch.count(name, len(values), is_alive=any(value != 0 for value in values))
+    return DEAD if watch.ignition_only else frozenset()
