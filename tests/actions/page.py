@@ -35,9 +35,11 @@ KEEP_WORKERS = """{
 BY_MESSAGES = r"""([method, address, headers, body]) => new Promise((done) => {
   // As web/src/site/program/whoAnswers.ts: the reader gets what only reads recordings.
   const [path] = address.split("?")
-  const ways = /^api\/recordings(\/[^/]+(\/(rows|find|faults|file|export|report|tests\/[^/]+))?)?$/
+  const last = /^(rows|find|faults|causes|file|export|report|tests)$/
+  const [, first, , below] = path.split("/")
+  const read = first === "recordings" && (below === undefined || last.test(below))
   const trial = path === "api/channels/try" && atob(body).includes('"recording"')
-  const reads = trial || (method === "GET" && (ways.test(path) || /[?&]recording=/.test(address)))
+  const reads = trial || (method === "GET" && (read || /[?&]recording=/.test(address)))
   const worker = (reads && workers.reader) || workers.line
   const id = ++asked, parts = []
   let status = 0

@@ -12,6 +12,7 @@ it("the reader answers what only reads recordings", () => {
     "api/recordings/a/rows?points=2",
     "api/recordings/a/find?expression=FREQ",
     "api/recordings/a/faults",
+    "api/recordings/a/causes?complaint=high_idle",
     "api/recordings/a/tests/charging",
     "api/channels/FREQ/value?recording=a&at=1",
     api.recordingFile("a b"),

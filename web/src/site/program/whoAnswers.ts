@@ -5,7 +5,7 @@ import type { Role } from "./messages";
 const READING = [
   /^api\/recordings$/,
   /^api\/recordings\/[^/]+$/,
-  /^api\/recordings\/[^/]+\/(rows|find|faults|file|export|report)$/,
+  /^api\/recordings\/[^/]+\/(rows|find|faults|causes|file|export|report)$/,
   /^api\/recordings\/[^/]+\/tests\/[^/]+$/,
 ];
 /** These read a recording if one is named, else the last minutes of the line. */
