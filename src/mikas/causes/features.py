@@ -159,7 +159,9 @@ def _key_on(view: View) -> list[int]:
 
 def _rest_voltage(view: View) -> Seen | None:
     rows = _key_on(view)
-    return view.seen(median(view.values("UACC", rows)), rows) if len(rows) > 2 else None
+    if len(rows) < 3:
+        return None
+    return view.seen(quantile(view.values("UACC", rows), 0.8), rows)
 
 
 def _rest_air(view: View) -> Seen | None:
@@ -177,9 +179,19 @@ def _colder_than_air(view: View) -> Seen | None:
     return view.seen(max(-40.0, min(25.0, difference)), rows, difference)
 
 
+DRAWN: Final = 1.5  # V below rest that only a starter draws
+
+
 def _cranking(view: View) -> list[int]:
+    """Return where the starter turns the engine, or draws its current in vain."""
     rows = view.drive.at(Regime.CRANKING)
-    return rows[1:] if len(rows) > 2 else []
+    if len(rows) > 2:
+        return rows[1:]
+    voltage, standing = view.column("UACC"), _key_on(view)
+    if voltage is None or not standing:
+        return []
+    rest = quantile(view.values("UACC", standing), 0.9)
+    return [row for row in standing if voltage[row] < rest - DRAWN]
 
 
 def _crank_speed(view: View) -> Seen | None:

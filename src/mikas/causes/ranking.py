@@ -32,7 +32,7 @@ from mikas.causes.samples import Samples
 from mikas.causes.weights import Weights, shipped
 from mikas.i18n import Text
 
-CERTAIN: Final = 0.995
+CERTAIN: Final = 0.99
 PROBABLE: Final = 0.55
 POSSIBLE: Final = 0.06
 MOST: Final = 5
