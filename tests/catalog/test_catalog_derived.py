@@ -291,18 +291,18 @@ def test_a_circle_is_shown_from_each_channel_to_its_input(write: Write) -> None:
 def test_the_shipped_limits_are_those_of_the_facts() -> None:
     channels = [*shipped().parameters, *shipped().derived.values()]
     given = {each.name: each.alarm_limits for each in channels if each.alarm_limits}
-    assert {name: (limits.lows, limits.highs) for name, limits in given.items()} == {
-        "TWAT": ((), ((Level.WARNING, 100),)),
-        "FREQ": ((), ((Level.WARNING, 6000),)),
-        "UACC": (((Level.WARNING, 10),), ((Level.DANGER, 18),)),
-        "DUTY": ((), ((Level.DANGER, 100),)),
+    assert {name: (it.lows, it.highs, it.when_true) for name, it in given.items()} == {
+        "TWAT": ((), ((Level.WARNING, 100),), Level.NONE),
+        "FREQ": ((), ((Level.WARNING, 6000),), Level.NONE),
+        "UACC": (((Level.WARNING, 10),), ((Level.DANGER, 18),), Level.NONE),
+        "DET": ((), (), Level.WARNING),
+        "DUTY": ((), ((Level.DANGER, 100),), Level.NONE),
     }
     for limits in given.values():
         assert limits.source
-        assert limits.hysteresis > 0
-    assert [name for name, each in given.items() if each.confidence is Confidence.REPORTED] == [
-        "UACC"
-    ]
+        assert (limits.hysteresis > 0) == limits.for_number
+    reported = [name for name, it in given.items() if it.confidence is Confidence.REPORTED]
+    assert reported == ["UACC", "DET"]
 
 
 def test_a_sound_idle_alarms_nowhere() -> None:
@@ -326,10 +326,27 @@ def test_limits_are_laid_over(write: Write) -> None:
     assert voltage is not None
     assert voltage.highs == ((Level.WARNING, 15.5),)
     assert voltage.lows == ((Level.WARNING, 10),)
+    assert (voltage.source, voltage.confidence) == ("own1.toml", Confidence.UNCONFIRMED)
     assert catalog.parameter("TWAT").alarm_limits is None
     assert knock is not None
     assert (knock.when_true, knock.for_flag, knock.for_number) == (Level.DANGER, True, False)
     assert (knock.source, knock.confidence) == ("own3.toml", Confidence.REPORTED)
+
+
+def test_limits_keep_their_source_where_a_later_file_states_no_other_limit(write: Write) -> None:
+    catalog = load(
+        write("[parameter.UACC.limits]\ndanger_high = false\nhysteresis = 1\n"),
+        write("[parameter.TWAT.limits]\ndanger_high = 115\nsource = 'me'\n"),
+        write("[parameter.TWAT]\nspan_least = 4\n[parameter.FREQ.limits]\ndanger_high = 7000\n"),
+        write("[parameter.FREQ]\nspan_least = 900\n[parameter.DET.limits]\nsource = 'manual'\n"),
+    )
+    found = {name: catalog.parameter(name).alarm_limits for name in ("UACC", "TWAT", "FREQ", "DET")}
+    assert {name: (it.source, it.confidence) for name, it in found.items() if it} == {
+        "UACC": ("S1, faults 25 and 26", Confidence.REPORTED),
+        "TWAT": ("me", Confidence.UNCONFIRMED),
+        "FREQ": ("own3.toml", Confidence.UNCONFIRMED),
+        "DET": ("manual", Confidence.REPORTED),
+    }
 
 
 def test_limits_of_what_a_later_file_makes_another_kind_are_dropped(write: Write) -> None:

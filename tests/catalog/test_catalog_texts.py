@@ -84,6 +84,10 @@ def test_a_meaning_is_added_and_changed_with_its_source(write: Write) -> None:
     assert changed is not None
     assert before is not None
     assert (changed.high, changed.low, changed.source) == (Text("hot", "hot"), before.low, "me")
+    unnamed = load(write('[parameter.TWAT.meaning]\nlow.en = "cold"\n')).parameter("TWAT").meaning
+    assert unnamed == Meaning(
+        Text("cold", before.low.ru), before.high, "own3.toml", Confidence.UNCONFIRMED
+    )
 
 
 def test_no_words_are_none(write: Write) -> None:

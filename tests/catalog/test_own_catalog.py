@@ -161,6 +161,12 @@ def test_scales_references_and_limits_of_flags_can_be_set(own: OwnCatalog) -> No
     assert list(own.entries()) == [("parameter", "DET")]
 
 
+def test_a_formula_that_is_none_is_refused_by_the_reader_of_the_file(own: OwnCatalog) -> None:
+    with pytest.raises(CatalogError, match=r"LOAD\.formula` is not a formula"):
+        set_channel(own, shipped(), "LOAD", {**LOAD, "formula": "100 * (JAIR"}, new=True)
+    assert not own.path.exists()
+
+
 def test_a_channel_of_ones_own_is_added_changed_and_removed(own: OwnCatalog) -> None:
     known = set_channel(own, shipped(), "load", LOAD, new=True)
     load_ = known.derived["LOAD"]

@@ -7,10 +7,10 @@ from collections import Counter
 import pytest
 
 from mikas.catalog import shipped
-from mikas.catalog.formula_syntax import FUNCTIONS, parse
+from mikas.catalog.formula_syntax import FUNCTIONS, LONGEST, parse
 from mikas.catalog.loading.loader import load_text
 from mikas.catalog.synonyms import _table, normal
-from mikas.errors import UnknownParameter
+from mikas.errors import FormulaError, UnknownParameter
 
 OWN = """
 [derived.RPM]
@@ -69,6 +69,13 @@ def test_an_abbreviation_of_two_channels_is_no_name_without_the_table():
         shipped().channel("заданное положение")
 
 
+def test_the_other_names_of_a_channel_mean_it():
+    names = shipped().other_names
+    assert {"rpm", "обороты"} <= set(names["FREQ"])
+    assert {name for others in names.values() for name in others} == set(shipped().synonyms)
+    assert all(shipped().channel_of(other) == name for name in names for other in names[name])
+
+
 def test_a_wrong_letter_names_the_nearest():
     with pytest.raises(UnknownParameter, match="FREQ"):
         shipped().channel("оборты")
@@ -80,6 +87,13 @@ def test_a_formula_has_the_channels_own_names():
     assert parsed.places == ((1, 8),)
     assert parsed.text == " FREQ * 2 +FREQ>k"
     assert parse(parsed.text, {"k": 1}).plain == parsed.plain
+
+
+def test_a_formula_that_the_channels_own_names_make_too_long_is_refused():
+    text = f"max({','.join(['load'] * 190)})"  # FILLING
+    assert len(text) < LONGEST
+    with pytest.raises(FormulaError, match=f"is longer than {LONGEST} signs"):
+        parse(text, {}, shipped().channel_of)
 
 
 def test_a_channel_and_a_constant_go_before_other_names():

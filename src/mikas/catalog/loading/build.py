@@ -23,6 +23,7 @@ T = TypeVar("T", model.Derived, model.Erratum, model.Fault, model.Model, model.P
 
 _OF_NUMBERS = (*model.LIMITS, "hysteresis")
 _OF_FLAGS = ("when_true",)
+_ORIGIN = ("source", "confidence")
 _LONGEST_CIRCLE = 8  # names shown
 
 NOT_FOR_FLAGS = Text("makes no sense for a flag", "для признака не имеет смысла")
@@ -70,8 +71,8 @@ def alarm_limits(entry: Entry, *, is_flag: bool) -> model.AlarmLimits | None:
     table = entry.values.get("limits", {})
     unfit, problem = (_OF_NUMBERS, NOT_FOR_FLAGS) if is_flag else (_OF_FLAGS, ONLY_FOR_FLAGS)
     _refuse(entry, (("limits", key) for key in unfit), problem)
-    values: dict[str, Any] = {"source": _file(entry)}
-    values |= {key: value for key, value in table.items() if key not in unfit}
+    values = {key: value for key, value in table.items() if key not in (*unfit, *_ORIGIN)}
+    values |= _origin(entry, "limits", (*model.LIMITS, *_OF_FLAGS))
     try:
         limits = model.AlarmLimits(**values)
     except UsageError as error:
@@ -105,7 +106,24 @@ def meaning(entry: Entry, *, is_flag: bool) -> model.Meaning | None:
     if not _fits(entry, "meaning", NOT_FOR_FLAGS, fits=not is_flag):
         return None
     sides = {side: optional(entry, "meaning", side) for side in ("low", "high")}
-    return model.Meaning(**{"source": _file(entry), **entry.values["meaning"], **sides})
+    return model.Meaning(**{**sides, **_origin(entry, "meaning", sides)})
+
+
+def _origin(entry: Entry, table: str, statements: Iterable[str]) -> dict[str, Any]:
+    """Return `source` and `confidence` of a table, without those older than a statement in it.
+
+    Else a limit of a person's own would have the source of the shipped one that it overrides.
+    """
+    values: Mapping[str, Any] = entry.values.get(table, {})
+    stated = [(table, key) for key in statements if values.get(key) not in (None, model.Level.NONE)]
+    newest = max(stated, key=entry.order, default=())
+    file = entry.places[newest][0] if newest else entry.source
+    kept = {
+        key: values[key]
+        for key in _ORIGIN
+        if key in values and entry.order((table, key)) >= entry.order(newest)
+    }
+    return {"source": PurePath(file.name).name, **kept}
 
 
 def _fits(entry: Entry, key: str, problem: Text, *, fits: bool) -> bool:
