@@ -47,7 +47,8 @@ def comes_back(tab: SiteTab, long: float) -> None:
     is_kept(tab, long)
     tab.says(f"{tab.recordings()[0]['id']} is kept; at most its last second is missing")
     tab.is_line("sampling")
-    tab.press("Close", exact=True)
+    said = tab.find(".toast", has_text="is kept")
+    said.get_by_role("button", name="Close").click()
 
 
 def renderers(browser) -> set[int]:
