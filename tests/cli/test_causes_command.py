@@ -73,3 +73,16 @@ def test_files_of_different_cars_are_refused_with_their_names(mikas, tmp_path):
     assert "A123BC77" in ran.err
     assert "K456MH50.pcapng" in ran.err
     assert mikas("causes", "A123BC77.pcapng", "A123BC77.pcapng").status == 0
+    both = b"".join((tmp_path / f"{it}.pcapng").read_bytes() for it in ("A123BC77", "K456MH50"))
+    (tmp_path / "both.pcapng").write_bytes(both)
+    ran = mikas("causes", "both.pcapng")
+    assert ran.status == 2
+    assert "mikas split" in ran.err
+    assert mikas("report", "both.pcapng", "-o", "both.html").status == 0  # of the last car
+
+
+def test_the_report_has_the_causes_in_a_section_of_its_own(mikas, leaking, tmp_path):
+    assert mikas("report", "leak.pcapng", "-o", "leak.html", "--lang", "ru").status == 0
+    page = (tmp_path / "leak.html").read_text("utf-8")
+    assert "<strong>Подсос воздуха мимо ДМРВ</strong>: почти наверняка" in page
+    assert "а не по машинам" in page

@@ -51,12 +51,15 @@ def stored_faults(recordings: Iterable[Recording]) -> tuple[int, ...]:
 
 
 def check_one_car(recordings: Sequence[Recording]) -> None:
-    """Raise `SeveralCars` for recordings of different cars; unknown ones are believed."""
+    """Raise `SeveralCars` for recordings of different cars; unknown ones are believed.
+
+    Of a file of several cars only the last one's is read.
+    """
     known: RecordedCar | None = None
     first = ""
     for recording in recordings:
         for car in recording.raw.cars:
-            if not car.is_known:
+            if not car.is_known or not recording.raw.spans.keys() & set(car.recordings):
                 continue
             if known is None:
                 known, first = car, str(recording.path)

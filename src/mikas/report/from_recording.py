@@ -8,6 +8,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from mikas.catalog import Catalog
+from mikas.causes.knowledge import Knowledge
+from mikas.causes.recorded import rank_recordings
 from mikas.cleaning import clean_line
 from mikas.client.cars import NO_CAR, CarDetails
 from mikas.guided.recorded import results_of
@@ -39,11 +41,13 @@ def find_in_recording(
     name: str | None = None,
     errors: int | None = None,
     car: CarDetails = NO_CAR,
+    knowledge: Knowledge | None = None,
 ) -> Findings:
     """Return the findings of a recording.
 
     `name`: another name than its file's; empty for a temporary file. `errors`: the number of line
     errors, if they were counted. `car`: details that replace those in the file.
+    `knowledge`: of causes, the user's among them; None: the shipped.
     """
     catalog, recording = recording.catalog, recording.interpreted("corrected")
     readings = FaultReadings(recording)
@@ -87,6 +91,7 @@ def find_in_recording(
         notes=tuple(filter(None, (comment_of(mine), *words))),
         tests=results_of(mine),
         car=car.over(car_of(mine)),
+        causes=rank_recordings([recording], knowledge=knowledge) if by_port else None,
     )
     return find(subject, measured)
 

@@ -34,6 +34,7 @@ from mikas.report.findings import (
 from mikas.report.labels import Labels
 from mikas.report.measurements.alarms import Channel
 from mikas.report.sections.alarm_texts import alarm_section
+from mikas.report.sections.causes import cause_section
 from mikas.report.sections.conditions import rows as how_rows
 from mikas.report.sections.freeze_frames import frame_section
 from mikas.report.sections.guided_tests import section as guided_section
@@ -52,6 +53,7 @@ _FIRST: Final = ("FREQ", "JAIR", "TWAT", "INJ", "UACC", "UOZ", "FREQX", "THR")
 SECTIONS: Final[tuple[Callable[[Findings, Language], PageSection | None], ...]] = (
     frame_section,
     alarm_section,
+    cause_section,
     guided_section,
 )
 """The sections with modules of their own, between the faults and the values, in order."""

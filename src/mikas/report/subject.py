@@ -13,6 +13,7 @@ from itertools import pairwise
 from typing import Final
 
 from mikas.catalog import Catalog, Fault, Model
+from mikas.causes.result import Ranking
 from mikas.client.cars import NO_CAR, CarDetails
 from mikas.guided.result import TestResult
 from mikas.i18n import Text
@@ -78,6 +79,7 @@ class ReportSubject:
     """All of these. `faults` None: not read; else those stored at `faults_read`; `gone`: those
     stored before; `appeared`: those that came between two readings, the latest first. `notes`: the
     user's notes, in order. `tests`: the guided tests to show. `car`: as the user names it.
+    `causes`: ranked from the values; None: not looked for.
     """
 
     catalog: Catalog
@@ -90,6 +92,7 @@ class ReportSubject:
     tests: tuple[TestResult, ...] = ()
     car: CarDetails = NO_CAR
     appeared: tuple[AppearedFault, ...] = ()
+    causes: Ranking | None = None
 
 
 def cleared_faults(heard: Sequence[FaultReading], catalog: Catalog) -> tuple[ClearedFaults, ...]:

@@ -69,6 +69,8 @@ def report(
             "--duration, --capture и --relearn действуют при измерении; с FILE ничего не "
             "измеряется",
         )
+    from mikas.causes.knowledge import load
+    from mikas.cli.config import own_causes
     from mikas.recording.recording import Recording
     from mikas.report.from_recording import find_in_recording
     from mikas.report.page import check_output, render, write_page
@@ -78,7 +80,7 @@ def report(
     if file is not None:
         recording = Recording(file, context.options.catalog, last_car=True)
         _name_cars(context, recording)
-        found = find_in_recording(recording, car=car.details)
+        found = find_in_recording(recording, car=car.details, knowledge=load(own_causes()))
     else:
         found = _measured_now(context, duration or _SECONDS, car)
     write_page(out, render(found, current_language()), overwrite=overwrite)
@@ -99,13 +101,16 @@ def _name_cars(context: CommandContext, recording: Recording) -> None:
 
 def _measured_now(context: CommandContext, seconds: float, car: CarOptions) -> Findings:
     """Record for `seconds` and evaluate that; the file is kept only if `--capture` names it."""
+    from mikas.causes.knowledge import load
+    from mikas.cli.config import own_causes
     from mikas.cli.measuring import measured_now
     from mikas.report.from_recording import find_in_recording
 
     options = SamplingOptions(duration=seconds)
     with measured_now(context, options, _STOPPED, car=car.note_maker()) as (recording, run):
         name = recording.path.name if context.capture else ""
-        return find_in_recording(recording, name=name, errors=run.errors)
+        known = load(own_causes())
+        return find_in_recording(recording, name=name, errors=run.errors, knowledge=known)
 
 
 _STOPPED = Text(

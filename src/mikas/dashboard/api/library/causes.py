@@ -17,7 +17,7 @@ from mikas.causes.knowledge import COMPLAINTS, Complaint, Knowledge, load
 from mikas.causes.result import LIKELIHOODS, Evidence, Likelihood, RankedCause, Ranking, Verdict
 from mikas.dashboard.api.dependencies import TheRequester, json_of
 from mikas.dashboard.api.errors import TwoTexts, errors, two
-from mikas.dashboard.api.library.report import of_this_unit, without_other_readings
+from mikas.dashboard.api.library.report import of_this_unit, ranked, without_other_readings
 from mikas.dashboard.errors import NotConnected
 from mikas.dashboard.session.history import LONGEST
 
@@ -144,8 +144,6 @@ async def recorded_causes(
 
 
 def _of_connection(dashboard: Dashboard, complaint: Complaint | None) -> CausesResponse:
-    from mikas.causes.ranking import rank
-    from mikas.causes.rows import samples_of_rows, unserved
     from mikas.recording.table.channels import Rows
 
     monitor, later = dashboard.monitor, dashboard.session.later
@@ -158,17 +156,8 @@ def _of_connection(dashboard: Dashboard, complaint: Complaint | None) -> CausesR
     rows = without_other_readings(
         Rows(rows.times + later, rows.values), dashboard.catalog, interpretation
     )
-    samples = samples_of_rows([rows])
-    stored = dashboard.fault_history.latest
     knowledge = load(dashboard.settings.causes)
-    ranking = rank(
-        samples,
-        complaint=complaint,
-        faults=[fault.code for fault in stored.faults] if stored else (),
-        absent=unserved(samples),
-        knowledge=knowledge,
-    )
-    return _response(ranking, knowledge, ())
+    return _response(ranked(dashboard, rows, complaint), knowledge, ())
 
 
 def _response(ranking: Ranking, knowledge: Knowledge, names: Sequence[str]) -> CausesResponse:

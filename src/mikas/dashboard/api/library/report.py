@@ -29,6 +29,8 @@ from mikas.sampling.events import ClockChanged, Event, Gap, UnitFound
 
 if TYPE_CHECKING:
     from mikas.catalog import Catalog
+    from mikas.causes.knowledge import Complaint
+    from mikas.causes.result import Ranking
     from mikas.dashboard.dashboard import Dashboard
     from mikas.report.findings import Findings
     from mikas.report.subject import ReportedUnit
@@ -62,9 +64,11 @@ async def recording_report(
     file = await asyncio.to_thread(library.folder.one, identity)
 
     def findings() -> Findings:
+        from mikas.causes.knowledge import load
         from mikas.report.from_recording import find_in_recording
 
-        return find_in_recording(library.opened(file, latest=True))
+        known = load(requester.dashboard.settings.causes)
+        return find_in_recording(library.opened(file, latest=True), knowledge=known)
 
     name = None if inline else f"{file.path.stem}.html"
     return await _page(requester, file.id, findings, lang, name)
@@ -140,8 +144,25 @@ def _of_connection(dashboard: Dashboard) -> Findings:
         ),
         tests=tuple(it.result for it in dashboard.guided.results if it.in_report)[::-1],
         appeared=tuple(_appeared(dashboard))[::-1],
+        causes=ranked(dashboard, rows),
     )
     return find(subject, measured)
+
+
+def ranked(dashboard: Dashboard, rows: Rows, complaint: Complaint | None = None) -> Ranking:
+    """Return the causes for rows of the running connection, in their true interpretation."""
+    from mikas.causes.knowledge import load
+    from mikas.causes.ranking import rank
+    from mikas.causes.rows import samples_of_rows, unserved
+
+    samples, stored = samples_of_rows([rows]), dashboard.fault_history.latest
+    return rank(
+        samples,
+        complaint=complaint,
+        faults=[fault.code for fault in stored.faults] if stored else (),
+        absent=unserved(samples),
+        knowledge=load(dashboard.settings.causes),
+    )
 
 
 def _appeared(dashboard: Dashboard) -> Iterator[AppearedFault]:
