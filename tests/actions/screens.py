@@ -116,6 +116,11 @@ def start_test(tab: Tab) -> None:
     expect(tab.find(".todo")).to_be_visible()
 
 
+def complain(tab: Tab) -> None:
+    tab.find("#screen [role=group] .segment").first.click()
+    expect(tab.find("[data-verdict]")).to_be_visible()
+
+
 def read_memory(tab: Tab) -> None:
     tab.page.get_by_role("tab", name="XRAM").click()
     tab.find(".bar input").first.fill("8000")
@@ -172,6 +177,7 @@ ACTIONS = (
     Action("chart", "table", view("Table"), show_time),
     Action("faults", "erase", ask_to_erase),
     Action("tests", "running", start_test, pressing("End the test")),
+    Action("causes", "complained", complain, complain),
     Action("passport", "shown", lambda tab: expect(tab.find("#screen dl").first).to_be_visible()),
     Action("memory", "read", read_memory, nothing),
     Action("recordings", "export", of_recording("Export")),
