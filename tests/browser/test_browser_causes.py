@@ -1,0 +1,22 @@
+"""Causes on the page: of the connected car and of a recording, by a complaint in one touch."""
+
+from __future__ import annotations
+
+from playwright.sync_api import expect
+
+
+def test_causes_are_ranked_by_a_touch_and_a_recording_has_its_own(served, visitor):
+    served.nobody_controls()
+    served.post("/recording/start", {"name": "ride"})
+    served.until(lambda: served.get("/state")["recording"]["samples"] > 20)
+    served.post("/recording/stop")
+    tab = visitor(served.url).show("causes")
+    expect(tab.find("[data-verdict]")).to_be_visible()
+    chip = tab.find("#screen [role=group] .segment").first
+    chip.click()
+    expect(chip).to_have_attribute("aria-pressed", "true")
+    expect(tab.find("[data-verdict]")).to_be_visible()
+    tab.find("#screen select").select_option("ride.pcapng")
+    expect(tab.find("h1")).to_contain_text("recording ride")
+    expect(tab.find("[data-verdict]")).to_be_visible()
+    expect(chip).to_have_attribute("aria-pressed", "true")
