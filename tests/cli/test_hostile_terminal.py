@@ -58,7 +58,7 @@ def made(tmp_path_factory):
 LINES = [
     ("ports",), ("doctor",), ("info",), ("params",), ("params", "EVIL"), ("read",),
     ("read", "EVIL", ESC), ("scan",), ("scan", "-o", f"s{ESC}.toml"), ("faults",),
-    ("watch", "EVIL", "--count", "2"), ("watch", ESC), ("watch", "--price", "EVIL"),
+    ("watch", "EVIL", "--count", "2"), ("watch", f"no{ESC}"), ("watch", "--price", "EVIL"),
     ("log", "-o", f"l{ESC}.pcapng", "--count", "2"), ("log", "-o", f"l{ESC}.csv"),
     ("log", "-o", f"no{ESC}/l.pcapng"), ("faults", "erase"), ("faults", "erase", "--yes"),
     ("write", "EVIL", "1"), ("write", "EVIL", ESC, "--yes"), ("list", "set", "EVIL"),
@@ -71,6 +71,7 @@ LINES = [
     ("export", NAME, "-o", f"o{ESC}.csv", "--overwrite"), ("export", NAME, "-o", f"o{ESC}"),
     ("export", NAME, "-o", f"o{ESC}.csv", ESC), ("report", NAME, "-o", f"r{ESC}.html"),
     ("report", f"a{ESC}.bin", "-o", "r.html"), ("sim", "--tcp", ESC), ("sim", "--set", ESC),
+    ("causes", NAME), ("causes", ESC), ("causes", f"a{ESC}.bin"),
     ("split", NAME), ("split", ESC), ("split", f"a{ESC}.bin"),
     ("find", NAME, "EVIL > 1"), ("find", NAME, ESC), ("find", f"a{ESC}.bin", "FREQ > 1"), ("test",),
     ("test", ESC), ("test", "idle", "--recording", NAME), ("test", "idle", "--recording", ESC),
