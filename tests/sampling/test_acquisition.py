@@ -147,7 +147,7 @@ def test_values_of_a_cycle_are_fresh_however_long_it_lasts():
         limits=limits,
     )
     with closing(made.run()) as events:
-        reported = take(events, lambda e: len(of(AlarmChanged, e)) >= 2, most=30)
+        reported = take(events, lambda e: len(of(AlarmChanged, e)) >= 3, most=30)
     (first, *_) = of(Sampled, reported)
     assert first.fresh["TAIR"].time > first.time + 2
     assert first.derived["DUTY"].value > 0

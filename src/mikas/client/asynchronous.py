@@ -188,6 +188,7 @@ class AsyncEcu(_Remote[Ecu]):
     forget_list = _delegated(Ecu.forget_list)
     write_parameter = _delegated(Ecu.write_parameter)
     faults = _delegated(Ecu.faults)
+    engine_speed = _delegated(Ecu.engine_speed)
     erase_faults = _delegated(Ecu.erase_faults)
     goto = _delegated(Ecu.goto)
     raw = _delegated(Ecu.raw)

@@ -238,12 +238,11 @@ class Connection:
 
 
 def _is_known(catalog: Catalog, name: str) -> bool:
-    """Whether `name` is a channel's, or a code, which no table lists."""
+    """Whether `name` is a channel's, or a code, which no table lists; not another name of one."""
     try:
-        catalog.channel(name)
+        return catalog.channel(name).name == name
     except UnknownParameter:
         return False
-    return True
 
 
 class SamplingPlanner:
