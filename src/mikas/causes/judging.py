@@ -15,7 +15,7 @@ BEFORE_SOUND: Final = 0.85  # of a car about which nothing is known
 BEFORE_TWO: Final = 0.01  # of two causes at once
 COMPLAINED: Final = 4.0  # times as likely, if the complaint is of this cause
 STORED: Final = 8.0  # times as likely, with such a fault stored
-TEMPER: Final = 0.4  # features are less independent than the tables have them
+INDEPENDENT: Final = 20.0  # features that count whole; of more, each counts less: they overlap
 PAIRED: Final = 6  # the best single causes that pairs are made of
 
 
@@ -51,7 +51,8 @@ def judge(deviations: Mapping[str, float], table: Table, before: Mapping[str, fl
         likelihood = log_sum([fit.likelihood for fit in fits]) - log(len(fits))
         weight = BEFORE_TWO / len(pairs)
         hypotheses.append((pair, likelihood + log(weight), best))
-    hypotheses = [(causes, TEMPER * weight, fit) for causes, weight, fit in hypotheses]
+    temper = min(0.8, INDEPENDENT / max(1, len(model.places)))
+    hypotheses = [(causes, temper * weight, fit) for causes, weight, fit in hypotheses]
     total = log_sum([weight for _, weight, _ in hypotheses])
     probability = dict.fromkeys(table.means, 0.0)
     sound = 0.0
