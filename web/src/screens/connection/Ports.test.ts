@@ -48,6 +48,6 @@ it("while recording, another port is asked about first", async () => {
   const shown = await ports("sampling");
   shown.say({ recording: { file: "a.pcapng", failure: null } as never });
   await shown.stores.connection.connect("COM1");
-  expect(shown.stores.connection.leaving).toEqual({ file: "a.pcapng", port: "COM1" });
+  expect(shown.stores.connection.leaving).toEqual({ file: "a.pcapng", port: "COM1", driven: false });
   expect(sent(shown)).toEqual([]);
 });
