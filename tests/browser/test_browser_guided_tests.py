@@ -94,7 +94,8 @@ def test_a_test_over_the_recording_that_is_shown(own, visitor):
     before = own.state()["samples"]
     own.until(lambda: own.state()["samples"] > before + 120)
     tab.press("Stop recording")
-    tab.show("recordings").press("Open", exact=True)
+    listed = tab.show("recordings").page.get_by_role("group", name="Recordings")
+    listed.get_by_role("button", name="Open", exact=True).click()  # not the message's
     expect(tab.find('nav a[data-screen="live"]')).to_have_attribute("aria-current", "page")
     tab.show("tests")
     tab.says("The tests look for their steps in the recording")

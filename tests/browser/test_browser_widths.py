@@ -42,6 +42,7 @@ CUT = r"""
     const it = walker.currentNode.parentElement;
     const text = walker.currentNode.data.trim();
     if (!text || it.closest(".visually-hidden, script, option, [role=grid]")) continue;
+    if (it.closest("[title]")?.title.includes(text)) continue;  // ends with …, whole in the title
     if (!it.checkVisibility()) continue;
     const range = document.createRange();
     range.selectNodeContents(walker.currentNode);

@@ -24,9 +24,9 @@ class Crafted:
         self._read = read
         self.began, self.ended, self.count = Event(), Event(), 0
 
-    def __call__(self, what, *args):
+    def __call__(self, what, *args, **options):
         if getattr(what, "path", what).name != "bad.pcapng":  # of a recording, or a path
-            return self._read(what, *args)
+            return self._read(what, *args, **options)
         self.count += 1
         self.began.set()
         try:

@@ -106,7 +106,7 @@ def test_like_adapters_keep_their_names_until_they_are_unplugged():
 
 
 def test_an_open_port_is_busy():
-    with open_link(FT232), pytest.raises(PortFailed, match="another tab"):
+    with open_link(FT232), pytest.raises(PortFailed, match="open already"):
         open_link(FT232)
     with open_link(FT232):
         pass

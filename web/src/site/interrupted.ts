@@ -55,9 +55,17 @@ export class Interrupted {
     app.toasts.refuse(text, { duration: Infinity, action });
     if (!recent) return false;
     if (location.hash === "") app.route.go("live");
-    void reconnect(app, note);
+    void reconnected(app, note);
     return true;
   }
+}
+
+/** The reconnection that goes on: a click on *Continue* meanwhile waits for it, and begins no other. */
+let returning: Promise<boolean> | null = null;
+
+function reconnected(app: App, note: Note): Promise<boolean> {
+  returning ??= reconnect(app, note).finally(() => (returning = null));
+  return returning;
 }
 
 export const interrupted = new Interrupted();
@@ -74,7 +82,8 @@ async function reconnect({ api, connection, live, toasts }: App, { port }: Note)
 /** Called in a click: where the browser has forgotten the adapter, its list is shown. */
 async function goOn(app: App, note: Note): Promise<void> {
   const { connection, live, recordingControl, route } = app;
-  if (live.state?.line === "off" && !(await reconnect(app, note))) await connection.choose();
+  const back = returning !== null || live.state?.line === "off" ? await reconnected(app, note) : true;
+  if (!back) await connection.choose();
   if (live.state?.recording) return;
   await recordingControl.toggle();
   if (live.state?.line !== "off") route.go("live");
