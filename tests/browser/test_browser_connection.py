@@ -237,6 +237,7 @@ def test_a_virtual_car_is_chosen_with_its_defect_or_blind(off, visitor):
     tab.press("Start this car")
     tab.is_line("sampling")
     tab.show("connection").says("warm-idle coolant_sensor:-20")
+    tab.find("summary").get_by_text("Choose a car and its defect").click()
     tab.press("Find out what is wrong")
     tab.find("#screen").get_by_role("textbox", name="Number").fill("4711")
     tab.press("Start this car")
