@@ -8,7 +8,7 @@ all channels are kept as bytes, as the unit gives them, in `build/causes`, by wh
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
@@ -139,12 +139,12 @@ def _timeline(
     )  # fmt: skip
 
 
-def _steps(random: Random, seconds: float, draw: object) -> Track:
+def _steps(random: Random, seconds: float, draw: Callable[[], float]) -> Track:
     times, time = [0.0], 0.0
     while time < seconds:
         time += random.uniform(40.0, 250.0)
         times.append(time)
-    return Track(tuple(times), tuple(float(draw()) for _ in times), smooth=False)  # type: ignore[operator]
+    return Track(tuple(times), tuple(float(draw()) for _ in times), smooth=False)
 
 
 def _journey(random: Random, begin: float, end: float) -> list[tuple[float, float]]:

@@ -90,10 +90,8 @@ def observe(
     contexts: list[Mapping[str, float]] = []
     ran = False
     for source, samples in enumerate(recordings):
-        if absent:
-            kept = {n: c for n, c in samples.columns.items() if n not in absent}
-            samples = Samples(samples.times, kept)  # noqa: PLW2901  (the same, with less)
-        drive = drive_of(samples)
+        served = {n: column for n, column in samples.columns.items() if n not in absent}
+        drive = drive_of(Samples(samples.times, served))
         if drive is None:
             continue
         ran = ran or bool(drive.running)

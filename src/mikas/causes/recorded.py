@@ -41,9 +41,8 @@ def stored_faults(recordings: Iterable[Recording]) -> tuple[int, ...]:
     latest: FaultReading | None = None
     for recording in recordings:
         readings, raw = FaultReadings(recording), recording.raw
-        ports = [port for port in raw.row_counts if port.recording == raw.last_session]
-        none = readings.port_without_rows()
-        port = max(ports, key=lambda each, counts=raw.row_counts: counts[each], default=none)  # type: ignore[misc]
+        last = {p: rows for p, rows in raw.row_counts.items() if p.recording == raw.last_session}
+        port = max(last, key=last.__getitem__, default=readings.port_without_rows())
         heard = readings.readings_of_port(port)
         if heard and (latest is None or heard[-1].time >= latest.time):
             latest = heard[-1]
