@@ -52,7 +52,7 @@ def config_folder() -> Path:
 
 
 def state_folder() -> Path:
-    """Return the folder of what is kept for the user from one run to the next."""
+    """Return the folder of the files that are kept for the user between runs."""
     if _has_places_of_its_own():
         from platformdirs import user_state_path
 

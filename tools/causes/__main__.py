@@ -22,7 +22,7 @@ FOLDER = Path(__file__).parents[2] / "src/mikas/causes/weights"
 
 
 def example_of(car: Car) -> Example:
-    """Return what is seen of a car in its drive."""
+    """Return the features of a car in its drive."""
     drive = drive_of(samples_of(*columns_of(car)))
     if drive is None:
         raise AssertionError("a drive has the engine's speed")
@@ -31,7 +31,7 @@ def example_of(car: Car) -> Example:
 
 
 def examples_of(cars: Sequence[Car], processes: int) -> list[Example]:
-    """Return what is seen of these cars, simulated in parallel."""
+    """Return the features of these cars, simulated in parallel."""
     with ProcessPoolExecutor(processes) as pool:
         return list(pool.map(example_of, cars, chunksize=4))
 

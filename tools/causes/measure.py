@@ -65,7 +65,7 @@ class Outcome:
 
 
 def observed(car: Car) -> Observation:
-    """Return what is seen of a car."""
+    """Return the observation of a car."""
     return observe([samples_of(*columns_of(car))], shipped())
 
 

@@ -1,1 +1,1 @@
-"""From values to causes: what is wrong with the car, with the evidence for and against it."""
+"""From values to causes: the faults of a car, with the evidence for and against each."""

@@ -28,7 +28,7 @@ _LOGARITHMS: Final = frozenset(
         "knock",
     }
 )  # fmt: skip
-"""Features whose value is log(1 + …) of what is shown."""
+"""Features whose value is log(1 + …) of the shown one."""
 _TWICE: Final = frozenset({"no-air", "hidden-throttle", "throttle-jumps"})
 
 

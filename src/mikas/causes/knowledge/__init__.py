@@ -1,4 +1,4 @@
-"""What is known of each cause, one TOML file each: texts, complaints, faults, what to check.
+"""The knowledge of each cause, one TOML file each: texts, complaints, faults, what to check.
 
 How strongly a cause shows is in the tables of `weights`, for the shipped ones. A user's own file
 in the folder `causes` beside the config file says it itself, under `[effects]`: by feature, in
