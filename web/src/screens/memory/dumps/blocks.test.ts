@@ -23,6 +23,11 @@ describe("the map of blocks", () => {
     expect(secondsFor("code", 65536, 255)).toBeGreaterThan(70);
     expect(secondsFor("code", 65536, 255)).toBeLessThan(74);
   });
+  it("counts 258 requests for 64 KiB, the last one of a single byte (§5)", () => {
+    const each = 10 / 960 + 0.002;
+    const bytes = (65536 * (1 + 2 / 256)) / 960;
+    expect((secondsFor("code", 65536, 255) - bytes) / each).toBeCloseTo(258, 6);
+  });
 });
 
 it("a verified dump has two passes over the same bytes", () => {
