@@ -61,6 +61,7 @@ TREE = {
     "AnswersLate": ("LineError", Exception),
     "EchoDiffers": ("LineError", Exception),
     "WrongEchoSetting": ("EchoDiffers", Exception),
+    "EchoTwice": ("EchoDiffers", Exception),
     "DamagedResponse": ("LineError", Exception),
     "WrongLength": ("LineError", Exception),
     "WrongAddress": ("LineError", Exception),

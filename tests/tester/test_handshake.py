@@ -30,6 +30,7 @@ from mikas.errors import (
     AnswersLate,
     EchoDiffers,
     EchoOnly,
+    EchoTwice,
     LineNotQuiet,
     NoEcho,
     NoResponse,
@@ -66,6 +67,17 @@ def test_an_unknown_model_is_usable(version, adapter):
     tester = Watched(adapter=adapter, version=version).connected()
     assert tester.version_code == version
     right(tester)
+
+
+def test_a_version_of_01_is_none_but_the_request_a_second_time():
+    """Of an unknown model any byte but `01` (D1): an echo that comes twice looks like it."""
+    unit = Watched(version=0x01)
+    with pytest.raises(EchoTwice) as caught:
+        unit.tester().connect()
+    assert caught.value.request == caught.value.received == encode(b"\x01")
+    link = ScriptedLink(lambda sent: [(0.0, sent), (0.0, sent)], echo=False)
+    with pytest.raises(EchoTwice):
+        make(link).connect()
 
 
 @pytest.mark.parametrize("raw", [False, True])

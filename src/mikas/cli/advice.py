@@ -64,6 +64,7 @@ _HINTS = {
         "The option is `--echo`; `mikas doctor` checks the connection step by step.",
         "Эхо настраивает ключ `--echo`; `mikas doctor` проверит связь по шагам.",
     ),
+    errors.EchoTwice: _DOCTOR,
     errors.LineError: _DOCTOR,
     errors.NotSupported: Text(
         "`mikas info` shows the commands of this one.",

@@ -46,7 +46,8 @@
     │   │   └── EngineStopped          no response to a stream by strokes (D15)
     │   ├── AnswersLate                each response comes after the time-out (D14)
     │   ├── EchoDiffers                the echo differs from the bytes sent (D1)
-    │   │   └── WrongEchoSetting       the line echoes, and the setting says it does not, or so
+    │   │   ├── WrongEchoSetting       the line echoes, and the setting says it does not, or so
+    │   │   └── EchoTwice              the request came back twice, no response (D1)
     │   ├── DamagedResponse            checksum, cut or over-long frame (§2)
     │   ├── WrongLength                a valid frame of a length not requested (D13)
     │   ├── WrongAddress               a valid frame with another address (D13)
@@ -102,6 +103,7 @@ from mikas.errors.connection import TakenByBrltty as TakenByBrltty
 from mikas.errors.exchange import AnswersLate as AnswersLate
 from mikas.errors.exchange import DamagedResponse as DamagedResponse
 from mikas.errors.exchange import EchoDiffers as EchoDiffers
+from mikas.errors.exchange import EchoTwice as EchoTwice
 from mikas.errors.exchange import EcuRefused as EcuRefused
 from mikas.errors.exchange import EngineStopped as EngineStopped
 from mikas.errors.exchange import LineError as LineError

@@ -62,6 +62,22 @@ class WrongEchoSetting(EchoDiffers):
     )
 
 
+class EchoTwice(EchoDiffers):
+    """The request came back a second time instead of a response: no unit's version is `01` (D1)."""
+
+    what = Text(
+        "The request came back twice and no response followed",
+        "Посланное вернулось дважды, а ответа нет",
+    )
+    advice = Text(
+        "Likely, in order: a bridge or a program between this one and the adapter returns what it "
+        "gets, as the adapter does (switch one echo off), and the ignition is off; this is not a "
+        "Mikas 5.4 / 7.1.",
+        "Скорее всего, по порядку: мост или программа перед адаптером возвращает посланное так же, "
+        "как и он сам (отключите одно эхо), и выключено зажигание; это не Микас 5.4 / 7.1.",
+    )
+
+
 class AnswersLate(LineError):
     """Each response comes after the time-out (D14). `wanted`: a sufficient one, in seconds."""
 

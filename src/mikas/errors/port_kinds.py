@@ -121,6 +121,7 @@ _OVER_NETWORK: Final = AdviceTable(
             "строк); его последовательный порт настроен не на 9600 бод, 8N1; на той же линии "
             "передаёт другой прибор или блок; плохая масса.",
         ),
+        exchange.EchoTwice: exchange.EchoTwice.advice,
         exchange.LineNotQuiet: Text(
             "Likely, in order: another program or phone sends through the same bridge; another "
             "tester is on the wire; the unit does not end a stream: switch the ignition off for "

@@ -8,6 +8,7 @@ from math import inf
 from mikas.errors import (
     EchoDiffers,
     EchoOnly,
+    EchoTwice,
     NoEcho,
     NoResponse,
     NotAKLineAdapter,
@@ -47,12 +48,12 @@ class Echo(Enum):
 def handshake(
     line: Line, sync: LineSync, echo: Echo, *, listening_since: float = inf, again: bool = False
 ) -> int:
-    """Set `line.echo`; return the unit's version code, received twice.
+    """Set `line.echo`; return the unit's version code, received twice: any byte but `01`.
 
     `listening_since`: when the port was opened, if nothing has been sent on it. `again`: after a
     failed handshake, also end a stream by strokes of an earlier session, which the short waits of
-    the first attempt may miss. Raises `NoEcho`, `EchoOnly`, `EchoDiffers`, `NotAKLineAdapter`,
-    `SyncLost` or another `LineError`.
+    the first attempt may miss. Raises `NoEcho`, `EchoOnly`, `EchoDiffers`, `EchoTwice`,
+    `NotAKLineAdapter`, `SyncLost` or another `LineError`.
     """
     since, patience = min(listening_since, line.link.now()), line.timing.response_timeout
     received = sync.silence(patient=again)
@@ -72,6 +73,8 @@ def handshake(
     _expect_silence(line, second, quiet)
     if first.body != second.body:
         raise SyncLost(received=first.body, time=line.link.now())
+    if second.body == AVAILABILITY:
+        raise EchoTwice(request=encode(AVAILABILITY), received=second.wire, time=line.link.now())
     return second.body[0]
 
 
