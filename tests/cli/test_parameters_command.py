@@ -62,6 +62,7 @@ def test_read_in_text_has_a_line_a_parameter_in_the_language(mikas):
 def test_a_parameter_write_shows_values(mikas):
     ran = mikas("write", "UOZ", "-5,5", "--yes")
     assert "after:  -5.5 ° crank (F5)" in ran.err
+    assert "keeps this value when it loses its supply is unknown" in ran.err
     assert ran.out.endswith("→ -5.5 ° crank\n")
     assert mikas.journal[-1]["after"] == "F5"
     ran = mikas("write", "INJ", "--raw", "5802", "--yes", "--lang", "ru")

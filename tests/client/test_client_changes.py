@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 from client_harness import bench, ecu_on, lines
 
+from mikas.client.parameters.parameters import KEEPING_UNKNOWN
 from mikas.commands import Safety
 from mikas.errors import (
     AddressOutOfRange,
@@ -133,6 +134,7 @@ class TestWritingAParameter:
         assert change.before == DATA[0x59].hex(" ").upper()
         assert change.after == "D2 04"
         assert change.safety is Safety.LASTING
+        assert change.warning == KEEPING_UNKNOWN
 
     def test_raw_bytes_are_written_and_read_back(self):
         it = bench()

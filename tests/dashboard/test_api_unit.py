@@ -245,6 +245,7 @@ def test_a_parameter_is_written_by_its_value(shared_idle):
     asked = change(shared_idle, kind="write_parameter", name="RCOD", value=-0.5)
     assert asked["after"]["raw"]
     assert "→" in asked["meaning"]["ru"]
+    assert "без питания, неизвестно" in asked["meaning"]["ru"]
     done = confirm(shared_idle, asked)
     assert done["after"]["raw"] == asked["after"]["raw"]
 

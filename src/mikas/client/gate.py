@@ -27,7 +27,7 @@ T = TypeVar("T")
 class Change:
     """A planned change. `before` and `after`: all bytes in hex; None: unknown.
 
-    `warning`: why it had better not be made now; shown where it is confirmed.
+    `warning`: what to know before it is made; shown where it is confirmed.
     """
 
     what: Text

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from mikas import commands as c
 from mikas import errors
@@ -59,8 +59,8 @@ def decode(parameter: Parameter, raw: bytes, time: float, interpretation: str) -
 
 
 def _conversion(parameter: Parameter, interpretation: str) -> tuple[Conversion, str]:
-    lacks_it = interpretation == "alternative" and parameter.alternative is None
-    used = "corrected" if lacks_it else interpretation
+    has_it = interpretation in parameter.interpretations
+    used = interpretation if has_it else "corrected"
     return parameter.interpretation(interpretation), used
 
 
@@ -222,6 +222,7 @@ class Parameters:
         before = self._one(parameter)
         what = Text(f"write parameter {parameter.name}", f"записать параметр {parameter.name}")
         change = Change.by(c.WriteParameter, what, before.raw if before else None, data)
+        change = replace(change, warning=KEEPING_UNKNOWN)
 
         def act() -> WrittenParameter:
             try:
@@ -248,6 +249,13 @@ class Parameters:
             return self.fetch(self.wanted([parameter])).get(parameter.name)
         except errors.NotSupported:
             return None
+
+
+KEEPING_UNKNOWN: Final = Text(
+    "Whether the unit keeps this value when it loses its supply is unknown (§3).",
+    "Сохранит ли блок это значение без питания, неизвестно (§3).",
+)
+"""Shown before a parameter is written: the source does not say it."""
 
 
 def datum_to_write(

@@ -18,7 +18,7 @@ from mikas.client import Ecu, Reading
 from mikas.client.ecu import engine_runs, erasing
 from mikas.client.gate import journal_hex
 from mikas.client.memory.spaces import writing
-from mikas.client.parameters.parameters import datum_to_write, decode
+from mikas.client.parameters.parameters import KEEPING_UNKNOWN, datum_to_write, decode
 from mikas.commands.base import check_range
 from mikas.dashboard.errors import BadRequest, Busy, ConfirmationOutdated, NotFound, api_hex
 from mikas.dashboard.library.folder import RecordingFile
@@ -129,8 +129,8 @@ class UnitChanges:
             after=_shown(after),
             make=lambda: self._connection.ask(write),
             meaning=Text(
-                f"{parameter.text.en}: {before or 'not readable'} → {after}",
-                f"{parameter.text.ru}: {before or 'не читается'} → {after}",
+                f"{parameter.text.en}: {before or 'not readable'} → {after}. {KEEPING_UNKNOWN.en}",
+                f"{parameter.text.ru}: {before or 'не читается'} → {after}. {KEEPING_UNKNOWN.ru}",
             ),
             needs_unlock=True,
         )
