@@ -81,7 +81,7 @@ def test_the_finest_that_is_allowed_comes_back(offset: Fraction) -> None:
 
 
 def test_interpretations_are_the_three_that_have_names() -> None:
-    assert INTERPRETATIONS == ("corrected", "literal", "alternative")
+    assert INTERPRETATIONS == ("corrected", "literal", "alternative", "family")
     for parameter in shipped().parameters:
         for name in INTERPRETATIONS:
             assert parameter.interpretation(name) == parameter.interpretations.get(
@@ -226,7 +226,7 @@ def test_parameters_can_be_pickled_and_hashed() -> None:
 
 
 def test_an_unknown_interpretation_is_an_error_and_not_the_default() -> None:
-    known = "corrected, literal, alternative"
+    known = "corrected, literal, alternative, family"
     with pytest.raises(UsageError, match=f"no interpretation “litteral”; there are: {known}"):
         shipped().parameter("UACC").decode(b"\x8e", "litteral")
 

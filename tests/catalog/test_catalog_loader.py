@@ -303,7 +303,7 @@ def test_the_public_names_are_those_of_the_list() -> None:
         (NEW + 'confidence = "sure"', 5, 'must be one of "confirmed", "reported", "unconfirmed"'),
         (NEW + 'confidence = "unknown"', 5, "must be one of"),
         (NEW + "confidence = []", 5, "must be one of"),
-        ("[erratum.E1]\nselected_by = 'corrected'", 2, 'one of "", "literal", "alternative"'),
+        ("[erratum.E1]\nselected_by = 'corrected'", 2, '"literal", "alternative", "family"'),
         # flags
         (NEW + "mask = 0x100", 5, "`parameter.P.mask` has bits that do not fit its size (1)"),
         (NEW + "literal = { mask = 0x100 }", 5, "`parameter.P.literal.mask` has bits that do"),

@@ -144,6 +144,8 @@ def test_four_errata_are_selected_as_their_document_says() -> None:
             assert in_both_languages(text)
         assert erratum.alternative.en
         assert erratum.alternative.ru
+    assert [name for name, each in errata.items() if each.family.en] == ["E3"]
+    assert in_both_languages(errata["E3"].family)
 
 
 def test_parameters_and_units_speak_both_languages() -> None:

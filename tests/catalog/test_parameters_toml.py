@@ -98,6 +98,8 @@ def test_a_parameter_has_the_code_unit_and_formula_of_its_row(
         ("FREQX", "literal", "b · 10", {"FF": 2550}),
         ("RCOK", "literal", "(b − 128)/256 − 0.5", {"00": -1.0, "80": -0.5, "FF": -0.00390625}),
         ("RCOK", "alternative", "(b − 128)/256", {"00": -0.5, "80": 0.0, "FF": 0.49609375}),
+        ("RCOK", "family", "(b + 128)/256", {"00": 0.5, "80": 1.0, "FF": 1.49609375}),
+        ("RCOD", "family", "(b − 128)/256 − 0.5", {"80": -0.5}),
         ("RCOD", "literal", "(b − 128)/256 − 0.5", {"00": -1.0, "80": -0.5, "FF": -0.00390625}),
         ("RCOD", "alternative", "(b − 128)/256", {"00": -0.5, "80": 0.0, "FF": 0.49609375}),
         ("TAIR", "literal", "b − 40", {"3C": 20}),
@@ -141,6 +143,7 @@ def test_only_errata_make_interpretations_differ() -> None:
             {"E1", "E2"} & set(parameter.errata)
         )
         assert ("alternative" in interpretations) == ("E3" in parameter.errata)
+        assert ("family" in interpretations) == (parameter.name == "RCOK")
 
 
 def test_warm_idle_is_referenced_as_unconfirmed() -> None:

@@ -106,7 +106,8 @@ NAMES = re.compile(
 LISTS = re.compile(r"([Ее]сть:?|можно:|имена:|виды:|сценарии:|только) [\w, +×°…-]+")
 WORDS = {
     "ram", "xram", "code", "sfr", "en", "ru", "auto", "on", "off", "single", "batch", "list",
-    "stream", "corrected", "literal", "alternative", "erase", "log", "capture", "sha256", "city",
+    "stream", "corrected", "literal", "alternative", "family", "erase", "log", "capture",
+    "sha256", "city",
     "highway", "baud", "byte", "clock", "cold-start", "warm-idle", "full-load", "key-off", "host",
     "real", "simulated", "nan", "inf", "empty", "scenario", "model", "faults", "seed", "sim",
     "Enter", "min", "null",

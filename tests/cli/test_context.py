@@ -71,7 +71,7 @@ def test_an_empty_port_in_the_environment_is_none(mikas, monkeypatch):
         ("port = ''", "port has to be"),
         ("echo = 'maybe'", "auto, on, off"),
         ("echo = true", "auto, on, off"),
-        ("interpretation = 'other'", "corrected, literal, alternative"),
+        ("interpretation = 'other'", "corrected, literal, alternative, family"),
         ("lang = 'de'", "en, ru"),
         ("timeout = 'long'", "seconds"),
         ("timeout = true", "seconds"),

@@ -60,7 +60,7 @@ def test_the_unit_is_found_and_ready():
     [
         ("echo", "maybe", "auto, on, off"),
         ("echo", True, "auto, on, off"),
-        ("interpretation", "both", "corrected, literal, alternative"),
+        ("interpretation", "both", "corrected, literal, alternative, family"),
         ("timeout", -1, "from 0.001"),
         ("timeout", 0, "from 0.001"),
         ("timeout", float("nan"), "from 0.001"),

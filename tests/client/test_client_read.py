@@ -89,6 +89,7 @@ def test_a_flag_is_shown_as_yes_or_no():
         ("corrected", 14.2, -0.5, ("corrected", "corrected")),
         ("literal", -11.4, -0.5, ("literal", "literal")),
         ("alternative", 14.2, 0.0, ("corrected", "alternative")),
+        ("family", 14.2, 1.0, ("corrected", "family")),
     ],
 )
 def test_the_interpretation_decides_sense_and_unit(interpretation, uacc, rcok, taken):
@@ -102,7 +103,7 @@ def test_the_interpretation_decides_sense_and_unit(interpretation, uacc, rcok, t
 
 
 def test_an_unknown_interpretation_is_refused_with_those_there_are():
-    with pytest.raises(UsageError, match="corrected, literal, alternative"):
+    with pytest.raises(UsageError, match="corrected, literal, alternative, family"):
         ecu_on(bench(), interpretation="both")
 
 

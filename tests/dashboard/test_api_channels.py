@@ -192,3 +192,13 @@ def test_other_names_are_listed_understood_and_kept_as_mnemonics(warm):
     assert tried["problem"] is None
     warm.put("/channels/TWICE", {**DOUBLE, "formula": "Обороты * factor"})
     assert channel(warm, "TWICE")["formula"] == "FREQ * factor"
+
+
+def test_a_doubtful_channel_lists_its_other_readings(warm):
+    known = {each["name"]: each for each in warm.get("/catalog")["parameters"]}
+    assert [(it["name"], it["formula"]) for it in known["RCOK"]["otherwise"]] == [
+        ("alternative", "(b − 128)/256"),
+        ("family", "(b + 128)/256"),
+    ]
+    assert known["FREQ"]["otherwise"][0]["unit"] == {"en": "1/s", "ru": "1/с"}
+    assert known["TWAT"]["otherwise"] == known["TAIR"]["otherwise"] == []

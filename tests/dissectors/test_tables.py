@@ -153,8 +153,10 @@ def test_faults_models_and_errata_are_the_catalogs():
     erratum = CATALOG.errata["E1"]
     assert TABLES["errata"]["E1"] == {
         "corrected": erratum.default.en, "literal": erratum.alternative.en,
-        "alternative": erratum.default.en,
+        "alternative": erratum.default.en, "family": erratum.default.en,
     }  # fmt: skip
+    erratum = CATALOG.errata["E3"]
+    assert TABLES["errata"]["E3"]["family"] == erratum.family.en != erratum.default.en
 
 
 def test_the_users_own_catalog_is_in_them(tmp_path):

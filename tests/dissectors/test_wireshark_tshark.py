@@ -294,7 +294,7 @@ def test_damage_refusals_and_faults_are_expert_information(installed, small, few
         assert {int(cell[0]) for cell in cells if cell[column]} == expected != set()
 
 
-@pytest.mark.parametrize("interpretation", ["literal", "alternative"])
+@pytest.mark.parametrize("interpretation", ["literal", "alternative", "family"])
 def test_a_script_in_russian_obeys_the_interpretation_of_the_setting(
     tmp_path, small, interpretation
 ):

@@ -172,9 +172,10 @@ def in_order(derived: Mapping[str, Derived], wanted: Iterable[str]) -> tuple[Der
     return tuple(derived[name] for name in TopologicalSorter(graph).static_order())
 
 
-INTERPRETATIONS = ("corrected", "literal", "alternative")
+INTERPRETATIONS = ("corrected", "literal", "alternative", "family")
 """corrected (default): the source's text, unless it is impossible; literal: the source's text;
-alternative: another sense of a text that is odd, but possible (E3)."""
+alternative: another sense of a text that is odd, but possible (E3); family: the sense that sibling
+units have there."""
 
 
 def check_interpretation(name: str) -> None:
@@ -213,10 +214,10 @@ class Meaning:
 class Parameter:
     """One parameter of §4 or of a user's file, or a bare code (`0x1A`).
 
-    `conversion` is the corrected interpretation; `literal` and `alternative` are None if equal to
-    it. `plausible`, `reference` (warm idle), `gauge`, `span_least` and `alarm_limits` are in its
-    unit. `lamp` is a flag's; `meaning` explains values off the reference; `short` is the text of a
-    small tile.
+    `conversion` is the corrected interpretation; `literal`, `alternative` and `family` are None if
+    equal to it. `plausible`, `reference` (warm idle), `gauge`, `span_least` and `alarm_limits` are
+    in its unit. `lamp` is a flag's; `meaning` explains values off the reference; `short` is the
+    text of a small tile.
     """
 
     name: str
@@ -226,6 +227,7 @@ class Parameter:
     short: Text = NO_TEXT
     literal: Conversion | None = None
     alternative: Conversion | None = None
+    family: Conversion | None = None
     decimals: int = 0
     plausible: tuple[float, float] | None = None
     reference: tuple[float, float] | None = None
@@ -262,11 +264,10 @@ class Parameter:
 
     @property
     def interpretations(self) -> dict[str, Conversion]:
-        """By name: `corrected` and `literal`, and `alternative` if it exists."""
+        """By name: `corrected` and `literal`, and `alternative` and `family` if they exist."""
         named = {"corrected": self.conversion, "literal": self.literal or self.conversion}
-        if self.alternative is not None:
-            named["alternative"] = self.alternative
-        return named
+        others = {"alternative": self.alternative, "family": self.family}
+        return named | {name: each for name, each in others.items() if each is not None}
 
     def interpretation(self, name: str) -> Conversion:
         """Return the interpretation `name`; the corrected one if this parameter lacks it.
@@ -274,9 +275,10 @@ class Parameter:
         UsageError: a name outside `INTERPRETATIONS`.
         """
         check_interpretation(name)
-        if name == "literal":
-            return self.literal or self.conversion
-        return (self.alternative if name == "alternative" else None) or self.conversion
+        if name == "corrected":
+            return self.conversion
+        own: Conversion | None = getattr(self, name)
+        return own or self.conversion
 
     def decode(self, raw: bytes, interpretation: str = "corrected") -> float | int | bool:
         """Return the value: int if whole by construction, bool for a flag, else float.
@@ -385,7 +387,8 @@ class Model:
 class Erratum:
     """A doubtful passage of the source: the default and alternative sense, and the reason.
 
-    `selected_by`: the interpretation that selects `alternative`; empty if none does.
+    `selected_by`: the interpretation that selects `alternative`; empty if none does. `family`: the
+    sense that the interpretation `family` selects, if there is one.
     """
 
     name: str
@@ -393,5 +396,6 @@ class Erratum:
     reason: Text
     default: Text
     alternative: Text
+    family: Text = NO_TEXT
     selected_by: str = ""
     source: str = ""

@@ -18,7 +18,7 @@ from mikas.preferences import config_path, parsed_config, wrong_config
 
 ECHO = ("auto", "on", "off")
 CHECKSUMS = ("stuffed", "raw")
-INTERPRETATIONS = ("corrected", "literal", "alternative")
+INTERPRETATIONS = ("corrected", "literal", "alternative", "family")
 LANGUAGES = ("en", "ru")
 MIN_TIMEOUT, MAX_TIMEOUT = 0.001, 60
 MAX_RETRIES = 100

@@ -41,7 +41,7 @@ class ConnectionOptions:
     """How often a request that changes nothing is repeated after a failed exchange."""
 
     interpretation: str = "corrected"
-    """corrected, literal or alternative: the interpretation of the source's errata."""
+    """corrected, literal, alternative or family: the interpretation of the source's errata."""
 
     catalog: Catalog = field(default_factory=shipped)
     """The definitions of parameters, faults and models."""

@@ -31,6 +31,7 @@ from typing import Any, Final
 
 from mikas import commands as c
 from mikas.catalog import INTERPRETATIONS, Catalog, Conversion, Erratum, Parameter
+from mikas.catalog.conversion import NO_TEXT
 from mikas.commands.base import NO_COMPLETION_CODE
 from mikas.commands.memory import OTHER_COUNT, ByteCommand, ReadBlock, WriteBlock, WriteByte
 from mikas.commands.unit import NO_SEPARATOR, OTHER_NUMBER_OF_FAULTS
@@ -160,7 +161,9 @@ def _conversion(conversion: Conversion) -> dict[str, object]:
 
 
 def _senses(erratum: Erratum) -> dict[str, Text]:
-    return {
-        name: erratum.alternative if name == erratum.selected_by else erratum.default
-        for name in INTERPRETATIONS
-    }
+    senses = dict.fromkeys(INTERPRETATIONS, erratum.default)
+    if erratum.selected_by:
+        senses[erratum.selected_by] = erratum.alternative
+    if erratum.family != NO_TEXT:
+        senses["family"] = erratum.family
+    return senses

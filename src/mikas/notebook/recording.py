@@ -45,10 +45,10 @@ def open(  # noqa: A001  (read as `mikas.open`)
 ) -> Recording:
     """Read a recording (.pcapng) and return it as a table.
 
-    `interpretation`: corrected, literal or alternative (errata). `catalogs`: your own files, which
-    add to and override the shipped definitions. `names`: the wanted channels in their order; by
-    default all recorded ones. `language`: `en` or `ru`, for what a notebook shows; by default that
-    of MIKAS_LANG, of the config file, or of the system.
+    `interpretation`: corrected, literal, alternative or family (errata). `catalogs`: your own
+    files, which add to and override the shipped definitions. `names`: the wanted channels in their
+    order; by default all recorded ones. `language`: `en` or `ru`, for what a notebook shows; by
+    default that of MIKAS_LANG, of the config file, or of the system.
 
     Raises `CaptureError` for a file that is no capture, `UsageError` for an invalid name or
     setting. `problems` lists damage in the file.

@@ -35,7 +35,7 @@ from virtual_harness import TableCar
 CATALOG = shipped()
 NAMES = [p.name for p in CATALOG.parameters]
 METHODS = ["single", "batch", "list", "stream", "stroke0", "stroke3"]
-READINGS = ["corrected", "literal", "alternative"]
+READINGS = ["corrected", "literal", "alternative", "family"]
 
 
 class RestlessCar(TableCar):

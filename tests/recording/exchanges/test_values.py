@@ -22,7 +22,7 @@ def decoded(raw, conversion):
     return values([np.frombuffer(each, np.uint8) for each in columns], conversion).tolist()
 
 
-@pytest.mark.parametrize("interpretation", ["corrected", "literal", "alternative"])
+@pytest.mark.parametrize("interpretation", ["corrected", "literal", "alternative", "family"])
 @pytest.mark.parametrize("parameter", shipped().parameters, ids=lambda p: p.name)
 def test_every_raw_number_of_the_catalog_is_decoded_alike(parameter, interpretation):
     raw = ALL_OF[parameter.size]

@@ -30,7 +30,13 @@ def numbers_of(path, dialect, names):
 )
 @pytest.mark.parametrize(
     ("interpretation", "size"),
-    [("corrected", 1), ("corrected", 2), ("literal", 1), ("alternative", 1)],  # errata: one byte
+    [
+        ("corrected", 1),
+        ("corrected", 2),
+        ("literal", 1),
+        ("alternative", 1),
+        ("family", 1),
+    ],  # errata: one byte
 )
 def test_every_raw_value_is_read_back(tmp_path, name, dialect, interpretation, size):
     raw = [number.to_bytes(size, "little") for number in range(256**size)]

@@ -72,7 +72,7 @@ def test_the_help_has_every_command_and_common_options_once(language):
     page = help_pages.help_page(language)
     titles = [each.words for each in Document(page).headings]
     assert {"mikas", "mikas read", "mikas mem dump", "mikas list set"} <= set(titles)
-    assert page.count("--interpretation [corrected|literal|alternative]") == 1
+    assert page.count("--interpretation [corrected|literal|alternative|family]") == 1
 
 
 def test_python_pages_name_what_exists():

@@ -99,12 +99,11 @@ def _sure(entry: Parameter | Fault | Derived | Model, language: Language) -> str
 
 
 def _erratum(erratum: Erratum, language: Language) -> tuple[str, ...]:
-    texts = (erratum.title, erratum.reason, erratum.default, erratum.alternative)
-    return (
-        f"**{erratum.name}**",
-        *(each.to(language) for each in texts),
-        code(erratum.selected_by),
-    )
+    otherwise, chosen = erratum.alternative.to(language), code(erratum.selected_by)
+    if third := erratum.family.to(language):
+        otherwise, chosen = f"{otherwise} {third}", f"{chosen}, {code('family')}"
+    texts = (erratum.title, erratum.reason, erratum.default)
+    return (f"**{erratum.name}**", *(each.to(language) for each in texts), otherwise, chosen)
 
 
 def _on_the_wire(parameter: Parameter, language: Language) -> tuple[str, ...]:

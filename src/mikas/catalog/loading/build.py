@@ -223,6 +223,8 @@ def _fault(code: int, entry: Entry, known: Mapping[str, Entry]) -> model.Fault:
 
 def _erratum(name: str, entry: Entry) -> model.Erratum:
     texts = {key: entry.text(key) for key in ("title", "reason", "default", "alternative")}
+    if "family" in entry.values:
+        texts["family"] = entry.text("family")
     return _built(model.Erratum, entry, name=name, **texts)
 
 
@@ -233,11 +235,11 @@ def _parameter(
     entry.require("size")
     values, size = entry.values, entry.values["size"]
     conversion = _conversion(entry, size, unit_texts, ())
-    literal, alternative = (
+    literal, alternative, family = (
         _conversion(entry, size, unit_texts, (interpretation,))
         if interpretation in values
         else None
-        for interpretation in ("literal", "alternative")
+        for interpretation in model.INTERPRETATIONS[1:]
     )
     if conversion.is_flag:
         _refuse(entry, ((key,) for key in (*_FOR_DISPLAY, "decimals")), NOT_FOR_FLAGS)
@@ -251,6 +253,7 @@ def _parameter(
         conversion=conversion,
         literal=literal,
         alternative=alternative,
+        family=family,
         decimals=values.get("decimals", _decimals(conversion)),
         plausible=values.get("range"),
         reference=values.get("reference"),

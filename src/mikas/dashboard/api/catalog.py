@@ -75,6 +75,14 @@ class ChannelErratum(BaseModel):
     text: TwoTexts
 
 
+class OtherReading(BaseModel):
+    """Another interpretation of a channel's bytes, which the program can be started with."""
+
+    name: str = Field(examples=["literal", "alternative", "family"])
+    formula: str
+    unit: TwoTexts
+
+
 class ChannelMeaning(BaseModel):
     """Causes of a value below or above the reference, and what to check; null: unknown."""
 
@@ -114,6 +122,7 @@ class ChannelInfo(BaseModel):
     alarm_when_true: Level
     inputs: list[str] | None
     errata: list[ChannelErratum]
+    otherwise: list[OtherReading] = Field(description="where the source is doubtful")
     confidence: Confidence
     source: str
     reference_confidence: Confidence
@@ -133,7 +142,7 @@ Entries = Mapping[tuple[str, str], Mapping[str, object]]
 _NO_PARAMETER: Final[dict[str, object]] = {
     "derived": True, "writable": False, "code": None, "size": None, "range": None,
     "reference": None, "reference_confidence": Confidence.UNKNOWN, "range_kind": "", "lamp": None,
-    "meaning": None, "errata": [],
+    "meaning": None, "errata": [], "otherwise": [],
 }  # fmt: skip
 _NOT_DERIVED: Final[dict[str, object]] = {
     "derived": False, "mine": False, "inputs": None, "constants": {}, "accumulates": False,
@@ -153,6 +162,11 @@ def channel_info(known: Catalog, channel: Parameter | Derived, own: Entries) -> 
             "writable": not channel.is_flag,
             "formula": channel.formula(),
             "errata": [{"id": it, "text": known.errata[it].reason} for it in channel.errata],
+            "otherwise": [
+                {"name": name, "formula": each.formula, "unit": each.unit_text}
+                for name, each in channel.interpretations.items()
+                if each != channel.conversion
+            ],
         }
     return made_of(
         ChannelInfo,

@@ -120,7 +120,7 @@ for _, each in pairs(E) do
 end
 mikas.experts = all_experts
 
-local INTERPRETATIONS = { "corrected", "literal", "alternative" }
+local INTERPRETATIONS = { "corrected", "literal", "alternative", "family" }
 local choices = {}
 for index, name in ipairs(INTERPRETATIONS) do
   choices[index] = { index, name, index }

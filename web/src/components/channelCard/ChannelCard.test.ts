@@ -10,6 +10,7 @@ const coolant = channelOf("TWAT", {
     formula: "x - 40",
     inputs: null,
     errata: [],
+    otherwise: [{ name: "family", formula: "(b + 128)/256", unit: words("") }],
     source: "§4.2",
     confidence: "confirmed",
     range: null,
@@ -41,6 +42,7 @@ it("what a channel means and where it comes from is there", () => {
   expect(text()).toContain("Value TWAT");
   expect(text()).toContain("The thermostat stays shut");
   expect(text()).toContain("x - 40");
+  expect(text()).toContain("Otherwise: family (b + 128)/256");
 });
 
 it("at a moment it has that moment's value, its bytes, and the limit that it is beyond", async () => {

@@ -42,6 +42,7 @@ export const t = dictionary({
   plausible: { en: "Plausible range", ru: "Возможные значения" },
   representable: { en: "Range of the bytes", ru: "Что вмещают байты" },
   erratum: { en: "Doubt {id}", ru: "Сомнение {id}" },
+  otherwise: { en: "Otherwise: {name}", ru: "Иначе: {name}" },
   own: { en: "Your own catalog", ru: "Ваш каталог" },
 
   change: { en: "Alarm limits and scale", ru: "Пределы тревоги и шкала" },

@@ -273,6 +273,8 @@ export interface components {
             alarm_when_true: components["schemas"]["Level"];
             inputs: string[] | null;
             errata: components["schemas"]["ChannelErratum"][];
+            /** @description where the source is doubtful */
+            otherwise: components["schemas"]["OtherReading"][];
             confidence: components["schemas"]["Confidence"];
             source: string;
             reference_confidence: components["schemas"]["Confidence"];
@@ -838,6 +840,17 @@ export interface components {
         /** @description The note was written. */
         NoteResponse: {
             kept: boolean;
+        };
+        /** @description Another interpretation of a channel's bytes, which the program can be started with. */
+        OtherReading: {
+            /**
+             * @example literal
+             * @example alternative
+             * @example family
+             */
+            name: string;
+            formula: string;
+            unit: components["schemas"]["TwoTexts"];
         };
         /** @description The identity of the unit, and its adapter. */
         PassportResponse: {
