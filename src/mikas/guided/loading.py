@@ -20,9 +20,8 @@ from mikas.catalog.formula_syntax import Parsed, parse
 from mikas.catalog.ignition_only import DEAD, SPEED, WITNESSES
 from mikas.catalog.loading.build import does_not_exist
 from mikas.catalog.loading.fields import made, read_table, schema_of
-from mikas.catalog.loading.source import CatalogFile, KeyPath, read_source
-from mikas.errors import CatalogError, MikasError, UsageError, reason_of
-from mikas.files import ABSENT
+from mikas.catalog.loading.source import CatalogFile, KeyPath, own_files, read_source
+from mikas.errors import CatalogError, MikasError, UsageError
 from mikas.guided.definition import (
     CONSTANTS,
     SECONDS,
@@ -38,7 +37,6 @@ from mikas.i18n import Text
 FOLDER: Final = "tests"
 """The folder of the user's tests, beside the config file."""
 
-MOST_FILES: Final = 200
 _MOST_PARTS: Final = 50  # steps, measures or rules of a test
 _WATCHED: Final = 12
 _NAME: Final = re.compile(r"[a-z][a-z0-9-]{0,39}")
@@ -57,8 +55,9 @@ class LoadedTests:
 def load(catalog: Catalog, folder: Path | None = None) -> LoadedTests:
     """Return the shipped tests and those in the user's `folder`, a later name over an earlier."""
     tests = dict(_shipped(catalog))
-    errors: list[CatalogError] = []
-    for path in _files(folder, errors):
+    files, problems = own_files(folder)
+    errors = [*problems]
+    for path in files:
         try:
             test = from_source(read_source(path), catalog, own=True)
         except CatalogError as error:
@@ -66,27 +65,6 @@ def load(catalog: Catalog, folder: Path | None = None) -> LoadedTests:
         else:
             tests[test.name] = test
     return LoadedTests(tests, tuple(errors))
-
-
-def _files(folder: Path | None, errors: list[CatalogError]) -> list[Path]:
-    if folder is None:
-        return []
-    try:
-        files = sorted(path for path in folder.iterdir() if path.suffix == ".toml")
-    except ABSENT:
-        return []
-    except OSError as error:
-        reason = reason_of(error)
-        problem = Text(f"can't be read: {reason.en}", f"не читается: {reason.ru}")
-        errors.append(CatalogError(str(folder), 0, problem))
-        return []
-    if len(files) > MOST_FILES:
-        problem = Text(
-            f"has more than {MOST_FILES} tests; only the first are read",
-            f"больше {MOST_FILES} проверок; прочитаны только первые",
-        )
-        errors.append(CatalogError(str(folder), 0, problem))
-    return files[:MOST_FILES]
 
 
 @lru_cache(maxsize=4)

@@ -14,10 +14,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from decimal import Context, Decimal
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any, Final, TypeAlias
 
 from mikas import toml
 from mikas.errors import CatalogError, reason_of
+from mikas.files import ABSENT
 from mikas.i18n import Text
 
 KeyPath: TypeAlias = tuple[str, ...]
@@ -33,6 +34,33 @@ _TOKEN = re.compile(
     ''',
     re.VERBOSE | re.DOTALL,
 )
+
+
+MOST_FILES: Final = 200
+"""The files of a folder of the user's own that are read: a wrong folder must not stop a program."""
+
+_TOO_MANY: Final = Text(
+    "has more than {most} .toml files; only the first are read",
+    "больше {most} файлов .toml; прочитаны только первые",
+)
+
+
+def own_files(folder: Path | None) -> tuple[list[Path], tuple[CatalogError, ...]]:
+    """Return the TOML files of the user's `folder`, sorted; and why some or all are not read."""
+    if folder is None:
+        return [], ()
+    try:
+        files = sorted(path for path in folder.iterdir() if path.suffix == ".toml")
+    except ABSENT:
+        return [], ()
+    except OSError as error:
+        reason = reason_of(error)
+        problem = Text(f"can't be read: {reason.en}", f"не читается: {reason.ru}")
+        return [], (CatalogError(str(folder), 0, problem),)
+    if len(files) <= MOST_FILES:
+        return files, ()
+    too_many = CatalogError(str(folder), 0, _TOO_MANY.filled(most=MOST_FILES))
+    return files[:MOST_FILES], (too_many,)
 
 
 def lines_of(text: str) -> dict[KeyPath, int]:

@@ -26,16 +26,13 @@ from mikas.catalog.loading.fields import (
     read_table,
     string,
 )
-from mikas.catalog.loading.source import CatalogFile, read_source
+from mikas.catalog.loading.source import CatalogFile, own_files, read_source
 from mikas.causes.features import BY_NAME as FEATURES
-from mikas.errors import CatalogError, reason_of, usage_error
-from mikas.files import ABSENT
+from mikas.errors import CatalogError, usage_error
 from mikas.i18n import Text
 
 FOLDER: Final = "causes"
 """The folder of the user's causes, beside the config file."""
-
-MOST_FILES: Final = 100
 
 SYSTEMS: Final = (
     "start", "charging", "idle", "air", "throttle", "mixture", "spark", "knock", "warmth",
@@ -148,8 +145,9 @@ def load(folder: Path | None = None) -> Knowledge:
     A wrong file is an error of the result; the others still load.
     """
     causes = {cause.name: cause for cause in _shipped()}
-    errors: list[CatalogError] = []
-    for path in _files(folder, errors):
+    files, problems = own_files(folder)
+    errors = [*problems]
+    for path in files:
         try:
             own = from_source(read_source(path), own=True)
         except CatalogError as error:
@@ -164,20 +162,6 @@ def load(folder: Path | None = None) -> Knowledge:
 def _shipped() -> tuple[KnownCause, ...]:
     paths = sorted(Path(__file__).parent.glob("*.toml"))
     return tuple(cause for path in paths for cause in from_source(read_source(path)))
-
-
-def _files(folder: Path | None, errors: list[CatalogError]) -> list[Path]:
-    if folder is None:
-        return []
-    try:
-        return sorted(path for path in folder.iterdir() if path.suffix == ".toml")[:MOST_FILES]
-    except ABSENT:
-        return []
-    except OSError as error:
-        reason = reason_of(error)
-        problem = Text(f"can't be read: {reason.en}", f"не читается: {reason.ru}")
-        errors.append(CatalogError(str(folder), 0, problem))
-        return []
 
 
 def from_source(source: CatalogFile, *, own: bool = False) -> tuple[KnownCause, ...]:
