@@ -19,7 +19,9 @@ from hypothesis import strategies as st
 
 import mikas.fleet.report.sentences as module
 from mikas.catalog import shipped
+from mikas.causes.result import Verdict
 from mikas.fleet.cars import KnownBy
+from mikas.fleet.report.causes import JudgedDrive
 from mikas.fleet.report.comparing import FEWEST_DRIVES, FEWEST_OF_TREND, Peers, trend, value_of
 from mikas.fleet.report.figures import CarFigures, DatedFaults, FleetFigures
 from mikas.fleet.report.findings import FleetFindings, find
@@ -142,11 +144,18 @@ RULES: dict[str, Callable[[FleetFindings], bool]] = {
     "Too few drives for changes over time ({} are needed): {}.": lambda f: (
         len(f.cars) > followed(f)
     ),
+    (
+        "Causes are ranked for each drive by itself, known from a model of the engine and service "
+        "literature, not from cars. They don't decide on attention."
+    ): some(lambda _, it: bool(it.judged)),
+    "The causes in {}: an earlier version of mikas added them. Add the same recordings again.": (
+        some(lambda _, it: it.unjudged > 0)
+    ),
     "Of which car: {} have neither a plate nor a name nor a unit's passport.": lambda f: (
         f.figures.unknown > 0
     ),
     "Left out: {} of the dataset whose files can't be used.": lambda f: f.figures.refused > 0,
-    "The cause. Cars with other equipment, other loads or another program differ too: a "
+    "Why a car differs. Cars with other equipment, other loads or another program do too: a "
     "difference is a reason to check, not a proof.": lambda _: True,
 }
 
@@ -212,6 +221,8 @@ def cases() -> list[FleetFindings]:
         fleet(car(readings=((99, 13), (99,)))), fleet(car(readings=())),
         fleet(replace(car(readings=()), read=True, undated=1)),
         fleet(car(known_by="unit")), fleet(replace(car(), undated=2, ahead=1)),
+        fleet(replace(car(), unjudged=2)),
+        fleet(replace(car(), judged=[JudgedDrive(FIRST, 60.0, Verdict.SOUND)])),
         fleet(*(car(name, **{key: [10.0] * 8 for key in MEASURE}) for name in "ABCDEF")),
     ]  # fmt: skip
 

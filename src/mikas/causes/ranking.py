@@ -9,7 +9,7 @@ only if it also fits: what nothing fits is unknown, not the least bad cause.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from math import sqrt
 from typing import Final
@@ -83,29 +83,52 @@ def rank(
 
 
 def observe(
-    recordings: Sequence[Samples], weights: Weights, absent: Collection[str] = ()
+    recordings: Iterable[Samples], weights: Weights, absent: Collection[str] = ()
 ) -> Observation:
     """Return what was seen in these recordings of one car, each feature put together."""
-    deviations: dict[str, list[tuple[float, int, Seen]]] = {}
-    contexts: list[Mapping[str, float]] = []
-    ran = False
-    for source, samples in enumerate(recordings):
+    observer = Observer(weights)
+    for samples in recordings:
+        observer.add(samples, absent)
+    return observer.observation
+
+
+class Observer:
+    """Puts the features of one car's samples together. Of samples that were added it keeps the
+    features alone, so that a long drive can be given in pieces.
+    """
+
+    def __init__(self, weights: Weights) -> None:
+        self._weights = weights
+        self._deviations: dict[str, list[tuple[float, int, Seen]]] = {}
+        self._context: Mapping[str, float] | None = None
+        self._count = 0
+        self._seconds = 0.0
+        self._ran = False
+
+    def add(self, samples: Samples, absent: Collection[str] = ()) -> None:
+        """Add the features of samples; `absent`: as in `rank`."""
+        source, self._count = self._count, self._count + 1
+        self._seconds += samples.seconds
         served = {n: column for n, column in samples.columns.items() if n not in absent}
         drive = drive_of(Samples(samples.times, served))
         if drive is None:
-            continue
-        ran = ran or bool(drive.running)
+            return
+        self._ran = self._ran or bool(drive.running)
         context = context_of(View(drive))
-        contexts.append(context)
+        if self._context is None:
+            self._context = context
         found = features_of(drive)
-        for name, deviation in weights.deviations(found, context).items():
-            deviations.setdefault(name, []).append((deviation, source, found[name]))
-    values, seen, sources = {}, {}, {}
-    for name, several in deviations.items():
-        values[name] = sum(each[0] for each in several) / len(several)
-        _, sources[name], seen[name] = max(several, key=lambda each: abs(each[0]))
-    seconds = sum(samples.seconds for samples in recordings)
-    return Observation(values, seen, contexts[0] if contexts else {}, sources, seconds, ran)
+        for name, deviation in self._weights.deviations(found, context).items():
+            self._deviations.setdefault(name, []).append((deviation, source, found[name]))
+
+    @property
+    def observation(self) -> Observation:
+        """What was seen so far."""
+        values, seen, sources = {}, {}, {}
+        for name, several in self._deviations.items():
+            values[name] = sum(each[0] for each in several) / len(several)
+            _, sources[name], seen[name] = max(several, key=lambda each: abs(each[0]))
+        return Observation(values, seen, self._context or {}, sources, self._seconds, self._ran)
 
 
 def rank_observation(

@@ -71,9 +71,12 @@ def _thinned(values: Sequence[float], last: Sequence[int]) -> list[float]:
     return found
 
 
-def unserved(samples: Iterable[Samples]) -> frozenset[str]:
-    """Return the channels that mean nothing, if this is a unit that controls the ignition alone."""
-    watch = InjectionWatch()
+def unserved(samples: Iterable[Samples], watch: InjectionWatch | None = None) -> frozenset[str]:
+    """Return the channels that mean nothing, if this is a unit that controls the ignition alone.
+
+    `watch`: has counted earlier samples of the unit, and counts these too.
+    """
+    watch = watch or InjectionWatch()
     for each in samples:
         speed = each.column(SPEED)
         if speed is None:

@@ -21,7 +21,9 @@ from mikas.cleaning import clean_line
 from mikas.commands.unit import version_text
 from mikas.errors import CaptureError
 from mikas.fleet.cars import CarKey, car_key, partition
+from mikas.fleet.causes import CauseCollector
 from mikas.fleet.states import DriveState, StateCollector
+from mikas.fleet.tables import EDITION
 from mikas.fleet.writing import TableWriter, timestamp
 from mikas.i18n import Text
 from mikas.recording.annotations.cars import SeveralCars
@@ -61,7 +63,8 @@ class InterpretingSettings:
     @property
     def version(self) -> str:
         """The version of what interprets: another one interprets a recording again."""
-        return f"{program()}, catalog {self.catalog.version}, {self.interpretation}"
+        catalog = self.catalog.version
+        return f"{program()}, tables {EDITION}, catalog {catalog}, {self.interpretation}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,6 +90,7 @@ class _Drive:
     source: Source
     measuring: MeasurementCollector
     states: StateCollector
+    causes: CauseCollector = field(default_factory=CauseCollector)
     began: float | None = None
     ended: float | None = None
     gaps: list[Gap] = field(default_factory=list)
@@ -94,6 +98,7 @@ class _Drive:
     def add(self, rows: Rows, corrected: Rows) -> None:
         self.measuring.add(corrected)
         self.states.add(corrected)
+        self.causes.add(corrected)
         first, last = float(rows.times.min()), float(rows.times.max())
         self.began = first if self.began is None else min(self.began, first)
         self.ended = last if self.ended is None else max(self.ended, last)
@@ -287,7 +292,9 @@ class _Reader:
         mine = self._notes[drive.source.recording]
         unit = unit_of(mine, self._catalog)
         row = self._drive_row(drive, measured, began, unit)
-        yield "drives", began, {**row, "fault_readings": len(heard)}
+        stored = heard[-1].codes if heard else ()
+        causes = drive.causes.columns(stored)
+        yield "drives", began, {**row, **causes, "fault_readings": len(heard)}
         states: dict[tuple[str, DriveState], ChannelStatistics] = {
             **{(name, DriveState.ALL): stats for name, stats in measured.whole.items()},
             **{(name, DriveState.WARM_IDLE): stats for name, stats in measured.at_idle.items()},

@@ -39,6 +39,11 @@ SMALL: Final[Mapping[str, Mapping[str, str]]] = {
         "program": "VARCHAR",
         "catalog": "VARCHAR",
         "interpretation": "VARCHAR",
+        "verdict": "VARCHAR",
+        "cause": "VARCHAR",
+        "likelihood": "VARCHAR",
+        "cause_en": "VARCHAR",
+        "cause_ru": "VARCHAR",
     },
     "statistics": {
         "drive": "VARCHAR",
@@ -90,6 +95,14 @@ SMALL: Final[Mapping[str, Mapping[str, str]]] = {
     },
 }
 """The tables whose rows are few."""
+
+EDITION: Final = 2
+"""The edition of the columns. A recording added with another one is interpreted again."""
+
+LATER: Final[Mapping[str, frozenset[str]]] = {
+    "drives": frozenset(("verdict", "cause", "likelihood", "cause_en", "cause_ru")),
+}
+"""Columns that a table of an earlier edition lacks: its rows have NULL there."""
 
 _SAMPLES: Final = {"drive": "VARCHAR", "time": "DOUBLE", "utc": "TIMESTAMP"}
 TABLES: Final[Mapping[str, Mapping[str, str]]] = {"samples": _SAMPLES, **SMALL}

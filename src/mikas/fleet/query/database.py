@@ -35,7 +35,7 @@ from mikas.fleet.query.table_files import (
 )
 from mikas.fleet.query.table_system import NO_TABLE, PROTOCOL, DatasetFileSystem
 from mikas.fleet.stores import Store, store
-from mikas.fleet.tables import PARTITIONS, TABLES
+from mikas.fleet.tables import LATER, PARTITIONS, TABLES
 from mikas.i18n import Text
 from mikas.recording.parquet import quoted
 
@@ -230,15 +230,31 @@ class Database:
         for table, names in named.items():
             if names:
                 listed = ", ".join(map(quoted, sorted(names)))
-                run(
-                    f"CREATE OR REPLACE VIEW {table} AS SELECT car, day, * EXCLUDE (car, day) FROM "
+                read = (
                     f"read_parquet([{listed}], union_by_name = true, hive_partitioning = true, "
                     f"hive_types = {{{types}}})"
+                )
+                absent = self._absent(table, read)
+                run(
+                    f"CREATE OR REPLACE VIEW {table} AS SELECT car, day, * EXCLUDE (car, day)"
+                    f"{absent} FROM {read}"
                 )
             else:
                 columns = {**PARTITIONS, **TABLES[table]}
                 nulls = ", ".join(f"NULL::{kind} AS {name}" for name, kind in columns.items())
                 run(f"CREATE OR REPLACE VIEW {table} AS SELECT {nulls} WHERE false")
+
+    def _absent(self, table: str, read: str) -> str:
+        """Return, as SQL, the later columns of a table that all its files lack."""
+        if table not in LATER:
+            return ""
+        described = self._connection.execute(f"DESCRIBE SELECT * FROM {read}").fetchall()
+        there = {row[0].casefold() for row in described}
+        return "".join(
+            f", NULL::{kind} AS {name}"
+            for name, kind in TABLES[table].items()
+            if name in LATER[table] and name not in there
+        )
 
 
 class QueryRows(NamedTuple):

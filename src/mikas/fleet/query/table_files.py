@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import duckdb
 
-from mikas.fleet.tables import PARTITIONS, TABLES
+from mikas.fleet.tables import LATER, PARTITIONS, TABLES
 from mikas.i18n import Text
 from mikas.recording.parquet import quoted
 
@@ -141,4 +141,5 @@ def _wrong(table: str, columns: Sequence[Sequence[Any]]) -> str | None:
         if known or not fits or children is not None or repetition == "REPEATED":
             return str(name)
         seen.add(name.casefold())
-    return next((name for name in ours if name not in seen), None)
+    earlier = LATER.get(table, frozenset())
+    return next((name for name in ours if name not in seen and name not in earlier), None)

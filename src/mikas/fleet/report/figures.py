@@ -9,11 +9,14 @@ from datetime import datetime, timedelta
 from typing import Final
 
 from mikas.catalog import Catalog
+from mikas.causes.result import Likelihood, Verdict
 from mikas.cleaning import clean_line
 from mikas.fleet.cars import KnownBy
 from mikas.fleet.query.database import Database
+from mikas.fleet.report.causes import JudgedDrive
 from mikas.fleet.report.measures import MEASURES
 from mikas.fleet.states import DriveState
+from mikas.i18n import Text
 from mikas.report.findings import FEWEST
 from mikas.report.measurements.warm_idle import ENOUGH
 
@@ -29,7 +32,8 @@ _LONGEST: Final = 200  # characters of a name
 
 _DRIVES: Final = f"""
 SELECT car, drive, {_DATED.format("began")} AS day_and_time, {_LENGTH.format("seconds")}, known_by,
-    left(name, {_LONGEST}), left(plate, {_LONGEST}), {_LENGTH.format("warm_idle_seconds")}
+    left(name, {_LONGEST}), left(plate, {_LONGEST}), {_LENGTH.format("warm_idle_seconds")},
+    verdict, likelihood, left(cause_en, {_LONGEST}), left(cause_ru, {_LONGEST})
 FROM drives ORDER BY car, day_and_time, drive
 """
 _STATISTICS: Final = f"""
@@ -55,7 +59,8 @@ class DatedFaults:
 class CarFigures:
     """One car. `series`: by measure, (time, value) of each dated drive that has it, in order;
     `readings`: of the faults, in dated drives; `read`: whether they were read in any drive;
-    `undated`: drives without a date; `ahead`: dated in the future.
+    `undated`: drives without a date; `ahead`: dated in the future; `judged`: the dated drives whose
+    causes were looked for, in order; `unjudged`: drives added before causes were.
     """
 
     car: str
@@ -70,6 +75,8 @@ class CarFigures:
     series: dict[str, list[tuple[datetime, float]]] = field(default_factory=dict)
     readings: list[DatedFaults] = field(default_factory=list)
     read: bool = False
+    judged: list[JudgedDrive] = field(default_factory=list)
+    unjudged: int = 0
 
     def values(self, measure: str) -> list[float]:
         """Return the values of a measure in the order of the drives."""
@@ -103,7 +110,8 @@ def figures(database: Database, catalog: Catalog, now: datetime) -> FleetFigures
     cars: dict[str, CarFigures] = {}
     drives: dict[str, _Drive] = {}
     unknown = 0
-    for car, drive, began, seconds, known_by, name, plate, warm in database.rows(_DRIVES):
+    for row in database.rows(_DRIVES):
+        car, drive, began, seconds, known_by, name, plate, warm, *causes = row
         if car is None:
             unknown += 1
             continue
@@ -121,9 +129,35 @@ def figures(database: Database, catalog: Catalog, now: datetime) -> FleetFigures
         else:
             it.first, it.last = it.first or began, began
             drives[drive].began = began
+            _add_causes(it, began, seconds or 0.0, *causes)
     _add_readings(database, drives)
     _add_series(database, catalog, drives)
     return FleetFigures(tuple(cars.values()), unknown, now, len(database.ledger.refused))
+
+
+def _add_causes(
+    car: CarFigures,
+    began: datetime,
+    seconds: float,
+    verdict: str | None,
+    likelihood: str | None,
+    *cause: str | None,
+) -> None:
+    """Add the causes of a drive; a column that an earlier program did not write is NULL."""
+    if verdict not in tuple(Verdict):
+        car.unjudged += 1
+        return
+    en, ru = (clean_line(text or "") for text in cause)
+    named = likelihood in tuple(Likelihood) and en and ru
+    car.judged.append(
+        JudgedDrive(
+            began,
+            seconds,
+            Verdict(verdict),
+            Likelihood(likelihood) if named and likelihood else None,
+            Text(en, ru) if named else None,
+        )
+    )
 
 
 def _add_readings(database: Database, drives: Mapping[str, _Drive]) -> None:

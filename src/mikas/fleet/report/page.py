@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from mikas.cancellation import check_cancelled
-from mikas.fleet.report import sentences
+from mikas.fleet.report import causes, sentences
 from mikas.fleet.report.findings import CarFault, CarFindings, FleetFindings
 from mikas.fleet.report.measures import MEASURES, CarMeasure
 from mikas.i18n import Language, Text, plural
@@ -38,6 +38,7 @@ _LABELS: Final = {
     "car": Text("Car", "Машина"),
     "drives": Text("Drives", "Поездки"),
     "latest": Text("Latest", "Последняя"),
+    "cause": Text("Likeliest cause", "Вероятная причина"),
     "result": Text("Result", "Итог"),
     "values": Text("All cars", "Все машины"),
     "value": Text("Value", "Параметр"),
@@ -47,6 +48,9 @@ _LABELS: Final = {
     "attention": Text("attention", "внимание"),
     "nothing": Text("nothing found", "замечаний нет"),
     "faults": Text("Faults over time", "Ошибки по времени"),
+    "causes": Text("Causes by drive", "Причины по поездкам"),
+    "drive": Text("Drive", "Поездка"),
+    "length": Text("Length", "Длительность"),
     "legend": Text(
         "Charts: a value for each drive; days since {date}. Shaded: normal range at warm idle. "
         "Faults: ● stored, ○ not, one mark a reading, the latest on the right.",
@@ -112,16 +116,27 @@ def _car(
     """Return the row and the part of a car; `began`: of its charts, None: it has none."""
     check_cancelled()
     it = car.figures
+    cause = causes.car_words(it.judged)
     return {
         "car": it.car,
         "name": it.name,
         "drives": f"{it.drives} · {duration(it.seconds).to(language)}",
         "latest": sentences.date(it.last) if it.last else "–",
         "found": car.found,
+        "cause": cause.to(language) if cause else "–",
+        "causes": [_judged(drive, language) for drive in it.judged[: -causes.MOST - 1 : -1]],
         "sentences": [text.to(language) for text in sentences.car_sentences(car, found)],
         "remarks": [text.to(language) for text in sentences.remarks(car)],
         "faults": [_fault(fault, language) for fault in car.faults],
         "charts": list(_charts(car, found, began, language)) if began else [],
+    }
+
+
+def _judged(drive: causes.JudgedDrive, language: Language) -> dict[str, object]:
+    return {
+        "date": sentences.date(drive.began),
+        "length": duration(drive.seconds).to(language),
+        "words": drive.words.to(language),
     }
 
 

@@ -100,6 +100,13 @@ def method(found: FleetFindings) -> Iterator[Text]:
             f"Followed over time, with {FEWEST_OF_TREND} drives or more: {cars.en}.",
             f"Прослежено во времени, от {FEWEST_OF_TREND} поездок: {cars.ru}.",
         )
+    if any(car.figures.judged for car in found.cars):
+        yield Text(
+            "Causes are ranked for each drive by itself, known from a model of the engine and "
+            "service literature, not from cars. They don't decide on attention.",
+            "Причины ищутся по каждой поездке отдельно: известны по модели двигателя и сервисной "
+            "литературе, а не по машинам. На оценку «внимание» они не влияют.",
+        )
 
 
 def unknowns(found: FleetFindings) -> Iterator[Text]:
@@ -129,11 +136,19 @@ def unknowns(found: FleetFindings) -> Iterator[Text]:
             f"Left out: {recordings.en} of the dataset whose files can't be used.",
             f"Не учтено: {recordings.ru} набора, файлы которых непригодны.",
         )
+    if unjudged := sum(car.figures.unjudged for car in found.cars):
+        drives = counted(unjudged, *DRIVES)
+        yield Text(
+            f"The causes in {drives.en}: an earlier version of mikas added them. Add the same "
+            "recordings again.",
+            f"Причины неисправностей: {drives.ru} из более старой версии mikas. Добавьте те же "
+            "записи ещё раз.",
+        )
     yield Text(
-        "The cause. Cars with other equipment, other loads or another program differ too: a "
+        "Why a car differs. Cars with other equipment, other loads or another program do too: a "
         "difference is a reason to check, not a proof.",
-        "Причину. Отличаются и машины с другим оборудованием, нагрузкой или программой: отличие — "
-        "повод проверить, а не доказательство.",
+        "Почему машина отличается. Отличаются и машины с другим оборудованием, нагрузкой или "
+        "программой: отличие — повод проверить, а не доказательство.",
     )
 
 

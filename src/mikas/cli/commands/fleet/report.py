@@ -16,6 +16,7 @@ from mikas.cli.render.terminal import cell_text
 from mikas.json_values import picked
 
 if TYPE_CHECKING:
+    from mikas.fleet.report.causes import JudgedDrive
     from mikas.fleet.report.findings import CarFindings, FleetFindings
     from mikas.i18n import Text
 
@@ -65,6 +66,7 @@ def report(context: CommandContext, dataset: str, out: Path | None, *, overwrite
 def _print(
     context: CommandContext, found: FleetFindings, out: Path | None, refused: Mapping[str, Text]
 ) -> None:
+    from mikas.fleet.report.causes import car_words, latest
     from mikas.fleet.report.sentences import car_sentences, headline, unknowns
 
     if context.output.json:
@@ -87,6 +89,20 @@ def _print(
     for car in found.cars:
         for text in car_sentences(car, found):
             context.output.line(cell_text(f"{car.figures.car}: {localized(text)}"))
+        judged = latest(car.figures.judged)
+        if judged is not None and judged.text is not None:
+            words = car_words(car.figures.judged) or judged.words
+            context.output.line(cell_text(f"{car.figures.car}: {localized(words)}"))
+
+
+def _judged(drive: JudgedDrive) -> dict[str, object]:
+    return {
+        "began": drive.began.isoformat(),
+        "seconds": round(drive.seconds, 3),
+        "verdict": drive.verdict,
+        "likelihood": drive.likelihood,
+        "text": drive.text._asdict() if drive.text else None,
+    }
 
 
 def _as_json(car: CarFindings, found: FleetFindings) -> dict[str, object]:
@@ -97,6 +113,7 @@ def _as_json(car: CarFindings, found: FleetFindings) -> dict[str, object]:
         **picked(figures, "car", "name", "drives"),
         "seconds": round(figures.seconds, 3),
         "found": car.found,
+        "causes": [_judged(it) for it in figures.judged],
         "texts": [text._asdict() for text in car_sentences(car, found)],
         "faults": [
             {
