@@ -6,7 +6,7 @@ import pytest
 
 from mikas.client.ecu import erasing
 from mikas.client.memory.spaces import writing
-from mikas.i18n import byte_count
+from mikas.i18n import Text, byte_count, unit_after
 
 
 @pytest.mark.parametrize(
@@ -37,3 +37,23 @@ def test_changes_have_the_right_ending() -> None:
         "сбросить 5 ошибок",
     ]
     assert writing(1, "ram 0042") == ("write 1 byte to ram 0042", "записать 1 байт, ram 0042")
+
+
+@pytest.mark.parametrize(
+    ("shown", "en", "ru"),
+    [
+        ("0", "steps", "шагов"),
+        ("1", "step", "шаг"),
+        ("−1", "step", "шаг"),
+        ("31", "steps", "шаг"),
+        ("32", "steps", "шага"),
+        ("11", "steps", "шагов"),
+        ("36", "steps", "шагов"),
+        ("2.5", "steps", "шага"),
+        ("–", "steps", "шага"),
+    ],
+)
+def test_a_counted_unit_has_the_form_of_its_number(shown, en, ru) -> None:
+    number = Text(shown, shown.replace(".", ","))
+    assert unit_after(number, Text("steps", "шаг")) == (en, ru)
+    assert unit_after(number, Text("rpm", "об/мин")) == ("rpm", "об/мин")

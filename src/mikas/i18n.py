@@ -3,9 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Literal, NamedTuple
+from typing import Final, Literal, NamedTuple
 
 Language = Literal["en", "ru"]
+
+_SIGNS: Final = "-+\N{MINUS SIGN}"
+_ENGLISH: Final = {"steps": "step", "turns": "turn", "times": "time"}
+_RUSSIAN: Final = {
+    "шаг": ("шаг", "шага", "шагов"),
+    "оборот": ("оборот", "оборота", "оборотов"),
+    "раз": ("раз", "раза", "раз"),
+}
+"""Units that are counted, as a table names them, with their forms."""
 
 
 class Text(NamedTuple):
@@ -40,12 +49,29 @@ def plural(count: int, one: str, more: str) -> str:
 
 def counted(count: int, english: tuple[str, str], russian: tuple[str, str, str]) -> Text:
     """Return `1 fault`, `3 faults`; `1 ошибка`, `3 ошибки`, `5 ошибок`."""
+    return Text(plural(count, *english), f"{count} {russian[_russian(count)]}")
+
+
+def unit_after(shown: Text, unit: Text) -> Text:
+    """Return a unit as it stands after a number that is `shown`: 31 шаг, 32 шага, 2,5 шага.
+
+    Most units are symbols and stay as they are: V, об/мин.
+    """
+    en, ru = unit
+    if en in _ENGLISH and shown.en.lstrip(_SIGNS) == "1":
+        en = _ENGLISH[en]
+    if ru in _RUSSIAN:
+        digits = shown.ru.lstrip(_SIGNS)
+        ru = _RUSSIAN[ru][_russian(int(digits)) if digits.isdecimal() else 1]
+    return Text(en, ru)
+
+
+def _russian(count: int) -> int:
+    """Return which of the forms of 1, 2 and 5 a count has."""
     last = count % 10
     if count % 100 in range(11, 15) or last == 0 or last > 4:
-        ru = russian[2]
-    else:
-        ru = russian[0] if last == 1 else russian[1]
-    return Text(plural(count, *english), f"{count} {ru}")
+        return 2
+    return 0 if last == 1 else 1
 
 
 def byte_count(count: int) -> Text:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from functools import cache
 
+import pytest
 from tools.causes.cars import Car, columns_of
 
+from mikas.causes.knowledge import Complaint
 from mikas.causes.ranking import rank
 from mikas.causes.result import Likelihood, Ranking, Verdict
 from mikas.causes.samples import Samples, samples_of
@@ -43,3 +45,33 @@ def test_values_without_an_engine_speed_tell_nothing() -> None:
 def test_no_samples_are_no_error() -> None:
     assert rank([]).verdict is Verdict.CANNOT_TELL
     assert rank([samples_of([], {})]).verdict is Verdict.CANNOT_TELL
+
+
+def test_evidence_is_counted_and_a_range_of_one_value_is_that_value() -> None:
+    ranking = rank([_samples("throttle_stops-open")], complaint=Complaint.IDLES_HIGH)
+    shown = [each.text.ru for cause in ranking.causes for each in cause.evidence_for]
+    assert shown
+    for text in shown:
+        _, _, usual = text.partition("у исправных: ")
+        ends = usual.rstrip(")").split(" … ")
+        assert len(ends) == len(set(ends)), text
+
+
+def test_what_no_cause_explains_names_no_causes_below(monkeypatch: pytest.MonkeyPatch) -> None:
+    one, other = _samples(drive="idle"), _samples("throttle_stops-open", drive="idle")
+    both = rank([_joined(one, other)])
+    assert (both.verdict, bool(both.causes)) == (Verdict.UNKNOWN, True)
+    assert "below" in both.text.en
+    monkeypatch.setattr("mikas.causes.ranking.POSSIBLE", 2.0)
+    alone = rank([_joined(one, other)])
+    assert (alone.verdict, alone.causes) == (Verdict.UNKNOWN, ())
+    assert "below" not in alone.text.en
+
+
+def _joined(one: Samples, other: Samples) -> Samples:
+    """Two cars one after the other, as the minutes of one."""
+    later = one.times[-1] + 1 - other.times[0]
+    return samples_of(
+        [*one.times, *(time + later for time in other.times)],
+        {name: [*column, *other.columns[name]] for name, column in one.columns.items()},
+    )

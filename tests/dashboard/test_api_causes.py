@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dashboard.recordings_rig import record
 from dashboard.rig import rig
+from mikas.sampling.events import UnitFound
 
 LEAK = "&scenario=warm-idle&car=leak:9"
 OWN = """\
@@ -66,3 +67,17 @@ def test_a_wrong_file_of_one_s_own_is_reported_with_its_line(tmp_path):
         (error,) = it.get("/causes")["errors"]
         assert error["file"].endswith("gremlin.toml")
         assert error["line"] == 7
+
+
+def test_another_virtual_car_is_not_judged_by_the_values_of_the_one_before(tmp_path):
+    """All virtual units have the same passport, so only the address knows them apart."""
+    with rig(tmp_path, "sim:?scenario=warm-idle") as it:
+        for car in ("leak:8", "leak:8", "leak:9"):
+            it.sampling()
+            it.post("/connect", {"port": f"sim:?scenario=warm-idle&car={car}"})
+        it.sampling()
+        found = [each for each in it.dashboard.monitor.logged if isinstance(each, UnitFound)]
+        assert [each.another for each in found] == [False, True, False, True]
+        rows = it.dashboard.history.rows(7200)
+        assert it.get("/causes")["seconds"] <= it.dashboard.connection.now() - found[-1].time
+        assert rows.times[0] < found[-1].time

@@ -198,3 +198,18 @@ def test_an_adapter_has_its_name_among_the_ports_and_others_have_none():
     assert PortUrl("webserial", "0403:6001", {"rts": "1"}).name == "webserial:0403:6001"
     adapters = [PortUrl(scheme, "x", {}).is_adapter for scheme in ("serial", "webserial", "socket")]
     assert adapters == [True, True, False]
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "two"),
+    [
+        ("sim:?scenario=city", "sim:?scenario=city", False),
+        ("sim:?scenario=city", "sim:?scenario=city&car=leak:8", True),
+        ("sim:", "/dev/ttyUSB0", True),
+        ("/dev/ttyUSB0", "/dev/ttyUSB1", False),
+        ("/dev/ttyUSB0", "socket://192.168.0.5:4001", False),
+    ],
+)
+def test_a_virtual_car_is_at_its_own_url_alone(one, other, two):
+    assert urls.are_of_two_cars(one, other) is two
+    assert urls.are_of_two_cars(other, one) is two

@@ -308,3 +308,11 @@ def test_the_unit_of_an_earlier_connection_is_compared_before_the_first_value() 
         (found,) = of(UnitFound, reported)
         assert found.another is is_another
         assert reported.index(found) < reported.index(of(Sampled, reported)[0])
+
+
+def test_a_unit_at_a_port_of_its_own_is_another_though_it_says_the_same() -> None:
+    known = UnitIdentity(0x0A, Passport(PASSPORTS[:3], PASSPORTS[3:]))
+    sampler = make_sampler(SimulatedPlug(make_bus()), "FREQ", before=known, moved=True)
+    with closing(sampler.run()) as events:
+        reported = take(events, enough)
+    assert [found.another for found in of(UnitFound, reported)] == [True]

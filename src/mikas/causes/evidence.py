@@ -13,8 +13,8 @@ from mikas.causes.features import BY_NAME, Seen
 from mikas.causes.model import GRID, Model
 from mikas.causes.result import Evidence
 from mikas.causes.weights import Scale, Weights
-from mikas.i18n import Text
-from mikas.recording.formatting import digits
+from mikas.i18n import Text, joined
+from mikas.recording.formatting import digits, joined_unit
 from mikas.toml import parse
 
 FOR: Final = 1.0  # logarithm of odds from which a feature is named
@@ -102,16 +102,10 @@ def _evidence(explained: Explained, name: str, scale: Scale, weight: float) -> E
     due = scale.due(context)
     low, high = _shown(name, due - 2 * scale.scale), _shown(name, due + 2 * scale.scale)
     words = feature_texts()[name]
-    unit = Text(*(f"\N{NO-BREAK SPACE}{each}" if each else "" for each in words.unit))
-    decimals = words.digits
-    if f"{low:.{decimals}f}" == f"{high:.{decimals}f}":
-        usual = digits(low, decimals)
-    else:
-        usual = Text(
-            f"{digits(low, decimals).en} … {digits(high, decimals).en}",
-            f"{digits(low, decimals).ru} … {digits(high, decimals).ru}",
-        )
-    text = _SEEN.filled(name=words.text, value=digits(seen.shown, decimals), unit=unit, usual=usual)
+    ends = digits(low, words.digits), digits(high, words.digits)
+    usual = ends[0] if ends[0] == ends[1] else joined(" … ", ends)
+    value = joined_unit(digits(seen.shown, words.digits), words.unit)
+    text = _SEEN.filled(name=words.text, value=value, usual=usual)
     return Evidence(
         name, text, seen.shown, low, high, seen.spans, weight, explained.sources.get(name, 0)
     )
@@ -128,6 +122,6 @@ def _shown(name: str, value: float) -> float:
 
 
 _SEEN: Final = Text(
-    "{name}: {value}{unit} (sound cars: {usual})",
-    "{name}: {value}{unit} (у исправных: {usual})",
+    "{name}: {value} (sound cars: {usual})",
+    "{name}: {value} (у исправных: {usual})",
 )

@@ -34,19 +34,21 @@ class Measurement:
 MEASUREMENTS: Final = (
     Measurement(
         "cranking", True, frozenset({"start"}),
-        Text("Start the engine while recording (guided test Cranking).",
+        Text("Start the engine while recording (guided test “Cranking”).",
              "Запустите двигатель под запись (проверка «Прокрутка стартером»)."),
     ),
     Measurement(
         "idle", True, frozenset({"idle"}),
-        Text("Let the warm engine idle for two minutes (guided test Idle).",
+        Text("Let the warm engine idle for two minutes (guided test “Idle stability”).",
              "Дайте прогретому двигателю две минуты поработать на холостом ходу (проверка "
-             "«Холостой ход»)."),
+             "«Устойчивость холостого хода»)."),
     ),
     Measurement(
         "warmup", True, frozenset({"start", "cold-start", "cold-idle", "idle"}),
-        Text("Record a start in the morning, cold, until the engine is warm (guided test Warm-up).",
-             "Запишите утренний пуск холодного двигателя до прогрева (проверка «Прогрев»)."),
+        Text("Record a start in the morning, cold, until the engine is warm (guided test “Warm-up "
+             "and thermostat”).",
+             "Запишите утренний пуск холодного двигателя до прогрева (проверка «Прогрев и "
+             "термостат»)."),
     ),
     Measurement(
         "drive", False, frozenset({"drive", "idle"}),
@@ -55,8 +57,10 @@ MEASUREMENTS: Final = (
     ),
     Measurement(
         "knock", True, frozenset({"pull", "drive"}),
-        Text("Record a pull in third gear with the pedal to the floor (guided test Knock).",
-             "Запишите разгон на третьей передаче с педалью в пол (проверка «Детонация»)."),
+        Text("Record a pull in third gear with the pedal to the floor (guided test “Ignition and "
+             "knock”).",
+             "Запишите разгон на третьей передаче с педалью в пол (проверка «Зажигание и "
+             "детонация»)."),
     ),
     Measurement(
         "long-drive", False, frozenset({"long-drive", "drive", "idle"}),

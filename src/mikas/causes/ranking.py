@@ -219,7 +219,7 @@ def _verdict(
     judged: Judged, causes: Sequence[RankedCause], strange: bool, not_seen: Sequence[Text]
 ) -> tuple[Verdict, Text]:
     if strange and _strange(judged.sound_fit):
-        return Verdict.UNKNOWN, _UNKNOWN
+        return Verdict.UNKNOWN, _A_PART if causes else _UNKNOWN
     if judged.sound >= 0.5:
         if DRIVING in not_seen:
             return Verdict.CANNOT_TELL, _DRIVE_IT
@@ -242,6 +242,10 @@ _DRIVE_IT: Final = Text(
 )
 _FOUND: Final = Text("What was seen speaks for: {cause}.", "Данные говорят за: {cause}.")
 _UNKNOWN: Final = Text(
+    "Something is off, and no cause known here explains it.",
+    "Что-то не так, но ни одна известная здесь причина этого не объясняет.",
+)
+_A_PART: Final = Text(
     "Something is off, and no cause known here explains it. The causes below explain a part.",
     "Что-то не так, но ни одна известная здесь причина этого не объясняет. Причины ниже объясняют "
     "лишь часть.",

@@ -45,6 +45,7 @@ from mikas.dashboard.session.recorder import SessionRecorder
 from mikas.dashboard.settings import PortSettings, Settings
 from mikas.errors import MikasError
 from mikas.i18n import Text
+from mikas.link.urls import are_of_two_cars
 from mikas.sampling import events
 from mikas.sampling.session import SamplingSession
 
@@ -194,6 +195,7 @@ class Dashboard:
             on_event=self._on_event,
             on_end=self._on_end,
             before=self.session.unit,  # another unit may answer now
+            moved=bool(last := self.session.unit_port) and are_of_two_cars(last, port.url),
         )
         self.session.begin(thread.acquisition)
         self.freeze_frames.begin_connection(thread.now())

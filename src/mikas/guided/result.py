@@ -14,7 +14,7 @@ from typing import Any, Final, get_args, get_type_hints
 
 from mikas.cleaning import clean_line, clean_text, is_in_calendar
 from mikas.guided.definition import Certainty, VerdictKind
-from mikas.i18n import Language, Text, joined
+from mikas.i18n import Language, Text, joined, unit_after
 from mikas.json_values import json_of
 from mikas.recording.formatting import digits
 
@@ -44,8 +44,10 @@ class Number:
         """The value with its unit; a dash without one."""
         if self.value is None:
             return Text("—", "—")
-        units = Text(*(f" {unit}" if unit not in ("", "°") else unit for unit in self.unit))
-        return joined("", (digits(self.value, self.decimals), units))
+        number = digits(self.value, self.decimals)
+        units = unit_after(number, self.unit)
+        spaced = Text(*(f" {unit}" if unit not in ("", "°") else unit for unit in units))
+        return joined("", (number, spaced))
 
 
 @dataclass(frozen=True, slots=True)

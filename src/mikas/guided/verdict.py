@@ -18,7 +18,7 @@ from mikas.catalog.ignition_only import DEAD, SAID
 from mikas.guided.definition import GuidedTest, Measure, Rule, VerdictKind
 from mikas.guided.measuring import holds
 from mikas.guided.result import Finding, Number
-from mikas.i18n import Text, joined
+from mikas.i18n import Text, joined, unit_after
 from mikas.recording.formatting import digits
 
 _ORDER: Final = tuple(VerdictKind)
@@ -116,8 +116,9 @@ def _near(
         step = measure.resolution
         moved = ({**values, name: values[name] + sign * step} for sign in (-0.5, 0.5))
         if step and any(holds(calculation, each) is not now for each in moved):
-            units = Text(*(f" {unit}" if unit else "" for unit in measure.unit))
-            steps = joined("", (digits(step, measure.decimals), units))
+            number = digits(step, measure.decimals)
+            units = Text(*(f" {unit}" if unit else "" for unit in unit_after(number, measure.unit)))
+            steps = joined("", (number, units))
             yield _NEAR.filled(text=measure.text, step=steps)
 
 

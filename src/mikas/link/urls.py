@@ -108,6 +108,14 @@ def parse(url: str) -> PortUrl:
     return PortUrl(scheme, address, _options(url, query))
 
 
+def are_of_two_cars(one: str, other: str) -> bool:
+    """Return whether the units at two URLs are of two cars, whatever they say of themselves.
+
+    Each virtual car has a URL of its own; the plug of an adapter is carried from car to car.
+    """
+    return one != other and "sim" in {parse(one).scheme, parse(other).scheme}
+
+
 def kind_of(url: str) -> PortKind:
     """Return what lies between this computer and the K-Line, of any URL."""
     is_network = url.partition(":")[0].lower() in _OF_NETWORKS

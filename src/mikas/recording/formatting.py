@@ -6,7 +6,7 @@ from datetime import datetime
 from math import ceil, floor, isfinite
 
 from mikas.catalog import Confidence, Derived, Parameter
-from mikas.i18n import Language, Text
+from mikas.i18n import Language, Text, unit_after
 from mikas.recording.table.channels import calendar
 
 
@@ -23,9 +23,7 @@ def number(value: float, decimals: int, language: Language) -> str:
 
 def with_unit(value: float, channel: Parameter | Derived, language: Language) -> str:
     """Return the number with the channel's decimals and unit."""
-    digits = number(value, channel.decimals, language)
-    unit = channel.unit_text.to(language)
-    return f"{digits}\N{NO-BREAK SPACE}{unit}" if unit else digits
+    return quantity(value, channel).to(language)
 
 
 def digits(value: float, decimals: int) -> Text:
@@ -35,7 +33,15 @@ def digits(value: float, decimals: int) -> Text:
 
 def quantity(value: float, channel: Parameter | Derived) -> Text:
     """Return the number with the channel's decimals and unit, in both languages."""
-    return Text(with_unit(value, channel, "en"), with_unit(value, channel, "ru"))
+    return joined_unit(digits(value, channel.decimals), channel.unit_text)
+
+
+def joined_unit(shown: Text, unit: Text) -> Text:
+    """Return a shown number with its unit, in both languages."""
+    units = unit_after(shown, unit)
+    return Text(
+        *(f"{n}\N{NO-BREAK SPACE}{u}" if u else n for n, u in zip(shown, units, strict=True))
+    )
 
 
 def band(channel: Parameter | Derived, language: Language) -> str:

@@ -52,7 +52,7 @@ class Acquisition:
     works. `rate`: most cycles a second. `strict`: until the first sample, an obstacle (no port, no
     ECU, a bad line, a refused `method`) is raised; otherwise sampling waits.
     `before`: the unit of an earlier connection; without, the first unit is sampled at once, before
-    its passports are known.
+    its passports are known. `moved`: that unit was at a port where no other is, so this is another.
 
     Raises `UnknownParameter` and `UsageError` before it opens the port.
     """
@@ -68,13 +68,16 @@ class Acquisition:
         rate: float | None = None,
         strict: bool = False,
         before: UnitIdentity | None = None,
+        moved: bool = False,
     ) -> None:
         self._catalog = catalog
         request = self._request(names, method, rate)
         self._context = SamplingContext(request, JobQueue(port.url), strict=strict)
         self._make_ecu = make_ecu
         self.port = port
-        self._supervisor = ConnectionSupervisor(port, self._create_ecu, self._context, before)
+        self._supervisor = ConnectionSupervisor(
+            port, self._create_ecu, self._context, before, moved=moved
+        )
         self._unsupported = UnsupportedParameters(self._context)
 
     def _create_ecu(self, link: Link) -> Ecu:

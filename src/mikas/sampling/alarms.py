@@ -17,7 +17,7 @@ from typing import Final, TypeAlias
 
 from mikas.catalog import Catalog, Derived, Level, Parameter
 from mikas.client.parameters.parameters import Reading
-from mikas.i18n import Text
+from mikas.i18n import Text, joined, unit_after
 from mikas.sampling.derived import DerivedValue, number_of
 from mikas.sampling.events import AlarmChanged
 
@@ -175,4 +175,5 @@ def _sentence(before: Level, now: AlarmState, *, better: bool) -> Text:
 
 def _with_unit(number: str, unit: Text) -> Text:
     """Return a number with its unit; Russian has a decimal comma."""
-    return Text(f"{number} {unit.en}".rstrip(), f"{number.replace('.', ',')} {unit.ru}".rstrip())
+    shown = Text(number, number.replace(".", ","))
+    return Text(*map(str.rstrip, joined(" ", (shown, unit_after(shown, unit)))))

@@ -50,6 +50,8 @@ class SamplingSession:
     ) -> None:
         self.unit: UnitIdentity | None = None
         """The unit found last, on any connection: `before` of the next acquisition."""
+        self.unit_port = ""
+        """The URL at which that unit was found."""
         self.samples = 0
         """Of the present connection, or the last one."""
         self.wants_faults: Callable[[], bool] = lambda: True
@@ -95,6 +97,7 @@ class SamplingSession:
         elif isinstance(event, events.UnitFound):
             self.unit = event.identity
             if self._acquisition is not None:
+                self.unit_port = self._acquisition.port.url
                 self._acquisition.port.wire.echoes = event.echo is not False
         with self._lock:
             gaps = self._gaps.gaps_of(event)

@@ -50,7 +50,8 @@ class ConnectionSupervisor:
     """Opens `port` and finds the unit, as often as needed.
 
     `before`: the unit of an earlier connection, with which the first one is compared before it is
-    sampled; without, the first unit is sampled at once. While no unit answers, queued jobs fail
+    sampled; without, the first unit is sampled at once. `moved`: the first unit is another one,
+    whatever it says of itself. While no unit answers, queued jobs fail
     with the error that prevents an answer; with `strict` the methods raise that error until the
     first sample.
     """
@@ -59,6 +60,7 @@ class ConnectionSupervisor:
     make_ecu: Callable[[Link], Ecu]
     context: SamplingContext
     before: UnitIdentity | None = None
+    moved: bool = False
 
     def __post_init__(self) -> None:
         self.state: LineState | None = None
@@ -227,7 +229,9 @@ class ConnectionSupervisor:
         if (unnamed := self._unnamed) is not None:
             away = self._answered - unnamed.seen
             return away > _CARRIED or unnamed.identity.contradicts(unit)
-        return self._known is not None and not unit.may_be(self._known)
+        if self._known is None:
+            return False
+        return (self.moved and self.unit is None) or not unit.may_be(self._known)
 
     @property
     def _known(self) -> UnitIdentity | None:

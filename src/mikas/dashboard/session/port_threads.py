@@ -76,8 +76,8 @@ class StoppablePort:
 class SamplingThread(threading.Thread):
     """Samples from the port until `stop`.
 
-    `on_event` gets the events; `on_end` the error, if sampling ended by itself. `before`: as for
-    `Acquisition`.
+    `on_event` gets the events; `on_end` the error, if sampling ended by itself. `before`, `moved`:
+    as for `Acquisition`.
     """
 
     def __init__(
@@ -91,6 +91,7 @@ class SamplingThread(threading.Thread):
         on_event: Callable[[SamplingThread, Event], None],
         on_end: Callable[[SamplingThread, MikasError | None], None],
         before: UnitIdentity | None = None,
+        moved: bool = False,
     ) -> None:
         super().__init__(name="mikas sampling", daemon=True)
         self.url = port.url
@@ -123,6 +124,7 @@ class SamplingThread(threading.Thread):
             method=request.method,
             rate=request.rate,
             before=before,
+            moved=moved,
         )
         self.acquisition.prefer(request.first)
 

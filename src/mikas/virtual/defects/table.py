@@ -25,7 +25,7 @@ from mikas.catalog.loading.fields import (
 )
 from mikas.catalog.loading.source import CatalogFile, read_source
 from mikas.errors import usage_error
-from mikas.i18n import Text
+from mikas.i18n import Text, unit_after
 from mikas.virtual.scenarios.scenario import Condition, Start
 
 Value: TypeAlias = "float | tuple[float, float]"
@@ -119,10 +119,11 @@ def from_source(source: CatalogFile) -> Mapping[str, Defect]:
 def shown(defect: Defect, side: Side, amount: float) -> Text:
     """Return an amount in words, as `25 % of its cooling is left`."""
     number = f"{amount * (100 if defect.percent else 1):.4g}".replace("-", "\N{MINUS SIGN}")
+    unit = unit_after(Text(number, number.replace(".", ",")), defect.unit)
     gap = "" if defect.unit.en == "°" else "\N{NO-BREAK SPACE}"
     return Text(
-        side.amount.en.replace("{}", f"{number}{gap}{defect.unit.en}"),
-        side.amount.ru.replace("{}", f"{number.replace('.', ',')}{gap}{defect.unit.ru}"),
+        side.amount.en.replace("{}", f"{number}{gap}{unit.en}"),
+        side.amount.ru.replace("{}", f"{number.replace('.', ',')}{gap}{unit.ru}"),
     )
 
 

@@ -1,5 +1,5 @@
 // A value as it is read: a number, or one of the two words of a flag.
-import { dictionary, localized, number } from "../i18n";
+import { dictionary, localized, number, unitAfter } from "../i18n";
 import type { Channel } from "../api/types";
 
 const t = dictionary({ on: { en: "on", ru: "вкл." }, off: { en: "off", ru: "выкл." } });
@@ -18,6 +18,6 @@ export function valueText(channel: Channel | undefined, value: number | null, de
 
 /** The same with its unit; a flag and a dash have none. */
 export function valueWithUnit(channel: Channel | undefined, value: number | null): string {
-  const unit = value === null || channel?.flag ? "" : localized(channel?.unit);
+  const unit = value === null || channel?.flag ? "" : unitAfter(value, channel?.unit, channel?.decimals);
   return `${valueText(channel, value)} ${unit}`.trim();
 }

@@ -30,7 +30,7 @@ export const t = dictionary({
   p_until: { en: "Waiting: {n} s", ru: "Жду: {n} с" },
   p_hold: { en: "{n} s more, change nothing", ru: "Ещё {n} с, ничего не меняйте" },
   late: { en: "This takes longer than usual.", ru: "Это длится дольше обычного." },
-  lacking: { en: "No values of {names}. Is it sampled, does the unit give it?", ru: "Нет данных {names}. Есть ли они в опросе, даёт ли их блок?" },
+  lacking: { en: "No values of {names}. Is it sampled, does the unit give it?", ru: "Нет данных: {names}. Есть ли они в опросе, даёт ли их блок?" },
   skip: { en: "Skip this step", ru: "Пропустить шаг" },
   skip_more: { en: "Without its numbers nothing can be called good.", ru: "Без его чисел «в порядке» сказать нельзя." },
   cancel: { en: "End the test", ru: "Прервать проверку" },

@@ -96,7 +96,7 @@ it("the answer is asked for by the button only, and may be that nothing is wrong
 });
 
 it("amounts and addresses are read both ways", () => {
-  expect([placeOf(WEAK, 0.6), amountAt(WEAK, 50), amountText(WEAK, 0.6, "%")]).toEqual([50, 0.6, "60\u00a0%"]);
+  expect([placeOf(WEAK, 0.6), amountAt(WEAK, 50), amountText(WEAK, 0.6)]).toEqual([50, 0.6, "60\u00a0%"]);
   expect(["sim:?car=blind:7", "sim:?scenario=mixed&car=blind:7&seed=1", "sim:?car=leak:7", "COM3", null].map(blindCar)).toEqual([
     "blind:7",
     "blind:7",

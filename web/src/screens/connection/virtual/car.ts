@@ -1,5 +1,5 @@
 // The address of a virtual car that a person chooses, and the number of a blind one in an address.
-import { number } from "../../../lib/i18n";
+import { number, unitAfter } from "../../../lib/i18n";
 import type { VirtualDefect } from "../../../lib/api/types";
 
 export type Kind = "sound" | "defect" | "blind";
@@ -22,10 +22,10 @@ export function blindCar(port: string | null | undefined): string | null {
   return /^sim:\?(?:.*&)?car=(blind:\d+)(?:&|$)/.exec(port ?? "")?.[1] ?? null;
 }
 
-type Amounts = Pick<VirtualDefect, "sound" | "least" | "noticeable" | "most" | "percent">;
+type Amounts = Pick<VirtualDefect, "sound" | "least" | "noticeable" | "most" | "percent" | "unit">;
 
 /** The decimals of an amount on the slider. */
-export function decimalsOf({ least, most, percent }: Amounts): number {
+export function decimalsOf({ least, most, percent }: Pick<Amounts, "least" | "most" | "percent">): number {
   const span = Math.abs(most - least);
   return percent ? 2 : span >= 15 ? 0 : 1;
 }
@@ -40,8 +40,9 @@ export function placeOf({ least, most }: Amounts, amount: number): number {
 }
 
 /** The number of an amount as it is read: a share in percent. */
-export function amountText(defect: Amounts, amount: number, unit: string): string {
+export function amountText(defect: Amounts, amount: number): string {
   const decimals = decimalsOf(defect);
   const shown = defect.percent ? number(amount * 100, 0) : number(amount, decimals);
+  const unit = unitAfter(defect.percent ? amount * 100 : amount, defect.unit, defect.percent ? 0 : decimals);
   return unit === "°" ? `${shown}°` : `${shown}\u00a0${unit}`;
 }
