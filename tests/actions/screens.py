@@ -84,6 +84,12 @@ def end_editing(tab: Tab) -> None:
     exactly("Cancel")(tab)
 
 
+def choose_carburettor(tab: Tab) -> None:
+    tab.find("summary").get_by_text("Choose a car and its defect").click()
+    exactly("Carburettor")(tab)
+    expect(tab.find("#screen")).to_contain_text("controls the ignition alone")
+
+
 def open_card(tab: Tab) -> None:
     tab.find('[data-opens="TWAT"]').first.click()
     expect(sheet(tab)).to_contain_text(re.compile("warm idle"))
@@ -175,6 +181,7 @@ ACTIONS = (
     Action("chart", "reference", show_reference, menu("Range of a reference")),
     Action("chart", "scatter", view("Scatter"), nothing),
     Action("chart", "table", view("Table"), show_time),
+    Action("connection", "carburettor", choose_carburettor, nothing),
     Action("faults", "erase", ask_to_erase),
     Action("tests", "running", start_test, pressing("End the test")),
     Action("causes", "complained", complain, complain),

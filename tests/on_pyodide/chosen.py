@@ -17,7 +17,8 @@ PARTS = {
     ),
     "what is behind the API": (
         "test_confirmations.py", "test_control.py", "test_dump_jobs.py", "test_dump_jobs_kept.py",
-        "test_hostile_text.py", "test_kept_files.py", "test_lanes.py", "test_long_work.py",
+        "test_hostile_text.py", "test_ignition_only_units.py", "test_kept_files.py",
+        "test_lanes.py", "test_long_work.py",
         "test_monitor_alarms.py", "test_monitor_dropped.py", "test_monitor_errors.py",
         "test_monitor_gaps.py", "test_port_threads.py", "test_session_connection.py",
         "test_session_fault_history.py", "test_session_freeze_frames.py",

@@ -12,6 +12,7 @@ import { RecordingControl } from "./lib/control/recordingControl.svelte";
 import { Subscriptions } from "./lib/control/subscriptions.svelte";
 import { Cursors } from "./lib/display/cursors.svelte";
 import { Moments } from "./lib/display/moments.svelte";
+import { AbsentChannels } from "./lib/display/absent.svelte";
 import { Display } from "./lib/display/source.svelte";
 import { Route } from "./lib/frame/router.svelte";
 import { Shortcuts } from "./lib/frame/shortcuts";
@@ -67,6 +68,7 @@ export class Stores extends OnHost {
   readonly cursors = new Cursors();
   readonly moments = new Moments(this.cursors);
   readonly display = new Display(this.live);
+  readonly absent = new AbsentChannels(this.display);
   readonly comparison = new Comparison(this.api);
   readonly player = new Player(this.api, this.comparison, this.display);
   readonly warmIdle = new ValueRanges(this, () => WARM_IDLE);

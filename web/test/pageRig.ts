@@ -74,6 +74,7 @@ export function page(answers: Answers = {}) {
       controller: null,
       unlocked_until: null,
       dropped_parameters: [],
+      absent: [],
       checking: false,
       plan: { wanted: [] },
     },

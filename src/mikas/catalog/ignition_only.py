@@ -8,9 +8,12 @@ One of the two alone may be a fault: fuel is cut on overrun, and an air meter ma
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from mikas.i18n import Text
+
+if TYPE_CHECKING:
+    from mikas.catalog.lookup import Catalog
 
 DEAD: Final = frozenset(
     ("INJ", "JAIR", "JQT", "VALF", "RCOK", "RCOD", "SSM", "FSM", "UGB")
@@ -31,12 +34,23 @@ SAID: Final = Text(
 _FEWEST: Final = 20  # readings of each
 
 
+def is_absent(name: str, catalog: Catalog) -> bool:
+    """Return whether a channel means nothing on such a unit, or is computed from such a one."""
+    return not DEAD.isdisjoint(catalog.required_by([name]))
+
+
+def absent_channels(catalog: Catalog) -> tuple[str, ...]:
+    """Return all channels of the catalog that mean nothing on such a unit, in its order."""
+    return tuple(name for name in catalog.channels if is_absent(name, catalog))
+
+
 class InjectionWatch:
     """Counts the readings of a running engine, and those with injection or air flow."""
 
     def __init__(self) -> None:
         self._readings = dict.fromkeys(WITNESSES, 0)
-        self._is_alive = False
+        self.is_alive = False
+        """Whether a witness was not zero: then this unit is none, whatever follows."""
         self._rpm = 0.0
 
     def add_row(self, values: Mapping[str, float]) -> None:
@@ -51,9 +65,9 @@ class InjectionWatch:
     def count(self, name: str, readings: int, *, is_alive: bool) -> None:
         """Count readings of a witness while the engine ran; `is_alive`: one was not zero."""
         self._readings[name] += readings
-        self._is_alive |= is_alive
+        self.is_alive |= is_alive
 
     @property
     def ignition_only(self) -> bool:
         """Whether the unit controls the ignition alone; false while that is not certain."""
-        return not self._is_alive and min(self._readings.values()) >= _FEWEST
+        return not self.is_alive and min(self._readings.values()) >= _FEWEST

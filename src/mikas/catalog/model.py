@@ -174,8 +174,7 @@ def in_order(derived: Mapping[str, Derived], wanted: Iterable[str]) -> tuple[Der
 
 INTERPRETATIONS = ("corrected", "literal", "alternative", "family")
 """corrected (default): the source's text, unless it is impossible; literal: the source's text;
-alternative: another sense of a text that is odd, but possible (E3); family: the sense that sibling
-units have there."""
+alternative: another sense of a text that is odd, but possible (E3); family: that of siblings."""
 
 
 def check_interpretation(name: str) -> None:

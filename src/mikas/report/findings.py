@@ -14,7 +14,7 @@ from typing import Final
 
 from mikas.catalog import Catalog, Fault, Meaning
 from mikas.catalog.conversion import NO_TEXT
-from mikas.catalog.ignition_only import DEAD
+from mikas.catalog.ignition_only import is_absent
 from mikas.catalog.model import in_order
 from mikas.guided.definition import VerdictKind
 from mikas.guided.result import TestResult
@@ -143,7 +143,7 @@ def find(subject: ReportSubject, measured: Measurements) -> Findings:
             channel,
             stats[channel.name],
             at_idle=at_idle,
-            dead=measured.ignition_only and _is_dead(channel, subject.catalog),
+            dead=measured.ignition_only and is_absent(channel.name, subject.catalog),
             sensor=sensor.get(channel.name, ()),
             related=related.get(channel.name, ()),
         )
@@ -180,11 +180,6 @@ def _value(
     if stats.median < channel.reference[0]:
         return replace(found, mark=BandPosition.LOW, meaning=known.low)
     return replace(found, mark=BandPosition.HIGH, meaning=known.high)
-
-
-def _is_dead(channel: Channel, catalog: Catalog) -> bool:
-    """Whether a channel means nothing on a unit that controls the ignition alone."""
-    return not DEAD.isdisjoint(catalog.required_by([channel.name]))
 
 
 def _by_channel(

@@ -7,6 +7,7 @@ from typing import Literal
 from pydantic import BaseModel, Field
 
 from mikas import unkept
+from mikas.catalog.ignition_only import absent_channels
 from mikas.client.parameters.polling import Method
 from mikas.commands.unit import version_text
 from mikas.dashboard.api.errors import OptionalTexts, TwoTexts, made_of, two
@@ -106,6 +107,10 @@ class State(OwnState):
     samples: int
     plan: PlanInfo
     dropped_parameters: list[str]
+    absent: list[str] = Field(
+        description="channels that the unit does not have, as found from the values: it controls "
+        "the ignition alone; empty: it has them all, or that is not certain"
+    )
     recording: RunningRecording | None
     alarms: list[ActiveAlarm]
     alarm_count: int = Field(description="alarms that began since the connection was made")
@@ -197,6 +202,9 @@ def shared_state(dashboard: Dashboard) -> State:
                 rate=request.rate,
             ),
             dropped_parameters=list(monitor.dropped),
+            absent=list(absent_channels(dashboard.catalog))
+            if monitor.injection.ignition_only
+            else [],
             recording=recording,
             alarms=[_alarm(dashboard, it.moved(later)) for it in monitor.shown_alarms],
             catalog=dashboard.catalog.version,

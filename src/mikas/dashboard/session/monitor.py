@@ -15,6 +15,7 @@ from math import nan
 from typing import Final
 
 from mikas.catalog import Level
+from mikas.catalog.ignition_only import SPEED, WITNESSES, InjectionWatch
 from mikas.client import Reading
 from mikas.dashboard.session.history import EventLog, ExchangeFailed, History, reason_of
 from mikas.errors import EcuRefused, LineError, MikasError, NoConnection
@@ -41,6 +42,7 @@ _BITS_PER_BYTE: Final = 10  # §1
 _ERRORS: Final = 1000  # remembered, so that each is logged once; more than a tester remembers
 _ROWS: Final = 20_000  # gathered at most; more come only from a simulated clock
 
+_WATCHED: Final = (SPEED, *WITNESSES)
 _NOTHING: Final[tuple[str, frozenset[str]]] = ("", frozenset())
 
 
@@ -134,6 +136,8 @@ class ConnectionMonitor:
             self.alarms: dict[str, events.AlarmChanged] = {}
             self.alarm_count = 0
             self.latest: dict[str, Reading | DerivedValue] = {}
+            self.injection = InjectionWatch()
+            """Whether the unit of this connection controls the ignition alone."""
             self.meters = Meters()
             self._awaited = _NOTHING
             self._searched = False  # for a port or a unit, since the last values
@@ -261,6 +265,10 @@ class ConnectionMonitor:
             values.pop(outdated, None)
         self.meters.sample(event.time)
         self.latest.update(values)
+        fresh = event.fresh
+        self.injection.add_row(
+            {name: float(fresh[name].value) for name in _WATCHED if name in fresh}
+        )
         row = [values[name].value if name in values else nan for name in self._names]
         self.history.add(event.time, self._names, row)
         self._searched = False
@@ -320,4 +328,5 @@ class ConnectionMonitor:
             self.alarms.clear()
             self.latest.clear()  # of another car
             self.rates, self.method = {}, None
+            self.injection = InjectionWatch()
         self.log(event)

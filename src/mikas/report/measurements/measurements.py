@@ -13,7 +13,7 @@ import numpy as np
 
 from mikas.cancellation import check_cancelled
 from mikas.catalog import Catalog
-from mikas.catalog.ignition_only import RUNNING, SPEED, WITNESSES, InjectionWatch
+from mikas.recording.ignition_only import RowsInjectionWatch
 from mikas.recording.table.channels import Rows
 from mikas.report.measurements.alarms import Alarm, AlarmCollector, Channel
 from mikas.report.measurements.knock import Knock, KnockCounter
@@ -69,7 +69,7 @@ class MeasurementCollector:
     ) -> None:
         self._alarms = AlarmCollector(catalog, events)
         self._knock = KnockCounter()
-        self._injection, self._rpm = InjectionWatch(), 0.0
+        self._injection = RowsInjectionWatch()
         self._channels = tuple(catalog.channel(name) for name in names)
         self._finder = WarmIdleFinder(channel.name for channel in self._channels)
         counted = [each for each in self._channels if not each.accumulates]
@@ -92,7 +92,7 @@ class MeasurementCollector:
         elsewhere = ~idle
         self._alarms.add(rows)
         self._knock.add(rows)
-        self._watch_injection(rows)
+        self._injection.add_rows(rows)
         for channel in self._channels:
             column = rows.values.get(channel.name)
             if column is None:
@@ -104,19 +104,6 @@ class MeasurementCollector:
                 self._elsewhere[channel.name].add(column[elsewhere])
         self._ended = float(np.max(rows.times))
         self._rows += len(rows.times)
-
-    def _watch_injection(self, rows: Rows) -> None:
-        speed = rows.values.get(SPEED)
-        rpm = np.full(len(rows.times), self._rpm)
-        if speed is not None:
-            latest = np.maximum.accumulate(np.where(np.isfinite(speed), np.arange(speed.size), -1))
-            rpm = np.where(latest >= 0, speed[latest], self._rpm)
-            self._rpm = float(rpm[-1])
-        for name in WITNESSES:
-            if (column := rows.values.get(name)) is not None:
-                there = np.isfinite(column) & (rpm >= RUNNING)
-                alive = bool((there & np.not_equal(column, 0)).any())
-                self._injection.count(name, int(there.sum()), is_alive=alive)
 
     @property
     def measured(self) -> Measurements:

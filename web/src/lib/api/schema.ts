@@ -1030,6 +1030,8 @@ export interface components {
             clock: components["schemas"]["TwoTexts"][];
             problem: components["schemas"]["TwoTexts"] | null;
             channels: string[];
+            /** @description channels that the unit does not have, as found from the values: it controls the ignition alone; empty: it has them all, or that is not certain */
+            absent: string[];
             first: number | null;
             last: number | null;
             events: (components["schemas"]["StateEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["AdapterEvent"] | components["schemas"]["ClockEvent"] | components["schemas"]["UnitEvent"] | components["schemas"]["MethodEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["ReturnedEvent"] | components["schemas"]["AlarmEvent"] | components["schemas"]["MarkerEvent"] | components["schemas"]["FaultsEvent"] | components["schemas"]["NoteEvent"])[];
@@ -1205,6 +1207,8 @@ export interface components {
             samples: number;
             plan: components["schemas"]["PlanInfo"];
             dropped_parameters: string[];
+            /** @description channels that the unit does not have, as found from the values: it controls the ignition alone; empty: it has them all, or that is not certain */
+            absent: string[];
             recording: components["schemas"]["RunningRecording"] | null;
             alarms: components["schemas"]["ActiveAlarm"][];
             /** @description alarms that began since the connection was made */

@@ -16,6 +16,8 @@ export interface Source {
   now(): number;
   /** The last value at or before that time. */
   latest(name: string): Latest | undefined;
+  /** Channels that the unit shown does not have: it controls the ignition alone. */
+  readonly absent: readonly string[];
   /** Since when the unit shown answers: earlier values are another car's. */
   readonly since: number;
   /** Minimum and maximum: live since the last reset, of a recording over all of it. */
@@ -45,6 +47,10 @@ class LiveSource implements Source {
 
   get events(): readonly LineEvent[] {
     return this.live.events;
+  }
+
+  get absent(): readonly string[] {
+    return this.live.state?.absent ?? [];
   }
 
   get since(): number {

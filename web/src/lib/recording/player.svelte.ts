@@ -39,6 +39,10 @@ export class Player extends RecordingData implements Source {
     return !this.playing;
   }
 
+  get absent(): readonly string[] {
+    return this.detail?.absent ?? [];
+  }
+
   get since(): number {
     const units = this.events.filter((event) => event.kind === "unit" && event.another && event.time <= this.position);
     return units.at(-1)?.time ?? -Infinity;

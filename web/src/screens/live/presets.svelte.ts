@@ -13,7 +13,7 @@ export class Presets {
 
   readonly all = $derived.by<Preset[]>(() => [...(this.app.catalog.loaded?.presets ?? []), ...this.own]);
   readonly chosen = $derived<Preset | undefined>(this.all.find(({ id }) => id === this.id) ?? this.all[0]);
-  readonly onScreen = $derived<Preset | undefined>(this.draft ?? this.chosen);
+  readonly onScreen = $derived<Preset | undefined>(this.draft ?? (this.chosen && this.present(this.chosen)));
   /** Channels of the preset on the screen. */
   readonly names = $derived(this.onScreen ? this.namesOf(this.onScreen) : []);
 
@@ -26,7 +26,7 @@ export class Presets {
     insists: true,
   });
 
-  constructor(private readonly app: Pick<Stores, "api" | "catalog" | "live" | "subscriptions">) {}
+  constructor(private readonly app: Pick<Stores, "absent" | "api" | "catalog" | "live" | "subscriptions">) {}
 
   /** For a component that shows them: load the user's presets, until they have come. */
   need(): void {
@@ -37,12 +37,20 @@ export class Presets {
     this.id = id;
     this.draft = null;
     saveSetting("preset", id);
-    if (this.chosen) this.app.subscriptions.set("preset", this.namesOf(this.chosen), true);
+    if (this.onScreen) this.app.subscriptions.set("preset", this.namesOf(this.onScreen), true);
+  }
+
+  /** The preset without the channels that the unit does not have, and without tiles of these alone. */
+  private present(preset: Preset): Preset {
+    const { absent } = this.app;
+    const tiles = preset.tiles.filter(({ names }) => !names.some((name) => absent.hides(name)) || absent.without(names).length > 0);
+    return { ...preset, tiles: tiles.map((tile) => ({ ...tile, names: absent.without(tile.names) })) };
   }
 
   /** All channels of a preset; a table without names has every channel. */
   private namesOf(preset: Preset): string[] {
-    const everything = ({ kind }: Tile) => (kind === "table" ? this.app.catalog.channels.map(({ name }) => name) : []);
+    const everything = ({ kind }: Tile) =>
+      kind === "table" ? this.app.absent.without(this.app.catalog.channels).map(({ name }) => name) : [];
     return [...new Set(preset.tiles.flatMap((tile) => (tile.names.length ? tile.names : everything(tile))))];
   }
 

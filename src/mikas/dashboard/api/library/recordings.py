@@ -39,6 +39,7 @@ from mikas.dashboard.settings import folder_error
 from mikas.recording.annotations.events import comment_note, had_marker, note_of
 from mikas.recording.annotations.fields import LONGEST_COMMENT, LONGEST_LINE, LONGEST_TEXT
 from mikas.recording.capture.reader import CaptureReader
+from mikas.recording.ignition_only import absent_in
 from mikas.recording.recording import Recording
 from mikas.recording.summary import Summary
 from mikas.sampling.events import Marker, MethodChosen
@@ -123,6 +124,10 @@ class RecordingDetail(RecordingInfo):
     """One recording with its channels and events. `first`, `last`: the times of its rows."""
 
     channels: list[str]
+    absent: list[str] = Field(
+        description="channels that the unit does not have, as found from the values: it controls "
+        "the ignition alone; empty: it has them all, or that is not certain"
+    )
     first: float | None
     last: float | None
     events: list[RecordedEvent]
@@ -324,11 +329,12 @@ def _detail(
     """
     marked = library.references.marked()
     detail: dict[str, Any] = _info(library, file, summary, marked).model_dump(mode="json")
-    detail |= {"channels": [], "events": [], "problems": [], "method": None}
+    detail |= {"channels": [], "absent": [], "events": [], "problems": [], "method": None}
     if recording is None:
         return detail | {"first": None, "last": None}
     detail["first"], detail["last"] = _span(summary, recording)
     detail["channels"] = [channel.name for channel in recording.channels]
+    detail["absent"] = list(absent_in(recording))
     detail["events"] = [event.as_json() for event in recording.events]
     detail["problems"] = [
         {**problem.text._asdict(), "offset": problem.offset} for problem in recording.problems

@@ -52,7 +52,9 @@ export interface Stretch {
 }
 
 export class View {
-  panes = $state.raw<Pane[]>(readPanes(loadSetting("chart")));
+  /** All panes, with traces of channels that the unit shown does not have. */
+  private all = $state.raw<Pane[]>(readPanes(loadSetting("chart")));
+  readonly panes = $derived(this.present(this.all));
   /** Seconds in the window. */
   span = $state(60);
   /** The right edge; null: follows. */
@@ -65,11 +67,19 @@ export class View {
 
   readonly names = $derived([...new Set(this.panes.flatMap(({ traces }) => traces.map(({ name }) => name)))]);
 
-  constructor(private readonly app: Pick<Stores, "comparison" | "cursors" | "moments" | "display">) {}
+  constructor(private readonly app: Pick<Stores, "absent" | "comparison" | "cursors" | "moments" | "display">) {}
 
+  /** Other panes. Traces that are left out stay where they were. */
   change(panes: Pane[]): void {
-    this.panes = panes;
-    saveSetting("chart", JSON.stringify(panes));
+    const left = this.all.map((pane) => ({ ...pane, traces: pane.traces.filter(({ name }) => this.app.absent.hides(name)) }));
+    const kept = panes.map((pane) => ({ ...pane, traces: [...pane.traces, ...(left.find(({ id }) => id === pane.id)?.traces ?? [])] }));
+    const gone = left.filter(({ id }) => !panes.some((pane) => pane.id === id));
+    this.all = tidy([...kept, ...gone]);
+    saveSetting("chart", JSON.stringify(this.all));
+  }
+
+  private present(panes: Pane[]): Pane[] {
+    return panes.map((pane) => ({ ...pane, traces: this.app.absent.without(pane.traces) })).filter(({ traces }) => traces.length > 0);
   }
 
   /** The window now, as [from, to]. */
@@ -249,7 +259,7 @@ export class View {
     const known = panes.some(({ id }) => id === to);
     const next = known
       ? panes.map((pane) => (pane.id === to ? { ...pane, traces: [...pane.traces, trace] } : pane))
-      : [...panes, { id: Math.max(-1, ...panes.map(({ id }) => id)) + 1, traces: [trace] }];
+      : [...panes, { id: Math.max(-1, ...[...panes, ...this.all].map(({ id }) => id)) + 1, traces: [trace] }];
     this.change(tidy(next));
   }
 

@@ -87,6 +87,12 @@ it("a sound car is a healthy one", async () => {
   expect(await started(shown)).toEqual(["sim:?scenario=mixed&car=healthy"]);
 });
 
+it("a car with a carburettor has a unit that controls the ignition alone", async () => {
+  const shown = await form();
+  await fireEvent.click(screen.getByRole("button", { name: "Carburettor" }));
+  expect(await started(shown)).toEqual(["sim:?scenario=mixed&model=5.4&ignition_only=yes"]);
+});
+
 it("the answer is asked for by the button only, and may be that nothing is wrong", async () => {
   const shown = page({ "/virtual-cars/answer": { car: "blind:7", defects: [] } });
   shown.show(BlindAnswer, { car: "blind:7" });

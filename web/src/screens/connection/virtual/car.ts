@@ -2,7 +2,7 @@
 import { number, unitAfter } from "../../../lib/i18n";
 import type { VirtualDefect } from "../../../lib/api/types";
 
-export type Kind = "sound" | "defect" | "blind";
+export type Kind = "sound" | "defect" | "blind" | "carburettor";
 
 export interface Choice {
   kind: Kind;
@@ -13,6 +13,7 @@ export interface Choice {
 }
 
 export function address({ kind, scenario, defect, amount, number: blind }: Choice): string {
+  if (kind === "carburettor") return `sim:?scenario=${scenario}&model=5.4&ignition_only=yes`;
   const car = kind === "blind" ? `blind:${blind}` : kind === "defect" && defect ? `${defect.key}:${amount}` : "healthy";
   return `sim:?scenario=${scenario}&car=${car}`;
 }

@@ -7,6 +7,8 @@ export const t = dictionary({
   sound: { en: "Sound", ru: "Исправная" },
   defect: { en: "With a defect", ru: "С неисправностью" },
   blind: { en: "Find out what is wrong", ru: "Найти, что с ней" },
+  carburettor: { en: "Carburettor", ru: "Карбюраторная" },
+  carburettor_more: { en: "A Mikas 5.4 that controls the ignition alone: no injectors, air meter or idle valve.", ru: "Микас 5.4, который управляет только зажиганием: форсунок, ДМРВ и РДВ (РХХ) нет." },
   sound_more: { en: "Worn as cars are, within what is normal.", ru: "С обычным износом, в пределах нормы." },
   blind_more: { en: "The number decides what is wrong, or whether anything is. Write it down: the same number is the same car.", ru: "Номер решает, что с ней и есть ли что-нибудь. Запомните его: тот же номер — та же машина." },
   which: { en: "Defect", ru: "Неисправность" },

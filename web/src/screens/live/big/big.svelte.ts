@@ -11,10 +11,12 @@ export class Big {
   /** Whether others than the usual values are chosen. */
   readonly own = $derived.by(() => (void this.changes, storedNames(loadSetting(this.key), this.app.catalog.channels)));
   readonly names = $derived.by<string[]>(
-    () => this.own ?? (this.app.presets.onScreen ? usualNames(this.app.presets.onScreen, this.app.catalog.channels) : []),
+    () =>
+      this.own ??
+      (this.app.presets.onScreen ? usualNames(this.app.presets.onScreen, this.app.absent.without(this.app.catalog.channels)) : []),
   );
 
-  constructor(private readonly app: Pick<Stores, "catalog" | "presets">) {}
+  constructor(private readonly app: Pick<Stores, "absent" | "catalog" | "presets">) {}
 
   private get key(): string {
     return `big.${this.app.presets.onScreen?.id ?? ""}`;

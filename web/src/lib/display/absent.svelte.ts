@@ -1,0 +1,24 @@
+// The channels that the unit shown does not have: it controls the ignition alone. They are left out unless a person wants to see them.
+import type { Display } from "./source.svelte";
+
+export class AbsentChannels {
+  /** They are shown all the same. */
+  wanted = $state(false);
+  /** Whether there are such channels: whether what is shown is of an ignition-only unit. */
+  readonly any = $derived.by(() => this.names !== "");
+  /** A text, which stays the same while each state names the same ones. */
+  private readonly names = $derived.by(() => this.display.source.absent.join(" "));
+  private readonly hidden = $derived.by<ReadonlySet<string>>(() => new Set(this.wanted ? [] : this.names.split(" ")));
+
+  constructor(private readonly display: Display) {}
+
+  /** Whether a channel is left out. */
+  hides(name: string): boolean {
+    return this.hidden.has(name);
+  }
+
+  /** The channels, or names, that are not left out. */
+  without<Item extends string | { readonly name: string }>(channels: readonly Item[]): Item[] {
+    return channels.filter((each) => !this.hides(typeof each === "string" ? each : each.name));
+  }
+}
