@@ -48,6 +48,12 @@ it("they can be shown all the same, and left out again", async () => {
   expect(stores.presets.names).toEqual(["FREQ", "TWAT"]);
 });
 
+it("a value that is shown all the same is still known as one that the unit does not have", () => {
+  const { absent } = shown(Live).stores;
+  absent.wanted = true;
+  expect([absent.hides("INJ"), absent.has("INJ"), absent.has("FREQ")]).toEqual([false, true, false]);
+});
+
 it("the preset that is edited and stored is whole", () => {
   const { stores } = shown(Live);
   stores.presets.edit();

@@ -101,7 +101,8 @@ export class ChannelValue {
   constructor(private readonly name: () => string) {}
 
   private steadySide(): Side | null {
-    const { display } = this.stores;
+    const { absent, display } = this.stores;
+    if (absent.has(this.name())) return null; // its value means nothing
     const latest = (name: string) => {
       const shown = display.value(name);
       return shown.kind === "none" ? undefined : shown.value;

@@ -8,13 +8,18 @@ export class AbsentChannels {
   readonly any = $derived.by(() => this.names !== "");
   /** A text, which stays the same while each state names the same ones. */
   private readonly names = $derived.by(() => this.display.source.absent.join(" "));
-  private readonly hidden = $derived.by<ReadonlySet<string>>(() => new Set(this.wanted ? [] : this.names.split(" ")));
+  private readonly all = $derived.by<ReadonlySet<string>>(() => new Set(this.names.split(" ")));
 
   constructor(private readonly display: Display) {}
 
   /** Whether a channel is left out. */
   hides(name: string): boolean {
-    return this.hidden.has(name);
+    return !this.wanted && this.has(name);
+  }
+
+  /** Whether the unit lacks a channel, also one that is shown all the same. */
+  has(name: string): boolean {
+    return this.all.has(name);
   }
 
   /** The channels, or names, that are not left out. */
