@@ -1,7 +1,8 @@
 """python -m tools.docs.joining: the documentation beside the page without installation.
 
 `build/site/docs/` is no part of the page: it is neither in its list of files nor in its service
-worker. Front pages get a link to the page, which has one to them.
+worker. Front pages, and others with the mark of the place, get a link to the page, which has one to
+the front pages.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from tools.docs.__main__ import BUILT
 from tools.docs.pages import LANGUAGES
 from tools.site.serve import SITE
 
-# Stands in the front pages.
+# Stands in the front pages, and in the owner's first steps.
 _PLACE = "<!-- the page without installation -->"
 _LINK = Text("Open mikas in this browser", "Открыть mikas в этом браузере")
 
@@ -26,12 +27,16 @@ def join(docs: Path, site: Path) -> None:
     shutil.rmtree(joined, ignore_errors=True)
     shutil.copytree(docs, joined)
     for language in LANGUAGES:
-        front = joined / language / "index.html"
-        text = front.read_text("utf-8")
-        assert _PLACE in text, front
-        style = "md-button md-button--primary"
-        link = f'<p><a class="{style}" href="../../index.html">{_LINK.to(language)}</a></p>'
-        front.write_text(text.replace(_PLACE, link), "utf-8", newline="\n")
+        home = joined / language
+        assert _PLACE in (home / "index.html").read_text("utf-8"), home
+        for page in home.rglob("*.html"):
+            text = page.read_text("utf-8")
+            if _PLACE not in text:
+                continue
+            up = "../" * len(page.relative_to(site).parents[:-1])
+            style = "md-button md-button--primary"
+            link = f'<p><a class="{style}" href="{up}index.html">{_LINK.to(language)}</a></p>'
+            page.write_text(text.replace(_PLACE, link), "utf-8", newline="\n")
 
 
 def main() -> int:
