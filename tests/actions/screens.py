@@ -127,6 +127,20 @@ def complain(tab: Tab) -> None:
     expect(tab.find("[data-verdict]")).to_be_visible()
 
 
+def of_a_recording(tab: Tab) -> None:
+    """Choose the newest recording, which is shown as a reader computes it."""
+    source = tab.find("#screen select").first
+    name = source.locator("option").nth(1).get_attribute("value") or ""
+    source.select_option(name)
+    expect(tab.find("h1")).to_contain_text("recording")
+    expect(tab.find("[data-verdict]")).to_be_visible()
+
+
+def of_the_car(tab: Tab) -> None:
+    tab.find("#screen select").first.select_option("live")
+    expect(tab.find("[data-verdict]")).to_be_visible()
+
+
 def read_memory(tab: Tab) -> None:
     tab.page.get_by_role("tab", name="XRAM").click()
     tab.find(".bar input").first.fill("8000")
@@ -185,6 +199,7 @@ ACTIONS = (
     Action("faults", "erase", ask_to_erase),
     Action("tests", "running", start_test, pressing("End the test")),
     Action("causes", "complained", complain, complain),
+    Action("causes", "recorded", of_a_recording, of_the_car),
     Action("passport", "shown", lambda tab: expect(tab.find("#screen dl").first).to_be_visible()),
     Action("memory", "read", read_memory, nothing),
     Action("recordings", "export", of_recording("Export")),

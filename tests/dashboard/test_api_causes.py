@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from dashboard.recordings_rig import record
 from dashboard.rig import rig
+from mikas.client.cars import CarDetails
+from mikas.recording.annotations.events import car_note
+from mikas.recording.capture.writer import append_note
 from mikas.sampling.events import UnitFound
 
 LEAK = "&scenario=warm-idle&car=leak:9"
@@ -35,13 +38,47 @@ def test_a_recording_has_its_causes_with_moments_and_the_next_measurement(tmp_pa
         assert all(rows[0] <= m["begin"] <= m["end"] <= rows[-1] for m in evidence["moments"])
         assert {"test", "guided", "text", "why"} == found["next"][0].keys()
         assert len(found["complaints"]) == 8
-        twice = it.get(
-            "/recordings/leak.pcapng/causes?with=leak.pcapng&with=leak.pcapng", complaint="hunts"
-        )
+        again = {"with": ["leak.pcapng", "leak.pcapng"]}
+        twice = it.get("/recordings/leak.pcapng/causes", complaint="hunts", **again)
         assert twice["seconds"] == found["seconds"]
         it.get("/recordings/none.pcapng/causes", 404)
         it.get("/recordings/unread.pcapng/causes", 400)
         it.get("/recordings/leak.pcapng/causes", 400, complaint="nonsense")
+
+
+def owned(path, plate: str, settings: str = ""):
+    """A minute's recording of somebody's car."""
+    record(path, f"&scenario=warm-idle{settings}", count=600)
+    append_note(path, car_note(1.0, CarDetails(plate=plate)))
+    return path
+
+
+def test_several_recordings_of_a_car_count_together_and_others_are_refused_by_name(tmp_path):
+    folder = tmp_path / "recordings"
+    folder.mkdir()
+    for name, plate, settings in (
+        ("one", "A1", "&car=leak:9"), ("two", "а 1", "&car=leak:9"), ("three", "B2", ""),
+        ("old", "A1", "&model=5.4"),
+    ):  # fmt: skip
+        owned(folder / f"{name}.pcapng", plate, settings)
+    (folder / "unread.pcapng").write_bytes(b"no capture")
+    with rig(tmp_path, None) as it:
+        alone = it.get("/recordings/one.pcapng/causes")
+        both = it.get("/recordings/one.pcapng/causes", **{"with": "two.pcapng"})
+        assert both["seconds"] > 1.9 * alone["seconds"]
+        evidence = [each for cause in both["causes"] for each in cause["speaks_for"]]
+        assert {each["recording"] for each in evidence} <= {"one.pcapng", "two.pcapng"}
+        for other, words in {
+            "three": "it is a recording of B2, and one.pcapng is one of",
+            "old": "it is a recording of a Mikas 5.4, and one.pcapng is one of a Mikas 7.1",
+            "unread": "unread.pcapng",
+        }.items():
+            asked = {"with": f"{other}.pcapng"}
+            error = it.get("/recordings/one.pcapng/causes", 400, **asked)
+            assert f"{other}.pcapng" in error["en"]
+            assert words in error["en"]
+        gone = it.get("/recordings/one.pcapng/causes", 404, **{"with": "gone.pcapng"})
+        assert "gone.pcapng" in gone["en"]
 
 
 def test_of_the_connected_car_too_little_says_what_is_missing(tmp_path):

@@ -50,9 +50,9 @@ def stored_faults(recordings: Iterable[Recording]) -> tuple[int, ...]:
 
 
 def check_one_car(recordings: Sequence[Recording]) -> None:
-    """Raise `SeveralCars` for recordings of different cars; unknown ones are believed.
+    """Raise `SeveralCars` for recordings of different cars, or of different models of the unit.
 
-    Of a file of several cars only the last one's is read.
+    Unknown ones are believed. Of a file of several cars only the last one's is read.
     """
     known: RecordedCar | None = None
     first = ""
@@ -61,12 +61,21 @@ def check_one_car(recordings: Sequence[Recording]) -> None:
             if not car.is_known or not recording.raw.spans.keys() & set(car.recordings):
                 continue
             if known is None:
-                known, first = car, str(recording.path)
-            elif known.is_same(car, {}):
-                known = known.joined(car)
-            else:
-                words = _OTHER_CAR.filled(mine=car.name, file=Text(first, first), theirs=known.name)
+                known, first = car, recording.path.name
+                continue
+            file = Text(first, first)
+            if not known.is_same(car, {}):
+                words = _OTHER_CAR.filled(mine=car.name, file=file, theirs=known.name)
                 raise SeveralCars(str(recording.path), words)
+            mine, theirs = _model_of(car), _model_of(known)
+            if mine is not None and theirs is not None and mine != theirs:
+                words = _OTHER_UNIT.filled(mine=mine, file=file, theirs=theirs)
+                raise SeveralCars(str(recording.path), words)
+            known = known.joined(car)
+
+
+def _model_of(car: RecordedCar) -> Text | None:
+    return car.unit.model if car.unit is not None else None
 
 
 def rank_recordings(
@@ -114,6 +123,11 @@ def _renumbered(evidence: Iterable[Evidence], numbers: Sequence[int]) -> Iterato
         yield replace(each, source=numbers[each.source])
 
 
+_OTHER_UNIT: Final = Text(
+    "it is a recording of a {mine}, and {file} is one of a {theirs}; causes are ranked for one "
+    "unit",
+    "это запись блока {mine}, а {file} — блока {theirs}; причины ищут для одного блока",
+)
 _OTHER_CAR: Final = Text(
     "it is a recording of {mine}, and {file} is one of {theirs}; causes are ranked for one car",
     "это запись машины {mine}, а {file} — машины {theirs}; причины ищут для одной машины",

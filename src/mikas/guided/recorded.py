@@ -135,7 +135,7 @@ def _rows(test: GuidedTest, recording: Recording) -> Iterator[tuple[float, dict[
 
 
 class _Search:
-    """A test that is begun again whenever it has ended."""
+    """A test that starts again whenever it has ended."""
 
     def __init__(self, test: GuidedTest, catalog: Catalog, skip: Collection[str] = ()) -> None:
         self._test, self._catalog, self._skip = test, catalog, skip

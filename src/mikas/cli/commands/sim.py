@@ -74,7 +74,7 @@ _LINE_FAULTS = ", ".join(it.value for it in LineFault if it is not LineFault.DAM
 @option(
     "--answer",
     metavar="CAR",
-    en="only says what is wrong with the car: blind:4711",
+    en="only names the defects of the car: blind:4711",
     ru="только отвечает, что с машиной: blind:4711",
 )
 @option("--faults", metavar="LIST", en="stored faults: 13,53", ru="ошибки в памяти: 13,53")
@@ -140,7 +140,7 @@ def sim(
 
 
 def _say_answer(context: CommandContext, car: str) -> None:
-    """Say what is wrong with the car that `car` names."""
+    """Print the defects of the car that `car` names."""
     from mikas.virtual.defects.choosing import answer
 
     found = answer(car)

@@ -47,7 +47,7 @@ class VirtualCarsResponse(BaseModel):
 
 
 class AnsweredDefect(BaseModel):
-    """What is wrong with a car."""
+    """A defect of a car, with its amount."""
 
     key: str
     amount: float
@@ -86,7 +86,7 @@ def virtual_cars() -> VirtualCarsResponse:
 def answer(
     car: Annotated[str, Query(max_length=200, examples=["blind:4711"])],
 ) -> AnswerResponse:
-    """Return what is wrong with a virtual car, by the text of its `car` option."""
+    """Return the defects of a virtual car, by the text of its `car` option."""
     from mikas.virtual.defects import choosing
 
     found = choosing.answer(car)

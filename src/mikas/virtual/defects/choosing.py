@@ -2,7 +2,7 @@
 
     healthy                 a sound car, worn as its seed says
     leak:8,coolant_sensor   defects by key; without an amount a noticeable one
-    blind:4711              its number decides what is wrong, for training; `answer` names it
+    blind:4711              its number decides on its defects, for training; `answer` names them
 
 The blind car of a number is the same in every version only until the table of defects changes.
 """

@@ -75,9 +75,13 @@ export function createApi(host: Transport) {
     cancelTest: () => post<Api.TestRunState>("/tests/run/cancel"),
     recordedTest: (recording: string, test: string, signal: AbortSignal) =>
       get<Api.RecordedTest>(`/recordings/${part(recording)}/tests/${part(test)}`, undefined, signal),
-    /** Of the connected car (null) or a recording. */
-    causes: (recording: string | null, complaint: Api.Complaint | null, signal: AbortSignal) =>
-      get<Api.Causes>(recording === null ? "/causes" : `/recordings/${part(recording)}/causes`, { complaint }, signal),
+    /** Of the connected car (null), or of a recording together with others of the same car. */
+    causes: (recording: string | null, together: readonly string[], complaint: Api.Complaint | null, signal: AbortSignal) =>
+      get<Api.Causes>(
+        recording === null ? "/causes" : `/recordings/${part(recording)}/causes`,
+        { complaint, with: { each: together } },
+        signal,
+      ),
     testInReport: (id: string, wanted: boolean) => put<Api.TestVerdict>(`/tests/results/${part(id)}`, { in_report: wanted }),
 
     network: (on: boolean, control: boolean) => put<Api.About>("/network", { on, control }),

@@ -29,15 +29,19 @@ export class ApiError extends Error {
   }
 }
 
-export type Query = Record<string, string | number | boolean | string[] | null | undefined>;
+/** `each`: the name stands once for each text, which may have commas in it. */
+export type Query = Record<string, string | number | boolean | string[] | { each: readonly string[] } | null | undefined>;
 
 /** Relative to the page: the site is served under any path. */
 export function address(path: string, query: Query = {}): string {
   const parts = Object.entries(query)
     .filter(([, value]) => value !== null && value !== undefined)
-    .map(([name, value]) => `${name}=${encodeURIComponent(String(value))}`);
+    .flatMap(([name, value]) => values(value).map((text) => `${name}=${encodeURIComponent(text)}`));
   return `api${path}${parts.length ? `?${parts.join("&")}` : ""}`;
 }
+
+const values = (value: Query[string]): readonly string[] =>
+  typeof value === "object" && value !== null && "each" in value ? value.each : [String(value)];
 
 export interface RequestOptions {
   query?: Query;

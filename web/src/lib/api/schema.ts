@@ -85,7 +85,7 @@ export interface components {
             car: string;
             defects: components["schemas"]["AnsweredDefect"][];
         };
-        /** @description What is wrong with a car. */
+        /** @description A defect of a car, with its amount. */
         AnsweredDefect: {
             key: string;
             amount: number;

@@ -1,5 +1,5 @@
 import { fireEvent, screen, waitFor } from "@testing-library/svelte";
-import { expect, it } from "vitest";
+import { expect, it, vi } from "vitest";
 import type { Causes } from "../../lib/api/types";
 import { eachOnItsOwnPage, page } from "../../../test/pageRig";
 import Screen from "./Screen.svelte";
@@ -84,6 +84,61 @@ it("of a recording in the address its causes are asked for", async () => {
   const { asked } = await shown({ "/recordings/drive.pcapng/causes": answer, ...EMPTY });
   expect(asked.some(({ path }) => path === "/recordings/drive.pcapng/causes")).toBe(true);
   expect(document.body.textContent).toContain("recording drive");
+});
+
+const recording = (id: string, date: number, plate: string) => ({
+  ...{ id, date, bytes: 0, length: 60, model: words("Mikas 7.1"), passport: null, samples: 60, samples_exact: true, rate: 1 },
+  ...{ gaps: 0, faults: [], markers: 0, note: "", car: { car: "", plate, mileage: null, workshop: "" } },
+  ...{ open: false, reference: false, virtual: false, clock: [], problem: null },
+});
+const LIST = { recordings: [recording("a.pcapng", 3, "A1"), recording("b.pcapng", 2, "A1"), recording("other.pcapng", 1, "B2")] };
+
+it("other recordings of the car are ticked, and another car's are not offered", async () => {
+  location.hash = "#/causes/a.pcapng";
+  const { asked, stores } = await shown({ "/recordings/a.pcapng/causes": answer, ...EMPTY, "/recordings": LIST });
+  const boxes = await screen.findAllByRole("checkbox", { hidden: true });
+  expect(boxes.map((box) => box.parentElement?.textContent)).toEqual([expect.stringContaining("b")]);
+  await fireEvent.click(boxes[0]!);
+  await waitFor(() => expect(asked.some(({ path }) => path === "/recordings/a.pcapng/causes?with=b.pcapng")).toBe(true));
+  expect(stores.route.rest).toEqual(["a.pcapng", "b.pcapng"]);
+  expect(document.body.textContent).toContain("recording a and 1 more");
+  await fireEvent.click((await screen.findAllByRole("checkbox", { hidden: true }))[0]!);
+  await waitFor(() => expect(stores.route.rest).toEqual(["a.pcapng"]));
+});
+
+it("an evidence of several recordings names its own, and opens that one", async () => {
+  location.hash = "#/causes/a.pcapng/b.pcapng";
+  const mine = { ...evidence, recording: "b.pcapng" };
+  const of = { ...answer, causes: [{ ...answer.causes[0]!, speaks_for: [mine] }] };
+  const { stores } = await shown({ "/recordings/a.pcapng/causes": of, ...EMPTY, "/recordings": LIST });
+  const opened = vi.spyOn(stores.player, "open").mockResolvedValue(undefined);
+  const button = screen.getByRole("button", { name: /Show in the chart: mixture/ });
+  expect(button.textContent).toContain("b · ");
+  await fireEvent.click(button);
+  await waitFor(() => expect(opened).toHaveBeenCalledWith("b.pcapng"));
+});
+
+it("with no car connected the newest recording is looked at", async () => {
+  const { asked } = await (async () => {
+    const rig = page({ "/recordings/a.pcapng/causes": answer, ...EMPTY, "/recordings": LIST });
+    rig.say({ line: "off" });
+    rig.show(Screen, {});
+    await screen.findByText("What was seen speaks for: Air leak.");
+    return rig;
+  })();
+  expect(asked.some(({ path }) => path === "/recordings/a.pcapng/causes")).toBe(true);
+});
+
+it("recordings of different cars are refused in words", async () => {
+  location.hash = "#/causes/a.pcapng/other.pcapng";
+  const text = "it is a recording of B2, and a.pcapng is one of A1";
+  const refused = { code: "SeveralCars", en: text, ru: text, sent: null, received: null };
+  const refusal = () => new Response(JSON.stringify({ error: refused }), { status: 400 });
+  const { say, show } = page({ "/recordings/a.pcapng/causes": refusal, ...EMPTY, "/recordings": LIST });
+  say();
+  show(Screen, {});
+  await screen.findByText(/it is a recording of B2/);
+  expect(screen.getAllByRole("checkbox", { hidden: true })).toHaveLength(2);
 });
 
 it("without a car there is a way to the connection", () => {

@@ -4,7 +4,7 @@ import { dictionary } from "../../lib/i18n";
 export const t = dictionary({
   of_live: { en: "live car", ru: "подключённая машина" },
   of_recording: { en: "recording {name}", ru: "запись {name}" },
-  source: { en: "Source", ru: "По данным" },
+  of_several: { en: { one: "{name} and {n} more", other: "{name} and {n} more" }, ru: { one: "{name} и ещё {n} запись", few: "{name} и ещё {n} записи", many: "{name} и ещё {n} записей" } },
   session: { en: "live car (the last two hours)", ru: "подключённая машина (последние два часа)" },
   complaint: { en: "What is wrong with the car?", ru: "На что жалуются?" },
   refresh: { en: "Rank again", ru: "Обновить" },

@@ -1,5 +1,5 @@
 import { expect, it } from "vitest";
-import { LIVE, mayFrame, reportFile, reportSource } from "./address";
+import { mayFrame, reportFile } from "./address";
 import { served } from "../../lib/platform/host";
 import { Stores } from "../../stores";
 
@@ -9,13 +9,6 @@ it("the address contains recording and language", () => {
   expect(api.report(null, "ru", true)).toBe("api/report?lang=ru&inline=1");
   expect(api.report("a b.pcapng", "en")).toBe("api/recordings/a%20b.pcapng/report?lang=en");
   expect(reportFile("a b.pcapng", "en")).toBe("a b-report-en.html");
-});
-
-it("the source is the one in the address, or else the open recording", () => {
-  expect(reportSource(undefined, null)).toBe(null);
-  expect(reportSource(undefined, "a.pcapng")).toBe("a.pcapng");
-  expect(reportSource(LIVE, "a.pcapng")).toBe(null);
-  expect(reportSource("b.pcapng", "a.pcapng")).toBe("b.pcapng");
 });
 
 it("a report is framed only where the server allows it", () => {

@@ -1,17 +1,5 @@
-// Whose report is shown, of the session or of a recording, and its file.
+// The file of a report, and whether the page may frame it.
 import { recordingName } from "../../lib/recording/recordingData.svelte";
-
-/** In the screen's address: the connected car. No recording has this name. */
-export const LIVE = "live";
-
-/**
- * The recording that a report is of, null for the connected car: the one in the screen's address, or else the open one, so that the report
- * is on what the other screens show.
- */
-export function reportSource(asked: string | undefined, open: string | null): string | null {
-  if (asked === undefined) return open;
-  return asked === LIVE ? null : asked;
-}
 
 export function reportFile(recording: string | null, lang: string): string {
   const name = recording === null ? "mikas" : recordingName(recording);

@@ -5,7 +5,6 @@ export const t = dictionary({
     en: "One page for the car's owner: the ECU, the faults in plain words, values at warm idle with reference and mark, three charts. Prints on two A4 pages.",
     ru: "Одна страница для владельца: блок, ошибки простыми словами, значения на прогретом ХХ с нормой и оценкой, три графика. Печатается на двух листах A4.",
   },
-  source: { en: "Source", ru: "По данным" },
   session: { en: "live car (the last quarter of an hour)", ru: "подключённая машина (последние 15 минут)" },
   of_live: { en: "live car", ru: "подключённая машина" },
   of_recording: { en: "recording {name}", ru: "запись {name}" },

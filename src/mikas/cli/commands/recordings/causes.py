@@ -1,4 +1,4 @@
-"""`mikas causes`: what is wrong with the car, ranked, from recordings or measured now."""
+"""`mikas causes`: the causes of a car's faults, ranked, from recordings or measured now."""
 
 from __future__ import annotations
 

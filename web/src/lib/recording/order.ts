@@ -1,6 +1,6 @@
 // Order and search of the list. Newest first.
 
-import type { Recording } from "../../lib/api/types";
+import type { Recording } from "../api/types";
 
 /** Recordings without a date come last. */
 export function newestFirst(recordings: readonly Recording[]): Recording[] {

@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import type { Recording } from "../../lib/api/types";
+import type { Recording } from "../api/types";
 import { matching, newestFirst } from "./order";
 
 const recording = (id: string, more: Partial<Recording> = {}): Recording => ({
