@@ -9,10 +9,9 @@ from __future__ import annotations
 
 import sys
 import tempfile
-from io import BytesIO
 from pathlib import Path
 
-from PIL import Image
+import few_colours
 from playwright.sync_api import sync_playwright
 
 FOLDER = Path(__file__).parent
@@ -28,7 +27,6 @@ SIZE = {"width": 1280, "height": 720}
 LANGUAGES = ("ru", "en")  # the tab goes on in the last one
 STARTED = 25  # s in which the virtual engine has started
 RECORDED = 75  # s: enough of warm idle for causes
-COLOURS = 128
 
 
 class Pictures:
@@ -55,10 +53,8 @@ class Pictures:
                 page.frame_locator("iframe").locator("h1").wait_for()
             page.mouse.move(640, 718)
             page.wait_for_timeout(500)
-            shot = Image.open(BytesIO(page.screenshot())).convert("RGB")
-            few = shot.quantize(COLOURS, dither=Image.Dither.NONE)
-            out = FOLDER / language / f"{name}.webp"
-            few.convert("RGB").save(out, lossless=True, quality=100, method=6)
+            out = FOLDER / language / f"{name}.png"
+            few_colours.write(page.screenshot(), out)
             print(out, out.stat().st_size, file=sys.stderr)
 
 

@@ -15,6 +15,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+import few_colours
 from playwright.sync_api import Page, sync_playwright
 
 FOLDER = Path(__file__).parent
@@ -79,7 +80,7 @@ def show(page: Page, screen: str) -> None:
 def take(page: Page, language: str, name: str, wanted: list[str]) -> None:
     """Take the picture of what the page shows, if it is wanted."""
     if not wanted or name in wanted:
-        page.screenshot(path=FOLDER / language / f"{name}.png")
+        few_colours.write(page.screenshot(), FOLDER / language / f"{name}.png")
 
 
 def guided_test(tabs: dict[str, Page], wanted: list[str]) -> None:
