@@ -120,6 +120,7 @@ NAVIGATION: tuple[Entry | Section, ...] = (
             _page("development/soak.md", "A million exchanges", "Миллион обменов"),
             _page("development/causes.md", "How causes are ranked", "Как ранжируются причины"),
             _page("development/benchmarks.md", "Figures", "Измерения"),
+            _page("development/tasks.md", "Tasks of a new user", "Задачи нового человека"),
         ),
     ),
 )

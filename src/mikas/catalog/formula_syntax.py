@@ -1,8 +1,9 @@
 """The text of a formula, checked and converted into its plain form before any computation.
 
 A formula is a Python expression of numbers, names, `+ - * / **`, comparisons, `and or not`,
-`a if c else b`, and calls of `FUNCTIONS`. Anything else is refused, and so is a formula that is too
-long or too deep. All numbers become 64-bit floats, so the length bounds the computing time.
+`a if c else b`, and calls of `FUNCTIONS`; `и или не` are read as `and or not`. Anything else is
+refused, and so is a formula that is too long or too deep. All numbers become 64-bit floats, so the
+length bounds the computing time.
 
 In the plain form every condition is a call of `where`, so that it works on arrays too:
 `a if c else b` is `where(c, a, b)`, `a and b` is `where(a, b, 0)`, `a or b` is `where(a, 1, b)`,
@@ -51,6 +52,9 @@ _HABITS: tuple[tuple[re.Pattern[str], Callable[[str], str]], ...] = (
     (re.compile(r"(?<=\d),(?=\d)"), lambda _: "."),
 )
 """What other programs write, and how it is written here."""
+
+_RUSSIAN = {"и": "and", "или": "or", "не": "not"}
+_RUSSIAN_WORDS = re.compile(rf"\b(?:{'|'.join(_RUSSIAN)})\b", re.IGNORECASE)
 
 _TOKENS = re.compile(
     r"[^\W\d]\w*"  # a name, which may have digits in it
@@ -102,26 +106,48 @@ def parse(
     # One line, in which each sign keeps its place behind those that are left out at the begin.
     line = "".join(" " if sign.isspace() else sign for sign in text).strip()
     begin = len(text) - len(text.lstrip())
+    typed, (line, typed_at) = line, _with_english_words(line)
     try:
-        syntax = _syntax(line)
+        syntax = _syntax(line, typed_at)
         form = _PlainForm(line, constants, channel_of)
         plain = form.expression(syntax, 0)
     except FormulaError as error:
         if error.span is not None:
-            error.span = (begin + error.span[0], begin + error.span[1])
+            first, after = error.span
+            error.span = (begin + typed_at[first], begin + typed_at[after])
         raise
     if not form.inputs:
         raise _wrong(
             "names no parameter, so it has no time and no value",
             "не называет ни одного параметра, значит, нет ни времени, ни значения",
         )
-    places = ((begin + first, begin + after) for first, after in form.inputs.values())
-    named = text
+    places = (
+        (begin + typed_at[first], begin + typed_at[after]) for first, after in form.inputs.values()
+    )
+    named = text if line == typed else " " * begin + line
     for (first, after), name in sorted(form.names.items(), reverse=True):
         named = f"{named[: begin + first]}{name}{named[begin + after :]}"
     if len(named) > LONGEST:
         raise _too_long()
     return Parsed(plain, tuple(form.inputs), tuple(places), named)
+
+
+def _with_english_words(line: str) -> tuple[str, list[int]]:
+    """Return the formula with its Russian words in English, and where each sign was typed.
+
+    The end has a place as well, and so has a sign that is missing there.
+    """
+    words: list[str] = []
+    places: list[int] = []
+    end = 0
+    for match in _RUSSIAN_WORDS.finditer(line):
+        word = _RUSSIAN[match[0].lower()]
+        words += [line[end : match.start()], word]
+        places += range(end, match.start())
+        places += (min(match.start() + at, match.end()) for at in range(len(word)))
+        end = match.end()
+    places += range(end, len(line) + 2)
+    return "".join((*words, line[end:])), places
 
 
 def _wrong(en: str, ru: str, span: tuple[int, int] | None = None) -> FormulaError:
@@ -149,7 +175,7 @@ def tree_of(line: str) -> ast.expr:
     return ast.parse(line, mode="eval").body
 
 
-def _syntax(line: str) -> ast.expr:
+def _syntax(line: str, typed_at: list[int]) -> ast.expr:
     if "#" in line:  # a comment would hide the rest of the joined lines
         at = line.index("#")
         raise _wrong("has a “#” in it", "содержит «#»", (at, at + 1))
@@ -161,8 +187,8 @@ def _syntax(line: str) -> ast.expr:
             raise habit from None
         place = error.offset or len(line) + 1  # no place: the end is missing
         raise _wrong(
-            f"is not a formula: {error.msg} (character {place})",
-            f"ошибка в записи (знак {place})",
+            f"is not a formula: {error.msg} (character {typed_at[place - 1] + 1})",
+            f"ошибка в записи (знак {typed_at[place - 1] + 1})",
             (place - 1, place),
         ) from None
     except (ValueError, RecursionError, MemoryError, SystemError) as error:

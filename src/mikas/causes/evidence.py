@@ -34,13 +34,14 @@ _TWICE: Final = frozenset({"no-air", "hidden-throttle", "throttle-jumps"})
 
 @dataclass(frozen=True, slots=True)
 class FeatureText:
-    """A feature in words: `seen`: what has to happen for it to be seen."""
+    """A feature in words. `seen`: what has to happen to see it; `least`: it is never less."""
 
     text: Text
     unit: Text
     digits: int
     seen: str
     system: str
+    least: float
 
 
 @cache
@@ -54,6 +55,7 @@ def feature_texts() -> Mapping[str, FeatureText]:
             int(keys["digits"]),
             keys["seen"],
             keys["system"],
+            float(keys.get("least", "-inf")),
         )
         for name, keys in tables.items()
     }
@@ -100,8 +102,8 @@ def _evidence(explained: Explained, name: str, scale: Scale, weight: float) -> E
     seen = explained.seen[name]
     context = explained.context.get(BY_NAME[name].context, float("nan"))
     due = scale.due(context)
-    low, high = _shown(name, due - 2 * scale.scale), _shown(name, due + 2 * scale.scale)
     words = feature_texts()[name]
+    low, high = (max(words.least, _shown(name, due + sign * 2 * scale.scale)) for sign in (-1, 1))
     ends = digits(low, words.digits), digits(high, words.digits)
     usual = ends[0] if ends[0] == ends[1] else joined(" … ", ends)
     value = joined_unit(digits(seen.shown, words.digits), words.unit)

@@ -16,7 +16,7 @@ from mikas.report.sections.section import PageSection, items, paragraph
 _TITLE: Final = Text("Causes", "Причины")
 _NOT_SEEN: Final = Text("Not seen: {kinds}.", "Не видно: {kinds}.")
 _MOST: Final = 3  # causes
-_EVIDENCE: Final = 3  # of each; the page prints on two sheets
+_EVIDENCE: Final = 3  # of each; the page prints on two sheets, or three
 
 
 def cause_section(found: Findings, language: Language) -> PageSection | None:

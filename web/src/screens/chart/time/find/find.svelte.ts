@@ -14,7 +14,7 @@ export class Find {
   nowhere = $state("");
   kept = $state.raw<readonly KeptSearch[]>([]);
 
-  constructor(private readonly app: Pick<Stores, "api" | "player" | "moments" | "toasts">) {}
+  constructor(private readonly app: Pick<Stores, "api" | "catalog" | "player" | "moments" | "toasts">) {}
 
   /** For the sheet that opens: the kept conditions, and nothing of what was found in another source. */
   async begin(): Promise<void> {
@@ -36,7 +36,7 @@ export class Find {
     this.search.error = null;
     this.nowhere = "";
     if (!condition) return;
-    const { moments, player } = this.app;
+    const { catalog, moments, player } = this.app;
     const recording = player.shown?.id ?? null;
     const found = await this.search.run(() => this.app.api.find(recording, condition));
     // Another source is shown meanwhile: its moments are others.
@@ -47,7 +47,7 @@ export class Find {
       return;
     }
     moments.mark(
-      () => titleOf(condition, found),
+      () => titleOf(condition, found, (name) => catalog.nameOf(name)),
       found.hits.map(({ begin, end }) => ({ from: begin, to: end })),
     );
     this.open = false;
@@ -75,12 +75,16 @@ export class Find {
 }
 
 /** The condition, the extreme of what it compares, and whether more were found than are marked. */
-export function titleOf(expression: string, found: Pick<Found, "hits" | "count" | "peak_of" | "lowest">): string {
+export function titleOf(
+  expression: string,
+  found: Pick<Found, "hits" | "count" | "peak_of" | "lowest">,
+  nameOf: (channel: string) => string = (channel) => channel,
+): string {
   const peaks = found.hits.map(({ peak }) => peak).filter((peak) => peak !== null);
   let title = expression;
   if (found.peak_of && peaks.length > 0) {
     const peak = peaks.reduce((one, other) => (found.lowest ? Math.min(one, other) : Math.max(one, other)));
-    const fields = { expression, what: found.peak_of, peak: number(peak, Number.isInteger(peak) ? 0 : 2) };
+    const fields = { expression, what: nameOf(found.peak_of), peak: number(peak, Number.isInteger(peak) ? 0 : 2) };
     title = t(found.lowest ? "peakLow" : "peakHigh", fields);
   }
   return found.count > found.hits.length ? t("first", { title, n: number(found.hits.length), count: number(found.count) }) : title;

@@ -12,6 +12,8 @@ describe("the title of what was found", () => {
   it("has the extreme of what is compared first", () => {
     const hits = [hit(3100), hit(null), hit(4200)];
     expect(titleOf("FREQ > 3000", { hits, count: 3, peak_of: "FREQ", lowest: false })).toBe("FREQ > 3000 (FREQ up to 4200)");
+    const named = titleOf("Обороты > 3000", { hits, count: 3, peak_of: "FREQ", lowest: false }, () => "Speed");
+    expect(named).toBe("Обороты > 3000 (Speed up to 4200)");
     expect(titleOf("TAIR < 2", { hits: [hit(1.5), hit(-3.25)], count: 2, peak_of: "TAIR", lowest: true })).toBe(
       "TAIR < 2 (TAIR down to −3.25)",
     );

@@ -7,7 +7,7 @@ export const t = dictionary({
   live: { en: "In the values of this connection, up to two hours back.", ru: "В значениях этого подключения, не больше двух часов назад." },
   recorded: { en: "In the recording {name}.", ru: "В записи {name}." },
   condition: { en: "Condition", ru: "Условие" },
-  hint: { en: "Names of values, numbers, comparisons, and, or, not. A moment ends where the condition is false or has no value for two seconds.", ru: "Имена величин, числа, сравнения, and (и), or (или), not (не). Момент кончается там, где условие неверно или две секунды не имеет значения." },
+  hint: { en: "Names of values, numbers, comparisons, and, or, not. A moment ends where the condition is false or has no value for two seconds.", ru: "Имена величин, числа, сравнения, и, или, не (and, or, not). Момент кончается там, где условие неверно или две секунды не имеет значения." },
   examples: { en: "For example", ru: "Например" },
   kept: { en: "Saved conditions", ru: "Сохранённые условия" },
   keep: { en: "Save this condition", ru: "Сохранить условие" },
