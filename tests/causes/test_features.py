@@ -7,8 +7,8 @@ from math import isnan, nan
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mikas.causes.evidence import feature_texts
 from mikas.causes.features import BY_NAME, View, context_of, features_of
+from mikas.causes.features.words import feature_texts
 from mikas.causes.knowledge import SYSTEMS
 from mikas.causes.ranking import rank
 from mikas.causes.regimes import Regime, drive_of

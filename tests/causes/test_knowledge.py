@@ -11,7 +11,7 @@ from mikas.causes.features import Seen
 from mikas.causes.knowledge import load
 from mikas.causes.model import squeezed
 from mikas.causes.ranking import Observation, rank_observation
-from mikas.causes.result import Verdict
+from mikas.causes.result import CauseVerdict
 from mikas.causes.weights import shipped
 from mikas.virtual.defects.table import SIDES
 
@@ -55,7 +55,7 @@ def test_a_cause_of_the_users_is_ranked(tmp_path: Path) -> None:
     }
     observation = Observation(off, seen, {}, {}, 700.0, ran=True)
     ranking = rank_observation(observation, known, weights)
-    assert ranking.verdict is Verdict.CAUSES
+    assert ranking.verdict is CauseVerdict.CAUSES
     assert ranking.causes[0].id == "squealing_belt"
 
 

@@ -6,11 +6,13 @@ from functools import cache
 
 import pytest
 from tools.causes.cars import Car, columns_of
+from tools.causes.choose import without
 
 from mikas.causes.knowledge import Complaint
 from mikas.causes.ranking import rank
-from mikas.causes.result import Likelihood, Ranking, Verdict
+from mikas.causes.result import CauseVerdict, Likelihood, Ranking
 from mikas.causes.samples import Samples, samples_of
+from mikas.causes.weights import shipped
 
 
 @cache
@@ -25,7 +27,7 @@ def _first(ranking: Ranking) -> str:
 def test_a_leak_is_the_first_cause_of_a_drive_and_shows_its_moments() -> None:
     samples = _samples("leak")
     ranking = rank([samples])
-    assert (ranking.verdict, _first(ranking)) == (Verdict.CAUSES, "leak")
+    assert (ranking.verdict, _first(ranking)) == (CauseVerdict.CAUSES, "leak")
     assert ranking.causes[0].likelihood is not Likelihood.POSSIBLE
     evidence = ranking.causes[0].evidence_for[0]
     assert evidence.feature.startswith("trim")
@@ -33,18 +35,18 @@ def test_a_leak_is_the_first_cause_of_a_drive_and_shows_its_moments() -> None:
 
 
 def test_a_sound_car_is_called_sound() -> None:
-    assert rank([_samples(seed=11)]).verdict is Verdict.SOUND
+    assert rank([_samples(seed=11)]).verdict is CauseVerdict.SOUND
 
 
 def test_values_without_an_engine_speed_tell_nothing() -> None:
     ranking = rank([samples_of([0.0, 1.0], {"UACC": [12.6, 12.5]})])
-    assert ranking.verdict is Verdict.CANNOT_TELL
+    assert ranking.verdict is CauseVerdict.CANNOT_TELL
     assert ranking.next
 
 
 def test_no_samples_are_no_error() -> None:
-    assert rank([]).verdict is Verdict.CANNOT_TELL
-    assert rank([samples_of([], {})]).verdict is Verdict.CANNOT_TELL
+    assert rank([]).verdict is CauseVerdict.CANNOT_TELL
+    assert rank([samples_of([], {})]).verdict is CauseVerdict.CANNOT_TELL
 
 
 def test_evidence_is_counted_and_a_range_of_one_value_is_that_value() -> None:
@@ -62,11 +64,11 @@ def test_evidence_is_counted_and_a_range_of_one_value_is_that_value() -> None:
 def test_what_no_cause_explains_names_no_causes_below(monkeypatch: pytest.MonkeyPatch) -> None:
     one, other = _samples(drive="idle"), _samples("throttle_stops-open", drive="idle")
     both = rank([_joined(one, other)])
-    assert (both.verdict, bool(both.causes)) == (Verdict.UNKNOWN, True)
+    assert (both.verdict, bool(both.causes)) == (CauseVerdict.UNKNOWN, True)
     assert "below" in both.text.en
     monkeypatch.setattr("mikas.causes.ranking.POSSIBLE", 2.0)
     alone = rank([_joined(one, other)])
-    assert (alone.verdict, alone.causes) == (Verdict.UNKNOWN, ())
+    assert (alone.verdict, alone.causes) == (CauseVerdict.UNKNOWN, ())
     assert "below" not in alone.text.en
 
 
@@ -77,3 +79,41 @@ def _joined(one: Samples, other: Samples) -> Samples:
         [*one.times, *(time + later for time in other.times)],
         {name: [*column, *other.columns[name]] for name, column in one.columns.items()},
     )
+
+
+CALM, HARD = 22, 21
+"""Seeds of a driver who never opens the throttle far, and of one who floors the pedal."""
+
+
+def _not_seen(ranking: Ranking) -> list[str]:
+    return [text.en for text in ranking.not_seen]
+
+
+def test_full_load_is_seen_only_with_the_pedal_on_the_floor() -> None:
+    assert "full load" in _not_seen(rank([_samples(seed=CALM)]))
+    assert "full load" not in _not_seen(rank([_samples(seed=HARD)]))
+
+
+def test_a_throttle_that_does_not_open_is_found_if_the_pedal_was_on_the_floor() -> None:
+    found = rank([_samples("throttle_stops-short", seed=HARD)])
+    assert (_first(found), found.causes[0].variant) == ("throttle_stops", "short")
+    missed = rank([_samples("throttle_stops-short", seed=CALM)])
+    assert missed.verdict is not CauseVerdict.CAUSES
+    assert "full load" in _not_seen(missed)
+
+
+def test_three_minutes_of_idle_never_call_a_car_sound() -> None:
+    assert rank([_samples(drive="idle", seed=12)]).verdict is CauseVerdict.CANNOT_TELL
+    ranking = rank([_samples("knock", drive="idle", seed=12)])
+    assert ranking.verdict is CauseVerdict.CANNOT_TELL
+    assert "drive it" in ranking.text.en
+    assert ranking.next[0].test == "drive"
+
+
+def test_what_no_cause_explains_is_unknown_and_nothing_is_almost_certain() -> None:
+    weights = shipped()
+    leak = _samples("leak", 1.2)
+    assert rank([leak]).causes[0].id == "leak"
+    ranking = rank([leak], weights=without(weights, ["leak"]))
+    assert ranking.verdict in (CauseVerdict.UNKNOWN, CauseVerdict.CANNOT_TELL)
+    assert all(c.likelihood is not Likelihood.ALMOST_CERTAIN for c in ranking.causes)

@@ -12,8 +12,8 @@ import pytest
 from mikas.catalog.loading.fields import schema_of
 from mikas.catalog.loading.source import parse_source
 from mikas.errors import CatalogError
-from mikas.virtual.defects.car import Car, wear_of
-from mikas.virtual.defects.table import DEFECTS, SIDES, SOUND, Side, from_source
+from mikas.virtual.defects.car import WornCar, wear_of
+from mikas.virtual.defects.table import DEFECTS, SIDES, SOUND, DefectSide, from_source
 from mikas.virtual.model.engine import Engine
 from mikas.virtual.scenarios.scenario import SCENARIOS, Condition, Start
 
@@ -31,7 +31,7 @@ def test_the_table_has_every_key_of_the_condition() -> None:
 
 
 @pytest.mark.parametrize("side", SIDES, ids=lambda side: f"{side.key}-{side.noticeable}")
-def test_the_amounts_of_a_side_go_outwards_within_the_limits_of_the_model(side: Side) -> None:
+def test_the_amounts_of_a_side_go_outwards_within_the_limits_of_the_model(side: DefectSide) -> None:
     amounts = [side.sound, side.least, side.noticeable, side.most]
     assert amounts in (sorted(set(amounts)), sorted(set(amounts), reverse=True))
     for amount in amounts[1:]:
@@ -57,16 +57,16 @@ def test_wear_is_the_same_for_a_seed_and_never_as_much_as_a_defect() -> None:
 
 def test_a_car_replaces_what_the_scenario_says_and_wears_only_what_it_leaves() -> None:
     weak = SCENARIOS["cranking-dip"]
-    worn = Car({"leak": 8.0, "throttle_stops": (3.0, 100.0)}, wear_of(1)).applied_to(weak)
+    worn = WornCar({"leak": 8.0, "throttle_stops": (3.0, 100.0)}, wear_of(1)).applied_to(weak)
     assert (worn.condition.leak, worn.condition.throttle_stops) == (8.0, (3.0, 100.0))
     assert worn.start.battery == weak.start.battery == 0.9
     assert worn.start.discharged == wear_of(1)["discharged"]
-    assert Car({"battery": 0.5}).applied_to(weak).start.battery == 0.5
-    assert Car().applied_to(weak) == weak
+    assert WornCar({"battery": 0.5}).applied_to(weak).start.battery == 0.5
+    assert WornCar().applied_to(weak) == weak
 
 
 def test_the_coolant_at_start_is_what_the_sensor_showed() -> None:
-    car = Car({"coolant_sensor": -20.0})
+    car = WornCar({"coolant_sensor": -20.0})
     engine = Engine(car.applied_to(SCENARIOS["city"]))
     engine.advance(1.0)
     assert engine.state.coolant == pytest.approx(64, abs=0.5)
@@ -74,7 +74,7 @@ def test_the_coolant_at_start_is_what_the_sensor_showed() -> None:
 
 
 def test_the_idle_speed_can_be_another_program_s() -> None:
-    engine = Engine(Car({"idle_target": 80.0}).applied_to(SCENARIOS["warm-idle"]))
+    engine = Engine(WornCar({"idle_target": 80.0}).applied_to(SCENARIOS["warm-idle"]))
     engine.advance(30.0)
     assert engine.state.rpm == pytest.approx(930, abs=25)
 

@@ -14,8 +14,10 @@ from pathlib import Path
 from mikas.causes.features import View, context_of, features_of
 from mikas.causes.regimes import drive_of
 from mikas.causes.samples import samples_of
-from tools.causes.cars import BY_NAME, Car, columns_of, training_cars
-from tools.causes.tables import texts
+from mikas.causes.weights import read
+from tools.causes.cars import BY_NAME, Car, columns_of, training_cars, validation_sets
+from tools.causes.choose import BEGINNING, chosen, figures, trials, usual_fits
+from tools.causes.tables import FILES, texts
 from tools.causes.weigh import Example, weigh
 
 FOLDER = Path(__file__).parents[2] / "src/mikas/causes/weights"
@@ -36,16 +38,32 @@ def examples_of(cars: Sequence[Car], processes: int) -> list[Example]:
         return list(pool.map(example_of, cars, chunksize=4))
 
 
-def write(cars: Sequence[Car], processes: int) -> None:
-    """Write the tables of these cars."""
-    weights = weigh(examples_of(cars, processes), list(BY_NAME))
+def write(processes: int) -> None:
+    """Simulate the cars and write the tables."""
+    cars = training_cars()
+    examples = examples_of(cars, processes)
+    weights = weigh(examples, list(BY_NAME))
+    usual = usual_fits(examples, list(BY_NAME))
+    sets = validation_sets()
+    validation = {
+        "noticeable": examples_of(sets.noticeable, processes),
+        "half": examples_of(sets.half, processes),
+        "idle": examples_of(sets.idle, processes),
+        "pairs": examples_of(sets.pairs, processes),
+        "sound": examples_of(sets.sound, processes),
+    }
+    tried = trials(validation, read(*texts(weights, usual, BEGINNING)), processes)
+    constants = chosen(tried, usual)
+    for name, figure in figures(tried, constants, usual).items():
+        print(f"{name}: {figure:.1f} %")
     sound = sum(1 for car in cars if not car.defects)
+    others = sum(len(several) for several in validation.values())
     header = (
         "Written by `make causes`; not by hand.",
+        f"Constants of judging: chosen on {others} other cars.",
         f"{datetime.now(UTC):%Y-%m-%d}: {len(cars)} simulated cars, {sound} of them sound.",
     )
-    names = "features.csv", "causes.csv", "correlations.csv"
-    for name, text in zip(names, texts(weights, header), strict=True):
+    for name, text in zip(FILES, texts(weights, usual, constants, header), strict=True):
         (FOLDER / name).write_text(text, "utf-8")
         print(FOLDER / name)
 
@@ -53,4 +71,4 @@ def write(cars: Sequence[Car], processes: int) -> None:
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--processes", type=int, default=2)
-    write(training_cars(), parser.parse_args().processes)
+    write(parser.parse_args().processes)

@@ -1,16 +1,16 @@
 """Draw virtual cars with known defects, their drivers and the weather; record their drives.
 
 A car is drawn from a seed: the spread of a sound one (idle setting, meter ±8 %, sensor ±3 °C, a
-little leak, a worn valve, a thin battery), one defect or two with amounts, a drive. The raw data of
-all channels are kept as bytes, as the unit gives them, in `build/causes`, by what they depend on.
+little leak, a worn valve, a thin battery), one defect or two with amounts, a drive. The raw data
+are kept as bytes, as the unit gives them, in `build/causes`, by what they depend on.
 """
 
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from random import Random
 from typing import Final
@@ -20,18 +20,19 @@ from numpy.typing import NDArray
 
 from mikas.catalog import Catalog, Parameter, shipped
 from mikas.catalog.loading.source import parse_source
+from mikas.causes.rows import CHANNELS
 from mikas.virtual.cars import EngineCar
-from mikas.virtual.defects.car import Car as WornCar
-from mikas.virtual.defects.table import DEFECTS, SIDES, SOUND, Side, Value
+from mikas.virtual.defects.car import WornCar
+from mikas.virtual.defects.table import DEFECTS, SIDES, SOUND, DefectSide, Value
 from mikas.virtual.model.engine import Engine
-from mikas.virtual.scenarios.scenario import Scenario, Start, from_source
-from mikas.virtual.scenarios.timeline import ScenarioTimeline, Track
+from mikas.virtual.scenarios.scenario import Scenario, from_source
+from tools.causes.drives import drive_of
 
 KEPT: Final = Path("build/causes")
 Columns = Mapping[str, list[float]]
 
 
-def name_of(side: Side) -> str:
+def name_of(side: DefectSide) -> str:
     """Return the name of a class: the key, and the direction where there are two."""
     both = len(DEFECTS[side.key].sides) > 1
     direction = "low" if side.most < side.sound else "high"
@@ -46,11 +47,20 @@ _WINDOWS: Final = ("air_meter_loose", "throttle_dead")
 
 @dataclass(frozen=True, slots=True)
 class Car:
-    """A car in its drive. `defects`: amounts by the names of defects; none: sound."""
+    """A car in its drive. `defects`: amounts by the names of defects; none: sound.
+
+    `wear_seed`: of its wear and rate, if this is another drive of a car.
+    """
 
     seed: int
-    drive: str  # "mixed", "whole" (begins with a start), "idle", "warm-up"
+    drive: str  # "mixed", "whole" (begins with a start), "idle", "warm-up", "start", "pull", "long"
     defects: Mapping[str, float] = field(default_factory=dict)
+    wear_seed: int | None = None
+
+    @property
+    def origin(self) -> int:
+        """The seed of the car itself."""
+        return self.seed if self.wear_seed is None else self.wear_seed
 
 
 def wear(random: Random) -> dict[str, float]:
@@ -67,7 +77,7 @@ def wear(random: Random) -> dict[str, float]:
 
 def scenario_of(car: Car) -> Scenario:
     """Return the scenario of a car's drive."""
-    random = Random(f"{car.seed} car")
+    random = Random(f"{car.origin} car")
     worn = wear(random)
     begin = random.uniform(2.0, 25.0)
     defects: dict[str, Value] = {}
@@ -89,90 +99,6 @@ def scenario_of(car: Car) -> Scenario:
     return WornCar(defects, worn).applied_to(replace(plain, start=start, timeline=timeline))
 
 
-def drive_of(kind: str, random: Random) -> tuple[ScenarioTimeline, Start]:
-    """Return a driver's actions and the car at second 0."""
-    ambient = random.uniform(-15.0, 32.0)
-    consumers = _steps(random, 900.0, lambda: random.choice((0, 0, 6, 12, 20, 28)))
-    key = Track((0.0,), (1.0,), smooth=False)
-    if kind == "idle":
-        if random.random() < 0.6:
-            start = _running(random, ambient)
-            return _timeline(200.0, key, 0.0, consumers, [(0, 0.0)]), start
-        coolant = random.uniform(70.0, 90.0)
-        start = Start(ambient=ambient, coolant=coolant, coolant_at_start=coolant)
-        return _timeline(200.0, key, random.uniform(2, 5), consumers, [(0, 0.0)]), start
-    if kind == "warm-up":
-        start = Start(ambient=ambient, coolant=ambient, coolant_at_start=ambient)
-        return _timeline(600.0, key, random.uniform(2, 5), consumers, [(0, 0.0)]), start
-    turn = random.random()
-    begin, starter = 0.0, 0.0
-    if kind == "whole":  # with the start of the engine
-        turn *= 0.75
-    if turn < 0.45:
-        start = Start(ambient=ambient, coolant=ambient, coolant_at_start=ambient)
-    elif turn < 0.75:
-        coolant = random.uniform(45.0, 88.0)
-        start = Start(ambient=ambient, coolant=coolant, coolant_at_start=coolant)
-    else:
-        start = _running(random, ambient)
-    if not start.running:
-        starter = random.uniform(2.0, 5.0)
-        begin = starter + random.uniform(12.0, 60.0)
-    speed = _journey(random, begin, random.uniform(680.0, 800.0))
-    return _timeline(speed[-1][0] + random.uniform(30, 60), key, starter, consumers, speed), start
-
-
-def _running(random: Random, ambient: float) -> Start:
-    return Start(ambient=ambient, coolant=random.uniform(80.0, 91.0), coolant_at_start=ambient,
-                 running=True)  # fmt: skip
-
-
-def _timeline(
-    duration: float, key: Track, starter: float, consumers: Track, speed: list[tuple[float, float]]
-) -> ScenarioTimeline:
-    turning = (0.0, starter, starter + 7.0) if starter else (0.0,)
-    return ScenarioTimeline(
-        duration=duration, loops=False, loop_from=0.0, key=key,
-        starter=Track(turning, (0.0, 1.0, 0.0)[: len(turning)], smooth=False),
-        load=Track((0.0,), (0.0,), smooth=False), consumers=consumers,
-        speed=Track(tuple(t for t, _ in speed), tuple(v for _, v in speed)),
-    )  # fmt: skip
-
-
-def _steps(random: Random, seconds: float, draw: Callable[[], float]) -> Track:
-    times, time = [0.0], 0.0
-    while time < seconds:
-        time += random.uniform(40.0, 250.0)
-        times.append(time)
-    return Track(tuple(times), tuple(float(draw()) for _ in times), smooth=False)
-
-
-def _journey(random: Random, begin: float, end: float) -> list[tuple[float, float]]:
-    """Return speeds over time: lights, streets and an open road, ridden calmly or hard."""
-    temper = random.uniform(0.6, 1.5)
-    points = [(0.0, 0.0), (begin + 0.1, 0.0)]
-    time, now = begin + 0.1, 0.0
-    open_road = random.uniform(0.2, 0.7)
-    while time < end:
-        here = random.random()
-        if here < 0.3 and now > 0:
-            goal, stay = 0.0, random.uniform(6.0, 40.0)
-        elif here < 0.3 + open_road * 0.5:
-            goal, stay = random.uniform(70.0, 115.0), random.uniform(15.0, 60.0)
-        else:
-            goal, stay = random.uniform(20.0, 62.0), random.uniform(8.0, 30.0)
-        rate = temper * (random.uniform(2.0, 4.0) if goal > now else random.uniform(3.0, 7.0))
-        if goal > now + 15 and random.random() < 0.3:
-            rate = random.uniform(9.0, 20.0)  # km/h a second: the pedal to the floor
-        time += max(2.0, abs(goal - now) / rate)
-        points += [(time, goal), (time + stay, goal)]
-        time, now = time + stay, goal
-    if now:
-        time += now / 5.0 + 2.0
-        points.append((time, 0.0))
-    return [*points, (time + random.uniform(40.0, 90.0), 0.0)]
-
-
 @cache
 def _catalog() -> Catalog:
     return shipped()
@@ -181,7 +107,7 @@ def _catalog() -> Catalog:
 def raw_of(car: Car) -> tuple[NDArray[np.float64], NDArray[np.uint8], tuple[int, ...]]:
     """Return times, raw data (a row a reading) and the codes of the drive; kept on the disk."""
     scenario = scenario_of(car)
-    random = Random(f"{car.seed} rate")
+    random = Random(f"{car.origin} rate")
     rate = random.choice((2.5, 4.0, 5.0, 5.0, 7.0))
     text = f"{scenario.start} {scenario.condition} {scenario.timeline} {rate} {car.seed} {_model()}"
     path = KEPT / f"{hashlib.sha256(text.encode()).hexdigest()[:24]}.npz"
@@ -189,12 +115,13 @@ def raw_of(car: Car) -> tuple[NDArray[np.float64], NDArray[np.uint8], tuple[int,
         with np.load(path) as kept:
             return kept["times"], kept["data"], tuple(kept["codes"].tolist())
     unit = EngineCar(Engine(scenario, car.seed % 1000), _catalog())
+    codes = tuple(dict.fromkeys(_catalog().parameter(name).code for name in CHANNELS))
     times = np.arange(0.3, scenario.timeline.duration, 1 / rate)
-    rows = [b"".join(unit.raw(code, float(time)) for code in unit.codes) for time in times]
+    rows = [b"".join(unit.raw(code, float(time)) for code in codes) for time in times]
     data = np.frombuffer(b"".join(rows), np.uint8).reshape(len(rows), -1)
     KEPT.mkdir(parents=True, exist_ok=True)
-    np.savez_compressed(path, times=times, data=data, codes=np.array(unit.codes))
-    return times, data, unit.codes
+    np.savez_compressed(path, times=times, data=data, codes=np.array(codes))
+    return times, data, codes
 
 
 @cache
@@ -236,18 +163,18 @@ def training_cars() -> list[Car]:
     """Return the cars for weighing: sound ones, and each defect at many amounts."""
     cars = [Car(seed, _kind(seed)) for seed in range(460)]
     for number, defect in enumerate(BY_NAME):
-        for index in range(38):
+        for index in range(34):
             seed = 10_000 + number * 1000 + index
             random = Random(f"{seed} amount")
-            amount = random.uniform(0.4, 1.1) if index % 3 else random.uniform(1.0, 1.8)
+            amount = random.uniform(0.35, 1.1) if index % 3 else random.uniform(1.0, 1.8)
             cars.append(Car(seed, _kind(index), {defect: round(amount, 3)}))
     return cars
 
 
-def measured_cars(drive: str, each: int, first: int, share: float = 1.0) -> list[Car]:
+def cars_with_each(drive: str, each: int, first: int, share: float = 1.0) -> list[Car]:
     """Return `each` cars of every defect at about `share` of a noticeable amount.
 
-    `first`: the lowest of their seeds, none of which is used for weighing.
+    `first`: the lowest of their seeds.
     """
     cars = []
     for number, defect in enumerate(BY_NAME):
@@ -258,12 +185,12 @@ def measured_cars(drive: str, each: int, first: int, share: float = 1.0) -> list
     return cars
 
 
-def sound_cars(count: int, first: int = 900_000) -> list[Car]:
-    """Return sound cars, of seeds that are not used for weighing."""
+def sound_cars(count: int, first: int) -> list[Car]:
+    """Return sound cars."""
     return [Car(seed, "whole") for seed in range(first, first + count)]
 
 
-def pairs_of_defects(count: int, first: int = 800_000) -> list[Car]:
+def pairs_of_defects(count: int, first: int) -> list[Car]:
     """Return cars with two defects of different keys, each noticeable."""
     cars = []
     for seed in range(first, first + count):
@@ -273,6 +200,51 @@ def pairs_of_defects(count: int, first: int = 800_000) -> list[Car]:
             other = random.choice(sorted(BY_NAME))
         cars.append(Car(seed, "whole", {one: 1.0, other: 1.0}))
     return cars
+
+
+@dataclass(frozen=True, slots=True)
+class Sets:
+    """The cars on which the ranking is tried, by what is asked of it."""
+
+    noticeable: Sequence[Car]
+    half: Sequence[Car]
+    idle: Sequence[Car]
+    pairs: Sequence[Car]
+    sound: Sequence[Car]
+    curve: Sequence[Car] = ()  # at other amounts
+
+
+def validation_sets() -> Sets:
+    """Return the cars by which the constants of judging are chosen."""
+    return Sets(
+        noticeable=cars_with_each("whole", 3, 200_000),
+        half=cars_with_each("whole", 3, 230_000, 0.5),
+        idle=cars_with_each("idle", 2, 260_000),
+        pairs=pairs_of_defects(40, 290_000),
+        sound=sound_cars(220, 300_000),
+    )
+
+
+AMOUNTS: Final = (0.15, 0.3, 0.75, 1.3)
+"""Shares of a noticeable amount at which cars are measured, besides a half and a whole."""
+
+
+def measured_sets(*, quick: bool = False) -> Sets:
+    """Return the cars that are measured; none is used for weighing or choosing."""
+    each = partial(min, 1) if quick else int
+    curve = [
+        car
+        for place, amount in enumerate(() if quick else AMOUNTS)
+        for car in cars_with_each("whole", 4, 700_000 + 100 * place, amount)
+    ]
+    return Sets(
+        noticeable=cars_with_each("whole", each(5), 500_000),
+        half=cars_with_each("whole", each(4), 550_000, 0.5),
+        idle=cars_with_each("idle", each(4), 600_000),
+        pairs=pairs_of_defects(10 if quick else 60, 800_000),
+        sound=sound_cars(20 if quick else 1000, 900_000),
+        curve=curve,
+    )
 
 
 def _kind(index: int) -> str:

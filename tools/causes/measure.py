@@ -7,28 +7,23 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from functools import partial
+from math import log
 from typing import Final
 
 from mikas.causes.knowledge import load
-from mikas.causes.model import Table
 from mikas.causes.ranking import Observation, observe, rank_observation
-from mikas.causes.result import Likelihood, Ranking, Verdict
+from mikas.causes.result import CauseVerdict, Likelihood, Ranking
 from mikas.causes.samples import samples_of
-from mikas.causes.weights import Weights, shipped
-from tools.causes.cars import (
-    BY_NAME,
-    Car,
-    columns_of,
-    measured_cars,
-    pairs_of_defects,
-    sound_cars,
-)
+from mikas.causes.weights import shipped
+from tools.causes.cars import AMOUNTS, BY_NAME, Car, columns_of, measured_sets
+from tools.causes.choose import without
 
 SECOND: Final[Mapping[str, str]] = {
     # The drive of a simulated car that is what a proposed measurement asks for.
-    "cranking": "whole", "idle": "whole", "warmup": "warm-up", "drive": "whole",
-    "knock": "whole", "long-drive": "whole",
+    "cranking": "start", "idle": "idle", "warmup": "warm-up", "drive": "whole", "knock": "pull",
+    "long-drive": "long",
 }  # fmt: skip
+MEASUREMENTS: Final = 2  # that an owner makes
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,27 +70,23 @@ def outcome(car: Car) -> Outcome:
 
 
 def followed(car: Car) -> Outcome:
-    """Return the ranking after at most two of the measurements that were proposed."""
+    """Return the ranking after at most two of the measurements that were proposed, in turn."""
     drives = [samples_of(*columns_of(car))]
-    ranking = rank_observation(observe(drives, shipped()), load(), shipped())
-    kinds = dict.fromkeys(SECOND[each.test] for each in ranking.next)
-    more = (columns_of(Car(car.seed, kind, car.defects)) for kind in kinds)
-    drives.extend(samples_of(*each) for each in more)
+    for number in range(MEASUREMENTS):
+        ranking = rank_observation(observe(drives, shipped()), load(), shipped())
+        done = Outcome(car, ranking)
+        if done.certain or not ranking.next:
+            return done
+        # The same measurement again is another drive of the car.
+        again = Car(car.seed + 50_000 * number, SECOND[ranking.next[0].test], car.defects, car.seed)
+        drives.append(samples_of(*columns_of(again)))
     return Outcome(car, rank_observation(observe(drives, shipped()), load(), shipped()))
 
 
 def left_out(car: Car) -> Outcome:
     """Return the ranking by tables in which the car's cause is missing."""
-    weights, known = shipped(), load()
-    table = weights.table
     gone = {name.partition("-")[0] for name in car.defects}
-    means = {n: rows for n, rows in table.means.items() if n.partition("-")[0] not in gone}
-    less = Weights(
-        weights.scales,
-        Table(table.names, table.correlation, means, table.spreads, table.counts),
-        weights.header,
-    )
-    return Outcome(car, rank_observation(observed(car), known, less))
+    return Outcome(car, rank_observation(observed(car), load(), without(shipped(), gone)))
 
 
 def outcomes(
@@ -108,7 +99,7 @@ def outcomes(
 
 @dataclass(frozen=True, slots=True)
 class Measured:
-    """All that is measured."""
+    """All that is measured. `curve`: of each defect by share of a noticeable amount."""
 
     noticeable: Sequence[Outcome]
     half: Sequence[Outcome]
@@ -117,22 +108,22 @@ class Measured:
     sound: Sequence[Outcome]
     pairs: Sequence[Outcome]
     unknown: Sequence[Outcome]
+    curve: Sequence[Outcome]
 
 
 def measure(processes: int = 2, *, quick: bool = False) -> Measured:
     """Simulate and rank; `quick`: one car of each defect."""
-    each = partial(min, 1) if quick else int
     run = partial(outcomes, processes=processes)
-    noticeable = measured_cars("whole", each(5), 500_000)
-    idle = measured_cars("idle", each(3), 600_000)
+    sets = measured_sets(quick=quick)
     return Measured(
-        noticeable=run(noticeable),
-        half=run(measured_cars("whole", each(4), 550_000, 0.5)),
-        idle=run(idle),
-        after=run(idle, judge=followed),
-        sound=run(sound_cars(20 if quick else 250)),
-        pairs=run(pairs_of_defects(10 if quick else 60)),
-        unknown=run(noticeable, judge=left_out),
+        noticeable=run(sets.noticeable),
+        half=run(sets.half),
+        idle=run(sets.idle),
+        after=run(sets.idle, judge=followed),
+        sound=run(sets.sound),
+        pairs=run(sets.pairs),
+        unknown=run(sets.noticeable, judge=left_out),
+        curve=run(sets.curve),
     )
 
 
@@ -161,16 +152,44 @@ def reliability(rows: Iterable[Outcome]) -> list[tuple[float, float, int, float]
     return [(i / 10, (i + 1) / 10, len(bins[i]), share(bins[i])) for i in sorted(bins)]
 
 
-def found(rows: Iterable[Outcome]) -> dict[str, list[tuple[float, bool]]]:
-    """Return by defect the amounts, and whether the first cause was right."""
-    result: dict[str, list[tuple[float, bool]]] = {name: [] for name in BY_NAME}
+def found(measured: Measured) -> dict[str, list[tuple[float, float]]]:
+    """Return by defect: shares of a noticeable amount, and in how many cars it is first, in %."""
+    rows = [*measured.half, *measured.noticeable, *measured.curve]
+    by_amount: dict[str, dict[float, list[bool]]] = {name: {} for name in BY_NAME}
+    amounts = (*AMOUNTS, 0.5, 1.0)
     for row in rows:
         ((name, amount),) = row.car.defects.items()
-        result[name].append((amount, row.first))
-    return result
+        near = min(amounts, key=lambda each: abs(log(each / amount)))
+        by_amount[name].setdefault(near, []).append(row.first)
+    return {
+        name: [(amount, share(several[amount])) for amount in sorted(several)]
+        for name, several in by_amount.items()
+    }
+
+
+def smallest(curve: Sequence[tuple[float, float]]) -> float | None:
+    """Return the amount that is found in half the drives, between two measured ones; None: none.
+
+    A larger amount that is found more seldom counts as that found: the curve only falls back by
+    the chance of few cars.
+    """
+    rising = [(amount, max(s for a, s in curve if a <= amount)) for amount, _ in curve]
+    before, had = 0.0, 0.0
+    for amount, found_in in rising:
+        if found_in >= 50:
+            return before + (amount - before) * (50 - had) / (found_in - had)
+        before, had = amount, found_in
+    return None
 
 
 def accused(rows: Sequence[Outcome]) -> float:
     """Return the share of sound cars called anything but sound or can't tell, in %."""
-    fine = (Verdict.SOUND, Verdict.CANNOT_TELL)
+    fine = (CauseVerdict.SOUND, CauseVerdict.CANNOT_TELL)
     return share(row.ranking.verdict not in fine for row in rows)
+
+
+def is_wrong(row: Outcome) -> bool:
+    """Whether a car with a defect is called sound, or named wrongly as found."""
+    if row.ranking.verdict in (CauseVerdict.CANNOT_TELL, CauseVerdict.UNKNOWN):
+        return False
+    return not row.first

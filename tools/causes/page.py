@@ -11,14 +11,23 @@ from pathlib import Path
 from typing import Final
 
 from mikas.causes.knowledge import load
-from mikas.causes.ranking import CERTAIN, CLEARED
 from mikas.causes.weights import shipped
 from mikas.i18n import Language, Text
 from tools.causes.cars import BY_NAME
-from tools.causes.measure import Measured, Outcome, confusion, found, reliability, share
+from tools.causes.measure import (
+    Measured,
+    Outcome,
+    confusion,
+    found,
+    is_wrong,
+    reliability,
+    share,
+    smallest,
+)
 
 DOCS: Final = Path(__file__).parents[2] / "docs"
 
+_BARS: Final = "▁▂▃▄▅▆▇█"
 _FOLDERS: Final[dict[Language, Path]] = {"en": DOCS, "ru": DOCS / "ru"}
 _VERDICTS: Final = {
     "sound": Text("sound", "исправна"),
@@ -48,10 +57,16 @@ def page(measured: Measured, language: Language) -> str:
         numbers = [word for word in header.replace(",", "").split() if word.isdigit()]
         header = f"{numbers[0]}, исправных — {numbers[1]}"
     date = f"{datetime.now(UTC):%Y-%m-%d}"
+    constants = shipped().constants
     head = (
         _texts()["head"]
         .to(language)
-        .format(date=date, about=header, certain=f"{100 * CERTAIN:g}", cleared=f"{100 * CLEARED:g}")
+        .format(
+            date=date,
+            about=header,
+            certain=f"{100 * constants.certain:g}",
+            cleared=f"{100 * constants.cleared:g}",
+        )
     )
     each = len(measured.noticeable) // len(BY_NAME)
     parts = [
@@ -62,6 +77,7 @@ def page(measured: Measured, language: Language) -> str:
         _reliability([*measured.noticeable, *measured.half, *measured.sound], language),
         _texts()["amounts"].to(language),
         _amounts(measured, language),
+        _not_driven(measured, language),
         _several(measured, language),
     ]
     return "\n\n".join(parts) + "\n"
@@ -100,28 +116,59 @@ def _reliability(rows: Sequence[Outcome], language: Language) -> str:
 
 
 def _amounts(measured: Measured, language: Language) -> str:
-    lines = [_texts()["amounts_head"].to(language)]
-    halves, wholes = found(measured.half), found(measured.noticeable)
+    curves = found(measured)
+    amounts = [f"{amount:g}" for amount, _ in curves[next(iter(BY_NAME))]]
+    head = _texts()["amounts_head"].to(language)
+    lines = [head.format(amounts=" | ".join(amounts), rules="---|" * len(amounts))]
     for name, side in BY_NAME.items():
-        half, whole = (share(ok for _, ok in table[name]) for table in (halves, wholes))
-        lines.append(
-            f"| {_words(name, language)} | {half:.0f} % | {whole:.0f} % | {side.noticeable:g} |"
-        )
+        curve = curves[name]
+        bars = "".join(_BARS[min(7, int(of / 12.5))] for _, of in curve)
+        shares = " | ".join(f"{of:.0f}" for _, of in curve)
+        least = smallest(curve)
+        begins = "—" if least is None else f"{side.at(least):.3g}"
+        words = _words(name, language)
+        lines.append(f"| {words} | {bars} | {shares} | {begins} | {side.noticeable:g} |")
     return "\n".join(lines)
 
 
-def _several(measured: Measured, language: Language) -> str:
-    def counted(rows: Sequence[Outcome]) -> str:
-        counts = Counter(row.ranking.verdict.value for row in rows)
-        return ", ".join(f"{_said(each, language)} {count}" for each, count in counts.items())
+def _not_driven(measured: Measured, language: Language) -> str:
+    text = _texts()["not_driven"].to(language)
+    head = text.format(
+        cars=len(measured.idle),
+        idle=_counted(measured.idle, language),
+        first=f"{share(row.first for row in measured.idle):.0f}",
+        wrong=f"{share(map(is_wrong, measured.idle)):.0f}",
+    )
+    lines = [head]
+    for name in BY_NAME:
+        cells = []
+        for rows in (measured.idle, measured.after):
+            mine = [row for row in rows if name in row.car.defects]
+            others = Counter(
+                _said(row.named[0] if row.named else row.ranking.verdict.value, language)
+                for row in mine
+                if not row.first
+            )
+            cells.append(f"{share(row.first for row in mine):.0f} %")
+            cells.append(", ".join(f"{said} {count}" for said, count in others.most_common()))
+        lines.append(f"| {_words(name, language)} | {' | '.join(cells)} |")
+    return "\n".join(lines)
 
+
+def _counted(rows: Sequence[Outcome], language: Language) -> str:
+    counts = Counter(row.ranking.verdict.value for row in rows)
+    return ", ".join(f"{_said(each, language)} {count}" for each, count in counts.items())
+
+
+def _several(measured: Measured, language: Language) -> str:
     text = _texts()["several"].to(language)
     return text.format(
         cars=len(measured.sound),
-        sound=counted(measured.sound),
+        sound=_counted(measured.sound, language),
         pairs=len(measured.pairs),
         both=f"{share(row.among_three for row in measured.pairs):.0f}",
         one=f"{share(row.first for row in measured.pairs):.0f}",
         unknown_cars=len(measured.unknown),
-        unknown=counted(measured.unknown),
+        unknown=_counted(measured.unknown, language),
+        certain_other=sum(row.certain for row in measured.unknown),
     )

@@ -2,15 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from math import isfinite
+from typing import Final
 
+from mikas.causes.judging import JudgingConstants, UsualFit
 from mikas.causes.model import KNOTS
 from tools.causes.weigh import Weights
 
+FILES: Final = ("features.csv", "causes.csv", "correlations.csv", "fits.csv", "judging.csv")
 
-def texts(weights: Weights, header: Sequence[str]) -> tuple[str, str, str]:
-    """Return `features.csv`, `causes.csv` and `correlations.csv`."""
+
+def texts(
+    weights: Weights,
+    usual: Mapping[str, UsualFit],
+    constants: JudgingConstants,
+    header: Sequence[str] = (),
+) -> tuple[str, ...]:
+    """Return the texts of `FILES`."""
     kept = [i for i, scale in enumerate(weights.scale) if isfinite(scale + weights.middle[i])]
     head = "".join(f"# {line}\n" for line in header)
     features = head + "feature,slope,about,middle,scale,spread\n"
@@ -33,4 +43,10 @@ def texts(weights: Weights, header: Sequence[str]) -> tuple[str, str, str]:
             if j < i and abs(weights.correlation[i, j]) >= 0.0005:
                 pair = weights.names[i], weights.names[j], f"{weights.correlation[i, j]:.3f}"
                 correlations += ",".join(pair) + "\n"
-    return features, causes, correlations
+    fits = head + "cause,distance,strangest\n"
+    for cause, fit in usual.items():
+        fits += f"{cause},{fit.distance:.3f},{fit.strangest:.3f}\n"
+    judging = head + "name,value\n"
+    for name, value in asdict(constants).items():
+        judging += f"{name},{value:g}\n"
+    return features, causes, correlations, fits, judging

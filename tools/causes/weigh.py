@@ -12,8 +12,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from mikas.causes.evidence import feature_texts
 from mikas.causes.features import BY_NAME as FEATURES
+from mikas.causes.features.words import feature_texts
 from mikas.causes.knowledge import load
 from mikas.causes.model import KNOTS, squeezed
 
@@ -32,7 +32,7 @@ STEPS: Final = {
     "cold-idle-hunting": 20.0, "idle-advance": 0.5, "trim-idle": 2.0, "trim-light": 2.0,
     "trim-heavy": 2.0, "trim-difference": 2.0, "coolant-driven": 1.0, "coolant-most": 1.0,
     "coolant-range": 1.0, "coolant-rise": 1.0, "voltage-driven-spread": 0.1, "voltage-fall": 0.1,
-    "coolant-drop": 1.0,
+    "coolant-drop": 1.0, "air-below-set": 0.3, "cold-idle-speed": 30.0, "widest-throttle": 3.0,
 }  # fmt: skip
 
 

@@ -4,18 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cache
-from importlib.resources import files
 from math import exp, log
 from typing import Final
 
 from mikas.causes.features import BY_NAME, Seen
-from mikas.causes.model import GRID, Model
+from mikas.causes.features.words import feature_texts
+from mikas.causes.model import GRID, LikelihoodModel
 from mikas.causes.result import Evidence
-from mikas.causes.weights import Scale, Weights
+from mikas.causes.weights import FeatureScale, Weights
 from mikas.i18n import Text, joined
 from mikas.recording.formatting import digits, joined_unit
-from mikas.toml import parse
 
 FOR: Final = 1.0  # logarithm of odds from which a feature is named
 AGAINST: Final = 1.0
@@ -33,39 +31,10 @@ _TWICE: Final = frozenset({"no-air", "hidden-throttle", "throttle-jumps"})
 
 
 @dataclass(frozen=True, slots=True)
-class FeatureText:
-    """A feature in words. `seen`: what has to happen to see it; `least`: it is never less."""
-
-    text: Text
-    unit: Text
-    digits: int
-    seen: str
-    system: str
-    least: float
-
-
-@cache
-def feature_texts() -> Mapping[str, FeatureText]:
-    """Return the words of every feature, from `features.toml`."""
-    tables = parse(files("mikas.causes").joinpath("features.toml").read_text("utf-8"))
-    return {
-        name: FeatureText(
-            Text(**keys["text"]),
-            Text(**keys["unit"]),
-            int(keys["digits"]),
-            keys["seen"],
-            keys["system"],
-            float(keys.get("least", "-inf")),
-        )
-        for name, keys in tables.items()
-    }
-
-
-@dataclass(frozen=True, slots=True)
 class Explained:
     """A cause, and what was seen of the car."""
 
-    model: Model
+    model: LikelihoodModel
     cause: str
     seen: Mapping[str, Seen]
     context: Mapping[str, float]
@@ -98,7 +67,7 @@ def evidence_of(
     return tuple(speaks[:MOST]), tuple(denies[:MOST])
 
 
-def _evidence(explained: Explained, name: str, scale: Scale, weight: float) -> Evidence:
+def _evidence(explained: Explained, name: str, scale: FeatureScale, weight: float) -> Evidence:
     seen = explained.seen[name]
     context = explained.context.get(BY_NAME[name].context, float("nan"))
     due = scale.due(context)

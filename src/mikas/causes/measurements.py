@@ -1,7 +1,7 @@
 """What was not seen, and the measurements that separate the leading causes best.
 
-A measurement shows some features (`seen` in `features.toml`). Its worth is how far the causes that
-are possible now would differ in those of them that were not seen.
+A measurement shows some features (`seen` in `features/words.toml`). Its worth is how far the causes
+that are possible now would differ in those of them that were not seen.
 """
 
 from __future__ import annotations
@@ -10,14 +10,16 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Final
 
-from mikas.causes.evidence import feature_texts
+from mikas.causes.features.words import feature_texts
 from mikas.causes.judging import Judged
 from mikas.causes.knowledge import Knowledge
-from mikas.causes.model import SOUND, Table
+from mikas.causes.model import SOUND, WeightTable
 from mikas.causes.result import NextMeasurement
 from mikas.i18n import Text, joined
 
-WORTH: Final = 0.05  # of a measurement that is proposed
+WORTH: Final = 0.02  # of a measurement that is proposed
+TWICE: Final = 0.2  # what a feature counts that was seen already: a second look
+LIKELY: Final = 0.002  # of a cause that a measurement is to separate
 MOST: Final = 2
 
 
@@ -51,9 +53,9 @@ MEASUREMENTS: Final = (
              "термостат»)."),
     ),
     Measurement(
-        "drive", False, frozenset({"drive", "idle"}),
-        Text("Record ten minutes of driving: town, open road, stops.",
-             "Запишите десять минут езды: город, трасса, остановки."),
+        "drive", False, frozenset({"start", "drive", "idle"}),
+        Text("Record a start and ten minutes of driving: town, open road, stops.",
+             "Запишите пуск и десять минут езды: город, трасса, остановки."),
     ),
     Measurement(
         "knock", True, frozenset({"pull", "drive"}),
@@ -93,14 +95,14 @@ def missing(seen: Collection[str]) -> tuple[Text, ...]:
 
 
 def proposals(
-    judged: Judged | None, seen: Collection[str], table: Table, known: Knowledge
+    judged: Judged | None, seen: Collection[str], table: WeightTable, known: Knowledge
 ) -> tuple[NextMeasurement, ...]:
     """Return the measurements that separate the causes best, the most useful first."""
     if judged is None:
         chosen = [each for each in MEASUREMENTS if each.name in ("warmup", "drive")]
         return tuple(_next(each, _BEGIN) for each in chosen)
-    weights = {name: share for name, share in judged.probability.items() if share > 0.02}
-    if judged.sound > 0.02:
+    weights = {name: share for name, share in judged.probability.items() if share > LIKELY}
+    if judged.sound > LIKELY:
         weights[SOUND] = judged.sound
     rest = set(table.names) - set(seen)
     proposed: list[NextMeasurement] = []
@@ -114,23 +116,29 @@ def proposals(
     return tuple(proposed)
 
 
-def _effect(table: Table, cause: str, place: int) -> float:
+def _effect(table: WeightTable, cause: str, place: int) -> float:
     return 0.0 if cause == SOUND else table.means[cause][2][place]
 
 
 def _worth(
-    measurement: Measurement, weights: Mapping[str, float], rest: Collection[str], table: Table
+    measurement: Measurement,
+    weights: Mapping[str, float],
+    rest: Collection[str],
+    table: WeightTable,
 ) -> float:
-    places = [
-        place
+    counts = [
+        (place, 1.0 if name in rest else TWICE)
         for place, name in enumerate(table.names)
-        if name in rest and feature_texts()[name].seen in measurement.shows
+        if feature_texts()[name].seen in measurement.shows
     ]
     total = 0.0
     causes = list(weights)
     for index, one in enumerate(causes):
         for other in causes[:index]:
-            apart = sum((_effect(table, one, p) - _effect(table, other, p)) ** 2 for p in places)
+            apart = sum(
+                count * (_effect(table, one, p) - _effect(table, other, p)) ** 2
+                for p, count in counts
+            )
             total += weights[one] * weights[other] * min(1.0, apart / 9.0)
     return total
 

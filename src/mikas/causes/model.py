@@ -8,8 +8,9 @@ sound cars. What was not seen takes no part. Pure Python: the page computes the 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import asinh, exp, log, sqrt
+from operator import mul
 from typing import Final
 
 KNOTS: Final = (0.45, 0.8, 1.2, 1.8)
@@ -29,7 +30,7 @@ def squeezed(z: float) -> float:
 
 
 @dataclass(frozen=True, slots=True)
-class Table:
+class WeightTable:
     """The weights, by the place of a feature in `names`."""
 
     names: Sequence[str]
@@ -37,6 +38,7 @@ class Table:
     means: Mapping[str, Sequence[Row]]
     spreads: Mapping[str, Row]
     counts: Mapping[str, Row]
+    systems: Mapping[str, frozenset[str]] = field(default_factory=dict)  # that a cause may move
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,10 +53,10 @@ class Fit:
     strangest: float  # the largest deviation that is left, in the hypothesis' spreads
 
 
-class Model:
+class LikelihoodModel:
     """The model for what was seen of one car. `seen`: squeezed deviations by feature."""
 
-    def __init__(self, table: Table, seen: Mapping[str, float]) -> None:
+    def __init__(self, table: WeightTable, seen: Mapping[str, float]) -> None:
         self.table = table
         self.places = [place for place, name in enumerate(table.names) if name in seen]
         self.values = [seen[table.names[place]] for place in self.places]
@@ -92,7 +94,23 @@ class Model:
         self, causes: tuple[str, ...], amounts: tuple[float, ...], means: Sequence[float]
     ) -> Fit:
         """Return how well these means fit."""
-        spread = self.spread(causes)
+        return self._fit(causes, amounts, means, self.spread(causes))
+
+    def fit_unknown(self, moved: Sequence[bool], width: float) -> Fit:
+        """Return how well a defect fits that moves these of what was seen, by about `width`."""
+        spread = [
+            sqrt(plain * plain + width * width) if wide else plain
+            for plain, wide in zip(self.spread(()), moved, strict=True)
+        ]
+        return self._fit((), (), [0.0] * len(spread), spread)
+
+    def _fit(
+        self,
+        causes: tuple[str, ...],
+        amounts: tuple[float, ...],
+        means: Sequence[float],
+        spread: Sequence[float],
+    ) -> Fit:
         off = [
             (value - mean) / width
             for value, mean, width in zip(self.values, means, spread, strict=True)
@@ -121,7 +139,7 @@ def _length(lower: Sequence[Sequence[float]], off: Sequence[float]) -> float:
     solved: list[float] = []
     total = 0.0
     for line, value in zip(lower, off, strict=True):
-        y = (value - sum(a * b for a, b in zip(line, solved, strict=False))) / line[-1]
+        y = (value - sum(map(mul, line, solved))) / line[-1]
         solved.append(y)
         total += y * y
     return total

@@ -11,36 +11,38 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from math import sqrt
 from typing import Final
 
 from mikas.causes.evidence import Explained, evidence_of
 from mikas.causes.features import Seen, View, context_of, features_of
-from mikas.causes.judging import Judged, judge, weights_beforehand, with_own_causes
+from mikas.causes.judging import (
+    Judged,
+    JudgingConstants,
+    judge,
+    suppose,
+    weights_beforehand,
+    with_own_causes,
+)
 from mikas.causes.knowledge import Complaint, Knowledge, KnownCause, load
 from mikas.causes.measurements import DRIVING, missing, proposals
-from mikas.causes.model import Fit
+from mikas.causes.model import LikelihoodModel
 from mikas.causes.regimes import drive_of
 from mikas.causes.result import (
     ORIGIN,
+    CauseVerdict,
     Likelihood,
     RankedCause,
     Ranking,
-    Verdict,
 )
 from mikas.causes.samples import Samples
 from mikas.causes.weights import Weights, shipped
 from mikas.i18n import Text
 
-CERTAIN: Final = 0.99
 PROBABLE: Final = 0.55
 POSSIBLE: Final = 0.06
 MOST: Final = 5
-FAR: Final = 5.0  # standard errors of the squared distance, from which a hypothesis does not fit
-STRANGE: Final = 4.4  # spreads that one feature is off, likewise
 LEAST: Final = 9  # features; with fewer nothing is said
 LEAST_STANDING: Final = 4  # of an engine that was cranked and did not run
-CLEARED: Final = 0.01  # of sound; above it no cause is named as found
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,26 +151,32 @@ def rank_observation(
     if len(observation.deviations) < least or not (observation.ran or cranked):
         text = _TOO_LITTLE if observation.ran or not observation.deviations else _STOOD
         return Ranking(
-            Verdict.CANNOT_TELL, text, (), proposals(None, observation.deviations, table, known),
+            CauseVerdict.CANNOT_TELL, text, (),
+            proposals(None, observation.deviations, table, known),
             not_seen, doubts, observation.seconds,
         )  # fmt: skip
     before = weights_beforehand(known, table, complaint, faults)
-    judged = judge(observation.deviations, table, before)
-    strange = _strange(judged.best)
-    causes = _ranked(judged, observation, known, weights, strange)
-    verdict, text = _verdict(judged, causes, strange, not_seen)
-    if judged.sound >= 0.5 and verdict is not Verdict.UNKNOWN:
+    constants = weights.constants
+    model = LikelihoodModel(table, observation.deviations)
+    judged = judge(suppose(model, before, constants.unknown_width), constants, weights.usual)
+    causes = _ranked(judged, model, observation, known, weights)
+    verdict, text = _verdict(judged, causes, constants, not_seen)
+    if judged.sound >= constants.said_sound:
         causes = ()
     return Ranking(
         verdict, text, tuple(causes),
-        proposals(judged, observation.deviations, table, known) if verdict is not Verdict.SOUND
-        else (),
+        () if verdict is CauseVerdict.SOUND and not not_seen
+        else proposals(judged, observation.deviations, table, known),
         not_seen, doubts, observation.seconds,
     )  # fmt: skip
 
 
 def _ranked(
-    judged: Judged, observation: Observation, known: Knowledge, weights: Weights, strange: bool
+    judged: Judged,
+    model: LikelihoodModel,
+    observation: Observation,
+    known: Knowledge,
+    weights: Weights,
 ) -> Sequence[RankedCause]:
     """Return the causes that are possible, the directions of one put together."""
     by_id: dict[str, list[tuple[float, KnownCause]]] = {}
@@ -181,14 +189,14 @@ def _ranked(
             continue
         cause = max(several, key=lambda each: each[0])[1]
         explained = Explained(
-            judged.model, cause.name, observation.seen, observation.context, observation.sources
+            model, cause.name, observation.seen, observation.context, observation.sources
         )
         speaks, denies = evidence_of(explained, weights)
         ranked.append(
             RankedCause(
                 cause.id,
                 cause.variant,
-                _likelihood(probability, judged.sound, strange=strange),
+                _likelihood(probability, judged, weights.constants),
                 probability,
                 cause.text,
                 cause.check,
@@ -201,32 +209,33 @@ def _ranked(
     return sorted(ranked, key=lambda cause: -cause.probability)[:MOST]
 
 
-def _likelihood(probability: float, sound: float, *, strange: bool) -> Likelihood:
-    """Return the word: of a car that no hypothesis fits, none is almost certain."""
-    if sound > CLEARED:
+def _likelihood(probability: float, judged: Judged, constants: JudgingConstants) -> Likelihood:
+    """Return the word: none is almost certain of a car that fits worse than the cause's own."""
+    if judged.sound > constants.cleared:
         return Likelihood.POSSIBLE
-    if probability >= CERTAIN and not strange:
+    if probability >= constants.certain and judged.oddness <= constants.close:
         return Likelihood.ALMOST_CERTAIN
     return Likelihood.PROBABLE if probability >= PROBABLE else Likelihood.POSSIBLE
 
 
-def _strange(fit: Fit) -> bool:
-    """Whether a hypothesis leaves unexplained what its own cars do not show."""
-    return fit.distance > 1 + FAR / sqrt(max(1, fit.count)) or fit.strangest > STRANGE
-
-
 def _verdict(
-    judged: Judged, causes: Sequence[RankedCause], strange: bool, not_seen: Sequence[Text]
-) -> tuple[Verdict, Text]:
-    if strange and _strange(judged.sound_fit):
-        return Verdict.UNKNOWN, _A_PART if causes else _UNKNOWN
-    if judged.sound >= 0.5:
+    judged: Judged,
+    causes: Sequence[RankedCause],
+    constants: JudgingConstants,
+    not_seen: Sequence[Text],
+) -> tuple[CauseVerdict, Text]:
+    if judged.sound >= constants.said_sound:
         if DRIVING in not_seen:
-            return Verdict.CANNOT_TELL, _DRIVE_IT
-        return Verdict.SOUND, _SOUND_SO_FAR if not_seen else _SOUND
-    if not causes or judged.sound > CLEARED:
-        return Verdict.CANNOT_TELL, _UNDECIDED
-    return Verdict.CAUSES, _FOUND.filled(cause=causes[0].text)
+            return CauseVerdict.CANNOT_TELL, _DRIVE_IT
+        return CauseVerdict.SOUND, _SOUND_SO_FAR if not_seen else _SOUND
+    undecided = _UNDECIDED_DRIVE_IT if DRIVING in not_seen else _UNDECIDED
+    if judged.sound > constants.cleared:
+        return CauseVerdict.CANNOT_TELL, undecided
+    if judged.unknown >= constants.said_unknown or judged.oddness > constants.far:
+        return CauseVerdict.UNKNOWN, _A_PART if causes else _UNKNOWN
+    if not causes or causes[0].probability < constants.named:
+        return CauseVerdict.CANNOT_TELL, _SEVERAL_DRIVE_IT if DRIVING in not_seen else _SEVERAL
+    return CauseVerdict.CAUSES, _FOUND.filled(cause=causes[0].text)
 
 
 _SOUND: Final = Text(
@@ -253,6 +262,19 @@ _A_PART: Final = Text(
 _UNDECIDED: Final = Text(
     "These data don't decide between several causes and a sound engine.",
     "По этим данным нельзя решить между несколькими причинами и исправным двигателем.",
+)
+_UNDECIDED_DRIVE_IT: Final = Text(
+    "These data don't decide between several causes and a sound engine: drive it.",
+    "По этим данным нельзя решить между несколькими причинами и исправным двигателем: нужна "
+    "поездка.",
+)
+_SEVERAL: Final = Text(
+    "Something is off; these data don't decide between several causes.",
+    "Что-то не так; по этим данным нельзя выбрать между несколькими причинами.",
+)
+_SEVERAL_DRIVE_IT: Final = Text(
+    "Something is off; these data don't decide between several causes: drive it.",
+    "Что-то не так; по этим данным нельзя выбрать между несколькими причинами: нужна поездка.",
 )
 _TOO_LITTLE: Final = Text(
     "Can't tell: too little was seen. Record a start, some idle and a drive.",

@@ -42,7 +42,7 @@ class Regime(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Drive:
+class DriveByRegime:
     """Samples with the regime of each row. `starts`: rows in which the engine began to run.
 
     `run_time`: seconds of running so far, NaN while it stands; `closed`: the least opening, %.
@@ -64,7 +64,7 @@ class Drive:
         return sorted(row for regime in regimes for row in self.rows[regime])
 
 
-def drive_of(samples: Samples) -> Drive | None:
+def drive_of(samples: Samples) -> DriveByRegime | None:
     """Return the samples by regime; None: the engine's speed was not read."""
     speed = _speed(samples)
     if speed is None:
@@ -96,7 +96,7 @@ def drive_of(samples: Samples) -> Drive | None:
         else:
             regime = _under_load(rpm, opening, closed)
         rows[regime].append(row)
-    return Drive(samples, speed, rows, running, starts, stalls, run_time, closed)
+    return DriveByRegime(samples, speed, rows, running, starts, stalls, run_time, closed)
 
 
 def _speed(samples: Samples) -> Column | None:

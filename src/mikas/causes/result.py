@@ -12,7 +12,7 @@ from mikas.i18n import Text
 from mikas.json_values import json_of
 
 
-class Verdict(StrEnum):
+class CauseVerdict(StrEnum):
     """What the values say in all. `UNKNOWN`: something is off that no known cause explains."""
 
     SOUND = "sound"
@@ -130,7 +130,7 @@ class Ranking:
     `doubts`: what this unit can't show, and where the knowledge comes from.
     """
 
-    verdict: Verdict
+    verdict: CauseVerdict
     text: Text
     causes: tuple[RankedCause, ...]
     next: tuple[NextMeasurement, ...]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from mikas.catalog import Catalog, Confidence
-from mikas.causes.evidence import feature_texts
+from mikas.causes.features.words import feature_texts
 from mikas.causes.knowledge import COMPLAINTS, KnownCause, load
 from mikas.i18n import Language, Text
 from tools.docs.generated.tables import CONFIDENCE, code, page, table

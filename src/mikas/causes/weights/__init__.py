@@ -1,7 +1,8 @@
 """The tables that `make causes` writes: how features vary in sound cars, how causes move them.
 
-`features.csv`, `causes.csv` and `correlations.csv`; lines that begin with # say how they were made.
-No number here is written by hand.
+`features.csv`, `causes.csv`, `correlations.csv`, `fits.csv` (how well each cause fits its own cars)
+and `judging.csv` (constants); lines that begin with # say how they were made. No number here is
+written by hand.
 """
 
 from __future__ import annotations
@@ -15,13 +16,14 @@ from math import isnan
 from typing import Final
 
 from mikas.causes.features import BY_NAME, Seen
-from mikas.causes.model import KNOTS, SOUND, Table, squeezed
+from mikas.causes.judging import JudgingConstants, UsualFit
+from mikas.causes.model import KNOTS, SOUND, WeightTable, squeezed
 
-_FILES: Final = ("features.csv", "causes.csv", "correlations.csv")
+_FILES: Final = ("features.csv", "causes.csv", "correlations.csv", "fits.csv", "judging.csv")
 
 
 @dataclass(frozen=True, slots=True)
-class Scale:
+class FeatureScale:
     """How a feature varies in sound cars. `slope`: with its context, around `about`."""
 
     slope: float
@@ -43,9 +45,11 @@ class Scale:
 class Weights:
     """All tables. `header`: the lines that say how they were made."""
 
-    scales: Mapping[str, Scale]
-    table: Table
+    scales: Mapping[str, FeatureScale]
+    table: WeightTable
     header: Sequence[str]
+    constants: JudgingConstants
+    usual: Mapping[str, UsualFit]
 
     def deviations(
         self, seen: Mapping[str, Seen], context: Mapping[str, float]
@@ -67,9 +71,9 @@ def shipped() -> Weights:
     return read(*texts)
 
 
-def read(features: str, causes: str, correlations: str) -> Weights:
+def read(features: str, causes: str, correlations: str, fits: str, judging: str) -> Weights:
     """Return the tables of these texts."""
-    scales = {row[0]: Scale(*map(float, row[1:])) for row in _rows(features)}
+    scales = {row[0]: FeatureScale(*map(float, row[1:])) for row in _rows(features)}
     names = list(scales)
     place = {name: index for index, name in enumerate(names)}
     spreads = {SOUND: [scale.spread for scale in scales.values()]}
@@ -92,7 +96,10 @@ def read(features: str, causes: str, correlations: str) -> Weights:
     for a, b, value in _rows(correlations):
         matrix[place[a]][place[b]] = matrix[place[b]][place[a]] = float(value)
     header = [line[1:].strip() for line in features.splitlines() if line.startswith("#")]
-    return Weights(scales, Table(names, matrix, means, spreads, counts), header)
+    usual = {row[0]: UsualFit(*map(float, row[1:])) for row in _rows(fits)}
+    constants = JudgingConstants(**{name: float(value) for name, value in _rows(judging)})
+    table = WeightTable(names, matrix, means, spreads, counts)
+    return Weights(scales, table, header, constants, usual)
 
 
 def _rows(text: str) -> list[list[str]]:

@@ -8,7 +8,7 @@ from typing import Final
 
 from markupsafe import Markup
 
-from mikas.causes.result import LIKELIHOODS, RankedCause, Verdict
+from mikas.causes.result import LIKELIHOODS, CauseVerdict, RankedCause
 from mikas.i18n import Language, Text
 from mikas.report.findings import Findings
 from mikas.report.sections.section import PageSection, items, paragraph
@@ -22,7 +22,7 @@ _EVIDENCE: Final = 3  # of each; the page prints on two sheets, or three
 def cause_section(found: Findings, language: Language) -> PageSection | None:
     """Return the section of the causes; None where the data can't tell."""
     ranking = found.subject.causes
-    if ranking is None or ranking.verdict is Verdict.CANNOT_TELL:
+    if ranking is None or ranking.verdict is CauseVerdict.CANNOT_TELL:
         return None
     parts = [paragraph(ranking.text.to(language))]
     parts += [_cause(cause, language) for cause in ranking.causes[:_MOST]]

@@ -1,6 +1,6 @@
 """A car with wear and defects, put into a scenario.
 
-    car = Car({"leak": 8.0}, wear_of(seed=3))
+    car = WornCar({"leak": 8.0}, wear_of(seed=3))
     scenario = car.applied_to(SCENARIOS["city"])
 
 Wear changes what the scenario leaves as in a sound car; a defect replaces whatever it says.
@@ -18,7 +18,7 @@ from mikas.virtual.scenarios.scenario import Scenario
 
 
 @dataclass(frozen=True, slots=True)
-class Car:
+class WornCar:
     """Defects by key (none: a sound car), and the wear of everything else."""
 
     defects: Mapping[str, Value] = field(default_factory=dict)

@@ -20,8 +20,8 @@ from mikas.catalog.loading.fields import schema_of
 from mikas.errors import UsageError, usage_error
 from mikas.i18n import Text
 from mikas.options import nearest
-from mikas.virtual.defects.car import Car, wear_of
-from mikas.virtual.defects.table import DEFECTS, Side, shown
+from mikas.virtual.defects.car import WornCar, wear_of
+from mikas.virtual.defects.table import DEFECTS, DefectSide, shown
 from mikas.virtual.scenarios.scenario import Condition, Start
 
 HEALTHY: Final = "healthy"
@@ -39,7 +39,7 @@ _COUNT: Final = re.compile("[0-9]{1,9}")
 class ChosenDefect:
     """A defect with its amount."""
 
-    side: Side
+    side: DefectSide
     amount: float
 
     @property
@@ -54,14 +54,14 @@ class ChosenDefect:
         return Text(f"{self.side.text.en}: {amount.en}", f"{self.side.text.ru}: {amount.ru}")
 
 
-def car_of(text: str, seed: int = 0) -> Car:
+def car_of(text: str, seed: int = 0) -> WornCar:
     """Return the car that `text` names; `seed`: of the wear, for all but a blind one.
 
     Raises `UsageError`.
     """
     defects = {each.key: each.side.value(each.amount) for each in answer(text)}
     words = _words(text)
-    return Car(defects, wear_of(seed if not _is_blind(words[0]) else words[0]))
+    return WornCar(defects, wear_of(seed if not _is_blind(words[0]) else words[0]))
 
 
 def answer(text: str) -> Sequence[ChosenDefect]:
@@ -134,7 +134,7 @@ def _named(word: str) -> ChosenDefect:
     )
 
 
-def _fits(side: Side, amount: float) -> bool:
+def _fits(side: DefectSide, amount: float) -> bool:
     """Whether the model takes the amount."""
     if side.interval is not None:
         return True  # `side_of` has checked it
@@ -145,7 +145,7 @@ def _fits(side: Side, amount: float) -> bool:
     return True
 
 
-def _range(side: Side) -> Text:
+def _range(side: DefectSide) -> Text:
     defect = DEFECTS[side.key]
     unit = defect.unit if not defect.percent else Text("as a share", "в долях")
     ends = f"{side.least:g} … {side.most:g}"

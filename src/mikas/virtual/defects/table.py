@@ -54,7 +54,7 @@ def _interval(value: object) -> tuple[float | None, float | None]:
 
 
 @dataclass(frozen=True, slots=True)
-class Side:
+class DefectSide:
     """One direction in which a value leaves its sound range: amounts from `sound` to `most`."""
 
     key: str
@@ -92,7 +92,7 @@ class Defect:
 
     key: str
     unit: Annotated[Text, TEXT]
-    sides: tuple[Side, ...] = ()
+    sides: tuple[DefectSide, ...] = ()
     wear: Annotated[tuple[float, float] | None, span] = None
     percent: Annotated[bool, boolean] = False  # a share, shown as %
 
@@ -101,12 +101,12 @@ class Defect:
         """Whether the value is one of the scenario's start, not of its condition."""
         return self.key not in Condition.__annotations__
 
-    def side_of(self, amount: float) -> Side | None:
+    def side_of(self, amount: float) -> DefectSide | None:
         """Return the side on which the amount lies; None: on none."""
         return next((side for side in self.sides if side.contains(amount)), None)
 
 
-_SIDE: Schema = schema_of(Side)
+_SIDE: Schema = schema_of(DefectSide)
 FORM: Schema = {**schema_of(Defect), "low": _SIDE, "high": _SIDE}
 
 
@@ -116,7 +116,7 @@ def from_source(source: CatalogFile) -> Mapping[str, Defect]:
     return {key: _defect(key, keys) for key, keys in tables.items()}
 
 
-def shown(defect: Defect, side: Side, amount: float) -> Text:
+def shown(defect: Defect, side: DefectSide, amount: float) -> Text:
     """Return an amount in words, as `25 % of its cooling is left`."""
     number = f"{amount * (100 if defect.percent else 1):.4g}".replace("-", "\N{MINUS SIGN}")
     unit = unit_after(Text(number, number.replace(".", ",")), defect.unit)
@@ -130,7 +130,7 @@ def shown(defect: Defect, side: Side, amount: float) -> Text:
 def _defect(key: str, keys: dict[str, Any]) -> Defect:
     sides = tuple(
         made(
-            Side,
+            DefectSide,
             {"sound": SOUND[key]} | keys[name],
             key=key,
             text=Text(**keys[name]["text"]),

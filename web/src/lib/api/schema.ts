@@ -185,12 +185,17 @@ export interface components {
             end: number;
         };
         /**
+         * @description What the values say in all. `UNKNOWN`: something is off that no known cause explains.
+         * @enum {string}
+         */
+        CauseVerdict: "sound" | "causes" | "cannot-tell" | "unknown";
+        /**
          * @description The causes of one car, the likeliest first. `seconds`: of data.
          *
          *     `complaints`: all that can be asked for; `errors`: the wrong files of the user's folder.
          */
         CausesResponse: {
-            verdict: components["schemas"]["Verdict"];
+            verdict: components["schemas"]["CauseVerdict"];
             text: components["schemas"]["TwoTexts"];
             causes: components["schemas"]["CauseInfo"][];
             next: components["schemas"]["CauseMeasurement"][];
@@ -1500,11 +1505,6 @@ export interface components {
             unit: string;
             raw: string;
         };
-        /**
-         * @description What the values say in all. `UNKNOWN`: something is off that no known cause explains.
-         * @enum {string}
-         */
-        Verdict: "sound" | "causes" | "cannot-tell" | "unknown";
         /**
          * @description The kind of a verdict, in order of weight: a later one outweighs an earlier.
          * @enum {string}

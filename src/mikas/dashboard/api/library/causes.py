@@ -14,7 +14,14 @@ from fastapi.responses import Response
 from pydantic import BaseModel, Field
 
 from mikas.causes.knowledge import COMPLAINTS, Complaint, Knowledge, load
-from mikas.causes.result import LIKELIHOODS, Evidence, Likelihood, RankedCause, Ranking, Verdict
+from mikas.causes.result import (
+    LIKELIHOODS,
+    CauseVerdict,
+    Evidence,
+    Likelihood,
+    RankedCause,
+    Ranking,
+)
 from mikas.dashboard.api.dependencies import TheRequester, json_of
 from mikas.dashboard.api.errors import TwoTexts, errors, two
 from mikas.dashboard.api.library.report import of_this_unit, ranked, without_other_readings
@@ -97,7 +104,7 @@ class CausesResponse(BaseModel):
     `complaints`: all that can be asked for; `errors`: the wrong files of the user's folder.
     """
 
-    verdict: Verdict
+    verdict: CauseVerdict
     text: TwoTexts
     causes: list[CauseInfo]
     next: list[CauseMeasurement]
