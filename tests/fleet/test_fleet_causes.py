@@ -13,7 +13,7 @@ import pytest
 import mikas.fleet.causes as module
 from fleet_rig import SETTINGS, add_here, ask, counts, make_dataset
 from mikas.catalog import shipped
-from mikas.causes.result import Likelihood, Verdict
+from mikas.causes.result import CauseVerdict, Likelihood
 from mikas.fleet.causes import CauseCollector
 from mikas.fleet.ledger import FOLDER
 from mikas.fleet.query.database import opened
@@ -99,23 +99,23 @@ def test_a_column_of_causes_of_another_type_costs_its_own_recording_only(dataset
         assert len(database.ledger.refused) == 1
 
 
-def drive(day: int, verdict: Verdict, text: Text | None = None) -> JudgedDrive:
+def drive(day: int, verdict: CauseVerdict, text: Text | None = None) -> JudgedDrive:
     likely = Likelihood.ALMOST_CERTAIN if text else None
     return JudgedDrive(BEGAN + timedelta(days=day), 600.0, verdict, likely, text)
 
 
 def test_a_car_has_the_words_of_its_latest_drive_that_decides() -> None:
-    found, undecided = drive(1, Verdict.CAUSES, LEAK), drive(2, Verdict.CANNOT_TELL)
+    found, undecided = drive(1, CauseVerdict.CAUSES, LEAK), drive(2, CauseVerdict.CANNOT_TELL)
     assert latest([found, undecided]) is found
     assert car_words([found, undecided]) == Text(
         "almost certainly: Air leak (1 of 2 drives)",
         "почти наверняка: Подсос воздуха (поездок: 1 из 2)",
     )
     assert car_words([undecided]) == Text("can't tell", "сказать нельзя")
-    assert car_words([drive(1, Verdict.SOUND)]) == Text("sound", "исправна")
-    assert car_words([drive(1, Verdict.UNKNOWN, LEAK)]) == Text("unknown", "неизвестна")
+    assert car_words([drive(1, CauseVerdict.SOUND)]) == Text("sound", "исправна")
+    assert car_words([drive(1, CauseVerdict.UNKNOWN, LEAK)]) == Text("unknown", "неизвестна")
     assert car_words([]) is None
-    many = [found, *(drive(2 + n, Verdict.CANNOT_TELL) for n in range(5))]
+    many = [found, *(drive(2 + n, CauseVerdict.CANNOT_TELL) for n in range(5))]
     assert latest(many) is many[-1]  # a cause of long ago is not the car's
 
 

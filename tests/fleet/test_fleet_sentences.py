@@ -19,7 +19,7 @@ from hypothesis import strategies as st
 
 import mikas.fleet.report.sentences as module
 from mikas.catalog import shipped
-from mikas.causes.result import Verdict
+from mikas.causes.result import CauseVerdict
 from mikas.fleet.cars import KnownBy
 from mikas.fleet.report.causes import JudgedDrive
 from mikas.fleet.report.comparing import FEWEST_DRIVES, FEWEST_OF_TREND, Peers, trend, value_of
@@ -222,7 +222,7 @@ def cases() -> list[FleetFindings]:
         fleet(replace(car(readings=()), read=True, undated=1)),
         fleet(car(known_by="unit")), fleet(replace(car(), undated=2, ahead=1)),
         fleet(replace(car(), unjudged=2)),
-        fleet(replace(car(), judged=[JudgedDrive(FIRST, 60.0, Verdict.SOUND)])),
+        fleet(replace(car(), judged=[JudgedDrive(FIRST, 60.0, CauseVerdict.SOUND)])),
         fleet(*(car(name, **{key: [10.0] * 8 for key in MEASURE}) for name in "ABCDEF")),
     ]  # fmt: skip
 

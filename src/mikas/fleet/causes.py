@@ -13,7 +13,7 @@ from typing import Final
 from mikas.catalog.ignition_only import InjectionWatch
 from mikas.causes.knowledge import load
 from mikas.causes.ranking import Observer, rank_observation
-from mikas.causes.result import Verdict
+from mikas.causes.result import CauseVerdict
 from mikas.causes.rows import CHANNELS, samples_of_rows, unserved
 from mikas.causes.weights import shipped
 from mikas.recording.table.channels import Rows
@@ -53,7 +53,7 @@ class CauseCollector:
             faults=faults,
             ignition_only=bool(self._absent),
         )
-        named = ranking.verdict in (Verdict.CAUSES, Verdict.UNKNOWN)
+        named = ranking.verdict in (CauseVerdict.CAUSES, CauseVerdict.UNKNOWN)
         first = ranking.causes[0] if ranking.causes and named else None
         return {
             "verdict": ranking.verdict.value,

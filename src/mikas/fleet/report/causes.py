@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import Final
 
-from mikas.causes.result import LIKELIHOODS, Likelihood, Verdict
+from mikas.causes.result import LIKELIHOODS, CauseVerdict, Likelihood
 from mikas.fleet.report.comparing import LATEST
 from mikas.i18n import Text
 
@@ -15,9 +15,9 @@ MOST: Final = 10
 """Drives of a car whose causes are listed."""
 
 _WORDS: Final = {
-    Verdict.SOUND: Text("sound", "исправна"),
-    Verdict.UNKNOWN: Text("unknown", "неизвестна"),
-    Verdict.CANNOT_TELL: Text("can't tell", "сказать нельзя"),
+    CauseVerdict.SOUND: Text("sound", "исправна"),
+    CauseVerdict.UNKNOWN: Text("unknown", "неизвестна"),
+    CauseVerdict.CANNOT_TELL: Text("can't tell", "сказать нельзя"),
 }
 
 
@@ -29,23 +29,27 @@ class JudgedDrive:
 
     began: datetime
     seconds: float
-    verdict: Verdict
+    verdict: CauseVerdict
     likelihood: Likelihood | None = None
     text: Text | None = None
 
     @property
     def words(self) -> Text:
         """The likeliest cause with its likelihood, or that there is none to name."""
-        if self.verdict is Verdict.CAUSES and self.likelihood is not None and self.text is not None:
+        if (
+            self.verdict is CauseVerdict.CAUSES
+            and self.likelihood is not None
+            and self.text is not None
+        ):
             likely = LIKELIHOODS[self.likelihood]
             return Text(f"{likely.en}: {self.text.en}", f"{likely.ru}: {self.text.ru}")
-        return _WORDS.get(self.verdict, _WORDS[Verdict.CANNOT_TELL])
+        return _WORDS.get(self.verdict, _WORDS[CauseVerdict.CANNOT_TELL])
 
 
 def latest(drives: Sequence[JudgedDrive]) -> JudgedDrive | None:
     """Return the latest drive that decides, of the last few; None: no drive was judged."""
     recent = drives[-LATEST:]
-    deciding = (it for it in reversed(recent) if it.verdict is not Verdict.CANNOT_TELL)
+    deciding = (it for it in reversed(recent) if it.verdict is not CauseVerdict.CANNOT_TELL)
     return next(deciding, recent[-1] if recent else None)
 
 

@@ -9,7 +9,7 @@ from datetime import datetime, timedelta
 from typing import Final
 
 from mikas.catalog import Catalog
-from mikas.causes.result import Likelihood, Verdict
+from mikas.causes.result import CauseVerdict, Likelihood
 from mikas.cleaning import clean_line
 from mikas.fleet.cars import KnownBy
 from mikas.fleet.query.database import Database
@@ -144,7 +144,7 @@ def _add_causes(
     *cause: str | None,
 ) -> None:
     """Add the causes of a drive; a column that an earlier program did not write is NULL."""
-    if verdict not in tuple(Verdict):
+    if verdict not in tuple(CauseVerdict):
         car.unjudged += 1
         return
     en, ru = (clean_line(text or "") for text in cause)
@@ -153,7 +153,7 @@ def _add_causes(
         JudgedDrive(
             began,
             seconds,
-            Verdict(verdict),
+            CauseVerdict(verdict),
             Likelihood(likelihood) if named and likelihood else None,
             Text(en, ru) if named else None,
         )
