@@ -88,6 +88,8 @@ def test_one_switch_lets_a_phone_in_and_shuts_it_out(own, visitor):
     assert switch.bounding_box() == place
     tab.says(link)
     tab.says(own.access.fingerprint)
+    tab.press("Copy the link")
+    expect(tab.find(".toast")).to_be_visible()
     phone = visitor(f"https://127.0.0.2:{own.port}", viewport={"width": 390, "height": 844})
     phone.refused = True
     phone.page.goto(link)

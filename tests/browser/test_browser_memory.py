@@ -124,23 +124,6 @@ def test_a_reload_in_the_middle_of_a_dump_loses_nothing(dash, visitor):
     assert data == dash.garage.memory.read("code", 0, len(data))
 
 
-def test_a_dump_is_deleted_once_that_was_confirmed(fast, visitor):
-    tab = visitor(fast.url).show("memory")
-    card = dump(tab, "XRAM", "9100", "913F")
-    expect(card).to_contain_text("complete")
-    card.get_by_role("button", name="Delete…").click()
-    sheet = tab.page.get_by_role("dialog")
-    expect(sheet).to_contain_text("deleted permanently")
-    sheet.get_by_role("button", name="Cancel").click()
-    expect(card).to_be_visible()
-    file = card.get_attribute("aria-label")
-    assert file in [it["file"] for it in fast.get("/dumps")["dumps"]]
-    card.get_by_role("button", name="Delete…").click()
-    sheet.get_by_role("button", name="Delete", exact=True).click()
-    expect(card).to_have_count(0)
-    assert file not in [it["file"] for it in fast.get("/dumps")["dumps"]]
-
-
 def test_writing_is_unlocked_shown_and_confirmed(fast, visitor):
     tab = visitor(fast.url).show("memory")
     space(tab, "XRAM")

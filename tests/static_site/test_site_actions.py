@@ -6,18 +6,13 @@ import pytest
 
 from actions.driving import drive
 from actions.page import BY_MESSAGES, KEEP_WORKERS, asking
-from actions.routes import CAR, ROUTES, post
-from actions.screens import ACTIONS, each_opened
+from actions.routes import ROUTES
+from actions.screens import BEFORE, READY, ROWS
+from actions.steps import do
 
 from .site_rig import site_tab
 
 pytestmark = pytest.mark.realtime
-
-STARTED = (
-    post("/control/take", {"force": True}),
-    post("/connect", {"port": f"{CAR}&faults=17,41"}),
-    post("/control/release"),
-)
 
 
 @pytest.fixture(scope="module")
@@ -27,16 +22,14 @@ def virtual(chromium, site):
         context.add_init_script(KEEP_WORKERS)
         with site_tab(context, site.url) as tab:
             ask = asking(tab.open("live").page, BY_MESSAGES)
-            assert drive(ask, STARTED, "site") == []
+            assert do(tab, BEFORE, "site") == []
+            assert drive(ask, READY, "site") == []
             tab.is_line("sampling")
-            tab.record()
-            tab.recorded(1)
-            tab.stop_recording()
             yield tab
 
 
-def test_every_screen_opens_what_it_offers(virtual):
-    assert len(list(each_opened(virtual))) == len(ACTIONS)
+def test_everything_that_the_screens_offer_is_done(virtual):
+    assert do(virtual, ROWS, "site") == []
 
 
 def test_every_route_answers(virtual):

@@ -1,4 +1,4 @@
-"""Recordings on the site: made, played, compared, exported as on a desktop, deleted."""
+"""Recordings on the site: made, played, compared, exported as on a desktop."""
 
 from __future__ import annotations
 
@@ -114,14 +114,3 @@ def test_the_report_is_the_desktops(listed, at_home, drives):
     expect(listed.page.frame_locator("#screen iframe").locator("h1")).to_be_visible()
     made = listed.download(listed.button("Save HTML"))
     assert made == at_home.api.get(f"/api/recordings/{drives[0]}/report?lang=en").content
-
-
-def test_a_recording_is_deleted_only_after_a_confirmation(listed, drives):
-    listed.press(f"Delete {drives[1]}")
-    sheet = listed.page.get_by_role("dialog")
-    sheet.get_by_role("button", name="Cancel").click()
-    expect(listed.find("tbody tr")).to_have_count(2)
-    listed.press(f"Delete {drives[1]}")
-    sheet.get_by_role("button", name="Delete", exact=True).click()
-    expect(listed.find("tbody tr")).to_have_count(1)
-    assert [it["id"] for it in listed.recordings()] == drives[:1]

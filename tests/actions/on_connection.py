@@ -1,0 +1,73 @@
+"""What a person does on Connection: adapters, virtual cars, the check."""
+
+from __future__ import annotations
+
+from .on_live import BAND
+from .steps import CLOSED, SHEET, Shot, fill, go, on_screen, press, row, shows
+
+SAMPLES = shows(f"{BAND}[data-line=sampling]")
+SCREEN = "#screen"
+
+OFF = (
+    row("live", "it leads to Connection", press("live/Screen connect"), on_screen("connection")),
+)
+CONNECTION = (
+    row(
+        "connection",
+        "the check, from its start",
+        press("connection/FirstTime first"),
+        press("connection/Ports refresh"),
+        press("connection/diagnosis/Doctor doctor_start"),
+        shows(f"{SCREEN} button:has-text('Run check again'):enabled"),
+        press("connection/diagnosis/Doctor doctor_again"),
+        press("connection/diagnosis/Doctor doctor_stop"),
+        SAMPLES,
+    ),
+    row(
+        "connection",
+        "disconnected, and another port",
+        press("band/RecordControl record", within=BAND),
+        shows(f"{BAND}[data-line=recording]"),
+        press("connection/VirtualCar sim_go"),
+        press("dialogs/Confirm cancel"),
+        CLOSED,
+        press("connection/VirtualCar sim_go"),
+        press("connection/Screen connect", within=SHEET),
+        on_screen("live"),
+        shows(f"{BAND}[data-line=recording]"),
+        go("connection"),
+        press("connection/Ports disconnect", within=SCREEN),
+        press("connection/Screen disconnect", within=SHEET),
+        shows(f"{BAND}[data-line=off]"),
+        go("faults"),
+        press("notices/NoEcu go"),
+        on_screen("connection"),
+        press("connection/Ports other_port"),
+        fill("Another port", "sim:?scenario=warm-idle"),
+        press("connection/Ports connect", css=f"{SCREEN} details form [type=submit]"),
+        SAMPLES,
+    ),
+    row(
+        "connection",
+        "virtual cars to choose",
+        press("connection/VirtualCar {t(word)}", css=f"{SCREEN} section .quiet"),
+        on_screen("live"),
+        go("connection"),
+        SAMPLES,
+        press("connection/virtual/CarForm choose"),
+        press("connection/virtual/CarForm {t(each)}", name="^Carburettor"),
+        shows(SCREEN, "controls the ignition alone"),
+        Shot("carburettor"),
+        press("connection/virtual/CarForm {t(each)}", name="^Find out"),
+        press("connection/virtual/CarForm another"),
+        press("connection/virtual/CarForm start"),
+        on_screen("live"),
+        SAMPLES,
+        go("connection"),
+        press("connection/virtual/BlindAnswer show"),
+        shows(f"{SCREEN} .blind [role=status]"),
+        press("connection/VirtualCar sim_go"),
+        on_screen("live"),
+        SAMPLES,
+    ),
+)
