@@ -34,7 +34,7 @@ def test_two_recordings_of_a_car_count_together_on_a_phone(served, visitor):
         recorded(served, name)
     tab = visitor(served.url, viewport={"width": 390, "height": 844}).show("causes/second.pcapng")
     expect(tab.find("[data-verdict]")).to_be_visible()
-    tab.find("#screen details summary").click()
+    tab.find("#screen summary", has_text="With other recordings of this car:").click()
     box = tab.page.get_by_role("checkbox", name="first")
     box.check()
     expect(tab.find("h1")).to_contain_text("recording second and 1 more")
