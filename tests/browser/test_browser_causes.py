@@ -12,7 +12,7 @@ def test_causes_are_ranked_by_a_touch_and_a_recording_has_its_own(served, visito
     served.post("/recording/stop")
     tab = visitor(served.url).show("causes")
     expect(tab.find("[data-verdict]")).to_be_visible()
-    chip = tab.find("#screen [role=group] .segment").first
+    chip = tab.find("#screen [role=group] [aria-pressed]").first
     chip.click()
     expect(chip).to_have_attribute("aria-pressed", "true")
     expect(tab.find("[data-verdict]")).to_be_visible()
