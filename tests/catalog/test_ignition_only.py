@@ -5,7 +5,14 @@ from __future__ import annotations
 import pytest
 
 from mikas.catalog import shipped
-from mikas.catalog.ignition_only import DEAD, RUNNING, WITNESSES, InjectionWatch
+from mikas.catalog.ignition_only import (
+    DEAD,
+    RUNNING,
+    WITNESSES,
+    InjectionWatch,
+    absent_channels,
+    is_absent,
+)
 
 RUN = {"FREQ": 900.0, "INJ": 0.0, "JAIR": 0.0}
 
@@ -54,3 +61,12 @@ def test_readings_are_counted_together_as_one_by_one() -> None:
     assert watch.ignition_only
     watch.count("JAIR", 1, is_alive=True)
     assert not watch.ignition_only
+
+
+def test_what_is_computed_from_a_dead_channel_is_absent_too() -> None:
+    catalog = shipped()
+    absent = absent_channels(catalog)
+    assert set(absent) > DEAD
+    assert "FUEL_FLOW" in absent
+    assert not {"FREQ", "TWAT", "UACC"} & set(absent)
+    assert all(is_absent(name, catalog) == (name in absent) for name in catalog.channels)
