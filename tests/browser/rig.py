@@ -287,14 +287,13 @@ class Tab:
             self.complaints.append(f"{message.text} ({message.location.get('url')})")
 
     def show(self, screen: str) -> Tab:
-        """Opens the page there, or goes there."""
+        """Opens the page there, or goes there; `screen`: also with what it shows, `causes/a`."""
         if self.page.url.startswith(self.url):
             self.page.evaluate("where => { location.hash = where }", f"/{screen}")
         else:
             self.page.goto(f"{self.url}/#/{screen}")
-        expect(self.page.locator(f'nav a[data-screen="{screen}"]')).to_have_attribute(
-            "aria-current", "page"
-        )
+        link = self.page.locator(f'nav a[data-screen="{screen.partition("/")[0]}"]')
+        expect(link).to_have_attribute("aria-current", "page")
         return self
 
     def find(self, selector: str, **how) -> Locator:

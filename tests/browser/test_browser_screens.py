@@ -79,7 +79,7 @@ def in_each_theme(tab, name, *, axe=True):
     """Photograph the page by day and by night; return what axe has against it."""
     PICTURES.mkdir(parents=True, exist_ok=True)
     if axe:
-        tab.page.evaluate(f"window.axe || {{ {AXE.read_text('utf-8')} }}")
+        tab.page.evaluate(f"() => {{ if (!window.axe) {{ {AXE.read_text('utf-8')} }} }}")
     findings = {}
     for theme in ("night", "day"):
         tab.page.evaluate(IN_THEME, theme)

@@ -33,7 +33,7 @@ function nextPage(...ports: string[]) {
       choose: note("choose"),
     },
     recordingControl: { toggle: note("record") },
-    route: { go: note("show") },
+    route: { go: note("show"), later: () => note("show") },
     toasts: {
       attempt: (job: () => Promise<unknown>) => job(),
       refuse: (text: () => string, { action }: { action?: { run: () => void } }) => void offers.push({ text: text(), run: action?.run }),

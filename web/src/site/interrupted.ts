@@ -82,11 +82,12 @@ async function reconnect({ api, connection, live, toasts }: App, { port }: Note)
 /** Called in a click: where the browser has forgotten the adapter, its list is shown. */
 async function goOn(app: App, note: Note): Promise<void> {
   const { connection, live, recordingControl, route } = app;
+  const go = route.later();
   const back = returning !== null || live.state?.line === "off" ? await reconnected(app, note) : true;
   if (!back) await connection.choose();
   if (live.state?.recording) return;
   await recordingControl.toggle();
-  if (live.state?.line !== "off") route.go("live");
+  if (live.state?.line !== "off") go("live");
 }
 
 function parsed(text: string | null): Note | null {

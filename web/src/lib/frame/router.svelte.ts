@@ -18,6 +18,12 @@ export class Route {
     location.hash = "/" + [screen, ...rest.map(encodeURIComponent)].join("/");
   }
 
+  /** For what takes a while: how to go where it leads. If the person has gone elsewhere meanwhile, they stay there. */
+  later(): (screen: ScreenName, ...rest: string[]) => void {
+    const { rest: from } = this; // of each address one of its own
+    return (screen, ...rest) => this.rest === from && this.go(screen, ...rest);
+  }
+
   private read(): void {
     const [screen, ...rest] = parsed(globalThis.location?.hash ?? "");
     this.screen = screen;

@@ -59,6 +59,7 @@ export class CauseStore {
   /** Show a moment between the cursors of the chart: of its recording, or of the live data. */
   async show(recording: string | null, { begin, end }: { begin: number; end: number }): Promise<void> {
     const { cursors, display, player, route, view } = this.app;
+    const go = route.later();
     if (recording === null) {
       if (display.source.kind === "recording") player.close();
     } else {
@@ -68,6 +69,6 @@ export class CauseStore {
     }
     [cursors.a, cursors.b] = [begin, end];
     view.bringMoment({ from: begin, to: end });
-    route.go("chart");
+    go("chart");
   }
 }

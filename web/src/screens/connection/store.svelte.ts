@@ -86,9 +86,10 @@ export class ConnectionStore {
 
   /** `driven`: the gauges are shown then. */
   private async change(port: string | null | undefined, driven: boolean): Promise<void> {
+    const go = this.app.route.later();
     const file = this.recorded;
     if (file && port !== this.app.live.state?.port) this.leaving = { file, port, driven };
-    else if ((await this.turnTo(port)) && driven) this.app.route.go("live");
+    else if ((await this.turnTo(port)) && driven) go("live");
   }
 
   /** The confirmation was given. */
@@ -96,9 +97,10 @@ export class ConnectionStore {
     const left = this.leaving;
     if (!left) return;
     this.leaving = null;
+    const go = this.app.route.later();
     if (!(await this.turnTo(left.port))) return;
     this.app.recordingControl.announceSaved(left.file);
-    if (left.driven) this.app.route.go("live");
+    if (left.driven) go("live");
   }
 
   private async turnTo(port?: string | null): Promise<boolean> {

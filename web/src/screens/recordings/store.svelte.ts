@@ -51,13 +51,14 @@ export class RecordingStore {
 
   /** Show a recording in place of the live data. */
   async show(id: string): Promise<void> {
-    const { player, route } = this.app;
+    const { player } = this.app;
+    const go = this.app.route.later();
     this.opened = id;
     this.opening.reset();
     await this.opening.run(() => player.open(id));
     // Only this screen shows why it can't be opened.
-    if (this.opening.error) route.go("recordings");
-    else if (player.detail?.id === id) route.go("live");
+    if (this.opening.error) go("recordings");
+    else if (player.detail?.id === id) go("live");
   }
 
   /** Mark a recording as a reference, or remove its mark. */

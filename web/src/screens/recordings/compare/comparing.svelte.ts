@@ -30,6 +30,7 @@ export class Comparing {
   /** Open the comparison. If a recording can't be read, the dialog shows the error and stays open. */
   async begin(first: string, second: string, named: Text | null = null): Promise<void> {
     const turn = ++this.turn;
+    const go = this.app.route.later();
     this.busy = second;
     this.error = null;
     try {
@@ -37,7 +38,7 @@ export class Comparing {
       if (turn !== this.turn || this.app.player.detail?.id !== first) return;
       if (!(await this.app.comparison.start(second, this.app.player.first, named)) || turn !== this.turn) return;
       this.first = null;
-      if (this.app.route.screen !== "chart") this.app.route.go("chart");
+      if (this.app.route.screen !== "chart") go("chart");
     } catch (error) {
       if (!(error instanceof ApiError)) throw error;
       if (turn !== this.turn) return;
