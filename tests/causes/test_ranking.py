@@ -81,6 +81,12 @@ def _not_seen(ranking: Ranking) -> list[str]:
     return [text.en for text in ranking.not_seen]
 
 
+@pytest.mark.parametrize("name", ["throttle_stops-open", "leak", "thermostat", "regulator-high"])
+def test_the_measurements_that_come_next_are_different_ones(name: str) -> None:
+    proposed = [each.test for each in rank([_samples(name, 3.0, "warm-idle", 5)]).next]
+    assert len(proposed) == len(set(proposed)) == 2
+
+
 def test_full_load_is_seen_only_with_the_pedal_on_the_floor() -> None:
     assert "full load" in _not_seen(rank([_samples(seed=CALM)]))
     assert "full load" not in _not_seen(rank([_samples(seed=HARD)]))

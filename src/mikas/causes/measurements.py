@@ -97,7 +97,7 @@ def missing(seen: Collection[str]) -> tuple[Text, ...]:
 def proposals(
     judged: Judged | None, seen: Collection[str], table: WeightTable, known: Knowledge
 ) -> tuple[NextMeasurement, ...]:
-    """Return the measurements that separate the causes best, the most useful first."""
+    """Return the measurements that separate the causes best, each once, the most useful first."""
     if judged is None:
         chosen = [each for each in MEASUREMENTS if each.name in ("warmup", "drive")]
         return tuple(_next(each, _BEGIN) for each in chosen)
@@ -106,11 +106,13 @@ def proposals(
         weights[SOUND] = judged.sound
     rest = set(table.names) - set(seen)
     proposed: list[NextMeasurement] = []
+    left = list(MEASUREMENTS)
     for _ in range(MOST):
-        worth = {m.name: _worth(m, weights, rest, table) for m in MEASUREMENTS}
-        best = max(MEASUREMENTS, key=lambda m: worth[m.name])
+        worth = {m.name: _worth(m, weights, rest, table) for m in left}
+        best = max(left, key=lambda m: worth[m.name])
         if worth[best.name] < WORTH:
             break
+        left.remove(best)
         proposed.append(_next(best, _why(weights, known)))
         rest -= {name for name in rest if feature_texts()[name].seen in best.shows}
     return tuple(proposed)
