@@ -7,8 +7,11 @@ both languages. Run from the repository's root: python docs/pictures/first_steps
 
 from __future__ import annotations
 
+import re
 import sys
 import tempfile
+from collections.abc import Callable
+from contextlib import ExitStack
 from pathlib import Path
 
 import few_colours
@@ -25,8 +28,11 @@ from static_site.wire_rig import cable  # noqa: E402
 
 SIZE = {"width": 1280, "height": 720}
 LANGUAGES = ("ru", "en")  # the tab goes on in the last one
-STARTED = 25  # s in which the virtual engine has started
+WATCHED = 25  # s: the small lines on the gauges have a course
+COMPUTED = re.compile("Virtual car, warm idle|Виртуальный автомобиль, прогрет")
 RECORDED = 75  # s: enough of warm idle for causes
+
+Step = Callable[[], None]
 
 
 class Pictures:
@@ -35,11 +41,14 @@ class Pictures:
     def __init__(self, tab: SiteTab, wanted: list[str]) -> None:
         self._tab, self._wanted = tab, wanted
 
-    def take(self, name: str, screen: str = "") -> None:
-        """Take it in both languages; `screen`: to be opened anew in each."""
+    def take(self, name: str, screen: str = "", again: Step | None = None) -> None:
+        """Take it in both languages.
+
+        `screen`: to be opened for each; `again`: the step to be done for each.
+        """
         if self._wanted and name not in self._wanted:
             return
-        page = self._tab.page
+        page, shots = self._tab.page, {}
         for language in LANGUAGES:
             button = page.locator(f"header button[lang={language}]")
             if button.count():
@@ -49,12 +58,19 @@ class Pictures:
                 self._tab.show("live")
                 self._tab.show(screen)
                 page.locator("#screen iframe, #screen [data-verdict]").first.wait_for()
+                page.wait_for_function("() => !document.querySelector('#screen [aria-busy=true]')")
             if page.locator("iframe").count():
                 page.frame_locator("iframe").locator("h1").wait_for()
+            if again:
+                again()
             page.mouse.move(640, 718)
             page.wait_for_timeout(500)
+            shots[language] = page.screenshot()
+            if again:
+                page.keyboard.press("Escape")
+        for language, shot in shots.items():  # afterwards: a message is shown for seconds only
             out = FOLDER / language / f"{name}.png"
-            few_colours.write(page.screenshot(), out)
+            few_colours.write(shot, out)
             print(out, out.stat().st_size, file=sys.stderr)
 
 
@@ -65,19 +81,22 @@ def virtual_car(tab: SiteTab, pictures: Pictures) -> None:
     pictures.take("first-open")
     tab.press("Start the virtual car")
     tab.value("FREQ").wait_for()
-    tab.page.wait_for_timeout(STARTED * 1000)
+    tab.page.wait_for_timeout(WATCHED * 1000)
     pictures.take("first-gauges")
-    tab.page.locator('[data-value="TWAT"]').first.click()
-    tab.page.get_by_role("dialog").wait_for()
-    pictures.take("card")
-    tab.page.keyboard.press("Escape")
+    pictures.take("card", again=lambda: open_card(tab, "TWAT"))
+
+
+def open_card(tab: SiteTab, name: str) -> None:
+    """Touch the value's tile."""
+    tab.page.locator(f'[data-opens="{name}"]').first.click()
+    tab.page.get_by_role("dialog").get_by_text(COMPUTED).wait_for()  # comes last
 
 
 def defect(tab: SiteTab, pictures: Pictures) -> None:
     """A car whose throttle does not close, recorded while it idles."""
     tab.show("connection")
     tab.page.get_by_text("Choose a car and its defect").click()
-    form = tab.page.locator("#screen details form").first
+    form = tab.page.locator("form", has=tab.button("Start this car"))
     form.get_by_role("combobox", name="Defect").select_option(label="Throttle does not close")
     form.get_by_role("combobox", name="Drive").select_option("warm-idle")
     form.scroll_into_view_if_needed()
@@ -106,7 +125,7 @@ def answers(tab: SiteTab, pictures: Pictures) -> None:
     """The causes and the report of the recording."""
     tab.show("causes")
     tab.page.locator("[data-verdict]").wait_for()
-    tab.find("#screen [role=group] .segment").first.click()
+    tab.press("idles high")
     tab.page.locator("[data-cause]").first.wait_for()
     tab.page.wait_for_timeout(3000)
     pictures.take("causes", "causes")
@@ -124,8 +143,10 @@ def main(wanted: list[str]) -> None:
         computer_rig.computer() as computer,
         sync_playwright() as playwright,
         launched(playwright, computer.wrapper(program, Path(folder))) as browser,
+        ExitStack() as ending,
     ):
         host = StaticHost(computer, BUILT)
+        ending.callback(host.stop)
         context = browser.new_context(
             locale="en-GB", viewport=SIZE, color_scheme="light", reduced_motion="reduce"
         )
@@ -141,7 +162,6 @@ def main(wanted: list[str]) -> None:
                 tab.says("The ECU answers")
                 tab.is_line("sampling")
                 pictures.take("first-cable")
-        host.stop()
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
 """The report as one self-contained HTML page with its style and drawings.
 
-It prints on two sides of A4. It has no script, and its Content-Security-Policy allows only its own
-style: a recording may contain any text.
+It prints on two sides of A4, or three with causes. It has no script, and its
+Content-Security-Policy allows only its own style: a recording may contain any text.
 """
 
 from __future__ import annotations
