@@ -24,6 +24,7 @@ SIZE = {"width": 1280, "height": 720}
 PHONE = {"width": 390, "height": 844}
 SECONDS = 62  # after that the car drives, and the chart of a minute is full
 PORT = 8079
+FAULTS = "17,41"
 ADDRESS = f"http://127.0.0.1:{PORT}"
 THERE = {  # what a screen shows once it has what it shows
     "live": '[data-value="FREQ"]',
@@ -43,7 +44,7 @@ ADDRESSES = {"test-list": "tests"}
 def demo(folder: str) -> Iterator[None]:
     """Run the program with a virtual car."""
     command = [
-        sys.executable, "-m", "mikas", "demo", "--scenario", "city", "--faults", "17,41",
+        sys.executable, "-m", "mikas", "demo", "--scenario", "city", "--faults", FAULTS,
         "--host-port", str(PORT), "--no-browser", "--record", folder,
     ]  # fmt: skip
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT) as program:
@@ -83,9 +84,15 @@ def take(page: Page, language: str, name: str, wanted: list[str]) -> None:
         few_colours.write(page.screenshot(), FOLDER / language / f"{name}.png")
 
 
-def guided_test(tabs: dict[str, Page], wanted: list[str]) -> None:
-    """Take the pictures of a guided test, while the car still idles."""
-    first = tabs["en"]
+def other_car(scenario: str) -> None:
+    """Have another virtual car on the line, with the same faults."""
+    ask("/control/take", {"force": True})
+    ask("/connect", {"port": f"sim:?scenario={scenario}&faults={FAULTS}"})
+    ask("/control/release", {})
+
+
+def guided_test(first: Page, wanted: list[str]) -> None:
+    """Take the pictures of a guided test."""
     show(first, "test-list")
     first.locator("[data-test=idle] button").first.click()
     first.locator(".todo").wait_for()
@@ -96,6 +103,7 @@ def guided_test(tabs: dict[str, Page], wanted: list[str]) -> None:
     take(first, "ru", "tests", wanted)
     first.locator("header button[lang=en]").click()
     first.get_by_role("button", name="End the test").click()
+    first.locator(".todo").wait_for(state="detached")
 
 
 def main(wanted: list[str]) -> None:
@@ -114,7 +122,9 @@ def main(wanted: list[str]) -> None:
                 tabs[language] = context.new_page()
                 tabs[language].goto(f"{ADDRESS}/#/live")
                 tabs[language].locator('#screen [data-value="FREQ"]').first.wait_for()
-            guided_test(tabs, wanted)
+            other_car("warm-idle")
+            guided_test(tabs["en"], wanted)
+            other_car("city")
             ask("/control/take", {"force": True})
             ask("/recording/start", {})
             tabs["en"].wait_for_timeout(SECONDS * 1000)
