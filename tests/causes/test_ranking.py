@@ -114,3 +114,16 @@ def test_without_its_cause_a_leak_is_never_called_another_almost_certainly() -> 
     ranking = rank([leak], weights=without(shipped(), ["leak"]))
     assert ranking.verdict in (CauseVerdict.UNKNOWN, CauseVerdict.CANNOT_TELL)
     assert all(c.likelihood is not Likelihood.ALMOST_CERTAIN for c in ranking.causes)
+
+
+def test_too_little_is_never_said_to_be_unknown() -> None:
+    """A minute of an engine that behaves like no known one: too little to be sure of that."""
+    whole = _samples("throttle_stops-open", drive="idle", seed=12)
+    less = without(shipped(), ["throttle_stops"])
+    rows = [row for row, time in enumerate(whole.times) if time < whole.times[0] + 100]
+    begun = Samples(
+        [whole.times[row] for row in rows],
+        {name: [column[row] for row in rows] for name, column in whole.columns.items()},
+    )
+    assert rank([whole], weights=less).verdict is CauseVerdict.UNKNOWN
+    assert rank([begun], weights=less).verdict is CauseVerdict.CANNOT_TELL

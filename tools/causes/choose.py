@@ -20,7 +20,10 @@ from mikas.causes.judging import (
     JudgingConstants,
     Supposed,
     UsualFit,
+    is_sound,
+    is_unknown,
     judge,
+    may_be_sound,
     suppose,
     unknown_defects,
     weights_beforehand,
@@ -39,15 +42,17 @@ ANY: Final = {POOLED: UsualFit(1.0, 1.0)}
 
 VALUES: Final[Mapping[str, Sequence[float]]] = {
     "unknown_width": (1.5, 2.5, 4.0),
-    "independent": (14, 18, 22, 28, 36, 48, 64),
+    "independent": (36, 48),
     "sound_before": (0.3, 0.5, 0.65, 0.8, 0.9),
     "two_before": (0.003, 0.01, 0.03, 0.08),
     "unknown_before": (0.0001, 0.001, 0.005, 0.02, 0.05, 0.12),
     "said_sound": (0.5, 0.6, 0.7, 0.8, 0.9, 0.95),
     "cleared": (0.001, 0.003, 0.01, 0.03, 0.06),
     "named": (0.3, 0.5, 0.6, 0.7, 0.8, 0.9),
-    "said_unknown": (0.1, 0.2, 0.35, 0.5, 0.65, 0.8),
-    "far": (1.3, 1.4, 1.5, 1.65, 1.8, 2.0, 2.3, 2.7),
+    "said_unknown": (0.2, 0.35, 0.5, 0.65, 0.8),
+    "unlike": (2.1, 2.3, 2.5, 2.8, 3.2, 4.0),
+    "own": (0.8, 0.9, 1.0, 1.06, 1.12, 1.2),
+    "far": (1.8, 2.0, 2.3, 2.7),
     "close": (1.05, 1.12, 1.2, 1.3, 1.4, 1.55, 1.7),
     "certain": (0.9, 0.95, 0.98, 0.99, 0.995, 0.998),
 }
@@ -156,15 +161,15 @@ class Said:
 
 def said_of(right: frozenset[str], judged: Judged, constants: JudgingConstants) -> Said:
     """Return what a car is called by these constants."""
-    if judged.sound >= constants.said_sound:
+    if is_sound(judged, constants):
         return Said(right, (), certain=False, unknown=False, accused=False, sound=True)
     shares: dict[str, float] = {}
     for name, share in judged.probability.items():
         cause = name.partition("-")[0]
         shares[cause] = shares.get(cause, 0.0) + share
     named = sorted((n for n in shares if shares[n] >= POSSIBLE), key=lambda n: -shares[n])
-    cleared = judged.sound <= constants.cleared
-    odd = judged.unknown >= constants.said_unknown or judged.oddness > constants.far
+    cleared = not may_be_sound(judged, constants)
+    odd = is_unknown(judged, shares[named[0]] if named else 0.0, constants)
     certain = bool(named) and shares[named[0]] >= constants.certain
     found = bool(named) and shares[named[0]] >= constants.named
     return Said(
@@ -184,7 +189,7 @@ def figures(
         judged = judge(each.supposed[constants.unknown_width], constants, usual)
         by_kind.setdefault(each.kind, []).append(said_of(each.right, judged, constants))
         if each.kind == "sound":  # a few hundred must speak for thousands: with a margin
-            worse = replace(constants, cleared=3 * constants.cleared)
+            worse = replace(constants, cleared=3 * constants.cleared, unlike=0.9 * constants.unlike)
             wary.append(said_of(each.right, judged, worse))
 
     def share(kind: str, test: Callable[[Said], bool]) -> float:
@@ -226,20 +231,33 @@ def loss(found: Mapping[str, float]) -> float:
         3 * under("noticeable", 98) + 2 * under("noticeable three", 100)
         + under("half", 88) + under("half three", 94) + under("idle", 70)
         + 2 * under("pairs", 88) + 1.5 * under("unknown said", 80)
-        + 0.3 * under("noticeable certain", 85) + 0.5 * over("noticeable unknown", 4)
+        + 0.3 * under("noticeable certain", 85) + over("noticeable unknown", 2)
         + 6 * over("unknown certain", 0.7) + 6 * over("wrong certain", 0.3)
-        + 10 * over("accused", 0.4) + 0.3 * over("undecided", 12) + 2 * over("idle wrong", 1)
+        + 10 * over("accused", 0.4) + over("undecided", 12) + 2 * over("idle wrong", 1)
     )  # fmt: skip
 
 
 def chosen(tried: Sequence[Trial], usual: Mapping[str, UsualFit]) -> JudgingConstants:
-    """Return the constants by which these cars are called best."""
-    best, least = BEGINNING, loss(figures(tried, BEGINNING, usual))
+    """Return the constants by which these cars are called best.
+
+    How much the features count together changes the worth of all else: each has its own search.
+    """
+    begun = (replace(BEGINNING, independent=count) for count in VALUES["independent"])
+    found = [_improved(each, tried, usual) for each in begun]
+    return min(found, key=lambda each: loss(figures(tried, each, usual)))
+
+
+def _improved(
+    begin: JudgingConstants, tried: Sequence[Trial], usual: Mapping[str, UsualFit]
+) -> JudgingConstants:
+    """Return the constants, each but `independent` in turn set to the best of its values."""
+    best, least = begin, loss(figures(tried, begin, usual))
+    names = [each.name for each in fields(JudgingConstants) if each.name != "independent"]
     for _ in range(4):
         before = least
-        for each in fields(JudgingConstants):
-            for value in VALUES[each.name]:
-                candidate = replace(best, **{each.name: value})
+        for name in names:
+            for value in VALUES[name]:
+                candidate = replace(best, **{name: value})
                 found = loss(figures(tried, candidate, usual))
                 if found < least - 1e-9:
                     best, least = candidate, found

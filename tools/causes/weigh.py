@@ -32,6 +32,7 @@ STEPS: Final = {
     "cold-idle-hunting": 20.0, "idle-advance": 0.5, "trim-idle": 2.0, "trim-light": 2.0,
     "trim-heavy": 2.0, "trim-difference": 2.0, "coolant-driven": 1.0, "coolant-most": 1.0,
     "coolant-range": 1.0, "coolant-rise": 1.0, "voltage-driven-spread": 0.1, "voltage-fall": 0.1,
+    "voltage-held": 0.1,
     "coolant-drop": 1.0, "air-below-set": 0.3, "cold-idle-speed": 30.0, "widest-throttle": 3.0,
 }  # fmt: skip
 

@@ -42,8 +42,10 @@ class JudgingConstants:
     `sound_before`, `two_before`, `unknown_before`: how likely a sound car, two causes, an unknown
     defect are; `unknown_width`: how far that moves things. `certain`: the probability of the almost
     certain; `named`: of what is named as found; `cleared`: of sound, above it nothing is named as
-    found; `said_sound`, `said_unknown`: from which these are said. `close`, `far`: how much worse
-    than its own cars a hypothesis may fit to be almost certain, and to explain a car at all.
+    found; `said_sound`, `said_unknown`: from which these are said. `unlike`: how much worse than a
+    sound car one may fit that is still held for sound. `own`, `close`, `far`: how much
+    worse than its own cars a hypothesis may fit not to be called unknown though something unknown
+    is likelier, to be almost certain, and to explain a car at all.
     """
 
     unknown_width: float = 2.5
@@ -55,7 +57,9 @@ class JudgingConstants:
     cleared: float = 0.02
     named: float = 0.5
     said_unknown: float = 0.3
-    far: float = 1.5
+    unlike: float = 2.5
+    own: float = 1.0
+    far: float = 2.0
     close: float = 1.3
     certain: float = 0.99
 
@@ -183,6 +187,31 @@ def judge(supposed: Supposed, constants: JudgingConstants, usual: Mapping[str, U
         probability, sound, unknown, best, oddness(best, usual),
         oddness(hypotheses[0].fit, usual),
     )  # fmt: skip
+
+
+def may_be_sound(judged: Judged, constants: JudgingConstants) -> bool:
+    """Whether nothing may be named as found, since the car may be sound.
+
+    A car that looks like no sound one is none, however little a known defect explains it.
+    """
+    return judged.sound > constants.cleared and judged.sound_oddness <= constants.unlike
+
+
+def is_sound(judged: Judged, constants: JudgingConstants) -> bool:
+    """Whether the verdict is *sound*."""
+    return judged.sound >= constants.said_sound and judged.sound_oddness <= constants.unlike
+
+
+def is_unknown(judged: Judged, leading: float, constants: JudgingConstants) -> bool:
+    """Whether the verdict is *unknown*. `leading`: the probability of the first cause.
+
+    It is, if even the best hypothesis fits much worse than its own cars do; or if a defect that is
+    not known is likelier than the first cause, and that does not fit as its own cars do.
+    """
+    if judged.oddness > constants.far:
+        return True
+    likely = judged.unknown >= constants.said_unknown and judged.unknown > leading
+    return likely and judged.oddness > constants.own
 
 
 def _before(hypothesis: Hypothesis, constants: JudgingConstants) -> float:

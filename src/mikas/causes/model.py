@@ -9,14 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from math import asinh, exp, log, sqrt
+from math import asinh, exp, log, sinh, sqrt
 from operator import mul
 from typing import Final
 
 KNOTS: Final = (0.45, 0.8, 1.2, 1.8)
 """Amounts, in noticeable ones, at which the tables have means."""
 
-GRID: Final = (0.45, 0.62, 0.8, 1.0, 1.2, 1.5, 1.8)
+GRID: Final = (0.45, 0.62, 0.8, 1.0, 1.2, 1.5, 1.8, 2.4, 3.4)
 SOUND: Final = "sound"
 FREEDOM: Final = 14.0  # degrees of freedom: far tails, since the world differs from the table
 WEIGHT: Final = 2.0
@@ -27,6 +27,11 @@ Row = Sequence[float]
 def squeezed(z: float) -> float:
     """Return a deviation in spreads, the far ones drawn together: 3 is 2.6, 100 is 12.6."""
     return 3.0 * asinh(z / 3.0)
+
+
+def plain(squeezed_z: float) -> float:
+    """Return the deviation of a squeezed one."""
+    return 3.0 * sinh(squeezed_z / 3.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,10 +70,16 @@ class LikelihoodModel:
         )
 
     def shift(self, cause: str, amount: float) -> list[float]:
-        """Return the means that a defect of this amount gives, of what was seen."""
+        """Return the means that a defect of this amount gives, of what was seen.
+
+        Beyond the last knot they go on in proportion.
+        """
         means = self.table.means[cause]
+        if amount > KNOTS[-1]:
+            share = amount / KNOTS[-1]
+            return [squeezed(share * plain(means[-1][place])) for place in self.places]
         for index, knot in enumerate(KNOTS):
-            if amount <= knot or index == len(KNOTS) - 1:
+            if amount <= knot:
                 low = KNOTS[index - 1] if index else 0.0
                 share = (amount - low) / (knot - low)
                 if index == 0:

@@ -18,7 +18,10 @@ from mikas.causes.features import Seen, View, context_of, features_of
 from mikas.causes.judging import (
     Judged,
     JudgingConstants,
+    is_sound,
+    is_unknown,
     judge,
+    may_be_sound,
     suppose,
     weights_beforehand,
     with_own_causes,
@@ -42,6 +45,7 @@ PROBABLE: Final = 0.55
 POSSIBLE: Final = 0.06
 MOST: Final = 5
 LEAST: Final = 9  # features; with fewer nothing is said
+SHORT: Final = 120.0  # s; of less nothing is said to be unknown: too little was seen to know it
 LEAST_STANDING: Final = 4  # of an engine that was cranked and did not run
 
 
@@ -160,8 +164,8 @@ def rank_observation(
     model = LikelihoodModel(table, observation.deviations)
     judged = judge(suppose(model, before, constants.unknown_width), constants, weights.usual)
     causes = _ranked(judged, model, observation, known, weights)
-    verdict, text = _verdict(judged, causes, constants, not_seen)
-    if judged.sound >= constants.said_sound:
+    verdict, text = _verdict(judged, causes, constants, not_seen, observation.seconds)
+    if is_sound(judged, constants):
         causes = ()
     return Ranking(
         verdict, text, tuple(causes),
@@ -211,7 +215,7 @@ def _ranked(
 
 def _likelihood(probability: float, judged: Judged, constants: JudgingConstants) -> Likelihood:
     """Return the word: none is almost certain of a car that fits worse than the cause's own."""
-    if judged.sound > constants.cleared:
+    if may_be_sound(judged, constants):
         return Likelihood.POSSIBLE
     if probability >= constants.certain and judged.oddness <= constants.close:
         return Likelihood.ALMOST_CERTAIN
@@ -223,15 +227,18 @@ def _verdict(
     causes: Sequence[RankedCause],
     constants: JudgingConstants,
     not_seen: Sequence[Text],
+    seconds: float,
 ) -> tuple[CauseVerdict, Text]:
-    if judged.sound >= constants.said_sound:
+    if is_sound(judged, constants):
         if DRIVING in not_seen:
             return CauseVerdict.CANNOT_TELL, _DRIVE_IT
         return CauseVerdict.SOUND, _SOUND_SO_FAR if not_seen else _SOUND
     undecided = _UNDECIDED_DRIVE_IT if DRIVING in not_seen else _UNDECIDED
-    if judged.sound > constants.cleared:
+    if may_be_sound(judged, constants):
         return CauseVerdict.CANNOT_TELL, undecided
-    if judged.unknown >= constants.said_unknown or judged.oddness > constants.far:
+    if is_unknown(judged, causes[0].probability if causes else 0.0, constants):
+        if seconds < SHORT:
+            return CauseVerdict.CANNOT_TELL, _SEVERAL_DRIVE_IT
         return CauseVerdict.UNKNOWN, _A_PART if causes else _UNKNOWN
     if not causes or causes[0].probability < constants.named:
         return CauseVerdict.CANNOT_TELL, _SEVERAL_DRIVE_IT if DRIVING in not_seen else _SEVERAL

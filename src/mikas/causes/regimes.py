@@ -2,7 +2,8 @@
 
 Key on, cranking, starting (the first seconds of running), idle (cold, warm), part load, full load,
 overrun. The throttle counts as closed near the least that this drive has, so that a throttle that
-does not close still has an idle.
+does not close still has an idle. But the least of a drive may be a pedal that was never let go: an
+opening counts as the closed throttle only if something shows that the foot was off (`_let_go`).
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from enum import StrEnum
 from math import isnan, nan
 from typing import Final
 
-from mikas.causes.samples import PAUSE, Column, Samples, quantile
+from mikas.causes.samples import PAUSE, Column, Samples, quantile, spans_of
 
 RUNNING: Final = 500.0  # rpm
 STARTED: Final = 12.0  # s after a start: enrichment and high idle fade
@@ -24,6 +25,10 @@ CLOSED: Final = 0.8  # % above the least opening
 OPEN: Final = 2.0
 FULL: Final = 60.0
 STEADY: Final = 260.0  # rpm within `SETTLING`
+SILENT: Final = 4.0  # s without a reading, after which an engine that stands was switched off
+IDLING: Final = 0.02  # kg/h of air a rpm: more is a load
+RESTING: Final = 8.0  # s at one opening, as a foot that holds a speed seldom rests
+COASTED: Final = 1.4  # times the speed between which a closed throttle is seen
 
 
 class Regime(StrEnum):
@@ -45,7 +50,8 @@ class Regime(StrEnum):
 class DriveByRegime:
     """Samples with the regime of each row. `starts`: rows in which the engine began to run.
 
-    `run_time`: seconds of running so far, NaN while it stands; `closed`: the least opening, %.
+    `run_time`: seconds of running so far, NaN while it stands; `closed`: the closed throttle, %,
+    0 if the pedal was never let go (`let_go`).
     """
 
     samples: Samples
@@ -56,6 +62,7 @@ class DriveByRegime:
     stalls: Sequence[int]
     run_time: Column
     closed: float
+    let_go: bool
 
     def at(self, *regimes: Regime) -> list[int]:
         """Return the rows of these regimes, rising."""
@@ -75,10 +82,7 @@ def drive_of(samples: Samples) -> DriveByRegime | None:
     coolant = samples.column("TWAT")
     run_time, starts, stalls = _run_time(times, speed)
     running = [row for row, rpm in enumerate(speed) if rpm >= RUNNING]
-    closed = 0.0
-    if throttle is not None:
-        opened = [throttle[row] for row in running if not isnan(throttle[row])]
-        closed = quantile(opened, 0.02) if opened else 0.0
+    closed, let_go = _closed(samples, speed, running)
     rows: dict[Regime, list[int]] = {regime: [] for regime in Regime}
     shut = [_shut(row, throttle, idle_flag, closed) for row in range(len(times))]
     steady = _steady(times, speed, shut)
@@ -96,7 +100,43 @@ def drive_of(samples: Samples) -> DriveByRegime | None:
         else:
             regime = _under_load(rpm, opening, closed)
         rows[regime].append(row)
-    return DriveByRegime(samples, speed, rows, running, starts, stalls, run_time, closed)
+    return DriveByRegime(samples, speed, rows, running, starts, stalls, run_time, closed, let_go)
+
+
+def _closed(samples: Samples, speed: Column, running: Sequence[int]) -> tuple[float, bool]:
+    """Return the opening of the closed throttle, and whether it was seen."""
+    throttle = samples.column("THR")
+    opened = [throttle[row] for row in running if not isnan(throttle[row])] if throttle else []
+    if throttle is None or not opened:
+        return 0.0, False
+    least = quantile(opened, 0.02)
+    shut = [row for row, value in enumerate(throttle) if value <= least + CLOSED]
+    if least <= CLOSED or _let_go(samples, speed, shut, max(opened) - least):
+        return least, True
+    return 0.0, False
+
+
+def _let_go(samples: Samples, speed: Column, shut: Sequence[int], moved: float) -> bool:
+    """Whether the foot was off the pedal in these rows, those of the least opening.
+
+    It was, if the engine stood then, if the unit saw the closed throttle, if the engine ran down at
+    this opening, as a pedal that holds a speed never lets it, or if it stayed there and took no
+    more air than an engine without a load.
+    """
+    flag, air = samples.column("RXX"), samples.column("JAIR")
+    if any(speed[row] < RUNNING or (flag is not None and flag[row] == 1) for row in shut):
+        return True
+    speeds = [speed[row] for row in shut if not isnan(speed[row])]
+    if quantile(speeds, 0.95) >= COASTED * quantile(speeds, 0.05):
+        return True
+    if air is None:
+        return moved <= OPEN
+    for begin, end in spans_of(samples.times, shut):
+        here = [row for row in shut if begin <= samples.times[row] <= end]
+        taken = [each for row in here if not isnan(each := air[row] / speed[row])]
+        if end - begin >= RESTING and taken and quantile(taken, 0.9) <= IDLING:
+            return True
+    return False
 
 
 def _speed(samples: Samples) -> Column | None:
@@ -111,7 +151,7 @@ def _run_time(times: Column, speed: Column) -> tuple[Column, list[int], list[int
     result, starts, stalls = [], [], []
     began = nan  # when the engine began to run; before the first row: long ago
     known = False  # whether a start was seen
-    last = nan
+    last = ran = nan
     for row, (time, rpm) in enumerate(zip(times, speed, strict=True)):
         if not isnan(last) and time - last > 30.0:
             known, began = False, nan
@@ -122,9 +162,11 @@ def _run_time(times: Column, speed: Column) -> tuple[Column, list[int], list[int
                 if known:
                     starts.append(row)
             result.append(time - began)
+            ran = time
             continue
         if rpm < 40:
-            if not isnan(began) and time - began > 3.0:
+            # A unit that was silent meanwhile lost its key: that is no stall.
+            if not isnan(began) and time - began > 3.0 and time - ran <= SILENT:
                 stalls.append(row)
             known, began = True, nan
         elif isnan(began):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 from mikas.causes.features.view import Seen, View
 from mikas.causes.samples import median, quantile
 
@@ -31,6 +33,20 @@ def charging_spread(view: View) -> Seen | None:
     if len(rows) < 20:
         return None
     return view.seen(quantile(values, 0.9) - quantile(values, 0.1), rows)
+
+
+HIGH: Final = 2400.0  # rpm at which a sound alternator carries everything that is switched on
+CHARGED: Final = 240.0  # s after which a battery takes little more
+
+
+def charging_held(view: View) -> Seen | None:
+    """The range of the voltage at high revs: a regulator holds it, a spent alternator does not."""
+    drive = view.drive
+    rows = [r for r in view.load if drive.speed[r] > HIGH and drive.run_time[r] > CHARGED]
+    values = view.values("UACC", rows)
+    if view.seconds(rows) < 15 or not values:
+        return None
+    return view.seen(quantile(values, 0.97) - quantile(values, 0.03), rows)
 
 
 def charging_fall(view: View) -> Seen | None:

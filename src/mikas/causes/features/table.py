@@ -17,6 +17,7 @@ from mikas.causes.features.cooling import (
 from mikas.causes.features.electric import (
     charging_fall,
     charging_fast,
+    charging_held,
     charging_most,
     charging_spread,
     recovery,
@@ -61,6 +62,7 @@ FEATURES: Final = (
     Feature("voltage-driven", charging_fast),
     Feature("voltage-driven-high", charging_most),
     Feature("voltage-driven-spread", charging_spread),
+    Feature("voltage-held", charging_held),
     Feature("voltage-fall", charging_fall),
     Feature("voltage-recovery", recovery),
     Feature("idle-speed", middle("FREQX", "warm", 6)),

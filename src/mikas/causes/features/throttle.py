@@ -6,7 +6,7 @@ from math import log1p
 from typing import Final
 
 from mikas.causes.features.view import Seen, View
-from mikas.causes.samples import quantile, spans_of
+from mikas.causes.samples import Span, row_at, spans_of
 
 
 def hidden_throttle(view: View) -> Seen | None:
@@ -44,20 +44,21 @@ def throttle_jumps(view: View) -> Seen | None:
 
 def least_throttle(view: View) -> Seen | None:
     """The least opening of the throttle."""
-    values = view.values("THR", view.drive.running)
-    if view.seconds(view.drive.running) < 20 or not values:
+    if view.seconds(view.drive.running) < 20 or not view.drive.let_go:
         return None
-    return view.seen(quantile(values, 0.04), view.idle or view.drive.running)
+    return view.seen(view.drive.closed, view.idle or view.drive.running)
 
 
 FLOORED: Final = 93.0  # % that a throttle reaches only with the pedal on the floor
 SAME: Final = 0.6  # % within which openings are one and the same end
+RISE: Final = 100.0  # rpm by which the engine still speeds up with the throttle at its end
 
 
 def _ends(view: View) -> tuple[float, list[int]]:
     """Return the widest opening, and its rows: none if no drive showed that it is an end.
 
-    It is one if it is fully open, or if several openings stayed at one and the same value.
+    It is one if it is fully open, or if the engine sped up several times at one and the same
+    opening: a pedal that holds a speed ends somewhere by chance, and the engine is steady there.
     """
     throttle = view.column("THR")
     values = view.values("THR", view.load)
@@ -67,9 +68,17 @@ def _ends(view: View) -> tuple[float, list[int]]:
     top = [row for row in view.load if throttle[row] >= widest - SAME]
     if widest >= FLOORED:
         return widest, top
-    spans = [end - begin for begin, end in spans_of(view.times, top) if end - begin >= 0.8]
-    is_end = widest >= 15 and len(spans) >= 2 and sum(spans) >= 3.0
+    spans = [span for span in spans_of(view.times, top) if span[1] - span[0] >= 0.8]
+    rising = [span for span in spans if _rise(view, span) >= RISE]
+    seconds = sum(end - begin for begin, end in spans)
+    is_end = widest >= 15 and len(rising) >= 2 and seconds >= 3.0
     return widest, top if is_end else []
+
+
+def _rise(view: View, span: Span) -> float:
+    """Return by how much the engine sped up, rpm."""
+    first, last = (row_at(view.times, time) for time in span)
+    return view.drive.speed[last] - view.drive.speed[first]
 
 
 def flat_top(view: View) -> Seen | None:
