@@ -50,7 +50,7 @@ VALUES: Final[Mapping[str, Sequence[float]]] = {
     "cleared": (0.001, 0.003, 0.01, 0.03, 0.06),
     "named": (0.3, 0.5, 0.6, 0.7, 0.8, 0.9),
     "said_unknown": (0.2, 0.35, 0.5, 0.65, 0.8),
-    "unlike": (2.1, 2.3, 2.5, 2.8, 3.2, 4.0),
+    "unlike": (2.8, 3.2, 4.0),  # 220 sound cars lie below 2.1, but for one: a margin for thousands
     "own": (0.8, 0.9, 1.0, 1.06, 1.12, 1.2),
     "far": (1.8, 2.0, 2.3, 2.7),
     "close": (1.05, 1.12, 1.2, 1.3, 1.4, 1.55, 1.7),
