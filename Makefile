@@ -40,11 +40,9 @@ test: .venv/with-test web/node_modules/installed ## all tests but those in a bro
 	@$(venv_python) -m pytest -n auto --dist worksteal $(foreach path,$(gated) $(elsewhere),--ignore=$(path))
 	@$(npm) test
 
-# The rooms that a new Python breaks first: the codec, data, asyncio and threads, the command line; no server, no broker.
-fast := $(gated) tests/tester tests/client tests/sampling tests/recording tests/cli/test_main.py tests/cli/test_output.py
-# Half of their time, and logic on simulated time and files, which is the same on every Python.
-slow := $(addprefix tests/sampling/test_,suspended_sampling.py unsupported_while_sampling.py dates.py) \
-  $(addprefix tests/recording/test_,merged.py linear_reading.py one_reading.py cut_streams.py)
+# The rooms that a new Python breaks first: the codec, data, asyncio and threads, the command line. No server, no broker, and
+# no long recordings: what they test is the same on every Python, and the gate has 45 minutes.
+fast := $(gated) tests/tester tests/client tests/sampling/test_acquisition.py tests/cli/test_main.py tests/cli/test_output.py
 
 newest: .venv/with-test ## a fast part of the tests on the newest Python of this computer, if it is newer than that of .venv
 	@$(find_newest); \
@@ -54,7 +52,7 @@ newest: .venv/with-test ## a fast part of the tests on the newest Python of this
 	if [ "$$(cat build/newest/made-for 2>/dev/null)" != "$$made_for" ]; then \
 	  mkdir -p build && "$$python" -m venv --clear build/newest && build/newest/bin/python $(install) mikas test && \
 	  echo "$$made_for" > build/newest/made-for; \
-	fi && build/newest/bin/python -m pytest -n logical --dist worksteal $(fast) $(foreach path,$(slow),--ignore=$(path))
+	fi && build/newest/bin/python -m pytest -n logical --dist worksteal $(fast)
 
 # Pre-releases as well: make unlocked PRE=--pre
 PRE ?=
