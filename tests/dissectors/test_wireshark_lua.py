@@ -32,7 +32,7 @@ from mikas.recording.exchanges.scalar import DecodedFrame
 from mikas.recording.exchanges.verdicts import Doubt
 
 LUA = "lua5.4"
-HOSTILE = 400 if os.environ.get("HYPOTHESIS_PROFILE") == "ci" else 40  # lines
+HOSTILE = 120 if os.environ.get("HYPOTHESIS_PROFILE") == "ci" else 40  # lines
 READER = Path(__file__).parent / "bare_lua.lua"
 
 pytestmark = pytest.mark.skipif(

@@ -70,11 +70,12 @@ class EchoTwice(EchoDiffers):
         "Посланное вернулось дважды, а ответа нет",
     )
     advice = Text(
-        "Likely, in order: a bridge or a program between this one and the adapter returns what it "
-        "gets, as the adapter does (switch one echo off), and the ignition is off; this is not a "
-        "Mikas 5.4 / 7.1.",
-        "Скорее всего, по порядку: мост или программа перед адаптером возвращает посланное так же, "
-        "как и он сам (отключите одно эхо), и выключено зажигание; это не Микас 5.4 / 7.1.",
+        "Likely, in order: the ignition is off, and a program between this one and the adapter, or "
+        "a second adapter on the wire, returns what it gets, as the adapter does (switch one echo "
+        "off); this is not a Mikas 5.4 / 7.1.",
+        "Скорее всего, по порядку: выключено зажигание, а программа перед адаптером или второй "
+        "адаптер на линии возвращает посланное так же, как и сам адаптер (отключите одно эхо); это "
+        "не Микас 5.4 / 7.1.",
     )
 
 

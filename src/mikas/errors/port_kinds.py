@@ -121,7 +121,13 @@ _OVER_NETWORK: Final = AdviceTable(
             "строк); его последовательный порт настроен не на 9600 бод, 8N1; на той же линии "
             "передаёт другой прибор или блок; плохая масса.",
         ),
-        exchange.EchoTwice: exchange.EchoTwice.advice,
+        exchange.EchoTwice: Text(
+            "Likely, in order: the bridge or a program before it returns what it gets, as the "
+            "adapter does (switch one echo off), and the ignition is off; this is not a Mikas 5.4 "
+            "/ 7.1.",
+            "Скорее всего, по порядку: мост или программа перед ним возвращает посланное так же, "
+            "как и адаптер (отключите одно эхо), и выключено зажигание; это не Микас 5.4 / 7.1.",
+        ),
         exchange.LineNotQuiet: Text(
             "Likely, in order: another program or phone sends through the same bridge; another "
             "tester is on the wire; the unit does not end a stream: switch the ignition off for "
