@@ -39,7 +39,7 @@ CONNECTION = (
         press("connection/Ports disconnect", within=SCREEN),
         press("connection/Screen disconnect", within=SHEET),
         shows(f"{BAND}[data-line=off]"),
-        go("faults"),
+        go("passport"),
         press("notices/NoEcu go"),
         on_screen("connection"),
         press("connection/Ports other_port"),
