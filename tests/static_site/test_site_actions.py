@@ -15,9 +15,9 @@ from .site_rig import site_tab
 pytestmark = pytest.mark.realtime
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture
 def virtual(chromium, site):
-    """A tab on the virtual car, with a recording of it."""
+    """A tab on the virtual car, with a recording of it: each test's own, as they change it."""
     with chromium.new_context(locale="en-GB") as context:
         context.add_init_script(KEEP_WORKERS)
         with site_tab(context, site.url) as tab:
