@@ -2,7 +2,8 @@
 
 The page is build/site (make site), in Chromium on a computer with a fake adapter, as in
 tests/static_site: that needs Linux and root. One tab does the steps; at each of them it is shown in
-both languages. Run from the repository's root: python docs/pictures/first_steps.py [NAME …]
+both languages. Run from the repository's root, with the tests' rigs on the path:
+PYTHONPATH=tests python docs/pictures/first_steps.py [NAME …]
 """
 
 from __future__ import annotations
@@ -17,15 +18,13 @@ from pathlib import Path
 import few_colours
 from playwright.sync_api import sync_playwright
 
+from browser.chromium_rig import installed, launched
+from static_site import computer_rig
+from static_site.pages_rig import StaticHost
+from static_site.site_rig import BUILT, PORT, SiteTab, missing, site_tab
+from static_site.wire_rig import cable
+
 FOLDER = Path(__file__).parent
-sys.path.insert(0, str(FOLDER.parents[1] / "tests"))
-
-from browser.chromium_rig import installed, launched  # noqa: E402 - of the tests
-from static_site import computer_rig  # noqa: E402
-from static_site.pages_rig import StaticHost  # noqa: E402
-from static_site.site_rig import BUILT, PORT, SiteTab, missing, site_tab  # noqa: E402
-from static_site.wire_rig import cable  # noqa: E402
-
 SIZE = {"width": 1280, "height": 720}
 LANGUAGES = ("ru", "en")  # the tab goes on in the last one
 WATCHED = 25  # s: the small lines on the gauges have a course

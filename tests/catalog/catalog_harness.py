@@ -18,6 +18,8 @@ Write: TypeAlias = Callable[[str], Path]
 FREE, ALSO_FREE = (
     f"0x{code:02X}" for code in sorted(set(range(0x33, 0x100)) - set(dict(shipped().codes)))[:2]
 )
+NEW = f'[parameter.P]\ncode = {FREE}\nsize = 1\ntext = "p"\n'
+"""A whole new parameter, the least of a file."""
 
 
 def refused(path: Path, *more: Path) -> CatalogError:

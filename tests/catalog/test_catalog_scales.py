@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from catalog_harness import FREE, Write, assert_refused
+from catalog_harness import NEW, Write, assert_refused
 
 from mikas.catalog import Derived, Parameter, load, shipped
-
-NEW = f'[parameter.P]\ncode = {FREE}\nsize = 1\ntext = "p"\n'
 
 
 def test_gauges_and_axes_have_the_scale_of_the_catalog_or_of_the_range(write: Write) -> None:

@@ -41,9 +41,9 @@ class JudgingConstants:
     `independent`: features that count whole; of more, each counts less: they overlap.
     `sound_before`, `two_before`, `unknown_before`: how likely a sound car, two causes, an unknown
     defect are; `unknown_width`: how far that moves things. `certain`: the probability of the almost
-    certain; `named`: of what is named as found; `cleared`: of sound, above it nothing is named as
-    found; `said_sound`, `said_unknown`: from which these are said. `unlike`: how much worse than a
-    sound car one may fit that is still held for sound. `own`, `close`, `far`: how much
+    certain; `named`: of a cause that is named as found; `cleared`: of sound, above it nothing is
+    named as found; `said_sound`, `said_unknown`: from which these are said. `unlike`: how much
+    worse than a sound car one may fit that is still held for sound. `own`, `close`, `far`: how much
     worse than its own cars a hypothesis may fit not to be called unknown though something unknown
     is likelier, to be almost certain, and to explain a car at all.
     """

@@ -37,6 +37,7 @@ from mikas.dashboard.api.library import (
     marks,
     recorded,
     recordings,
+    references,
     report,
 )
 from mikas.dashboard.api.messages import FieldsMessage, LiveMessage, PingMessage, component_schemas
@@ -57,7 +58,7 @@ Live data: WebSocket `/api/live?client=…`, described in docs/reference/api.md.
 """
 
 _PARTS = (catalog, channels, connection, live, network, unit, virtual_cars,
-          guided_tests, dumps, changes, recordings, files, cars, recorded,
+          guided_tests, dumps, changes, recordings, references, files, cars, recorded,
           marks, report, search, causes)  # fmt: skip
 
 # Of all applications of the process: FastAPI analyses the routes of a router when it is first asked

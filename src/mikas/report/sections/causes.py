@@ -20,7 +20,7 @@ _EVIDENCE: Final = 3  # of each; the page prints on two sheets, or three
 
 
 def cause_section(found: Findings, language: Language) -> PageSection | None:
-    """Return the section of the causes; None where the data can't tell."""
+    """Return the section of the causes; None where the data decide nothing."""
     ranking = found.subject.causes
     if ranking is None or ranking.verdict is CauseVerdict.CANNOT_TELL:
         return None

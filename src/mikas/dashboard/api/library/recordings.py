@@ -1,10 +1,7 @@
-"""Routes of recordings: start and stop one, the list, one recording, its rows, comment, mark.
+"""Routes of recordings: start and stop one, the list, one recording, its rows, comment, markers.
 
 The id of a recording is the name of its file in the folder; no other file is accessible. Files are
 read in the lane of views: a report or an export that takes long holds up none of these.
-
-References are recordings that others are compared with. The user marks them; those of the virtual
-car have ids of their own, by which `/recordings/{id}` and its rows are read like any other.
 """
 
 from __future__ import annotations
@@ -33,7 +30,7 @@ from mikas.dashboard.api.messages import LiveRows, RecordedEvent
 from mikas.dashboard.api.state import State, state_of
 from mikas.dashboard.errors import ADVICE, NotFound
 from mikas.dashboard.library.folder import RecordingFile
-from mikas.dashboard.library.service import DRIVES, VIRTUAL, RecordingService
+from mikas.dashboard.library.service import RecordingService
 from mikas.dashboard.session.history import json_columns
 from mikas.dashboard.settings import folder_error
 from mikas.recording.annotations.events import comment_note, had_marker, note_of
@@ -350,57 +347,3 @@ def _span(summary: Summary, recording: Recording) -> tuple[float | None, float |
     if summary.recordings == 1 and summary.first is not None and summary.length is not None:
         return summary.first, summary.first + summary.length
     return recording.span or (None, None)
-
-
-# References
-
-
-class VirtualReferenceInfo(BaseModel):
-    """A recording of the virtual car, not measured on an engine. `model`: 7.1, 5.4."""
-
-    id: str
-    model: str
-    text: TwoTexts
-
-
-class ReferencesResponse(BaseModel):
-    """`marked`: ids of recordings, the latest mark first; the file may be gone since."""
-
-    marked: list[str]
-    virtual: list[VirtualReferenceInfo]
-
-
-class ReferenceRequest(BaseModel):
-    """`on`: the recording is a reference."""
-
-    on: bool
-
-
-@router.get("/references", responses=errors(409, 504), response_model=ReferencesResponse)
-async def references(requester: TheRequester) -> Response:
-    """Return the marked recordings, and those of the virtual car.
-
-    The latter are made when they are first read, which takes seconds.
-    """
-    return await requester.answer(lambda: _references(requester.library))
-
-
-def _references(library: RecordingService) -> ReferencesResponse:
-    virtual = [
-        VirtualReferenceInfo(id=identity, model=model, text=two(DRIVES[drive].text))
-        for identity, (drive, model) in VIRTUAL.items()
-    ]
-    return ReferencesResponse(marked=library.references.marked(), virtual=virtual)
-
-
-@router.put("/recordings/{identity}/reference", responses=errors(404, 409, 504))
-async def mark(
-    requester: TheRequester, _: KnownClient, identity: str, body: ReferenceRequest
-) -> ReferencesResponse:
-    """Mark a recording as a reference, or remove its mark."""
-
-    def write(file: RecordingFile) -> ReferencesResponse:
-        requester.library.references.mark(file.id, on=body.on)
-        return _references(requester.library)
-
-    return await requester.view(identity, write)
