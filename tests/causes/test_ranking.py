@@ -8,7 +8,11 @@ import pytest
 from tools.causes.cars import Car, columns_of
 from tools.causes.choose import without
 
-from mikas.causes.knowledge import Complaint
+from mikas.causes.evidence import feature_texts
+from mikas.causes.judging import Judged
+from mikas.causes.knowledge import Complaint, load
+from mikas.causes.measurements import proposals
+from mikas.causes.model import Fit
 from mikas.causes.ranking import rank
 from mikas.causes.result import CauseVerdict, Likelihood, Ranking
 from mikas.causes.samples import Samples, samples_of
@@ -85,6 +89,16 @@ def _not_seen(ranking: Ranking) -> list[str]:
 def test_the_measurements_that_come_next_are_different_ones(name: str) -> None:
     proposed = [each.test for each in rank([_samples(name, 3.0, "warm-idle", 5)]).next]
     assert len(proposed) == len(set(proposed)) == 2
+
+
+def test_where_no_cause_leads_what_shows_most_of_the_missing_is_measured() -> None:
+    table, known = shipped().table, load()
+    seen = [name for name in table.names if feature_texts()[name].seen == "idle"]
+    undecided = Judged({}, 0.0, 1.0, Fit((), (), 0.0, 9.0, 20, 9.0), 9.0, 9.0)
+    (proposed,) = proposals(undecided, seen, table, known)
+    assert proposed.test == "drive"
+    assert "most of what is missing" in proposed.why.en
+    assert proposals(undecided, table.names, table, known) == ()
 
 
 def test_full_load_is_seen_only_with_the_pedal_on_the_floor() -> None:

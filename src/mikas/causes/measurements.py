@@ -114,8 +114,14 @@ def proposals(
             break
         left.remove(best)
         proposed.append(_next(best, _why(weights, known)))
-        rest -= {name for name in rest if feature_texts()[name].seen in best.shows}
+        rest -= _shown(best, rest)
+    if not proposed and missing(seen):  # no cause leads: nothing is there to be separated
+        proposed.append(_next(max(left, key=lambda m: len(_shown(m, rest))), _BEGIN))
     return tuple(proposed)
+
+
+def _shown(measurement: Measurement, features: Collection[str]) -> set[str]:
+    return {name for name in features if feature_texts()[name].seen in measurement.shows}
 
 
 def _effect(table: WeightTable, cause: str, place: int) -> float:
