@@ -86,3 +86,7 @@ def test_the_report_has_the_causes_in_a_section_of_its_own(mikas, leaking, tmp_p
     page = (tmp_path / "leak.html").read_text("utf-8")
     assert "<strong>Подсос воздуха мимо ДМРВ</strong>: почти наверняка" in page
     assert "а не по машинам" in page
+    ran = mikas("report", "leak.pcapng", "-o", "leak.html", "--overwrite", "--json").object
+    assert ran["outcome"] == "attention"
+    assert ran["verdict"]["ru"].startswith("Почти наверняка: Подсос воздуха мимо ДМРВ. ")
+    assert ran["causes"]["causes"] == leaking["causes"]

@@ -94,7 +94,17 @@ def sides(f: Findings) -> int:
 
 def attention(f: Findings) -> bool:
     off = not all(rated(f).values())
-    return bool(real(f) or f.measured.alarms or off or failed_tests(f) or often_retarded(f))
+    known = real(f) or f.measured.alarms or off or failed_tests(f) or often_retarded(f)
+    return bool(known or verdict(f) in ("causes", "unknown"))
+
+
+def verdict(f: Findings) -> str | None:
+    return f.subject.causes.verdict.value if f.subject.causes else None
+
+
+def undecided(f: Findings) -> bool:
+    """Whether something is off, and the data don't decide between the causes."""
+    return bool(f.subject.causes and f.subject.causes.something_off)
 
 
 def often_retarded(f: Findings) -> bool:
@@ -108,7 +118,8 @@ def failed_tests(f: Findings) -> bool:
 
 
 def good(f: Findings) -> bool:
-    return bool(not attention(f) and f.subject.faults is not None and not is_open(f) and rated(f))
+    read = f.subject.faults is not None and not is_open(f)
+    return bool(not attention(f) and not undecided(f) and read and rated(f))
 
 
 def pieces(f: Findings) -> list[str | None]:
@@ -208,7 +219,12 @@ def no_gap(f: Findings) -> bool:
 RULES: dict[str, Callable[[Findings], bool]] = {
     "No problems found": good,
     "Attention needed": attention,
-    "Not enough data for a conclusion": lambda f: not attention(f) and not good(f),
+    "Not enough data for a conclusion": lambda f: (
+        not attention(f) and not good(f) and verdict(f) != "sound"
+    ),
+    "Nothing found, but not everything was checked": lambda f: (
+        not attention(f) and not good(f) and verdict(f) == "sound"
+    ),
     "The file has no packets": lambda f: f.subject.conditions.empty,
     "The stored faults were not read": lambda f: (
         f.subject.faults is None and not f.subject.conditions.empty

@@ -19,9 +19,11 @@ from hypothesis import strategies as st
 from report_harness import GOOD, START, found, measured, rows
 from sentence_rules import ALWAYS, RULES
 from test_report_alarms import event
+from test_report_causes import NOTHING, SEVERAL, leaking, with_causes
 
 import mikas.report
 from mikas.catalog import Level, load, shipped
+from mikas.causes.result import CauseVerdict
 from mikas.guided.definition import Certainty as GuidedConfidence
 from mikas.guided.definition import VerdictKind
 from mikas.guided.result import Finding, TestResult
@@ -222,6 +224,10 @@ def cases(tmp_path: Path) -> list[Findings]:
         _without_references(tmp_path), after_a_test("attention"), after_a_test("good"),
         appeared(13), appeared(71, seconds=0.1), appeared(17, far=True), appeared(195),
         appeared(21, erased=True), appeared(12), appeared(99),
+        leaking(), leaking(faults=None), with_causes(found(), CauseVerdict.SOUND, NOTHING),
+        with_causes(found(faults=None), CauseVerdict.SOUND, NOTHING),
+        with_causes(found(faults=(13,)), CauseVerdict.SOUND, NOTHING),
+        with_causes(found(), CauseVerdict.CANNOT_TELL, SEVERAL, off=True),
     ]  # fmt: skip
 
 

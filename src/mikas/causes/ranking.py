@@ -172,6 +172,7 @@ def rank_observation(
         () if verdict is CauseVerdict.SOUND and not not_seen
         else proposals(judged, observation.deviations, table, known),
         not_seen, doubts, observation.seconds,
+        something_off=not is_sound(judged, constants) and not may_be_sound(judged, constants),
     )  # fmt: skip
 
 

@@ -127,7 +127,8 @@ class NextMeasurement:
 class Ranking:
     """The causes of one car. `text`: the verdict in a sentence. `not_seen`: what the data lack.
 
-    `doubts`: what this unit can't show, and where the knowledge comes from.
+    `doubts`: what this unit can't show, and where the knowledge comes from. `something_off`:
+    whether no sound car has such values, even if the data don't decide between the causes.
     """
 
     verdict: CauseVerdict
@@ -137,6 +138,7 @@ class Ranking:
     not_seen: tuple[Text, ...]
     doubts: tuple[Text, ...]
     seconds: float
+    something_off: bool = False
 
     def as_json(self) -> dict[str, Any]:
         """Return the shape of the command line's contract."""

@@ -16,6 +16,7 @@ from mikas.catalog import Catalog, Fault, Meaning
 from mikas.catalog.conversion import NO_TEXT
 from mikas.catalog.ignition_only import is_absent
 from mikas.catalog.model import in_order
+from mikas.causes.result import CauseVerdict
 from mikas.guided.definition import VerdictKind
 from mikas.guided.result import TestResult
 from mikas.i18n import Text
@@ -25,6 +26,7 @@ from mikas.report.measurements.statistics import ChannelStatistics, is_inside
 from mikas.report.subject import ClearedFaults, ReportSubject
 
 FEWEST: Final = 5  # values at warm idle needed for a rating
+_NAMED: Final = (CauseVerdict.CAUSES, CauseVerdict.UNKNOWN)
 _LONG_ENOUGH: Final = 600.0  # s after which an erased fault should have come back
 
 
@@ -119,12 +121,16 @@ class Findings:
     @property
     def outcome(self) -> Outcome:
         """Attention: a fault, a value outside its reference, an alarm, retard for knock in many
-        readings, or a finding of a guided test. Good: none of these, the faults were read, none is
-        open, and some value was rated.
+        readings, a finding of a guided test, or a cause that the values speak for. Good: none of
+        these, the faults were read, none is open, and some value was rated.
         """
         crossed = self.measured.alarms or self.measured.knock.often_retarded
-        if self.real_faults or self.abnormal or crossed or self.failed_tests:
+        ranking = self.subject.causes
+        named = ranking is not None and ranking.verdict in _NAMED
+        if self.real_faults or self.abnormal or crossed or self.failed_tests or named:
             return Outcome.ATTENTION
+        if ranking is not None and ranking.something_off:
+            return Outcome.OPEN
         open_ones = any(is_open(self.subject, each) for each in self.cleared)
         known = self.rated and self.subject.faults is not None and not open_ones
         return Outcome.GOOD if known else Outcome.OPEN

@@ -40,7 +40,7 @@ from mikas.report.sections.freeze_frames import frame_section
 from mikas.report.sections.guided_tests import section as guided_section
 from mikas.report.sections.limitations import unknowns
 from mikas.report.sections.section import PageSection
-from mikas.report.sections.summary import HEADLINES, MARKS, summary_sentence
+from mikas.report.sections.summary import MARKS, headline, summary_sentence
 from mikas.report.subject import ClearedFaults
 
 if TYPE_CHECKING:
@@ -95,7 +95,7 @@ class _Page:
             "date": date.strftime(label("date")) if date else label("no_date"),
             "about": " · ".join((*found.subject.notes[:3], about)),
             "found": found,
-            "headline": HEADLINES[found.outcome].to(language),
+            "headline": headline(found).to(language),
             "verdict": summary_sentence(found).to(language),
             "car": list(self._car()),
             "unit": list(self._unit()),

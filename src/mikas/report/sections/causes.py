@@ -1,5 +1,10 @@
-"""The section on causes: the verdict in a sentence, the likeliest causes with what speaks for them,
-and where the knowledge comes from. Without enough data there is none.
+"""The causes: in the summary, and as a section of the page.
+
+Almost certainly: Air leak past the air meter.                  in the summary
+The verdict in a sentence, the likeliest causes with what       in the section
+speaks for them, and where the knowledge comes from
+
+Both say the same of a car, with the same certainty.
 """
 
 from __future__ import annotations
@@ -8,23 +13,58 @@ from typing import Final
 
 from markupsafe import Markup
 
-from mikas.causes.result import LIKELIHOODS, CauseVerdict, RankedCause
-from mikas.i18n import Language, Text
-from mikas.report.findings import Findings
+from mikas.causes.result import LIKELIHOODS, CauseVerdict, Likelihood, RankedCause, Ranking
+from mikas.i18n import Language, Text, joined
+from mikas.report.findings import Findings, Outcome
 from mikas.report.sections.section import PageSection, items, paragraph
 
 _TITLE: Final = Text("Causes", "Причины")
 _NOT_SEEN: Final = Text("Not seen: {kinds}.", "Не видно: {kinds}.")
+_NONE_SEEN: Final = Text(
+    "The values speak for none of the known causes; what the report names above remains.",
+    "Ни за одну из известных причин данные не говорят; сказанное в начале отчёта остаётся в силе.",
+)
 _MOST: Final = 3  # causes
 _EVIDENCE: Final = 3  # of each; the page prints on two sheets, or three
 
 
-def cause_section(found: Findings, language: Language) -> PageSection | None:
-    """Return the section of the causes; None where the data decide nothing."""
+def cause_sentences(found: Findings) -> tuple[Text, ...]:
+    """Return the sentence of the summary on the causes; none where the data decide nothing.
+
+    A sound verdict is no sentence beside a fault or a value that needs attention.
+    """
     ranking = found.subject.causes
-    if ranking is None or ranking.verdict is CauseVerdict.CANNOT_TELL:
+    if ranking is None:
+        return ()
+    if ranking.verdict is CauseVerdict.CAUSES:
+        return (_named(ranking),)
+    sound = ranking.verdict is CauseVerdict.SOUND and found.outcome is not Outcome.ATTENTION
+    return (ranking.text,) if sound or ranking.something_off else ()
+
+
+def _named(ranking: Ranking) -> Text:
+    """`Almost certainly: Air leak past the air meter.`: the leading cause, and all probable."""
+    named = [
+        joined(": ", (LIKELIHOODS[cause.likelihood], cause.text))
+        for place, cause in enumerate(ranking.causes)
+        if place == 0 or cause.likelihood is not Likelihood.POSSIBLE
+    ]
+    said = joined("; ", named)
+    return Text(*(f"{each[:1].upper()}{each[1:]}." for each in said))
+
+
+def cause_section(found: Findings, language: Language) -> PageSection | None:
+    """Return the section of the causes; None where the data decide nothing, unless something needs
+    attention: then it has the possible ones.
+    """
+    ranking = found.subject.causes
+    if ranking is None:
         return None
-    parts = [paragraph(ranking.text.to(language))]
+    attention = found.outcome is Outcome.ATTENTION or ranking.something_off
+    if ranking.verdict is CauseVerdict.CANNOT_TELL and not (attention and ranking.causes):
+        return None
+    beside = ranking.verdict is CauseVerdict.SOUND and attention
+    parts = [paragraph((_NONE_SEEN if beside else ranking.text).to(language))]
     parts += [_cause(cause, language) for cause in ranking.causes[:_MOST]]
     doubts = [doubt.to(language) for doubt in ranking.doubts]
     if ranking.not_seen:

@@ -1,4 +1,4 @@
-"""The summary in one sentence, and a description of how warm idle was found or why not."""
+"""The summary in a sentence or two, and a description of how warm idle was found or why not."""
 
 from __future__ import annotations
 
@@ -6,12 +6,14 @@ from collections.abc import Iterator
 from math import isfinite
 
 from mikas.catalog import Catalog
+from mikas.causes.result import CauseVerdict
 from mikas.i18n import Language, Text, counted, joined
 from mikas.recording.formatting import duration, moment, number, within
 from mikas.report.findings import BandPosition, Findings, Outcome, Unrated, is_open
 from mikas.report.measurements.knock import FAST, Knock
 from mikas.report.measurements.warm_idle import ENOUGH, SETTLING, RuleResult, WarmIdle
 from mikas.report.sections.alarm_texts import NOTED, alarm_summary
+from mikas.report.sections.causes import cause_sentences
 from mikas.report.subject import ClearedFaults
 
 HEADLINES = {
@@ -19,6 +21,9 @@ HEADLINES = {
     Outcome.ATTENTION: Text("Attention needed", "Есть на что обратить внимание"),
     Outcome.OPEN: Text("Not enough data for a conclusion", "Для вывода недостаточно данных"),
 }
+_NOTHING_FOUND = Text(
+    "Nothing found, but not everything was checked", "Отклонений не найдено, но проверено не всё"
+)
 MARKS = {
     BandPosition.INSIDE: Text("normal", "в норме"),
     BandPosition.LOW: Text("low", "ниже нормы"),
@@ -27,14 +32,21 @@ MARKS = {
 }
 
 
+def headline(found: Findings) -> Text:
+    """Return the outcome in words. Where the values speak against no cause, data were enough."""
+    ranking = found.subject.causes
+    sound = ranking is not None and ranking.verdict is CauseVerdict.SOUND
+    return _NOTHING_FOUND if sound and found.outcome is Outcome.OPEN else HEADLINES[found.outcome]
+
+
 def summary_sentence(found: Findings) -> Text:
-    """Return the summary: faults first, then alarms, then values, then guided tests."""
+    """Return the summary: causes first, then faults, alarms, values, and guided tests."""
     alarms = [alarm_summary(found)] if found.measured.alarms else []
     knock = _of_knock(found.measured.knock)
     unit = [_IGNITION_ONLY] if found.measured.ignition_only else []
     parts = (_of_faults(found), *unit, *alarms, *knock, *_of_values(found), *_of_tests(found))
     said = joined("; ", parts)
-    return Text(f"{said.en}.", f"{said.ru}.")
+    return joined(" ", (*cause_sentences(found), Text(f"{said.en}.", f"{said.ru}.")))
 
 
 _IGNITION_ONLY = Text(

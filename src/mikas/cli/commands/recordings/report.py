@@ -134,6 +134,7 @@ def _print_summary(context: CommandContext, out: Path, found: Findings) -> None:
             "out": str(out),
             "outcome": found.outcome.value,
             "verdict": verdict._asdict(),
+            "causes": None if found.subject.causes is None else found.subject.causes.as_json(),
             "faults": faults,
             "freeze_frames": [
                 picked(frame, "code", "without", "seen") | {"values": json_of(frame.then)}
