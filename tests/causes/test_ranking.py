@@ -11,10 +11,10 @@ from tools.causes.choose import without
 from mikas.causes.evidence import feature_texts
 from mikas.causes.judging import Judged
 from mikas.causes.knowledge import Complaint, load
-from mikas.causes.measurements import proposals
+from mikas.causes.measurements import hand_test, proposals
 from mikas.causes.model import Fit
 from mikas.causes.ranking import rank
-from mikas.causes.result import CauseVerdict, Likelihood, Ranking
+from mikas.causes.result import CauseVerdict, Likelihood, RankedCause, Ranking
 from mikas.causes.samples import Samples, samples_of
 from mikas.causes.weights import shipped
 
@@ -89,6 +89,59 @@ def _not_seen(ranking: Ranking) -> list[str]:
 def test_the_measurements_that_come_next_are_different_ones(name: str) -> None:
     proposed = [each.test for each in rank([_samples(name, 3.0, "warm-idle", 5)]).next]
     assert len(proposed) == len(set(proposed)) == 2
+
+
+def _alternator_or(name: str, likelihood: Likelihood, *shares: float) -> list[RankedCause]:
+    """The alternator as the leading cause, and another, with these probabilities."""
+    found = []
+    for each, share in zip(("alternator", name), shares, strict=True):
+        cause = load().causes[each]
+        found.append(
+            RankedCause(
+                cause.id, cause.variant, likelihood, share, cause.text, cause.check, (), (), "", ""
+            )
+        )
+    return found
+
+
+def test_what_the_unit_s_values_do_not_separate_is_measured_by_hand() -> None:
+    table, known = shipped().table, load()
+    two = _alternator_or("regulator-low", Likelihood.PROBABLE, 0.6, 0.3)
+    found = hand_test(two, table.names, table, known)  # all was seen
+    assert found is not None
+    test, pair = found
+    assert (test.test, test.guided, pair) == ("by-hand", False, ("alternator", "regulator-low"))
+    assert [each.cause for each in test.outcomes] == ["alternator", "regulator"]
+    assert [each.means for each in test.outcomes] == [known.causes[name].text for name in pair]
+    assert two[0].text.en in test.why.en
+    backwards = hand_test(two[::-1], table.names, table, known)
+    assert backwards is not None
+    assert backwards[0] == test
+
+
+def test_nothing_is_measured_by_hand_without_need() -> None:
+    table, known, probable = shipped().table, load(), Likelihood.PROBABLE
+    idle = [name for name in table.names if feature_texts()[name].seen == "idle"]
+    two = _alternator_or("regulator-low", probable, 0.6, 0.3)
+    assert hand_test(two, idle, table, known) is None  # a drive separates them
+    assert hand_test(two[:1], table.names, table, known) is None
+    assert hand_test([], table.names, table, known) is None
+    certain = _alternator_or("regulator-low", Likelihood.ALMOST_CERTAIN, 0.999, 0.001)
+    assert hand_test(certain, table.names, table, known) is None
+    both = _alternator_or("regulator-low", probable, 0.95, 0.9)
+    assert hand_test(both, table.names, table, known) is None
+    other = _alternator_or("radiator", probable, 0.5, 0.4)
+    assert hand_test(other, table.names, table, known) is None  # no file has a test
+
+
+def test_another_measurement_is_not_said_to_separate_what_the_hand_does() -> None:
+    table, known = shipped().table, load()
+    names = ("alternator", "regulator-low", "radiator")
+    judged = Judged(dict.fromkeys(names, 0.3), 0.0, 0.0, Fit((), (), 0.0, 1.0, 20, 1.0), 1.0, 9.0)
+    seen = [name for name in table.names if feature_texts()[name].seen != "long-drive"]
+    for each in proposals(judged, seen, table, known, names[:2]):
+        both = [known.causes[name].text.en in each.why.en for name in names[:2]]
+        assert not all(both), each.why.en
 
 
 def test_where_no_cause_leads_what_shows_most_of_the_missing_is_measured() -> None:

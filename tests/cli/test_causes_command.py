@@ -65,6 +65,20 @@ def test_causes_of_one_s_own_count_and_a_wrong_file_is_reported_with_its_line(mi
     assert "nonsense" in ran.err
 
 
+def test_what_the_unit_can_t_separate_is_measured_by_hand(mikas):
+    port = "--port", "sim:?clock=simulated&scenario=mixed&car=alternator:0.4"
+    ran = mikas(*port, "causes", "--duration", "700", "--capture", "weak.pcapng", "--json")
+    assert ran.status == 0
+    first, *others = ran.object["next"]
+    assert (first["test"], first["guided"]) == ("by-hand", False)
+    assert [each["cause"] for each in first["outcomes"]] == ["alternator", "regulator"]
+    assert others
+    assert not any(each["outcomes"] for each in others)
+    words = " ".join(mikas("causes", "weak.pcapng").out.split())
+    assert "A voltmeter at the battery’s terminals, at 2500 rpm" in words
+    assert "less than 13.2 V with all on: Alternator gives too little current" in words
+
+
 def test_files_of_different_cars_are_refused_with_their_names(mikas, tmp_path):
     for plate in ("A123BC77", "K456MH50"):
         mikas("log", "-o", f"{plate}.pcapng", "FREQ", "--count", "5", "--plate", plate)

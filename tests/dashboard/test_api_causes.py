@@ -36,7 +36,7 @@ def test_a_recording_has_its_causes_with_moments_and_the_next_measurement(tmp_pa
         assert evidence["recording"] == "leak.pcapng"
         rows = it.get("/recordings/leak.pcapng/rows", names="FREQ")["times"]
         assert all(rows[0] <= m["begin"] <= m["end"] <= rows[-1] for m in evidence["moments"])
-        assert {"test", "guided", "text", "why"} == found["next"][0].keys()
+        assert {"test", "guided", "text", "why", "outcomes"} == found["next"][0].keys()
         assert len(found["complaints"]) == 8
         again = {"with": ["leak.pcapng", "leak.pcapng"]}
         twice = it.get("/recordings/leak.pcapng/causes", complaint="hunts", **again)

@@ -7,7 +7,14 @@ from dataclasses import replace
 import pytest
 from report_harness import found, rows
 
-from mikas.causes.result import CauseVerdict, Likelihood, RankedCause, Ranking
+from mikas.causes.result import (
+    CauseVerdict,
+    Likelihood,
+    MeasurementOutcome,
+    NextMeasurement,
+    RankedCause,
+    Ranking,
+)
 from mikas.i18n import Text
 from mikas.report.findings import Findings, Outcome, find
 from mikas.report.page import render
@@ -106,6 +113,19 @@ def test_possible_causes_stand_beside_a_value_that_is_off_and_not_beside_sound_o
     well = with_causes(found(), CauseVerdict.CANNOT_TELL, UNDECIDED, possible)
     assert well.outcome is Outcome.GOOD
     assert "Air leak" not in render(well, "en")
+
+
+def test_the_next_measurement_stands_with_its_outcomes_but_not_for_a_sound_car() -> None:
+    outcome = MeasurementOutcome(Text("more than 13 V", "больше 13 В"), "leak", Text("Leak", "П"))
+    why = Text("It separates.", "Различит.")
+    hand = NextMeasurement("by-hand", False, Text("A voltmeter.", "Вольтметр."), why, (outcome,))
+    of = leaking()
+    assert of.subject.causes is not None
+    ranking = replace(of.subject.causes, next=(hand,))
+    page = render(find(replace(of.subject, causes=ranking), of.measured), "en")
+    assert "<p>A voltmeter. It separates.</p><ul><li>more than 13 V: Leak</li></ul>" in page
+    sound = replace(ranking, verdict=CauseVerdict.SOUND, causes=())
+    assert "A voltmeter." not in render(find(replace(of.subject, causes=sound), of.measured), "en")
 
 
 def test_a_sound_car_is_called_sound_and_what_was_not_checked_is_named() -> None:

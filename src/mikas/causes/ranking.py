@@ -27,13 +27,14 @@ from mikas.causes.judging import (
     with_own_causes,
 )
 from mikas.causes.knowledge import Complaint, Knowledge, KnownCause, load
-from mikas.causes.measurements import DRIVING, missing, proposals
-from mikas.causes.model import LikelihoodModel
+from mikas.causes.measurements import DRIVING, hand_test, missing, proposals
+from mikas.causes.model import LikelihoodModel, WeightTable
 from mikas.causes.regimes import drive_of
 from mikas.causes.result import (
     ORIGIN,
     CauseVerdict,
     Likelihood,
+    NextMeasurement,
     RankedCause,
     Ranking,
 )
@@ -170,10 +171,25 @@ def rank_observation(
     return Ranking(
         verdict, text, tuple(causes),
         () if verdict is CauseVerdict.SOUND and not not_seen
-        else proposals(judged, observation.deviations, table, known),
+        else _next(judged, causes, observation, table, known),
         not_seen, doubts, observation.seconds,
         something_off=not is_sound(judged, constants) and not may_be_sound(judged, constants),
     )  # fmt: skip
+
+
+def _next(
+    judged: Judged,
+    causes: Sequence[RankedCause],
+    observation: Observation,
+    table: WeightTable,
+    known: Knowledge,
+) -> tuple[NextMeasurement, ...]:
+    """Return a test by hand if there is one, then the measurements of the unit's values."""
+    seen = observation.deviations
+    if (found := hand_test(causes, seen, table, known)) is None:
+        return proposals(judged, seen, table, known)
+    test, separated = found
+    return (test, *proposals(judged, seen, table, known, separated))
 
 
 def _ranked(

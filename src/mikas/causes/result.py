@@ -105,13 +105,33 @@ class RankedCause:
 
 
 @dataclass(frozen=True, slots=True)
+class MeasurementOutcome:
+    """What may be found, and the cause that speaks for: its id, and its text."""
+
+    text: Text
+    cause: str
+    means: Text
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the shape of the command line's contract."""
+        return {
+            "text": json_of(self.text),
+            "cause": self.cause,
+            "means": json_of(self.means),
+        }
+
+
+@dataclass(frozen=True, slots=True)
 class NextMeasurement:
-    """What to measure next. `test`: a guided test's name, or `drive`, `cold-start`, `pull`."""
+    """What to measure next. `test`: a guided test's name, or `drive`, `long-drive`, or `by-hand`:
+    with a meter, or a part unplugged; that has its `outcomes`.
+    """
 
     test: str
     guided: bool
     text: Text
     why: Text
+    outcomes: tuple[MeasurementOutcome, ...] = ()
 
     def as_json(self) -> dict[str, Any]:
         """Return the shape of the command line's contract."""
@@ -120,6 +140,7 @@ class NextMeasurement:
             "guided": self.guided,
             "text": json_of(self.text),
             "why": json_of(self.why),
+            "outcomes": [each.as_json() for each in self.outcomes],
         }
 
 

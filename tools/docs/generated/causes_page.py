@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from mikas.catalog import Catalog, Confidence
 from mikas.causes.features.words import feature_texts
-from mikas.causes.knowledge import COMPLAINTS, KnownCause, load
+from mikas.causes.knowledge import COMPLAINTS, HandTest, KnownCause, load
 from mikas.i18n import Language, Text
 from tools.docs.generated.tables import CONFIDENCE, code, page, table
 
@@ -35,6 +35,16 @@ def causes(_: Catalog, language: Language) -> str:
             ("id|cause|looks like|confidence", "id|причина|похоже на|достоверность"),
             (_cause(each, language) for each in known),
         ),
+        apart=table(
+            language,
+            ("cause|or|what to do|the cause|the other", "причина|или|что сделать|эта|другая"),
+            (
+                (code(each.name), code(other), *(it.to(language) for it in _texts(test)))
+                for each in known
+                if each.name == _first_of(each.id, known)
+                for other, test in each.apart.items()
+            ),
+        ),
         features=table(
             language,
             ("name|what it is|unit|seen in", "имя|что это|единица|когда виден"),
@@ -49,6 +59,15 @@ def causes(_: Catalog, language: Language) -> str:
             ),
         ),
     )
+
+
+def _first_of(identity: str, known: list[KnownCause]) -> str:
+    """Return the first direction of a cause: all have the same tests by hand."""
+    return next(each.name for each in known if each.id == identity)
+
+
+def _texts(test: HandTest) -> tuple[Text, Text, Text]:
+    return test.do, test.this, test.other
 
 
 def _cause(cause: KnownCause, language: Language) -> tuple[str, ...]:

@@ -2,13 +2,14 @@
 
 How strongly a cause shows is in the tables of `weights`, for the shipped ones. A user's own file
 in the folder `causes` beside the config file says it itself, under `[effects]`: by feature, in
-spreads of sound cars, at an amount that is noticed (docs/reference/causes.md).
+spreads of sound cars, at an amount that is noticed (docs/reference/causes.md). `[apart.OTHER]` has
+what separates a cause from another by hand, where the unit's values don't.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 from functools import cache
@@ -67,11 +68,21 @@ COMPLAINTS: Final[Mapping[Complaint, Text]] = {
 
 
 @dataclass(frozen=True, slots=True)
+class HandTest:
+    """What to do with a meter or by hand, and what is seen with `this` cause and with `other`."""
+
+    do: Text
+    this: Text
+    other: Text
+
+
+@dataclass(frozen=True, slots=True)
 class KnownCause:
     """One cause, in one direction (`variant`), as its file has it.
 
     `effects`: of a user's cause, by feature, in spreads at a noticeable amount; the shipped ones
-    have theirs in the tables.
+    have theirs in the tables. `apart`: what separates the cause by hand from another, by the id of
+    that or, of one direction, its name.
     """
 
     id: str
@@ -85,11 +96,21 @@ class KnownCause:
     confidence: str
     source: str
     effects: Mapping[str, float] = field(default_factory=dict)
+    apart: Mapping[str, HandTest] = field(default_factory=dict)
 
     @property
     def name(self) -> str:
         """The name in the tables: the id, and the direction where there are several."""
-        return f"{self.id}-{self.variant}" if self.variant else self.id
+        return name_of(self.id, self.variant)
+
+    def apart_from(self, other: KnownCause) -> HandTest | None:
+        """Return what separates this cause from `other` by hand, as this one's file has it."""
+        return self.apart.get(other.name) or self.apart.get(other.id)
+
+
+def name_of(identity: str, variant: str) -> str:
+    """Return the name of a cause in one direction; without one, the id."""
+    return f"{identity}-{variant}" if variant else identity
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,6 +124,7 @@ class Knowledge:
 _DIRECTIONS: Final = ("low", "high", "open", "short")
 _COMPLAINT: Final = choice(Complaint, *Complaint)
 _ID: Final = re.compile(r"[a-z][a-z0-9_]{0,39}")
+_HAND_TEST: Final[Schema] = {"do": TEXT, "this": TEXT, "other": TEXT}
 
 
 def _list_of(reader: Reader, most: int) -> Reader:
@@ -136,6 +158,7 @@ FORM: Final[Schema] = {
     **{f"text_{direction}": TEXT for direction in _DIRECTIONS},
     "check": TEXT,
     "effects": {ANY: between(-100, 100)},
+    "apart": {ANY: _HAND_TEST},
 }
 
 
@@ -147,15 +170,35 @@ def load(folder: Path | None = None) -> Knowledge:
     causes = {cause.name: cause for cause in _shipped()}
     files, problems = own_files(folder)
     errors = [*problems]
+    loaded = []
     for path in files:
         try:
-            own = from_source(read_source(path), own=True)
+            source = read_source(path)
+            loaded.append((source, from_source(source, own=True)))
         except CatalogError as error:
             errors.append(error)
+    there = {*causes, *(cause.name for _, own in loaded for cause in own)}
+    for source, own in loaded:
+        if (wrong := _unknown_other(source, own, there)) is not None:
+            errors.append(wrong)
             continue
         causes = {name: each for name, each in causes.items() if each.id != own[0].id}
         causes |= {cause.name: cause for cause in own}
     return Knowledge(causes, tuple(errors))
+
+
+def _unknown_other(
+    source: CatalogFile, own: tuple[KnownCause, ...], there: Collection[str]
+) -> CatalogError | None:
+    """Return the error for an `[apart.OTHER]` of no cause; None: there is none."""
+    ids = {name.partition("-")[0] for name in there}
+    for other in own[0].apart:
+        if (other not in ids and other not in there) or other.partition("-")[0] == own[0].id:
+            return source.wrong(
+                ("apart", other),
+                Text("is not the id of another cause", "это не id другой причины"),
+            )
+    return None
 
 
 @cache
@@ -185,6 +228,7 @@ def from_source(source: CatalogFile, *, own: bool = False) -> tuple[KnownCause, 
                 ("effects", name),
                 Text("is no feature (docs/reference/causes.md)", "нет такого признака"),
             )
+    apart = {other: _hand_test(source, other, its) for other, its in keys.get("apart", {}).items()}
     return tuple(
         KnownCause(
             id=keys["id"],
@@ -198,9 +242,18 @@ def from_source(source: CatalogFile, *, own: bool = False) -> tuple[KnownCause, 
             confidence=keys.get("confidence", "unconfirmed"),
             source=keys.get("source", ""),
             effects={name: float(value) for name, value in effects.items()},
+            apart=apart,
         )
         for variant, text in texts.items()
     )
+
+
+def _hand_test(source: CatalogFile, other: str, keys: Mapping[str, Mapping[str, str]]) -> HandTest:
+    """Return the three texts. Raises `CatalogError` where one is missing."""
+    for key in _HAND_TEST:
+        if not any(keys.get(key, {}).values()):
+            raise source.wrong(("apart", other), Text(f"needs `{key}`", f"нужен `{key}`"))
+    return HandTest(**{key: _both(keys[key]) for key in _HAND_TEST})
 
 
 def _both(keys: Mapping[str, str]) -> Text:

@@ -13,7 +13,14 @@ from typing import Final
 
 from markupsafe import Markup
 
-from mikas.causes.result import LIKELIHOODS, CauseVerdict, Likelihood, RankedCause, Ranking
+from mikas.causes.result import (
+    LIKELIHOODS,
+    CauseVerdict,
+    Likelihood,
+    NextMeasurement,
+    RankedCause,
+    Ranking,
+)
 from mikas.i18n import Language, Text, joined
 from mikas.report.findings import Findings, Outcome
 from mikas.report.sections.section import PageSection, items, paragraph
@@ -24,6 +31,7 @@ _NONE_SEEN: Final = Text(
     "The values speak for none of the known causes; what the report names above remains.",
     "Ни за одну из известных причин данные не говорят; сказанное в начале отчёта остаётся в силе.",
 )
+_NEXT: Final = Text("What to measure next", "Что измерить дальше")
 _MOST: Final = 3  # causes
 _EVIDENCE: Final = 3  # of each; the page prints on two sheets, or three
 
@@ -66,12 +74,21 @@ def cause_section(found: Findings, language: Language) -> PageSection | None:
     beside = ranking.verdict is CauseVerdict.SOUND and attention
     parts = [paragraph((_NONE_SEEN if beside else ranking.text).to(language))]
     parts += [_cause(cause, language) for cause in ranking.causes[:_MOST]]
+    if ranking.next and ranking.verdict is not CauseVerdict.SOUND:
+        parts.append(Markup("<h3>{}</h3>").format(_NEXT.to(language)))
+        parts += [_next(each, language) for each in ranking.next]
     doubts = [doubt.to(language) for doubt in ranking.doubts]
     if ranking.not_seen:
         kinds = ", ".join(kind.to(language) for kind in ranking.not_seen)
         doubts.insert(0, _NOT_SEEN.filled(kinds=kinds).to(language))
     parts.append(Markup("<p class='small quiet'>{}</p>").format(" ".join(doubts)))
     return PageSection(_TITLE.to(language), Markup("").join(parts))
+
+
+def _next(measurement: NextMeasurement, language: Language) -> Markup:
+    text = paragraph(f"{measurement.text.to(language)} {measurement.why.to(language)}")
+    outcomes = [joined(": ", (it.text, it.means)).to(language) for it in measurement.outcomes]
+    return text + items(outcomes) if outcomes else text
 
 
 def _cause(cause: RankedCause, language: Language) -> Markup:

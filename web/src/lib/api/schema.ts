@@ -172,17 +172,27 @@ export interface components {
             speaks_for: components["schemas"]["CauseEvidence"][];
             speaks_against: components["schemas"]["CauseEvidence"][];
         };
-        /** @description What to measure next; `guided`: `test` is the name of a guided test. */
+        /**
+         * @description What to measure next; `guided`: `test` is the name of a guided test. `outcomes`: of a test by
+         *     hand.
+         */
         CauseMeasurement: {
             test: string;
             guided: boolean;
             text: components["schemas"]["TwoTexts"];
             why: components["schemas"]["TwoTexts"];
+            outcomes: components["schemas"]["CauseOutcome"][];
         };
         /** @description A span of time in which an evidence was seen, UNIX seconds. */
         CauseMoment: {
             begin: number;
             end: number;
+        };
+        /** @description What a measurement may find, and the cause that speaks for: its id, and its text. */
+        CauseOutcome: {
+            text: components["schemas"]["TwoTexts"];
+            cause: string;
+            means: components["schemas"]["TwoTexts"];
         };
         /**
          * @description What the values say in all. `UNKNOWN`: something is off that no known cause explains.

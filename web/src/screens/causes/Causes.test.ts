@@ -22,8 +22,8 @@ const answer: Causes = {
     },
   ],
   next: [
-    { test: "idle", guided: true, text: words("Let it idle."), why: words("It separates.") },
-    { test: "drive", guided: false, text: words("Drive."), why: words("It separates.") },
+    { test: "idle", guided: true, text: words("Let it idle."), why: words("It separates."), outcomes: [] },
+    { test: "drive", guided: false, text: words("Drive."), why: words("It separates."), outcomes: [] },
   ],
   not_seen: [words("a cold start")],
   doubts: [words("Not from cars.")],
@@ -77,6 +77,22 @@ it("the next measurement starts as a guided test; a drive is only described", as
   await fireEvent.click(screen.getByRole("button", { name: "Start the test" }));
   await waitFor(() => expect(asked.some(({ method, path }) => method === "POST" && path === "/tests/idle/start")).toBe(true));
   await waitFor(() => expect(stores.route.screen).toBe("tests"));
+});
+
+it("a test by hand is described with what each outcome means, and starts nothing", async () => {
+  const outcomes = [
+    { text: words("13.6 V or more"), cause: "alternator", means: words("Weak alternator") },
+    { text: words("less than 13.6 V"), cause: "regulator", means: words("Regulator set low") },
+  ];
+  const by_hand = { test: "by-hand", guided: false, text: words("A voltmeter."), why: words("The unit's values don't."), outcomes };
+  await shown({ "/causes": { ...answer, next: [by_hand] }, ...EMPTY });
+  const card = document.querySelector("[data-next=by-hand]")!;
+  expect(card.textContent).toContain("A voltmeter.");
+  expect([...card.querySelectorAll("li")].map((it) => it.textContent)).toEqual([
+    "13.6 V or more: Weak alternator",
+    "less than 13.6 V: Regulator set low",
+  ]);
+  expect(card.querySelector("button")).toBeNull();
 });
 
 it("of a recording in the address its causes are asked for", async () => {

@@ -152,6 +152,8 @@ class _Page:
             command = f" (mikas test {each.test})" if each.guided else ""
             output.line(f"  {localized(each.text)}{command}")
             output.line(f"    {localized(each.why)}")
+            for outcome in each.outcomes:
+                output.line(f"    - {localized(outcome.text)}: {localized(outcome.means)}")
         output.line()
         if ranking.not_seen:
             missing = ", ".join(map(localized, ranking.not_seen))

@@ -19,6 +19,7 @@ from mikas.causes.result import (
     CauseVerdict,
     Evidence,
     Likelihood,
+    NextMeasurement,
     RankedCause,
     Ranking,
 )
@@ -74,13 +75,24 @@ class CauseInfo(BaseModel):
     speaks_against: list[CauseEvidence]
 
 
+class CauseOutcome(BaseModel):
+    """What a measurement may find, and the cause that speaks for: its id, and its text."""
+
+    text: TwoTexts
+    cause: str
+    means: TwoTexts
+
+
 class CauseMeasurement(BaseModel):
-    """What to measure next; `guided`: `test` is the name of a guided test."""
+    """What to measure next; `guided`: `test` is the name of a guided test. `outcomes`: of a test by
+    hand.
+    """
 
     test: str
     guided: bool
     text: TwoTexts
     why: TwoTexts
+    outcomes: list[CauseOutcome]
 
 
 class ComplaintInfo(BaseModel):
@@ -172,10 +184,7 @@ def _response(ranking: Ranking, knowledge: Knowledge, names: Sequence[str]) -> C
         verdict=ranking.verdict,
         text=two(ranking.text),
         causes=[_cause(each, names) for each in ranking.causes],
-        next=[
-            CauseMeasurement(test=it.test, guided=it.guided, text=two(it.text), why=two(it.why))
-            for it in ranking.next
-        ],
+        next=[_measurement(each) for each in ranking.next],
         not_seen=[two(each) for each in ranking.not_seen],
         doubts=[two(each) for each in ranking.doubts],
         seconds=max(0.0, ranking.seconds),
@@ -183,6 +192,19 @@ def _response(ranking: Ranking, knowledge: Knowledge, names: Sequence[str]) -> C
         errors=[
             CauseFileError(file=it.file, line=it.line, text=two(it.problem))
             for it in knowledge.errors
+        ],
+    )
+
+
+def _measurement(measurement: NextMeasurement) -> CauseMeasurement:
+    return CauseMeasurement(
+        test=measurement.test,
+        guided=measurement.guided,
+        text=two(measurement.text),
+        why=two(measurement.why),
+        outcomes=[
+            CauseOutcome(text=two(it.text), cause=it.cause, means=two(it.means))
+            for it in measurement.outcomes
         ],
     )
 
