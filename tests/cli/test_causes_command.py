@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sys
+
 import pytest
 
 LEAK = "duration = 400\n[start]\nrunning = true\ncoolant = 86\n[condition]\nleak = 9\n"
@@ -50,6 +52,25 @@ def test_people_read_the_verdict_the_moments_and_the_doubt(mikas, leaking):
     russian = mikas("causes", "leak.pcapng", "--lang", "ru").out
     assert "1. Почти наверняка: Подсос воздуха" in russian
     assert "Что измерить дальше:" in russian
+
+
+@pytest.mark.parametrize("columns", [60, 80])
+@pytest.mark.parametrize("language", ["en", "ru"])
+def test_a_terminal_shows_whole_words_within_its_width(
+    mikas, leaking, monkeypatch, columns, language
+):
+    command = "causes", "leak.pcapng", "--lang", language
+    plain = mikas(*command)
+    assert max(map(len, plain.lines)) > 100  # a paragraph is a line for the next program
+    monkeypatch.setenv("COLUMNS", str(columns))
+    monkeypatch.setattr(sys.stdout, "isatty", lambda: True)
+    wrapped = mikas(*command)
+    assert max(map(len, wrapped.lines)) <= columns
+    assert sorted(wrapped.out.split()) == sorted(plain.out.split())  # no word is cut or lost
+    check = next(it for it in wrapped.lines if it.strip().startswith(("Check:", "Проверить:")))
+    following = wrapped.lines[wrapped.lines.index(check) + 1]
+    assert following.startswith("   ")
+    assert len(following) - len(following.lstrip()) == 3
 
 
 def test_causes_of_one_s_own_count_and_a_wrong_file_is_reported_with_its_line(mikas, leaking):

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 SCHEMA = 1
 _PIECE = 1 << 16
+_NARROWEST = 20  # columns that a paragraph is wrapped to
 T = TypeVar("T")
 
 
@@ -57,6 +58,25 @@ class Output:
     def line(self, text: str = "") -> None:
         """Print one line on stdout."""
         terminal.write_out(f"{text}\n")
+
+    def paragraph(self, text: str, first: str = "", rest: str | None = None) -> None:
+        """Print a paragraph on stdout: on a terminal wrapped at words, elsewhere on one line.
+
+        `first` stands before its first line, `rest` before each other: as many blanks.
+        """
+        from shutil import get_terminal_size
+        from textwrap import wrap
+
+        if not sys.stdout.isatty():
+            self.line(first + text)
+            return
+        width = max(_NARROWEST, get_terminal_size().columns)
+        indent = " " * len(first) if rest is None else rest
+        lines = wrap(
+            terminal.cell_text(text), width, initial_indent=first, subsequent_indent=indent,
+            break_on_hyphens=False,
+        )  # fmt: skip
+        self.line("\n".join(lines))
 
     def result(self, value: Mapping[str, Any], text: str) -> None:
         """Print `value` as JSON, or `text` for people."""

@@ -142,7 +142,7 @@ class _Page:
     def show(self, ranking: Ranking) -> None:
         """Print the verdict, the causes, the next measurements, the missing and the doubts."""
         output = self._output
-        output.line(localized(ranking.text))
+        output.paragraph(localized(ranking.text))
         for number, cause in enumerate(ranking.causes, 1):
             self._show_cause(number, cause)
         if ranking.next:
@@ -150,16 +150,17 @@ class _Page:
             output.line(tr("Measure next:", "Что измерить дальше:"))
         for each in ranking.next:
             command = f" (mikas test {each.test})" if each.guided else ""
-            output.line(f"  {localized(each.text)}{command}")
-            output.line(f"    {localized(each.why)}")
+            output.paragraph(f"{localized(each.text)}{command}", "  ")
+            output.paragraph(localized(each.why), "    ")
             for outcome in each.outcomes:
-                output.line(f"    - {localized(outcome.text)}: {localized(outcome.means)}")
+                words = f"{localized(outcome.text)}: {localized(outcome.means)}"
+                output.paragraph(words, "    - ")
         output.line()
         if ranking.not_seen:
             missing = ", ".join(map(localized, ranking.not_seen))
-            output.line(tr(f"Not seen: {missing}.", f"Не видно: {missing}."))
+            output.paragraph(tr(f"Not seen: {missing}.", f"Не видно: {missing}."))
         for doubt in ranking.doubts:
-            output.line(localized(doubt))
+            output.paragraph(localized(doubt))
 
     def _show_cause(self, number: int, cause: RankedCause) -> None:
         from mikas.causes.result import LIKELIHOODS
@@ -167,12 +168,12 @@ class _Page:
         output = self._output
         likely = capital(localized(LIKELIHOODS[cause.likelihood]))
         output.line()
-        output.line(f"{number}. {likely}: {localized(cause.text)}")
+        output.paragraph(f"{likely}: {localized(cause.text)}", f"{number}. ")
         rows = [["  +", *self._cells(each)] for each in cause.evidence_for]
         rows += [["  −", *self._cells(each)] for each in cause.evidence_against]
         if rows:
             output.table([], rows)
-        output.line(f"   {tr('Check', 'Проверить')}: {localized(cause.check)}")
+        output.paragraph(f"{tr('Check', 'Проверить')}: {localized(cause.check)}", "   ")
 
     def _cells(self, evidence: Evidence) -> list[str]:
         return [localized(evidence.text), self._moments(evidence)]
