@@ -8,6 +8,7 @@ import pytest
 from tools.causes.cars import Car, columns_of
 from tools.causes.choose import without
 
+from mikas.catalog import shipped as catalog
 from mikas.causes.evidence import feature_texts
 from mikas.causes.judging import Judged
 from mikas.causes.knowledge import Complaint, load
@@ -17,6 +18,10 @@ from mikas.causes.ranking import rank
 from mikas.causes.result import CauseVerdict, Likelihood, RankedCause, Ranking
 from mikas.causes.samples import Samples, samples_of
 from mikas.causes.weights import shipped
+from mikas.virtual.cars import EngineCar
+from mikas.virtual.defects.choosing import car_of
+from mikas.virtual.model.engine import Engine
+from mikas.virtual.scenarios.scenario import SCENARIOS
 
 
 @cache
@@ -75,6 +80,7 @@ def test_what_no_cause_explains_names_no_causes_below(monkeypatch: pytest.Monkey
     several = rank([samples], weights=less)
     assert (several.verdict, bool(several.causes)) == (CauseVerdict.UNKNOWN, True)
     assert "below" in several.text.en
+    assert several.causes[0].text.en in several.text.en
 
 
 CALM, HARD = 22, 21
@@ -85,9 +91,12 @@ def _not_seen(ranking: Ranking) -> list[str]:
     return [text.en for text in ranking.not_seen]
 
 
-@pytest.mark.parametrize("name", ["throttle_stops-open", "leak", "thermostat", "regulator-high"])
-def test_the_measurements_that_come_next_are_different_ones(name: str) -> None:
-    proposed = [each.test for each in rank([_samples(name, 3.0, "warm-idle", 5)]).next]
+@pytest.mark.parametrize(
+    ("name", "amount"),
+    [("throttle_stops-open", 3.0), ("leak", 1.0), ("thermostat", 3.0), ("regulator-high", 3.0)],
+)
+def test_the_measurements_that_come_next_are_different_ones(name: str, amount: float) -> None:
+    proposed = [each.test for each in rank([_samples(name, amount, "warm-idle", 5)]).next]
     assert len(proposed) == len(set(proposed)) == 2
 
 
@@ -194,3 +203,35 @@ def test_too_little_is_never_said_to_be_unknown() -> None:
     )
     assert rank([whole], weights=less).verdict is CauseVerdict.UNKNOWN
     assert rank([begun], weights=less).verdict is CauseVerdict.CANNOT_TELL
+
+
+def test_an_idle_that_never_holds_is_named_and_measured_next() -> None:
+    unit = EngineCar(Engine(car_of("leak:13").applied_to(SCENARIOS["warm-idle"])), catalog())
+    names = ("FREQ", "FREQX", "THR", "RXX", "TWAT", "JAIR")
+    times = [0.25 * step for step in range(720)]
+    columns: dict[str, list[float]] = {name: [] for name in names}
+    for time in times:
+        for name in names:
+            parameter = catalog().parameter(name)
+            columns[name].append(float(parameter.decode(unit.raw(parameter.code, time))))
+    swinging = rank([samples_of(times, columns)], complaint=Complaint.IDLES_HIGH)
+    assert swinging.verdict is CauseVerdict.CANNOT_TELL
+    assert "swings from 1" in swinging.text.en
+    assert "плавают от 1" in swinging.text.ru
+    assert [each.test for each in swinging.next] == ["idle", "drive"]
+
+
+def test_an_engine_that_does_not_start_is_not_to_be_driven() -> None:
+    whole = _samples(drive="start", seed=3)
+    begin = next(
+        at for at, rpm in zip(whole.times, whole.columns["FREQ"], strict=True) if rpm > 400
+    )
+    rows = [row for row, time in enumerate(whole.times) if time < begin]
+    cranked = Samples(
+        [whole.times[row] for row in rows],
+        {name: [column[row] for row in rows] for name, column in whole.columns.items()},
+    )
+    ranking = rank([cranked])
+    assert ranking.verdict is CauseVerdict.CANNOT_TELL
+    assert "did not run" in ranking.text.en
+    assert {each.test for each in ranking.next} <= {"cranking"}

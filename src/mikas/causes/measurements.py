@@ -106,21 +106,26 @@ def proposals(
     table: WeightTable,
     known: Knowledge,
     by_hand: Collection[str] = (),
+    *,
+    starts: bool = True,
+    swinging: bool = False,
 ) -> tuple[NextMeasurement, ...]:
     """Return the measurements that separate the causes best, each once, the most useful first.
 
-    `by_hand`: two causes that a test by hand separates: these are not said to do so.
+    `by_hand`: two causes that a test by hand separates: these are not said to do so. `starts`:
+    whether the engine does; else only what can be done without. `swinging`: its idle never holds.
     """
     if judged is None:
-        chosen = [each for each in MEASUREMENTS if each.name in ("warmup", "drive")]
+        first = "idle" if swinging else "warmup"
+        chosen = [each for each in MEASUREMENTS if each.name in (first, "drive")]
         return tuple(_next(each, _BEGIN) for each in chosen)
     weights = {name: share for name, share in judged.probability.items() if share > LIKELY}
     if judged.sound > LIKELY:
         weights[SOUND] = judged.sound
     rest = set(table.names) - set(seen)
     proposed: list[NextMeasurement] = []
-    left = list(MEASUREMENTS)
-    for _ in range(MOST):
+    left = [each for each in MEASUREMENTS if starts or each.name == "cranking"]
+    for _ in range(min(MOST, len(left))):
         worth = {m.name: _worth(m, weights, rest, table) for m in left}
         best = max(left, key=lambda m: worth[m.name])
         if worth[best.name] < WORTH:
@@ -129,7 +134,7 @@ def proposals(
         pairs = _separated(best, weights, rest, table) - {frozenset(by_hand)}
         proposed.append(_next(best, _why(weights, pairs, known)))
         rest -= _shown(best, rest)
-    if not proposed and missing(seen):  # no cause leads: nothing is there to be separated
+    if not proposed and left and missing(seen):  # no cause leads: nothing is there to be separated
         proposed.append(_next(max(left, key=lambda m: len(_shown(m, rest))), _BEGIN))
     return tuple(proposed)
 

@@ -29,7 +29,7 @@ from mikas.causes.judging import (
 from mikas.causes.knowledge import Complaint, Knowledge, KnownCause, load
 from mikas.causes.measurements import DRIVING, hand_test, missing, proposals
 from mikas.causes.model import LikelihoodModel, WeightTable
-from mikas.causes.regimes import drive_of
+from mikas.causes.regimes import drive_of, swings
 from mikas.causes.result import (
     ORIGIN,
     CauseVerdict,
@@ -52,7 +52,10 @@ LEAST_STANDING: Final = 4  # of an engine that was cranked and did not run
 
 @dataclass(frozen=True, slots=True)
 class Observation:
-    """What was seen of a car: deviations of sound cars by feature, and where each comes from."""
+    """What was seen of a car: deviations of sound cars by feature, and where each comes from.
+
+    `swinging`: the speeds between which an idle went up and down that never held; else None.
+    """
 
     deviations: Mapping[str, float]
     seen: Mapping[str, Seen]
@@ -60,6 +63,7 @@ class Observation:
     sources: Mapping[str, int]
     seconds: float
     ran: bool
+    swinging: tuple[float, float] | None = None
 
 
 def rank(
@@ -111,6 +115,7 @@ class Observer:
         self._count = 0
         self._seconds = 0.0
         self._ran = False
+        self._swinging: tuple[float, float] | None = None
 
     def add(self, samples: Samples, absent: Collection[str] = ()) -> None:
         """Add the features of samples; `absent`: as in `rank`."""
@@ -121,6 +126,7 @@ class Observer:
         if drive is None:
             return
         self._ran = self._ran or bool(drive.running)
+        self._swinging = swings(drive) or self._swinging
         context = context_of(View(drive))
         if self._context is None:
             self._context = context
@@ -135,7 +141,9 @@ class Observer:
         for name, several in self._deviations.items():
             values[name] = sum(each[0] for each in several) / len(several)
             _, sources[name], seen[name] = max(several, key=lambda each: abs(each[0]))
-        return Observation(values, seen, self._context or {}, sources, self._seconds, self._ran)
+        return Observation(
+            values, seen, self._context or {}, sources, self._seconds, self._ran, self._swinging
+        )
 
 
 def rank_observation(
@@ -154,10 +162,12 @@ def rank_observation(
     cranked = "crank-speed" in observation.deviations
     least = LEAST if observation.ran or not cranked else LEAST_STANDING
     if len(observation.deviations) < least or not (observation.ran or cranked):
-        text = _TOO_LITTLE if observation.ran or not observation.deviations else _STOOD
         return Ranking(
-            CauseVerdict.CANNOT_TELL, text, (),
-            proposals(None, observation.deviations, table, known),
+            CauseVerdict.CANNOT_TELL, _too_little(observation), (),
+            proposals(
+                None, observation.deviations, table, known,
+                swinging=observation.swinging is not None,
+            ),
             not_seen, doubts, observation.seconds,
         )  # fmt: skip
     before = weights_beforehand(known, table, complaint, faults)
@@ -165,7 +175,7 @@ def rank_observation(
     model = LikelihoodModel(table, observation.deviations)
     judged = judge(suppose(model, before, constants.unknown_width), constants, weights.usual)
     causes = _ranked(judged, model, observation, known, weights)
-    verdict, text = _verdict(judged, causes, constants, not_seen, observation.seconds)
+    verdict, text = _verdict(judged, causes, constants, not_seen, observation)
     if is_sound(judged, constants):
         causes = ()
     return Ranking(
@@ -186,6 +196,8 @@ def _next(
 ) -> tuple[NextMeasurement, ...]:
     """Return a test by hand if there is one, then the measurements of the unit's values."""
     seen = observation.deviations
+    if not observation.ran:
+        return proposals(judged, seen, table, known, starts=False)
     if (found := hand_test(causes, seen, table, known)) is None:
         return proposals(judged, seen, table, known)
     test, separated = found
@@ -244,6 +256,26 @@ def _verdict(
     causes: Sequence[RankedCause],
     constants: JudgingConstants,
     not_seen: Sequence[Text],
+    observation: Observation,
+) -> tuple[CauseVerdict, Text]:
+    verdict, text = _verdict_of_running(judged, causes, constants, not_seen, observation.seconds)
+    if verdict is CauseVerdict.CANNOT_TELL and not observation.ran:
+        return verdict, _NOT_STARTED  # who can't start it can't drive it
+    return verdict, text
+
+
+def _too_little(observation: Observation) -> Text:
+    if observation.swinging is not None:
+        low, high = (f"{round(rpm, -1):.0f}" for rpm in observation.swinging)
+        return _SWINGS.filled(low=low, high=high)
+    return _TOO_LITTLE if observation.ran or not observation.deviations else _STOOD
+
+
+def _verdict_of_running(
+    judged: Judged,
+    causes: Sequence[RankedCause],
+    constants: JudgingConstants,
+    not_seen: Sequence[Text],
     seconds: float,
 ) -> tuple[CauseVerdict, Text]:
     if is_sound(judged, constants):
@@ -256,7 +288,8 @@ def _verdict(
     if is_unknown(judged, causes[0].probability if causes else 0.0, constants):
         if seconds < SHORT:
             return CauseVerdict.CANNOT_TELL, _SEVERAL_DRIVE_IT
-        return CauseVerdict.UNKNOWN, _A_PART if causes else _UNKNOWN
+        text = _A_PART.filled(cause=causes[0].text) if causes else _UNKNOWN
+        return CauseVerdict.UNKNOWN, text
     if not causes or causes[0].probability < constants.named:
         return CauseVerdict.CANNOT_TELL, _SEVERAL_DRIVE_IT if DRIVING in not_seen else _SEVERAL
     return CauseVerdict.CAUSES, _FOUND.filled(cause=causes[0].text)
@@ -279,9 +312,10 @@ _UNKNOWN: Final = Text(
     "Что-то не так, но ни одна известная здесь причина этого не объясняет.",
 )
 _A_PART: Final = Text(
-    "Something is off, and no cause known here explains it. The causes below explain a part.",
-    "Что-то не так, но ни одна известная здесь причина этого не объясняет. Причины ниже объясняют "
-    "лишь часть.",
+    "Something is off, and no cause known here explains all of it; the causes below explain a "
+    "part. The likeliest of them: {cause}.",
+    "Что-то не так; целиком этого не объясняет ни одна известная здесь причина, причины ниже "
+    "объясняют часть. Вероятнее других: {cause}.",
 )
 _UNDECIDED: Final = Text(
     "These data don't decide between several causes and a sound engine.",
@@ -303,6 +337,16 @@ _SEVERAL_DRIVE_IT: Final = Text(
 _TOO_LITTLE: Final = Text(
     "Can't tell: too little was seen. Record a start, some idle and a drive.",
     "Сказать нельзя: данных мало. Запишите пуск, холостой ход и поездку.",
+)
+_SWINGS: Final = Text(
+    "Can't tell yet: with the throttle closed the speed swings from {low} to {high} rpm, and is "
+    "never steady enough to be compared with a sound engine's idle. The idle test looks into it.",
+    "Пока сказать нельзя: при закрытом дросселе обороты плавают от {low} до {high} об/мин, и "
+    "сравнить их с холостым ходом исправной машины нельзя. Причину ищет проверка холостого хода.",
+)
+_NOT_STARTED: Final = Text(
+    "The engine was cranked and did not run; these data don't decide why.",
+    "Двигатель прокручивали, но он не заработал; почему — по этим данным не решить.",
 )
 _STOOD: Final = Text("Can't tell: the engine did not run.", "Сказать нельзя: двигатель не работал.")
 _IGNITION_ONLY: Final = Text(

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from itertools import pairwise
 from math import isnan, nan
 from typing import Final
 
@@ -28,6 +29,8 @@ STEADY: Final = 260.0  # rpm within `SETTLING`
 SILENT: Final = 4.0  # s without a reading, after which an engine that stands was switched off
 IDLING: Final = 0.02  # kg/h of air a rpm: more is a load
 RESTING: Final = 8.0  # s at one opening, as a foot that holds a speed seldom rests
+SWINGING: Final = 30.0  # s of a speed that never holds, with the throttle closed
+SWINGS: Final = 4  # rises meanwhile
 COASTED: Final = 1.4  # times the speed between which a closed throttle is seen
 
 
@@ -51,7 +54,8 @@ class DriveByRegime:
     """Samples with the regime of each row. `starts`: rows in which the engine began to run.
 
     `run_time`: seconds of running so far, NaN while it stands; `closed`: the closed throttle, %,
-    0 if the pedal was never let go (`let_go`).
+    0 if the pedal was never let go (`let_go`). `unsettled`: rows of a closed throttle at a speed
+    that never held, so that they are no idle.
     """
 
     samples: Samples
@@ -63,6 +67,7 @@ class DriveByRegime:
     run_time: Column
     closed: float
     let_go: bool
+    unsettled: Sequence[int]
 
     def at(self, *regimes: Regime) -> list[int]:
         """Return the rows of these regimes, rising."""
@@ -86,6 +91,7 @@ def drive_of(samples: Samples) -> DriveByRegime | None:
     rows: dict[Regime, list[int]] = {regime: [] for regime in Regime}
     shut = [_shut(row, throttle, idle_flag, closed) for row in range(len(times))]
     steady = _steady(times, speed, shut)
+    unsettled: list[int] = []
     for row, rpm in enumerate(speed):
         if isnan(rpm):
             continue
@@ -97,10 +103,31 @@ def drive_of(samples: Samples) -> DriveByRegime | None:
             regime = Regime.STARTING
         elif shut[row]:
             regime = _closed_throttle(rpm, warmth, settled=steady[row])
+            if not steady[row]:
+                unsettled.append(row)
         else:
             regime = _under_load(rpm, opening, closed)
         rows[regime].append(row)
-    return DriveByRegime(samples, speed, rows, running, starts, stalls, run_time, closed, let_go)
+    return DriveByRegime(
+        samples, speed, rows, running, starts, stalls, run_time, closed, let_go, unsettled
+    )
+
+
+def swings(drive: DriveByRegime) -> tuple[float, float] | None:
+    """Return the speeds between which the engine went up and down with the throttle closed, for so
+    long and so often that it is no driver's doing; None: it did not.
+    """
+    times = drive.samples.times
+    for begin, end in spans_of(times, drive.unsettled):
+        if end - begin < SWINGING:
+            continue
+        speeds = [drive.speed[row] for row in drive.unsettled if begin <= times[row] <= end]
+        low, high = quantile(speeds, 0.05), quantile(speeds, 0.95)
+        middle = (low + high) / 2
+        rises = sum(a < middle <= b for a, b in pairwise(speeds))
+        if rises >= SWINGS:
+            return low, high
+    return None
 
 
 def _closed(samples: Samples, speed: Column, running: Sequence[int]) -> tuple[float, bool]:

@@ -5,7 +5,7 @@ export const t = dictionary({
   of_live: { en: "live car", ru: "подключённая машина" },
   of_recording: { en: "recording {name}", ru: "запись {name}" },
   of_several: { en: { one: "{name} and {n} more", other: "{name} and {n} more" }, ru: { one: "{name} и ещё {n} запись", few: "{name} и ещё {n} записи", many: "{name} и ещё {n} записей" } },
-  session: { en: "live car (the last two hours)", ru: "подключённая машина (последние два часа)" },
+  session: { en: "live car, last 2 hours", ru: "машина, последние 2 часа" },
   complaint: { en: "What is wrong with the car?", ru: "На что жалуются?" },
   refresh: { en: "Rank again", ru: "Обновить" },
   ranking: { en: "Reading the values…", ru: "Читаем данные…" },

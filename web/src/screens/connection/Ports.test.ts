@@ -33,6 +33,16 @@ it("a port without an adapter's chip stands below", async () => {
   expect(screen.getByText("Port COM1").closest("details")).not.toBeNull();
 });
 
+it("without an adapter the list says so, and leaves the advice to the situation above", async () => {
+  const shown = page({ "/ports": { ports: [] } });
+  shown.say({ line: "off", port: null });
+  await shown.stores.connection.ports.reload();
+  shown.show(Ports, { allowed: true });
+  flushSync();
+  expect(document.body.textContent).toContain("None so far.");
+  expect(document.body.textContent).not.toContain("Plug the KKL cable");
+});
+
 it("the port in use can be left, and by nobody who may not", async () => {
   const shown = await ports("sampling");
   await fireEvent.click(screen.getByRole("button", { name: "Disconnect" }));

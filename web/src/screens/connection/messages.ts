@@ -4,6 +4,7 @@ export const t = dictionary({
   looking: { en: "Scanning for adapters…", ru: "Ищем адаптеры…" },
   refresh: { en: "Rescan", ru: "Искать снова" },
   adapters: { en: "Adapters", ru: "Адаптеры" },
+  no_adapters: { en: "None so far.", ru: "Пока ни одного." },
   best: { en: "best guess", ru: "скорее всего" },
   in_use: { en: "in use", ru: "подключён" },
   waited: { en: "waiting for it", ru: "ждём его" },

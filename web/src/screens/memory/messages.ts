@@ -83,9 +83,9 @@ export const t = dictionary({
   speed: { en: "{n} bytes/s", ru: "{n} байт/с" },
   left: { en: "{time} left", ru: "осталось {time}" },
   map: { en: "Map of blocks: {done} read, {retried} read after a retry, {failed} failed, {todo} to do", ru: "Карта блоков: прочитано {done}, с повтором {retried}, не удалось {failed}, осталось {todo}" },
-  block_done: { en: "read", ru: "прочитан" },
-  block_retried: { en: "read after a retry", ru: "прочитан с повтором" },
-  block_failed: { en: "failed", ru: "не удался" },
+  block_done: { en: "read", ru: "прочитано" },
+  block_retried: { en: "read after a retry", ru: "прочитано с повтором" },
+  block_failed: { en: "failed", ru: "не удалось" },
   block_todo: { en: "to do", ru: "осталось" },
   same_twice: { en: "both passes agree", ru: "оба прохода совпали" },
   differ_twice: {

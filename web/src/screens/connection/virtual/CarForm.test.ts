@@ -72,6 +72,12 @@ it("another defect has amounts of its own, and another drive is another scenario
   expect(await started(shown)).toEqual(["sim:?scenario=warm-idle&car=starter:0.6"]);
 });
 
+it("the drive stands below its list, which may cut it", async () => {
+  await form();
+  await fireEvent.change(screen.getByLabelText("Drive"), { target: { value: "warm-idle" } });
+  expect(screen.getByText("Warm idle", { selector: "p" })).toBeTruthy();
+});
+
 it("a blind car is started by its number, and no other text", async () => {
   const shown = await form();
   await fireEvent.click(screen.getByRole("button", { name: "Find out what is wrong" }));
