@@ -24,7 +24,7 @@ def test_moments_are_found_marked_and_gone_through(own, visitor):
     expect(tab.traced("TWAT")).to_have_text("87")
     search(tab, "TWAT > 100 and FREQ > 0")
     found = tab.page.get_by_role("group", name="Moments")
-    expect(found).to_contain_text("TWAT > 100 and FREQ > 0 (TWAT up to 105)")
+    expect(found).to_contain_text("TWAT > 100 and FREQ > 0 (Coolant temperature up to 105)")
     expect(found.get_by_role("status")).to_contain_text("1 of 2")
     expect(tab.traced("TWAT")).to_have_text("103")
     tab.page.keyboard.press("j")
@@ -36,7 +36,7 @@ def test_moments_are_found_marked_and_gone_through(own, visitor):
     expect(tab.page.get_by_role("slider", name="Position in the recording")).to_be_visible()
     tab.show("chart")
     search(tab, "TWAT > 104")
-    expect(found).to_contain_text("TWAT > 104 (TWAT up to 105)")
+    expect(found).to_contain_text("TWAT > 104 (Coolant temperature up to 105)")
     expect(found.get_by_role("status")).to_contain_text("1 of 1")
 
 
