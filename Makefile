@@ -80,8 +80,12 @@ package: .venv/with-test ## what people install, into dist/: wheel, sdist, one-f
 	@$(venv_python) -m tools.package
 	@MIKAS_REQUIRE_PACKAGE=1 $(venv_python) -m pytest -n 2 --dist loadfile tests/installing
 
+# A file is one worker's. These take minutes each, in few tests: begun last, they would run on alone.
+longest := tests/browser/test_browser_actions.py tests/static_site/test_site_actions.py
+
 browser: .venv/with-test build/site/docs/index.html ## the tests that drive the page in Chromium and Firefox, and those on Pyodide; pictures of all screens in build/screenshots
-	@$(venv_python) -m pytest -n logical --dist loadfile tests/browser tests/docs_in_browser tests/static_site tests/in_firefox tests/on_pyodide
+	@$(venv_python) -m pytest -n logical --dist loadfile --no-loadscope-reorder $(longest) \
+	  tests/static_site tests/browser tests/docs_in_browser tests/in_firefox tests/on_pyodide
 
 fleet: .venv/with-test ## datasets with all that they need: a Dask cluster, S3 (moto), kills, virtual cars with defects; under a minute
 	@$(venv_python) -m pytest -n logical --dist loadfile tests/fleet_real

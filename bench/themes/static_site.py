@@ -277,6 +277,7 @@ def _long(bench: _Bench, scope: Scope) -> list[Row]:
                 "rows": "/api/recordings/hour.pcapng/rows?points=2000",
                 "csv": "/api/recordings/hour.pcapng/export?format=csv",
                 "report": "/api/recordings/hour.pcapng/report",
+                "causes": "/api/recordings/hour.pcapng/causes",
             }.items()
         }
         history = json.loads(_ask(page, "line", "GET", "/api/history?seconds=600&points=20000"))
@@ -293,6 +294,7 @@ def _long(bench: _Bench, scope: Scope) -> list[Row]:
         ),
         Row("export to .csv", [took["csv"] / 1000], "s", 1),
         Row("report", [took["report"] / 1000], "s", 1),
+        Row("causes", [took["causes"] / 1000], "s", 1, at_most=8),
         Row("longest step between two rows meanwhile", [1000 * longest], "ms", 0, how=_SAMPLING),
     ]  # fmt: skip
 
