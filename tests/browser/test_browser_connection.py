@@ -187,6 +187,7 @@ def test_a_port_that_does_not_open_is_not_called_unplugged(off, visitor, tmp_pat
     tab.find("form input").fill(port.format(folder=tmp_path))
     tab.find("form [type=submit]").click()
     expect(tab.find("#screen [role=alert]").first).to_contain_text(said)
+    expect(tab.page.get_by_text(off.state()["reason"]["en"])).to_have_count(1)
     expect(tab.find("#screen")).not_to_contain_text("unplugged")
     expect(tab.find("#screen")).not_to_contain_text("● in use")
 

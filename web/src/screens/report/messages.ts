@@ -2,8 +2,8 @@ import { dictionary } from "../../lib/i18n";
 
 export const t = dictionary({
   what: {
-    en: "One page for the car's owner: the ECU, the faults in plain words, values at warm idle with reference and mark, three charts. Prints on two A4 pages, or three with causes.",
-    ru: "Одна страница для владельца: блок, ошибки простыми словами, значения на прогретом ХХ с нормой и оценкой, три графика. Печатается на двух листах A4, с причинами — на трёх.",
+    en: "One page for the car's owner: the ECU, the faults in plain words, values at warm idle with reference and mark, three charts. Prints on two A4 pages; with causes, sometimes on three.",
+    ru: "Одна страница для владельца: блок, ошибки простыми словами, значения на прогретом ХХ с нормой и оценкой, три графика. Печатается на двух листах A4, с причинами — иногда на трёх.",
   },
   session: { en: "live car (the last quarter of an hour)", ru: "подключённая машина (последние 15 минут)" },
   of_live: { en: "live car", ru: "подключённая машина" },
