@@ -69,7 +69,7 @@ COMPLAINTS: Final[Mapping[Complaint, Text]] = {
 
 @dataclass(frozen=True, slots=True)
 class HandTest:
-    """What to do with a meter or by hand, and what is seen with `this` cause and with `other`."""
+    """A test with a meter or by hand, and its findings with `this` cause and with `other`."""
 
     do: Text
     this: Text
