@@ -164,13 +164,9 @@ def hand_test(
 def _separable(one: str, other: str, rest: Collection[str], table: WeightTable) -> bool:
     """Whether a measurement of values that were not seen separates two causes."""
     return any(
-        sum(
-            (_effect(table, one, place) - _effect(table, other, place)) ** 2
-            for place, name in enumerate(table.names)
-            if name in rest and feature_texts()[name].seen in measurement.shows
-        )
-        >= APART
+        apart >= APART
         for measurement in MEASUREMENTS
+        for *_, apart in _distances(measurement, (one, other), rest, table, twice=0)
     )
 
 
@@ -208,10 +204,14 @@ def _distances(
     causes: Iterable[str],
     rest: Collection[str],
     table: WeightTable,
+    twice: float = TWICE,
 ) -> Iterator[tuple[str, str, float]]:
-    """Yield each two causes with the square of their distance in what a measurement shows."""
+    """Yield each two causes with the square of their distance in what a measurement shows.
+
+    `rest`: the features that were not seen; `twice`: how much another one counts, measured again.
+    """
     counts = [
-        (place, 1.0 if name in rest else TWICE)
+        (place, 1.0 if name in rest else twice)
         for place, name in enumerate(table.names)
         if feature_texts()[name].seen in measurement.shows
     ]
