@@ -13,9 +13,9 @@ from time import monotonic
 
 import httpx
 import pytest
-from websockets.sync.client import connect
 
 from dashboard.rig import ME, rig
+from dashboard.server_rig import watching
 from mikas.dashboard import entrance
 from mikas.dashboard.connections import (
     GOODBYE_SECONDS,
@@ -90,9 +90,8 @@ def test_page_api_and_live_data_are_encrypted(lan, certificate):
             headers = {**ME, **network, "Origin": origin}
             assert phone.post("/api/disconnect", json={}, headers=headers).status_code == status
     live = f"wss://127.0.0.1:{lan.port}/api/live?client=watcher-0001&token={TOKEN}"
-    with connect(live, ssl=certificate[1], origin=url, open_timeout=60) as socket_:
-        assert "state" in json.loads(socket_.recv(60))
-    # Without the thread of `connect`, which reads TLS while another one writes.
+    with watching(live, certificate[1], origin=url) as following:
+        assert "state" in json.loads(following())
     upgrade = {
         "Connection": "Upgrade",
         "Upgrade": "websocket",

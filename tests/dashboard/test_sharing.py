@@ -6,14 +6,13 @@ import socket
 import ssl
 from collections import deque
 from contextlib import contextmanager
-from functools import partial
 
 import httpx
 import pytest
 from websockets.exceptions import ConnectionClosed
-from websockets.sync.client import connect
 
 from dashboard.rig import ME, OTHER, rig
+from dashboard.server_rig import watching
 from mikas.dashboard.network.listening import bound
 
 PHONE = "127.0.0.2"
@@ -70,13 +69,13 @@ def test_on_there_is_an_encrypted_way_in_and_off_everything_is_closed_at_once(it
     assert about["lan_url"].startswith(f"https://{PHONE}:{it.port}/")
     assert it.get("/state")["lan"] is True
     live = f"wss://{PHONE}:{it.port}/api/live?client=watcher-0001&token={token}"
-    with phone(it, token) as client, connect(live, ssl=blind(), open_timeout=60) as watching:
+    with phone(it, token) as client, watching(live, blind()) as following:
         assert client.get("/about").json()["rights"] == "view"
         assert client.put("/network", json={"on": False}).json()["error"]["code"] == "NotAllowed"
-        watching.recv(60)
+        following()
         assert switch(it, False)["lan_url"] is None
         with pytest.raises(ConnectionClosed):
-            deque(iter(partial(watching.recv, 60), None), maxlen=0)
+            deque(iter(following, None), maxlen=0)
         with pytest.raises(httpx.TransportError):
             client.get("/about")
     assert not listens(it)
