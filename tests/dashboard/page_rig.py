@@ -171,6 +171,9 @@ def running(app, end):
             began.append((PageServer(app, end), lambda: loop.call_soon_threadsafe(stop.set)))
             ready.set()
             await stop.wait()
+            # As a server does: an answer that has come whole may have its file open still.
+            if at_work := began[0][0]._tasks:  # noqa: SLF001
+                await asyncio.wait(at_work, timeout=60)
 
     def work():
         try:

@@ -143,4 +143,10 @@ export class MemoryStore {
     const others = this.dumps.value ?? [];
     this.dumps.value = others.some((it) => it.id === dump.id) ? others.map((it) => (it.id === dump.id ? dump : it)) : [dump, ...others];
   }
+
+  /** Leave a deleted dump out at once; the list itself may take a while to come. */
+  dropDeleted(id: string): void {
+    this.dumps.value = this.dumps.value?.filter((it) => it.id !== id) ?? null;
+    void this.dumps.reload();
+  }
 }

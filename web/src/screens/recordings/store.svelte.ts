@@ -69,6 +69,12 @@ export class RecordingStore {
     this.update(id, { reference: on });
   }
 
+  /** Leave a deleted recording out at once; the list itself may take a while to come. */
+  dropDeleted(id: string): void {
+    this.list.value = this.list.value?.filter((it) => it.id !== id) ?? null;
+    void this.refresh();
+  }
+
   /** Show what was saved without loading the list again. */
   update(id: string, changed: Partial<Recording>): void {
     this.list.value = this.list.value?.map((it) => (it.id === id ? { ...it, ...changed } : it)) ?? null;
