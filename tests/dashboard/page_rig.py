@@ -163,16 +163,22 @@ class Reached:
 @contextmanager
 def running(app, end):
     """An event loop on a thread of its own, with a `PageServer` for `app`."""
-    ready, began = threading.Event(), []
+    ready, began, at_work = threading.Event(), [], set()
+
+    async def counted(*call):
+        task = asyncio.current_task()
+        at_work.add(task)
+        task.add_done_callback(at_work.discard)
+        await app(*call)
 
     async def run():
         async with app.router.lifespan_context(app):
             stop, loop = asyncio.Event(), asyncio.get_running_loop()
-            began.append((PageServer(app, end), lambda: loop.call_soon_threadsafe(stop.set)))
+            began.append((PageServer(counted, end), lambda: loop.call_soon_threadsafe(stop.set)))
             ready.set()
             await stop.wait()
             # As a server does: an answer that has come whole may have its file open still.
-            if at_work := began[0][0]._tasks:  # noqa: SLF001
+            if at_work:
                 await asyncio.wait(at_work, timeout=60)
 
     def work():

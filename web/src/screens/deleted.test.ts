@@ -1,9 +1,9 @@
 import { expect, it, vi } from "vitest";
-import type { Dump, Dumps, Recording, Recordings } from "../lib/api/types";
+import type { Dump, Dumps, FreezeFrames, Recording, Recordings } from "../lib/api/types";
 import { served } from "../lib/platform/host";
 import { Stores } from "../stores";
 
-const { api, live, memory, recordings } = new Stores(served);
+const { api, faults, live, memory, recordings } = new Stores(served);
 const never = () => new Promise<never>(() => undefined);
 
 it("a deleted recording is in the list no more, however long the next list takes", async () => {
@@ -26,4 +26,13 @@ it("a deleted dump is in the list no more, however long the next list takes", as
   await memory.dumps.reload();
   memory.dropDeleted("2");
   expect(memory.dumps.value?.map((it) => it.id)).toEqual(["1"]);
+});
+
+it("a deleted freeze frame is in the list no more, with what the program says is left", async () => {
+  const left = { frames: [] } as unknown as FreezeFrames;
+  vi.spyOn(api, "freezeFrames").mockImplementation(never);
+  vi.spyOn(api, "deleteFreezeFrame").mockResolvedValue(left);
+  faults.frames.value = { frames: [{ id: "1" }] } as unknown as FreezeFrames;
+  await faults.deleteFrame("1");
+  expect(faults.frames.value).toBe(left);
 });

@@ -57,6 +57,7 @@ export class FaultStore {
   }
 
   async deleteFrame(id: string): Promise<void> {
-    if (await this.app.toasts.attempt(() => this.app.api.deleteFreezeFrame(id))) await this.frames.reload();
+    const left = await this.app.toasts.attempt(() => this.app.api.deleteFreezeFrame(id));
+    if (left) await this.frames.run(() => Promise.resolve(left));
   }
 }
