@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import AsyncIterator, Iterable
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -105,7 +104,7 @@ def ecu_on(
 @asynccontextmanager
 async def by_worker(it: Bench, **settings: object) -> AsyncIterator[AsyncEcu]:
     """The same, asynchronous."""
-    async with AsyncEcu(ecu_on(it, **settings), ThreadPoolExecutor(1)) as ecu:
+    async with AsyncEcu(ecu_on(it, **settings)) as ecu:
         yield ecu
 
 

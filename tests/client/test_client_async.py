@@ -5,13 +5,13 @@ from __future__ import annotations
 import asyncio
 import inspect
 import threading
-from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 from client_harness import bench, by_worker, ecu_on
 
 from mikas import errors
 from mikas.client import METHODS, AsyncEcu, AsyncMemorySpace, Ecu, MemorySpace
+from mikas.link import open_link
 from virtual_harness import DATA
 
 SIM = "sim:?clock=simulated"
@@ -22,7 +22,7 @@ def public(of):
 
 
 def test_every_public_name_of_ecu_is_there():
-    made = AsyncEcu(ecu_on(bench()), ThreadPoolExecutor(1))
+    made = AsyncEcu(ecu_on(bench()))
     own = {"use_catalog"}  # of who samples, which is no asyncio program's
     assert public(Ecu) - own | {"memory", "catalog"} <= public(made)
     assert public(MemorySpace) <= public(made.memory.ram)
@@ -52,31 +52,35 @@ def test_connect_takes_the_same_settings_and_raises_the_same():
     asyncio.run(scene())
 
 
-def test_a_cancelled_connect_leaves_no_port_open(monkeypatch):
-    go, made = threading.Event(), []
+@pytest.mark.parametrize("is_done", [False, True], ids=["meanwhile", "just done"])
+def test_a_cancelled_connect_leaves_no_port_open(monkeypatch, is_done):
+    opened, begun, go = [], threading.Event(), threading.Event()
 
-    def slow(url, **settings):
+    def slow(url):
+        opened.append(open_link(url))
+        begun.set()
         assert go.wait(30)
-        made.append(ecu_on(bench()))
-        return made[0]
+        return opened[0]
 
-    monkeypatch.setattr(vars(AsyncEcu)["connect"], "_function", slow)
+    monkeypatch.setattr("mikas.client.connecting.open_link", slow)
 
     async def scene():
-        connecting = asyncio.create_task(AsyncEcu.connect("sim:"))
-        await asyncio.sleep(0)
-        await asyncio.sleep(0)
+        connecting = asyncio.create_task(AsyncEcu.connect(SIM))
+        while not begun.is_set():
+            await asyncio.sleep(0)
+        worker = next(it for it in threading.enumerate() if it.name.startswith("mikas"))
+        if is_done:
+            go.set()
+            worker.join(0.05)  # the loop does not run meanwhile
         connecting.cancel()
         with pytest.raises(asyncio.CancelledError):
             await connecting
         go.set()
-        for thread in threading.enumerate():
-            if thread.name.startswith("mikas"):
-                thread.join(30)
+        worker.join(30)
 
     asyncio.run(scene())
     with pytest.raises(errors.LinkLost):
-        made[0].read("TWAT")
+        opened[0].write(b"\x01")
 
 
 @pytest.mark.parametrize("method", METHODS)

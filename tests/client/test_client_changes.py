@@ -78,7 +78,7 @@ class TestFaults:
         else:
             it.car.data[0x29] = speed
         changes = []
-        ecu = ecu_on(it, confirm=lambda c: changes.append(c) and False)
+        ecu = ecu_on(it, confirm=lambda c: bool(changes.append(c)))
         with pytest.raises(NotConfirmed):
             ecu.erase_faults()
         assert not it.requests(0x62)

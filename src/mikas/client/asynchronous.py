@@ -1,7 +1,8 @@
 """`AsyncEcu`: a unit for asyncio programs. Its methods run those of `Ecu` in a worker thread.
 
-One worker thread runs all calls in order, so the event loop never waits for the line. The worker
-finishes a cancelled call before the next one.
+One worker thread runs all calls in order, so the event loop never waits for the line. A cancelled
+call ends between two exchanges, and so does every call at `close`: the worker is free for the next
+one within the time of one exchange, and the line is in step.
 """
 
 from __future__ import annotations
@@ -11,15 +12,18 @@ from collections.abc import AsyncIterator, Callable, Coroutine, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import asynccontextmanager, suppress
 from functools import partial, update_wrapper, wraps
-from typing import Any, Concatenate, Generic, ParamSpec, Self, TypeVar
+from typing import Any, Concatenate, Generic, NamedTuple, ParamSpec, Self, TypeVar, cast
 
+from mikas.cancellation import Cancellation
 from mikas.catalog import Catalog, Model
 from mikas.client.connecting import connect
 from mikas.client.ecu import Ecu
+from mikas.client.gate import Confirm
 from mikas.client.memory.spaces import Memory, MemorySpace
 from mikas.client.parameters.parameters import Reading
+from mikas.client.questions import Questions
 from mikas.errors import LinkLost
-from mikas.i18n import Text
+from mikas.link.base import CLOSED
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -69,17 +73,53 @@ class _Connect(Generic[P]):
         self, instance: object, owner: type[AsyncEcu]
     ) -> Callable[P, Coroutine[Any, Any, AsyncEcu]]:
         async def call(*args: P.args, **kwargs: P.kwargs) -> AsyncEcu:
-            worker = ThreadPoolExecutor(1, thread_name_prefix="mikas")
+            worker, questions = _Worker(), Questions(asyncio.get_running_loop())
+            if kwargs.get("confirm") is not None:
+                kwargs["confirm"] = questions.asking(cast("Confirm", kwargs["confirm"]))
             opening = worker.submit(partial(self._function, *args, **kwargs))
             try:
-                return owner(await asyncio.wrap_future(opening), worker)
+                return owner(await worker.awaited(opening), _worker=worker, _questions=questions)
             except BaseException:
-                opening.add_done_callback(_close)  # if cancelled, it may still open the unit
-                worker.shutdown(wait=False)
+                opening.future.add_done_callback(_close)  # it may open the unit all the same
+                worker.end()
                 raise
 
         update_wrapper(call, self._function)
         return call
+
+
+class _Call(NamedTuple, Generic[R]):
+    """A call of the worker, and the request to end it."""
+
+    future: Future[R]
+    cancellation: Cancellation
+
+
+class _Worker:
+    """The one thread of an `AsyncEcu`."""
+
+    def __init__(self) -> None:
+        self._threads = ThreadPoolExecutor(1, thread_name_prefix="mikas")
+
+    def submit(self, call: Callable[[], R]) -> _Call[R]:
+        """Run `call()` after those before it. Raises `RuntimeError` after `end`."""
+        cancellation = Cancellation()
+        return _Call(self._threads.submit(cancellation.run, call), cancellation)
+
+    def awaited(self, call: _Call[R]) -> asyncio.Future[R]:
+        """Return what an event loop awaits; its cancellation ends the call."""
+        awaited = asyncio.wrap_future(call.future)
+
+        def ended(future: asyncio.Future[R]) -> None:
+            if future.cancelled():
+                call.cancellation.request()
+
+        awaited.add_done_callback(ended)
+        return awaited
+
+    def end(self) -> None:
+        """End the thread after its last call, without waiting for it."""
+        self._threads.shutdown(wait=False)
 
 
 class AsyncItems(AsyncIterator[R]):
@@ -176,7 +216,8 @@ class AsyncMemory:
 class AsyncEcu(_Remote[Ecu]):
     """`async with await AsyncEcu.connect("sim:") as ecu: print(await ecu.read("TWAT"))`.
 
-    `ecu.ecu` is the `Ecu`; `run` calls what has no method here.
+    `AsyncEcu(ecu)` takes an open `Ecu`. `ecu.ecu` is the `Ecu`; `run` calls what has no method here.
+    `confirm` of `connect` may be a coroutine function; the event loop answers the gate by it.
     """
 
     connect = _Connect(connect)
@@ -199,12 +240,15 @@ class AsyncEcu(_Remote[Ecu]):
     supported = _iterated(Ecu.supported)
     scan = _iterated(Ecu.scan)
 
-    def __init__(self, ecu: Ecu, worker: ThreadPoolExecutor) -> None:
+    def __init__(
+        self, ecu: Ecu, *, _worker: _Worker | None = None, _questions: Questions | None = None
+    ) -> None:
         self.ecu = ecu
         self.memory = AsyncMemory(self, ecu.memory)
         self._async_ecu = self
         self._sync = ecu
-        self._worker = worker
+        self._worker = _worker or _Worker()
+        self._questions = _questions
         self._closed = False
 
     @property
@@ -225,11 +269,12 @@ class AsyncEcu(_Remote[Ecu]):
     def run(self, call: Callable[[], R]) -> asyncio.Future[R]:
         """Run `call()` in the worker thread: `await ecu.run(lambda: ecu.ecu.tester.statistics)`.
 
-        Raises the errors of `call`, and `LinkLost` if this is closed.
+        Raises the errors of `call`, and `LinkLost` if this is closed. If the task that waits is
+        cancelled, `call` ends between two exchanges.
         """
         if self._closed:
-            raise LinkLost(url=self.ecu.tester.link.url, problem=Text("it is closed", "он закрыт"))
-        return asyncio.wrap_future(self._worker.submit(call))
+            raise LinkLost(url=self.ecu.tester.link.url, problem=CLOSED)
+        return self._worker.awaited(self._worker.submit(call))
 
     def iterate(self, make: Callable[[], Iterator[R]]) -> AsyncItems[R]:
         """Iterate over `make()`, with each item fetched in the worker thread."""
@@ -251,14 +296,21 @@ class AsyncEcu(_Remote[Ecu]):
         await self.run(partial(context.__exit__, None, None, None))
 
     async def close(self) -> None:
-        """Close the port and end the worker thread; a second call does nothing."""
+        """Close the port and end the worker thread; a second call does nothing.
+
+        A call that another task waits for ends with `LinkLost` before its next exchange, and a
+        question that is not answered yet counts as answered with no.
+        """
         if not self._closed:
-            closing = self.run(self.ecu.close)
             self._closed = True
+            self.ecu.tester.end_calls()
+            if self._questions:
+                self._questions.end()
+            closing = self._worker.submit(self.ecu.close)
             try:
-                await closing
+                await self._worker.awaited(closing)
             finally:
-                self._worker.shutdown(wait=False)
+                self._worker.end()
 
     def _submit(self, call: Callable[[], object]) -> None:
         with suppress(RuntimeError):  # closed meanwhile, which ended the iterator

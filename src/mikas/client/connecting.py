@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import os
 from collections.abc import Iterable
 from dataclasses import dataclass, field
@@ -47,7 +48,8 @@ class ConnectionOptions:
     """The definitions of parameters, faults and models."""
 
     confirm: Confirm | None = None
-    """Asked before every change; None: every change passes but the dangerous ones."""
+    """Asked before every change, answers True or False; None: every change passes but the dangerous
+    ones (`Safety.DANGEROUS`: writes to CODE, and 41)."""
 
     journal: Path | None = None
     """The file of changes; None: the one in `state_folder()`."""
@@ -66,6 +68,8 @@ class ConnectionOptions:
     """Whether limits of virtual units are kept; None: in a folder that was named."""
 
     def __post_init__(self) -> None:
+        if inspect.iscoroutinefunction(self.confirm):
+            raise TypeError("confirm is an async function, which only AsyncEcu awaits")
         check_choice("echo", self.echo, [echo.value for echo in Echo])
         check_interpretation(self.interpretation)
         check_number("timeout", self.timeout, lowest=_SHORTEST)

@@ -10,7 +10,7 @@ from collections.abc import Generator, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Self
+from typing import Final, Self
 
 from mikas import commands as c
 from mikas.catalog import Catalog, Fault, Model
@@ -35,7 +35,7 @@ from mikas.errors import (
     UnknownParameter,
     usage_error,
 )
-from mikas.i18n import Text, counted
+from mikas.i18n import Text, counted, joined
 from mikas.tester import Tester
 
 _SPEED = "FREQ"
@@ -55,6 +55,9 @@ def erasing(count: int) -> Text:
     return Text("erase {faults}", "сбросить {faults}").filled(faults=faults)
 
 
+NO_FAULTS: Final = Text("no faults", "ошибок нет")
+
+
 def engine_runs(rpm: float) -> Text:
     """Return the warning before faults are erased with the engine running."""
     return Text(
@@ -64,12 +67,19 @@ def engine_runs(rpm: float) -> Text:
     )
 
 
+def _in_words(fault: Fault) -> Text:
+    return fault.text if fault.text.en else Text(f"fault {fault.code}", f"ошибка {fault.code}")
+
+
 def _codes(faults: Sequence[Fault]) -> bytes:
     return bytes(fault.code for fault in faults)
 
 
 class Ecu:
     """A connected unit, created by `connect`. Close it, or use it in a `with` statement.
+
+    `timeout` of a method: the seconds that the whole call may last; `DeadlinePassed` then ends it
+    between two requests. None: as long as it takes. The time-out of one request is `connect`'s.
 
     The sampler works with its parts: `tester`, `parameters`, `passports`, `limits_cache`.
     """
@@ -114,18 +124,19 @@ class Ecu:
 
     # Identity
 
-    def info(self) -> Info:
+    def info(self, *, timeout: float | None = None) -> Info:
         """Read model, passports, number of parameters, echo and learnt limits: nine requests."""
-        return Info(
-            model=self.model,
-            version_code=self.version_code,
-            passport=self.passport(),
-            parameter_count=count_parameters(self.tester),
-            echo=self.tester.line.echo,
-            limits=self.limits(),
-        )
+        with self.tester.within(timeout):
+            return Info(
+                model=self.model,
+                version_code=self.version_code,
+                passport=self.passport(),
+                parameter_count=count_parameters(self.tester),
+                echo=self.tester.line.echo,
+                limits=self.limits(),
+            )
 
-    def passport(self, *, again: bool = False) -> Passport:
+    def passport(self, *, again: bool = False, timeout: float | None = None) -> Passport:
         """Read the program's and the data's passport (51–58), once a session.
 
         `again`: read once more, for another unit may answer after a pause. A piece that was read
@@ -133,8 +144,9 @@ class Ecu:
         """
         if not again and self.passports.latest is not None:
             return self.passports.latest
-        self.passports.restart()
-        return self.passports.read()
+        with self.tester.within(timeout):
+            self.passports.restart()
+            return self.passports.read()
 
     def supported(self) -> Iterator[Support]:
         """Try every command once that changes nothing but the unit's list (64); yield the results.
@@ -146,13 +158,14 @@ class Ecu:
 
     # Parameters
 
-    def read(self, *names: str) -> dict[str, Reading]:
+    def read(self, *names: str, timeout: float | None = None) -> dict[str, Reading]:
         """Read each named parameter once; without names, all that the unit knows.
 
         A raw code is written `0x1A`, or `0x3F:2`. Raises `UnknownParameter`, `NotSupported` if the
         unit does not know a named parameter or knows none, `LineError`, `NoConnection`.
         """
-        return self.parameters.read(names)
+        with self.tester.within(timeout):
+            return self.parameters.read(names)
 
     def watch(
         self,
@@ -187,17 +200,18 @@ class Ecu:
         with self.parameters.stream(wanted, stroke) as stream:
             yield (wanted.of_item(item) for item in stream)
 
-    def set_list(self, *names: str) -> tuple[str, ...]:
+    def set_list(self, *names: str, timeout: float | None = None) -> tuple[str, ...]:
         """Set the list that `read_list` reads (64); return the names in it.
 
         The names are kept for later sessions with this unit. Raises `UnknownParameter`,
         `NotConfirmed`, `WriteRefused`, `NotSupported`.
         """
         wanted = self.parameters.named(names)
-        self._list.set(wanted, keep=True)
+        with self.tester.within(timeout):
+            self._list.set(wanted, keep=True)
         return tuple(p.name for p in wanted)
 
-    def read_list(self, *names: str) -> dict[str, Reading]:
+    def read_list(self, *names: str, timeout: float | None = None) -> dict[str, Reading]:
         """Read each parameter of the list once (63): of `names`, or as mikas has set it last.
 
         The unit does not say which parameters its list has; only the response's length is checked.
@@ -205,7 +219,7 @@ class Ecu:
         unit has lost its list), `WrongLength` for another list, `NoResponse`.
         """
         parameters, unit_list = self.parameters, self._list
-        with unit_list.held():
+        with self.tester.within(timeout), unit_list.held():
             if names:
                 listed = parameters.named(names)
             else:
@@ -227,34 +241,48 @@ class Ecu:
         return Scan(self.tester, known).codes()
 
     def write_parameter(
-        self, name: str, value: float | None = None, *, raw: bytes | None = None
+        self,
+        name: str,
+        value: float | None = None,
+        *,
+        raw: bytes | None = None,
+        timeout: float | None = None,
     ) -> WrittenParameter:
         """Write a physical `value`, or the `raw` datum, and read it back (62).
 
         Raises `ValueDoesNotFit`, `NotConfirmed`, `WriteRefused`, `ReadBackDiffers`.
         """
-        return self.parameters.write(name, value, raw)
+        with self.tester.within(timeout):
+            return self.parameters.write(name, value, raw)
 
     # Faults
 
-    def faults(self) -> tuple[Fault, ...]:
+    def faults(self, *, timeout: float | None = None) -> tuple[Fault, ...]:
         """Read the stored faults in the unit's order; one unknown to the catalog has no text."""
-        return tuple(self.catalog.fault(code) for code in self.tester.request(c.ReadFaults()))
+        with self.tester.within(timeout):
+            return tuple(self.catalog.fault(code) for code in self.tester.request(c.ReadFaults()))
 
-    def engine_speed(self) -> float | None:
+    def engine_speed(self, *, timeout: float | None = None) -> float | None:
         """Read the engine's speed in rpm; None: the unit does not give it."""
         try:
-            return float(self.read(_SPEED)[_SPEED].value)
+            return float(self.read(_SPEED, timeout=timeout)[_SPEED].value)
         except (EcuRefused, LineError, UnknownParameter):
             return None
 
-    def erase_faults(self) -> Erased:
+    def erase_faults(self, *, timeout: float | None = None) -> Erased:
         """Erase the faults by two writes (§3). Raises `NotConfirmed`, `WriteRefused`.
 
         Where changes are confirmed, the confirmation says that the engine is running.
         """
+        with self.tester.within(timeout):
+            return self._erase()
+
+    def _erase(self) -> Erased:
         before = self.faults()
-        change = Change.by(c.WriteParameter, erasing(len(before)), _codes(before), b"")
+        old = joined(", ", map(_in_words, before)) if before else NO_FAULTS
+        change = Change.by(
+            c.WriteParameter, erasing(len(before)), _codes(before), b"", old=old, new=NO_FAULTS
+        )
         if self._gate.asks and (rpm := self.engine_speed()):
             change = replace(change, warning=engine_runs(rpm))
 
@@ -270,17 +298,18 @@ class Ecu:
 
         return self._gate.make(change, act, lambda erased: _codes(erased.after))
 
-    def goto(self, address: int) -> bytes:
+    def goto(self, address: int, *, timeout: float | None = None) -> bytes:
         """Make the ECU jump to `address` (41), the most dangerous command; return its response.
 
         The expected silence (D9) is returned as empty bytes.
         """
         command = c.GoTo(address)
         what = Text(f"jump to {address:04X}", f"перейти на {address:04X}")
-        change = Change.by(command, what, after=command.body())
-        return self._gate.make(change, lambda: self.tester.raw(command.body()) or b"", bytes)
+        change = Change.by(command, what, after=command.body(), address=address)
+        with self.tester.within(timeout):
+            return self._gate.make(change, lambda: self.tester.raw(command.body()) or b"", bytes)
 
-    def raw(self, body: bytes) -> bytes | None:
+    def raw(self, body: bytes, *, timeout: float | None = None) -> bytes | None:
         """Send any request body; return the response's body, None for silence.
 
         Unless the command is known to be harmless, it passes the gate. Raises `NotConfirmed`,
@@ -288,6 +317,10 @@ class Ecu:
         """
         if not body:
             raise usage_error("there is nothing to send", "нечего посылать")
+        with self.tester.within(timeout):
+            return self._raw(body)
+
+    def _raw(self, body: bytes) -> bytes | None:
         command = c.COMMANDS_BY_CODE.get(body[0])
         if command and command.SAFETY is c.Safety.READ:
             return self.tester.raw(body)

@@ -6,9 +6,10 @@ makes a change also reads back, so that the journal's outcome has the bytes read
 
 from __future__ import annotations
 
+import inspect
 import json
 import threading
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Self, TypeVar
@@ -25,9 +26,12 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """A planned change. `before` and `after`: all bytes in hex; None: unknown.
+    """A planned change, with all that a person needs to say yes or no.
 
-    `warning`: what to know before it is made; shown where it is confirmed.
+    `before` and `after`: all bytes in hex; None: unknown. `old` and `new`: the same as values in
+    words and units (`13.5 °`, `12.5 °`); None: unknown, or bytes that have no other meaning.
+    `name`: of the parameter or the memory space; empty: the change has none. `address`: the first
+    one, or where to jump; None: it has none. `warning`: what to know before it is made.
     """
 
     what: Text
@@ -36,6 +40,10 @@ class Change:
     before: str | None = None
     after: str | None = None
     warning: Text | None = None
+    name: str = ""
+    address: int | None = None
+    old: Text | None = None
+    new: Text | None = None
 
     @classmethod
     def by(
@@ -44,13 +52,33 @@ class Change:
         what: Text,
         before: bytes | None = None,
         after: bytes | None = None,
+        *,
+        name: str = "",
+        address: int | None = None,
+        old: Text | None = None,
+        new: Text | None = None,
+        warning: Text | None = None,
     ) -> Self:
         """Return the change that `command` makes."""
-        texts = journal_hex(before), journal_hex(after)
-        return cls(what, command.SAFETY, command.SOURCE_NAME, *texts)
+        return cls(
+            what,
+            command.SAFETY,
+            command.SOURCE_NAME,
+            journal_hex(before),
+            journal_hex(after),
+            warning,
+            name,
+            address,
+            old,
+            new,
+        )
 
 
-Confirm = Callable[[Change], bool]
+Confirm = Callable[[Change], bool | Awaitable[bool]]
+"""Returns True for yes, False for no; every other answer is a `TypeError`, and nothing is sent.
+
+A coroutine function for an `AsyncEcu` only, which awaits it.
+"""
 
 _NO_CONFIRM = Text(
     "This can leave the unit unable to run. Give connect() a confirm function that says yes.",
@@ -144,7 +172,7 @@ class Gate:
         self._tester.check_free()
         with self._one_at_a_time:
             self.refuse_unasked(change.what, change.safety)
-            if self._confirm is not None and not self._confirm(change):
+            if self._confirm is not None and not _decided(self._confirm(change)):
                 raise NotConfirmed(change=change.what, how=_DECLINED)
 
     def refuse_unasked(self, what: Text, safety: Safety) -> None:
@@ -177,6 +205,24 @@ class Gate:
             "outcome": outcome,
         }
         add_to_journal(self._journal, entry)
+
+
+def _decided(answer: object) -> bool:
+    """Return the answer. Raises `TypeError` for anything but a bool.
+
+    A text “no” and a coroutine that has not run are true; either would write.
+    """
+    if isinstance(answer, bool):
+        return answer
+    if inspect.iscoroutine(answer):
+        answer.close()  # else Python complains that it was never awaited
+        raise TypeError(
+            "confirm is an async function, which only AsyncEcu awaits: give Ecu a function that "
+            "returns True or False. Nothing was changed."
+        )
+    raise TypeError(
+        f"confirm returned {answer!r}; it has to return True or False. Nothing was changed."
+    )
 
 
 def journal_hex(data: bytes | None) -> str | None:

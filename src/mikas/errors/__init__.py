@@ -55,6 +55,7 @@
     │   ├── LineNotQuiet               bytes keep coming (D2, D12)
     │   ├── ReadingSuspended           the program did not run (Ctrl-Z, a laptop asleep)
     │   └── SyncLost                   resynchronisation failed (D13)
+    ├── DeadlinePassed (TimeoutError)  the timeout of a call has passed
     ├── EcuRefused                     the ECU refused
     │   ├── WriteRefused               response 01 to a write (§3)
     │   ├── NotSupported               unknown command or parameter (D10)
@@ -102,6 +103,7 @@ from mikas.errors.connection import RecordingOver as RecordingOver
 from mikas.errors.connection import TakenByBrltty as TakenByBrltty
 from mikas.errors.exchange import AnswersLate as AnswersLate
 from mikas.errors.exchange import DamagedResponse as DamagedResponse
+from mikas.errors.exchange import DeadlinePassed as DeadlinePassed
 from mikas.errors.exchange import EchoDiffers as EchoDiffers
 from mikas.errors.exchange import EchoTwice as EchoTwice
 from mikas.errors.exchange import EcuRefused as EcuRefused

@@ -27,6 +27,22 @@ class NoResponse(LineError, TimeoutError):
     )
 
 
+class DeadlinePassed(MikasError, TimeoutError):
+    """The `timeout` of a call has passed. `seconds`: how long that was.
+
+    No `LineError`: nothing is wrong with the line, and the next call may follow.
+    """
+
+    what = Text(
+        "The call was given {seconds:g} s and was not done then",
+        "На вызов было отведено {seconds:g} с, за это время он не закончился",
+    )
+    advice = Text(
+        "It ended between two requests. Give it a longer timeout, or less to do.",
+        "Он прерван между двумя запросами. Увеличьте timeout или дайте меньше работы.",
+    )
+
+
 class EngineStopped(NoResponse):
     """No response to a stream by strokes: the unit reports zero speed (D15)."""
 

@@ -41,6 +41,7 @@ TEXT_ANSWER = 0.5  # s that such an answer may take
 # Why a link is lost, after "the adapter is gone:"
 CLOSED_HERE = Text("it was closed here", "он закрыт этой программой")
 TAKES_NO_BYTES = Text("it takes no more bytes", "он не принимает байты")
+CLOSED = Text("it is closed", "он закрыт")
 UNPLUGGED = Text("unplugged, or closed by the other end", "отключён или закрыт другой стороной")
 
 

@@ -14,7 +14,7 @@ from weakref import WeakKeyDictionary, ref
 
 from mikas.errors import LinkLost, usage_error
 from mikas.i18n import Text
-from mikas.link.base import AwakeClock, Chunk, Link, WallClock
+from mikas.link.base import CLOSED, AwakeClock, Chunk, Link, WallClock
 from mikas.link.ports import VIRTUAL
 from mikas.link.urls import take_clock
 from mikas.virtual.bus import Bus
@@ -50,7 +50,7 @@ class BusLink(Link):
         self._gone.set()
 
     def close(self) -> None:
-        self._problem = self._problem or Text("it is closed", "он закрыт")
+        self._problem = self._problem or CLOSED
         self._gone.set()
 
     def _check(self) -> None:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, contextmanager, suppress
 from math import ceil, inf
 from typing import Any, TypeVar
 
@@ -31,6 +31,7 @@ from mikas.errors import (
 )
 from mikas.link import Link
 from mikas.link.base import EMPTY_LINES, TEXT_ANSWER
+from mikas.tester.ending import Ending
 from mikas.tester.exchange import Reply, Statistics, Timing
 from mikas.tester.handshake import Echo, handshake, late_answer, refuse_elm
 from mikas.tester.line import Line
@@ -73,6 +74,7 @@ class Tester:
         self._stream: Stream | None = None
         self._stream_thread: int | None = None
         self._ahead = RequestAhead(self.sync, self.statistics)
+        self._ending = Ending(link)
         self._known: set[int] = set()  # command codes that this unit has answered
 
     def connect(self, *, listening_since: float = inf) -> int:
@@ -88,6 +90,7 @@ class Tester:
             self._ahead.forget()
             for attempt in range(self.retries + 1):
                 self.sync.mark_lost()
+                self._ending.check()
                 try:
                     self.version_code = handshake(
                         self.line,
@@ -148,8 +151,27 @@ class Tester:
                 time=self.link.now(),
             ) from error
 
+    def within(self, seconds: float | None) -> AbstractContextManager[None]:
+        """Let the exchanges that this thread makes inside end once `seconds` have passed.
+
+        An exchange that has begun is ended first, so the line stays in step; the next one raises
+        `DeadlinePassed`. None: without a deadline.
+        """
+        return self._ending.within(seconds)
+
+    def end_calls(self) -> None:
+        """Let the calls of other threads end before their next exchange, with `LinkLost`.
+
+        Only `close` may follow.
+        """
+        self._ending.closed = True
+
     def close(self) -> None:
-        """End a running stream and close the link; a second call does nothing."""
+        """End a running stream and close the link; a second call does nothing.
+
+        What another thread is doing ends at once, or between two exchanges, with `LinkLost`.
+        """
+        self.end_calls()
         stream = self._stream
         try:
             if stream:
@@ -225,6 +247,7 @@ class Tester:
     def _attempts(
         self, command: c.Command[T], retries: int, failed: list[LineError]
     ) -> tuple[T, Reply]:
+        self._ending.check()
         attempts = 1 + (retries if command.repeatable else 0)
         if command.code not in self._known:
             attempts = min(attempts, _ATTEMPTS_AT_UNKNOWN)
@@ -240,6 +263,7 @@ class Tester:
                 moved = isinstance(error, ReadingSuspended) and not error.is_short
                 if not attempts or moved:  # perhaps another unit
                     raise self._verdict(command, error) from error
+                self._ending.check()
                 self.statistics.repeated += 1
 
     def _once(self, command: c.Command[T], wire: bytes | None) -> tuple[T, Reply]:
@@ -285,6 +309,7 @@ class Tester:
         The answer is ignored. Raises `NoEcho` or `EchoDiffers`.
         """
         with self._holding():
+            self._ending.check()
             self._ensure_in_sync()
             self.sync.mark_lost()
             began = self.link.now()
@@ -301,6 +326,7 @@ class Tester:
         Raises `NoEcho` or a `LineError` for a damaged or doubled response.
         """
         with self._holding():
+            self._ending.check()
             self._ensure_in_sync()
             self.statistics.requests += 1
             self.sync.mark_lost()
@@ -322,6 +348,7 @@ class Tester:
         self._lock.acquire()
         try:
             with errors_met_on(self.link.kind):
+                self._ending.check()
                 self._ensure_in_sync()
                 self.statistics.requests += 1
                 self.sync.mark_lost()
@@ -358,6 +385,7 @@ class Tester:
         Bytes without a request that arrive meanwhile require a resynchronization.
         """
         while (now := self.link.now()) < until:
+            self._ending.check()
             with self._holding():
                 self._ahead.settle()
                 try:

@@ -71,7 +71,7 @@ class Run:
 
 
 class MemorySpace:
-    """One of the spaces, with addresses 0 … `last`."""
+    """One of the spaces, with addresses 0 … `last`. `timeout`: as of a method of `Ecu`."""
 
     def __init__(self, name: str, tester: Tester, gate: Gate, cache: LimitsCache) -> None:
         self.name = name
@@ -90,8 +90,12 @@ class MemorySpace:
             largest=lambda: cache.limits().block(name),
         )
 
-    def read(self, address: int) -> int:
+    def read(self, address: int, *, timeout: float | None = None) -> int:
         """Read the byte at `address`. Raises `AddressOutOfRange`, `NotSupported`."""
+        with self._tester.within(timeout):
+            return self._one(address)
+
+    def _one(self, address: int) -> int:
         byte, block = self._commands.read(address), self._commands.read_block
         if block is not None and self._lacks_bytes:
             with suppress(errors.NotSupported):
@@ -106,9 +110,10 @@ class MemorySpace:
                     return value
             raise
 
-    def read_block(self, address: int, count: int) -> bytes:
+    def read_block(self, address: int, count: int, *, timeout: float | None = None) -> bytes:
         """Read `count` bytes from `address`. Raises `AddressOutOfRange`, `NotSupported`."""
-        return b"".join(self.blocks(address, count))
+        with self._tester.within(timeout):
+            return b"".join(self.blocks(address, count))
 
     def blocks(self, address: int, count: int, largest: int | None = None) -> Iterator[bytes]:
         """Yield the bytes of `read_block` block by block, each of at most `largest` (1 … 255).
@@ -175,18 +180,19 @@ class MemorySpace:
             self._cache.limits().max_block[self.name] = count
             self._cache.keep()
 
-    def write(self, address: int, value: int) -> Written:
+    def write(self, address: int, value: int, *, timeout: float | None = None) -> Written:
         """Write one byte and read it back. Raises as `write_block`."""
         check_byte(self.name, value)
-        return self.write_block(address, bytes([value]))
+        return self.write_block(address, bytes([value]), timeout=timeout)
 
-    def write_block(self, address: int, data: bytes) -> Written:
+    def write_block(self, address: int, data: bytes, *, timeout: float | None = None) -> Written:
         """Write `data` from `address` in blocks and read it back, with one confirmation.
 
         Raises `AddressOutOfRange`, `NotConfirmed`, `WriteRefused`, `NotSupported`,
         `ReadBackDiffers`.
         """
-        return self._write(address, data)
+        with self._tester.within(timeout):
+            return self._write(address, data)
 
     def write_runs(self, runs: Sequence[Run], what: Text) -> Iterator[Written]:
         """Confirm `what` once, then write `runs` one by one; yield each with the bytes read back.
@@ -197,7 +203,9 @@ class MemorySpace:
         for run in runs:
             check_range(self.name, run.address, len(run.data))
         if runs:
-            self._gate.ask(Change.by(self._writer.planned(runs[0].address, runs[0].data), what))
+            first = runs[0]
+            planned = self._writer.planned(first.address, first.data)
+            self._gate.ask(Change.by(planned, what, name=self.name, address=first.address))
         return map(self._write_run, runs)
 
     def _write_run(self, run: Run) -> Written:
@@ -223,7 +231,16 @@ class MemorySpace:
         except errors.NotSupported as error:
             error.advice = _UNREADABLE
             raise
-        change = Change.by(self._writer.planned(address, data), what, before, data)
+        change = Change.by(
+            self._writer.planned(address, data),
+            what,
+            before,
+            data,
+            name=self.name,
+            address=address,
+            old=_in_hex(before),
+            new=_in_hex(data),
+        )
         attempts = Attempts()
 
         def act() -> Written:
@@ -258,6 +275,11 @@ class MemorySpace:
                 wanted=errors.hex_dump(data[first:end]),
                 got=errors.hex_dump(after[first:end]),
             )
+
+
+def _in_hex(data: bytes) -> Text:
+    shown = errors.hex_dump(data)
+    return Text(shown, shown)
 
 
 class Memory:

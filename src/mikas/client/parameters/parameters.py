@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
@@ -14,7 +14,7 @@ from mikas.catalog import Catalog, Conversion, Parameter
 from mikas.client.gate import Change, Gate
 from mikas.client.parameters.data import DataReader, RawDatum, distinct, refused
 from mikas.client.parameters.unit_list import UnitList, list_of
-from mikas.i18n import Text, byte_count
+from mikas.i18n import Text, byte_count, unit_after
 from mikas.tester import StreamItem, Tester
 
 if TYPE_CHECKING:
@@ -40,6 +40,17 @@ class Reading:
     def name(self) -> str:
         """The parameter's mnemonic."""
         return self.parameter.name
+
+    @property
+    def shown(self) -> Text:
+        """The value with its unit, as people write it: `13.5 °`, `13,5 °`; a flag as yes or no."""
+        if self.parameter.is_flag:
+            return Text("yes", "да") if self.value else Text("no", "нет")
+        number = f"{self.value:.{self.parameter.decimals}f}"
+        value = Text(number, number.replace(".", ","))
+        unit = self.parameter.interpretation(self.interpretation).unit_text
+        unit = unit_after(value, unit)
+        return Text(f"{value.en} {unit.en}".rstrip(), f"{value.ru} {unit.ru}".rstrip())
 
     def __repr__(self) -> str:
         """Return it on one line: a notebook shows a whole dict of them."""
@@ -221,8 +232,17 @@ class Parameters:
         data = datum_to_write(parameter, value, raw, self._interpretation)
         before = self._one(parameter)
         what = Text(f"write parameter {parameter.name}", f"записать параметр {parameter.name}")
-        change = Change.by(c.WriteParameter, what, before.raw if before else None, data)
-        change = replace(change, warning=KEEPING_UNKNOWN)
+        new = decode(parameter, data, self.tester.link.now(), self._interpretation)
+        change = Change.by(
+            c.WriteParameter,
+            what,
+            before.raw if before else None,
+            data,
+            name=parameter.name,
+            old=before.shown if before else None,
+            new=new.shown,
+            warning=KEEPING_UNKNOWN,
+        )
 
         def act() -> WrittenParameter:
             try:

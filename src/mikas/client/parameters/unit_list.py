@@ -155,7 +155,7 @@ class UnitList:
                 self._keep([p.name for p in wanted])
 
         with self.held():
-            self._gate.make(_change(data, len(wanted)), act, lambda _: None)
+            self._gate.make(_change(data, wanted), act, lambda _: None)
 
     def try_out(self, data: tuple[c.Datum, ...]) -> None:
         """Set the list to `data` once; it is not known afterwards. Raises as `set`."""
@@ -165,7 +165,7 @@ class UnitList:
             self._tester.request(c.WriteList(data))
 
         with self.held():
-            self._gate.make(_change(data, len(set(data))), act, lambda _: None)
+            self._gate.make(_change(data), act, lambda _: None)
 
     def read(self, wanted: tuple[Parameter, ...], *, named: bool = False) -> dict[int, RawDatum]:
         """Read the list of `wanted` (63); return its data by code.
@@ -200,15 +200,19 @@ class UnitList:
         return {d.code: RawDatum(raw, reply.began) for d, raw in zip(data, values, strict=True)}
 
 
-def _change(data: tuple[c.Datum, ...], count: int) -> Change:
+def _change(data: tuple[c.Datum, ...], wanted: tuple[Parameter, ...] = ()) -> Change:
     parameters = counted(
-        count, ("parameter", "parameters"), ("параметр", "параметра", "параметров")
+        len(wanted or set(data)),
+        ("parameter", "parameters"),
+        ("параметр", "параметра", "параметров"),
     )
     what = Text(
         f"set the unit's list to {parameters.en}",
         f"задать список блока: {parameters.ru}",
     )
-    return Change.by(c.WriteList, what, after=bytes(d.code for d in data))
+    names = ", ".join(parameter.name for parameter in wanted)
+    new = Text(names, names) if names else None
+    return Change.by(c.WriteList, what, after=bytes(d.code for d in data), new=new)
 
 
 def list_of(parameters: Sequence[Parameter]) -> tuple[c.Datum, ...]:
