@@ -216,7 +216,7 @@ class AsyncMemory:
 class AsyncEcu(_Remote[Ecu]):
     """`async with await AsyncEcu.connect("sim:") as ecu: print(await ecu.read("TWAT"))`.
 
-    `AsyncEcu(ecu)` takes an open `Ecu`. `ecu.ecu` is the `Ecu`; `run` calls what has no method here.
+    `AsyncEcu(ecu)` takes an open `Ecu`. `ecu.ecu` is that; `run` calls what has no method here.
     `confirm` of `connect` may be a coroutine function; the event loop answers the gate by it.
     """
 

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import errno
-from collections.abc import Mapping
+import re
+from collections.abc import Mapping, Set
+from functools import cache
 from pathlib import Path
+from string import Formatter
 from types import MappingProxyType
 from typing import ClassVar
 
@@ -19,13 +22,16 @@ class MikasError(Exception):
 
     `what` names the failure; `advice` lists likely causes in order and remedies for every user.
     Both may have `str.format` fields, filled from the keyword arguments. `AdviceTable` has the
-    advice of a user interface. Of an address in `url` (a port's) or `place` (of files) no text, no
+    advice of a user interface. `fields`: those of the texts and `more_fields`, and no others: a
+    missing or a wrong one is a `TypeError`. An error can be copied, pickled and raised again in
+    another process. Of an address in `url` (a port's) or `place` (of files) no text, no
     field and no advice has a password, nor a text about it.
     """
 
     what: ClassVar[Text] = Text("The operation failed", "Операция не выполнена")
     advice: Text = Text("", "")
     defaults: ClassVar[Mapping[str, object]] = MappingProxyType({})  # of fields that may be missing
+    more_fields: ClassVar[frozenset[str]] = frozenset()  # that no text has
 
     def __init__(
         self,
@@ -39,12 +45,29 @@ class MikasError(Exception):
         self.request = request
         self.received = received
         self.time = time
+        self._check_fields(fields.keys(), advice)
         self.fields = fields = _public({**self.defaults, **fields})
         self.is_over_network = False  # of the connection to the unit
         self.reason = self.what.filled(**fields)
         self.advice = (advice or type(self).advice).filled(**fields)
         self._class_advice = None if advice else self.advice
         super().__init__(self.reason.en)
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return _empty, (type(self),), {**self.__dict__, "args": self.args}
+
+    def _check_fields(self, given: Set[str], advice: Text | None) -> None:
+        """Raise `TypeError` for a field that is missing, or that this class does not have."""
+        texts = (self.what, type(self).advice, advice or type(self).advice)
+        needed = {name for text in texts for name in _field_names(text)}
+        known = needed | self.defaults.keys() | self.more_fields
+        if wrong := sorted(given - known):
+            raise TypeError(
+                f"{type(self).__name__} has no field {', '.join(wrong)}; it has "
+                f"{', '.join(sorted(known)) or 'none'}"
+            )
+        if missing := sorted(needed - given - self.defaults.keys()):
+            raise TypeError(f"{type(self).__name__} needs the field {', '.join(missing)}")
 
     def __str__(self) -> str:
         # Computed late: a higher layer may add the bytes on the wire.
@@ -81,6 +104,18 @@ class MikasError(Exception):
                 f"{received} {hex_dump(self.received, unit)}" if self.received else nothing
             )
         return parts
+
+
+def _empty(kind: type[MikasError]) -> MikasError:
+    """Return an error that is filled next, by pickle or copy."""
+    return kind.__new__(kind)
+
+
+@cache
+def _field_names(text: Text) -> frozenset[str]:
+    """Return the names of the fields in a text."""
+    parts = (part for each in text for part in Formatter().parse(each))
+    return frozenset(re.split(r"[.\[]", name)[0] for _, name, _, _ in parts if name)
 
 
 def _public(fields: dict[str, object]) -> dict[str, object]:

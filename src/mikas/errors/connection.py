@@ -142,7 +142,7 @@ class LinkLost(NoConnection):
     advice = Text("Check the USB plug and its cable.", "Проверьте разъём USB и кабель.")
 
 
-class ConnectionSilent(LinkLost):
+class ConnectionSilent(LinkLost, TimeoutError):
     """Not one byte came through a network for `seconds`, although something was sent."""
 
     what = Text(
@@ -201,7 +201,7 @@ class RecordingOver(LinkLost):
     )
 
 
-class NoEcho(NoConnection):
+class NoEcho(NoConnection, TimeoutError):
     """Nothing came back, not even the adapter's echo (D1)."""
 
     what = Text(
@@ -218,7 +218,7 @@ class NoEcho(NoConnection):
     )
 
 
-class EchoOnly(NoConnection):
+class EchoOnly(NoConnection, TimeoutError):
     """The echo came back, the ECU did not answer (D1)."""
 
     what = Text(
