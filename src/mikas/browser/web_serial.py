@@ -17,7 +17,7 @@ from functools import cache
 from importlib import import_module
 from typing import Any, Protocol
 
-from mikas.errors import LinkLost, NoPortGiven, PortFailed, PortNotFound
+from mikas.errors import NoPortGiven, PortFailed, PortNotFound
 from mikas.i18n import Text
 from mikas.link.base import (
     BAUD,
@@ -29,6 +29,7 @@ from mikas.link.base import (
     WEB_SERIAL,
     Chunk,
     Link,
+    link_lost,
 )
 from mikas.link.chips import LATENCY, chip_of
 from mikas.link.ports import Port, by_likelihood, listed, named
@@ -180,7 +181,7 @@ class WebSerialLink(Link):
     def _must_be_open(self, request: bytes | None = None) -> None:
         if why := self._port.lost:
             problem = _WHY_LOST.get(why, Text(why, why))
-            raise LinkLost(url=self.url, problem=problem, request=request, time=self.now())
+            raise link_lost(self.url, problem, request=request, time=self.now())
 
 
 def open_web_serial(url: str, options: dict[str, str]) -> Link:

@@ -147,7 +147,12 @@ class CommandContext:
         port = self.port or choose_port()
         with (
             self.capturing(port) as sink,
-            open_ecu(port, replace(self.options, confirm=confirm), sink=sink) as ecu,
+            open_ecu(
+                port,
+                replace(self.options, confirm=confirm),
+                sink=sink,
+                on_sink_failure=lambda _: None,  # said at the end, by `end_capture`
+            ) as ecu,
         ):
             self.output.detail(
                 tr("port", "порт"), port,

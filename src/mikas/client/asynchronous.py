@@ -22,8 +22,7 @@ from mikas.client.gate import Confirm
 from mikas.client.memory.spaces import Memory, MemorySpace
 from mikas.client.parameters.parameters import Reading
 from mikas.client.questions import Questions
-from mikas.errors import LinkLost
-from mikas.link.base import CLOSED
+from mikas.errors import LinkClosed
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -269,11 +268,11 @@ class AsyncEcu(_Remote[Ecu]):
     def run(self, call: Callable[[], R]) -> asyncio.Future[R]:
         """Run `call()` in the worker thread: `await ecu.run(lambda: ecu.ecu.tester.statistics)`.
 
-        Raises the errors of `call`, and `LinkLost` if this is closed. If the task that waits is
+        Raises the errors of `call`, and `LinkClosed` after `close`. If the task that waits is
         cancelled, `call` ends between two exchanges.
         """
         if self._closed:
-            raise LinkLost(url=self.ecu.tester.link.url, problem=CLOSED)
+            raise LinkClosed(url=self.ecu.tester.link.url)
         return self._worker.awaited(self._worker.submit(call))
 
     def iterate(self, make: Callable[[], Iterator[R]]) -> AsyncItems[R]:
@@ -298,7 +297,7 @@ class AsyncEcu(_Remote[Ecu]):
     async def close(self) -> None:
         """Close the port and end the worker thread; a second call does nothing.
 
-        A call that another task waits for ends with `LinkLost` before its next exchange, and a
+        A call that another task waits for ends with `LinkClosed` before its next exchange, and a
         question that is not answered yet counts as answered with no.
         """
         if not self._closed:

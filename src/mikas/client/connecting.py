@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 import os
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -17,6 +17,8 @@ from mikas.client.limits import LimitsStore
 from mikas.link import CaptureTee, Link, Sink, choose_port, open_link
 from mikas.options import check_choice, check_number
 from mikas.tester import Echo, Tester, Timing
+
+StrPath = str | os.PathLike[str]
 
 STATE_VARIABLE = "MIKAS_STATE"
 _SHORTEST = 0.001  # s; a shorter time-out would end before an adapter hands over its first byte
@@ -51,10 +53,11 @@ class ConnectionOptions:
     """Asked before every change, answers True or False; None: every change passes but the dangerous
     ones (`Safety.DANGEROUS`: writes to CODE, and 41)."""
 
-    journal: Path | None = None
-    """The file of changes; None: the one in `state_folder()`."""
+    journal: StrPath | None = None
+    """The file of changes; None: the one in `state_folder()`, of a virtual unit none unless
+    MIKAS_STATE names the folder."""
 
-    state: Path | None = None
+    state: StrPath | None = None
     """The folder of learnt limits and lists; None: `units` in `state_folder()`, without the limits
     of virtual units unless MIKAS_STATE names it."""
 
@@ -93,10 +96,17 @@ class ConnectionOptions:
             self.catalog,
             interpretation=self.interpretation,
             confirm=self.confirm,
-            journal=Path(self.journal or state_folder() / "journal.jsonl"),
+            journal=self._journal(link),
             store=self._store(link),
             lists=Path(self.state or state_folder() / "units") / "lists",
         )
+
+    def _journal(self, link: Link) -> Path | None:
+        if self.journal is not None:
+            return Path(self.journal)
+        if link.is_virtual and not os.environ.get(STATE_VARIABLE):
+            return None  # the user's own journal is of cars
+        return state_folder() / "journal.jsonl"
 
     def _store(self, link: Link) -> LimitsStore | None:
         kept = self.virtual_units
@@ -122,18 +132,21 @@ def connect(
     inter_byte_timeout: float = 0.2,
     retries: int = 2,
     interpretation: str = "corrected",
-    catalogs: Iterable[Path] = (),
+    catalogs: StrPath | Iterable[StrPath] = (),
     confirm: Confirm | None = None,
-    journal: Path | None = None,
-    state: Path | None = None,
+    journal: StrPath | None = None,
+    state: StrPath | None = None,
     sink: Sink | None = None,
+    on_sink_failure: Callable[[Exception], None] | None = None,
     raw_checksum: bool = False,
     strict: bool = False,
 ) -> Ecu:
     """Open the port, find the ECU on it and return it, ready for requests.
 
     `url`: `/dev/ttyUSB0`, `COM3`, `socket://host:port`, `rfc2217://host:port`, `sim:`; None: the
-    only likely adapter. `catalogs`: the user's own files. `sink`: records all bytes on the wire.
+    only likely adapter. `catalogs`: the user's own files. `sink`: records all bytes on the wire; if
+    it fails, `on_sink_failure` gets its exception and the session goes on unrecorded; None: the
+    exception is raised, and by each later request again.
     The other options: `ConnectionOptions`. Raises `UsageError` for an invalid option before the
     port is opened, then `NoConnection` or a `LineError`.
     """
@@ -143,21 +156,31 @@ def connect(
         inter_byte_timeout=inter_byte_timeout,
         retries=retries,
         interpretation=interpretation,
-        catalog=load(*catalogs),
+        catalog=load(*([catalogs] if isinstance(catalogs, str | os.PathLike) else catalogs)),
         confirm=confirm,
         journal=journal,
         state=state,
         raw_checksum=raw_checksum,
         strict=strict,
     )
-    return open_ecu(url, options, sink=sink)
+    return open_ecu(url, options, sink=sink, on_sink_failure=on_sink_failure or _refuse)
 
 
-def open_ecu(url: str | None, options: ConnectionOptions, *, sink: Sink | None = None) -> Ecu:
+def _refuse(error: Exception) -> None:
+    raise error
+
+
+def open_ecu(
+    url: str | None,
+    options: ConnectionOptions,
+    *,
+    sink: Sink | None = None,
+    on_sink_failure: Callable[[Exception], None] = _refuse,
+) -> Ecu:
     """As `connect`, with the options as one value."""
     link: Link = open_link(choose_port() if url is None else url)
     if sink is not None:
-        link = CaptureTee(link, sink)
+        link = CaptureTee(link, sink, on_failure=on_sink_failure)
     try:
         ecu = options.create_ecu(link)
         ecu.tester.connect()

@@ -27,6 +27,7 @@
     │   ├── PortDenied                 no permission to open it
     │   ├── PortFailed                 not opened for another reason
     │   ├── LinkLost                   the adapter disconnected while in use
+    │   │   ├── LinkClosed             the program itself has closed it
     │   │   ├── ConnectionSilent       over a network, nothing came back for seconds
     │   │   ├── OtherService           over a network, another service answers there
     │   │   ├── PortTaken              over a network, another client has it (also a PortBusy)
@@ -86,6 +87,7 @@ from mikas.errors.connection import BrokerUnreachable as BrokerUnreachable
 from mikas.errors.connection import ConnectionSilent as ConnectionSilent
 from mikas.errors.connection import EchoOnly as EchoOnly
 from mikas.errors.connection import LineFlooded as LineFlooded
+from mikas.errors.connection import LinkClosed as LinkClosed
 from mikas.errors.connection import LinkLost as LinkLost
 from mikas.errors.connection import NoBroker as NoBroker
 from mikas.errors.connection import NoConnection as NoConnection

@@ -142,6 +142,13 @@ class LinkLost(NoConnection):
     advice = Text("Check the USB plug and its cable.", "Проверьте разъём USB и кабель.")
 
 
+class LinkClosed(LinkLost):
+    """This program has closed the connection, and used it afterwards."""
+
+    what = Text("The connection to {url} is closed", "Соединение с {url} закрыто")
+    advice = Text("Connect again.", "Соединитесь снова.")
+
+
 class ConnectionSilent(LinkLost, TimeoutError):
     """Not one byte came through a network for `seconds`, although something was sent."""
 

@@ -20,7 +20,7 @@ from functools import partial
 from math import inf
 from typing import Final, NamedTuple, Protocol, Self
 
-from mikas.errors import LineError, NoConnection, PortKind
+from mikas.errors import LineError, LinkClosed, LinkLost, NoConnection, PortKind
 from mikas.i18n import Text
 
 BAUD = 9600  # §1
@@ -41,8 +41,16 @@ TEXT_ANSWER = 0.5  # s that such an answer may take
 # Why a link is lost, after "the adapter is gone:"
 CLOSED_HERE = Text("it was closed here", "он закрыт этой программой")
 TAKES_NO_BYTES = Text("it takes no more bytes", "он не принимает байты")
-CLOSED = Text("it is closed", "он закрыт")
 UNPLUGGED = Text("unplugged, or closed by the other end", "отключён или закрыт другой стороной")
+
+
+def link_lost(
+    url: str, why: Text, *, request: bytes | None = None, time: float | None = None
+) -> LinkLost:
+    """Return the error of a link that is gone; after `CLOSED_HERE` no plug is to blame."""
+    if why is CLOSED_HERE:
+        return LinkClosed(url=url, request=request, time=time)
+    return LinkLost(url=url, problem=why, request=request, time=time)
 
 
 class Chunk(NamedTuple):
@@ -244,15 +252,24 @@ class CaptureTee(LinkWrapper):
     - Received bytes have their chunk's time.
     - Sent bytes have the time when the system had accepted them: about when the first bit goes out,
       and never later than the echo. Bytes that the link refused are not recorded.
-    - A failing sink does not end the session: `failure` keeps the exception for the sink's owner,
-      and recording stops.
+    - A failing sink ends the recording: `failure` keeps the exception for the sink's owner, and
+      `on_failure` gets it, once. What that raises is raised again by each later call, so that
+      nothing is exchanged unrecorded unless somebody wants that.
     - Closing the tee closes the link, not the sink.
     - `wire` counts the bytes, also after a failure of the sink.
     - `date_set`: the seconds by which the computer's date was set since; none if time is simulated.
     """
 
-    def __init__(self, link: Link, sink: Sink, wire: WireCount | None = None) -> None:
+    def __init__(
+        self,
+        link: Link,
+        sink: Sink,
+        wire: WireCount | None = None,
+        on_failure: Callable[[Exception], None] = lambda _: None,
+    ) -> None:
         super().__init__(link)
+        self._on_failure = on_failure
+        self._refusal: Exception | None = None
         self.failure: Exception | None = None
         self._wire = wire or WireCount()
         self._sink = sink
@@ -277,12 +294,19 @@ class CaptureTee(LinkWrapper):
         wire = self._wire
         if direction is Direction.RECEIVED or not wire.echoes:
             wire.bytes += len(data)
+        if self._refusal is not None:
+            raise self._refusal
         if self.failure is not None:
             return
         try:
             self._sink.record(direction, data, time)
-        except Exception as error:  # any: a sink of other code must not end the session
+        except Exception as error:  # any: a sink of other code
             self.failure = error
+            try:
+                self._on_failure(error)
+            except Exception as refusal:
+                self._refusal = refusal
+                raise
 
 
 def _steady(system: str = sys.platform) -> Callable[[], float]:

@@ -40,6 +40,7 @@ from mikas.link.base import (
     Chunk,
     Link,
     WallClock,
+    link_lost,
 )
 from mikas.link.failures import SYSTEM_ERRORS, is_unable, opening_failed, why_lost
 from mikas.link.network.other_end import at_the_end, in_handshake, with_words
@@ -178,7 +179,7 @@ class SerialLink(Link):
         if isinstance(port, RawTcpPort) and port.ended_there:
             lost = at_the_end(self.url, port.number, port.first, port.last, telnet=port.telnet)
         else:
-            lost = met_on(self.kind, LinkLost(url=self.url, problem=why))
+            lost = met_on(self.kind, link_lost(self.url, why))
         lost.request, lost.time = request, self.now()
         return lost
 

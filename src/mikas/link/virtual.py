@@ -12,11 +12,12 @@ from math import inf
 from typing import Final
 from weakref import WeakKeyDictionary, ref
 
-from mikas.errors import LinkLost, usage_error
+from mikas.errors import usage_error
 from mikas.i18n import Text
-from mikas.link.base import CLOSED, AwakeClock, Chunk, Link, WallClock
+from mikas.link.base import CLOSED_HERE, AwakeClock, Chunk, Link, WallClock, link_lost
 from mikas.link.ports import VIRTUAL
 from mikas.link.urls import take_clock
+from mikas.options import check_names
 from mikas.virtual.bus import Bus
 
 _PERIOD: Final = 1.0  # s between two steps of an engine that no request reads
@@ -50,12 +51,12 @@ class BusLink(Link):
         self._gone.set()
 
     def close(self) -> None:
-        self._problem = self._problem or CLOSED
+        self._problem = self._problem or CLOSED_HERE
         self._gone.set()
 
     def _check(self) -> None:
         if self._problem:
-            raise LinkLost(url=self.url, problem=self._problem, time=self.now())
+            raise link_lost(self.url, self._problem, time=self.now())
 
 
 class VirtualLink(BusLink):
@@ -180,8 +181,9 @@ def open_sim(url: str, options: dict[str, str]) -> Link:
     `mikas.virtual.build` has the other options. Raises `BadPortUrl` for an unknown option or an
     invalid value, `CatalogError` for an invalid scenario file.
     """
-    from mikas.virtual.build import build_bus  # the engine and the catalog: only for this scheme
+    from mikas.virtual.build import SETTINGS, build_bus  # the engine, the catalog: for this only
 
+    check_names(options, ("clock", *SETTINGS))
     settings = dict(options)
     simulated = take_clock(settings)
     if place := url.partition("?")[0].partition(":")[2].strip("/"):

@@ -12,8 +12,8 @@ from contextlib import contextmanager
 from typing import NamedTuple
 
 from mikas.cancellation import check_cancelled
-from mikas.errors import DeadlinePassed, LinkLost
-from mikas.link.base import CLOSED, Link
+from mikas.errors import DeadlinePassed, LinkClosed
+from mikas.link import Link
 from mikas.options import check_number
 
 
@@ -54,10 +54,10 @@ class Ending:
                 del self._deadlines[thread]
 
     def check(self) -> None:
-        """Raise `Cancelled`, `LinkLost` if this is closed, or `DeadlinePassed`."""
+        """Raise `Cancelled`, `LinkClosed`, or `DeadlinePassed`."""
         check_cancelled()
         if self.closed:
-            raise LinkLost(url=self._link.url, problem=CLOSED)
+            raise LinkClosed(url=self._link.url, time=self._link.now())
         deadline = self._deadlines.get(threading.get_ident())
         if deadline and self._link.now() >= deadline.time:
             raise DeadlinePassed(seconds=deadline.seconds, time=self._link.now())

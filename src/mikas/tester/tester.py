@@ -160,7 +160,7 @@ class Tester:
         return self._ending.within(seconds)
 
     def end_calls(self) -> None:
-        """Let the calls of other threads end before their next exchange, with `LinkLost`.
+        """Let the calls of other threads end before their next exchange, with `LinkClosed`.
 
         Only `close` may follow.
         """
@@ -169,7 +169,7 @@ class Tester:
     def close(self) -> None:
         """End a running stream and close the link; a second call does nothing.
 
-        What another thread is doing ends at once, or between two exchanges, with `LinkLost`.
+        What another thread is doing ends at once, or between two exchanges, with `LinkClosed`.
         """
         self.end_calls()
         stream = self._stream

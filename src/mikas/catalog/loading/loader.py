@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cache
+from os import PathLike
 from pathlib import Path
 from zlib import crc32
 
@@ -36,14 +37,14 @@ _SHIPPED = (
 )
 
 
-def load(*user_files: Path) -> Catalog:
+def load(*user_files: str | PathLike[str]) -> Catalog:
     """Return the shipped catalog, overridden by these files in order.
 
     CatalogError: a file can't be read or is wrong.
     """
     if not user_files:
         return shipped()
-    return combined([*_shipped_sources(), *map(read_source, user_files)])
+    return combined([*_shipped_sources(), *(read_source(Path(file)) for file in user_files)])
 
 
 def load_text(name: str, text: str, *more: Path) -> Catalog:

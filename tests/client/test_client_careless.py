@@ -1,0 +1,116 @@
+"""What a careless program finds out all the same: a recorder that fails, paths, wrong options."""
+
+from __future__ import annotations
+
+import errno
+import os
+from pathlib import PurePosixPath
+
+import pytest
+
+import mikas
+from mikas.errors import BadPortUrl, LinkClosed
+from mikas.recording import CaptureWriter
+from mikas.virtual.build import SETTINGS
+
+SIM = "sim:?clock=simulated"
+
+
+class Full(Exception):
+    pass
+
+
+class Sink:
+    """Takes so many records, then fails."""
+
+    def __init__(self, records):
+        self.left = records
+
+    def record(self, direction, data, time):
+        self.left -= 1
+        if self.left < 0:
+            raise Full("no room")
+
+
+class TestAFailingSink:
+    def test_is_raised_by_each_request_from_then_on(self):
+        with mikas.connect(SIM, sink=Sink(40)) as ecu:
+            with pytest.raises(Full):
+                ecu.memory.code.read_block(0, 0x4000)
+            for _ in range(2):
+                with pytest.raises(Full):
+                    ecu.read("TWAT")
+
+    def test_while_connecting_leaves_no_port_open(self):
+        with pytest.raises(Full):
+            mikas.connect(SIM, sink=Sink(1))
+
+    def test_calls_back_once_and_the_session_goes_on(self):
+        failures = []
+        with mikas.connect(SIM, sink=Sink(40), on_sink_failure=failures.append) as ecu:
+            assert len(ecu.memory.code.read_block(0, 0x4000)) == 0x4000
+            assert ecu.read("TWAT")
+        assert [type(failure) for failure in failures] == [Full]
+
+    def test_may_be_refused_by_the_callback(self):
+        def refuse(error):
+            raise KeyError("stop") from error
+
+        with mikas.connect(SIM, sink=Sink(40), on_sink_failure=refuse) as ecu:
+            for _ in range(2):
+                with pytest.raises(KeyError, match="stop"):
+                    ecu.memory.code.read_block(0, 0x4000)
+
+
+@pytest.mark.parametrize("kind", [str, os.fspath, lambda path: path, PurePosixPath])
+class TestPaths:
+    def test_of_catalogs_journal_and_state(self, kind, tmp_path):
+        own = tmp_path / "mine.toml"
+        own.write_text("[parameter.TWAT]\ntext = { en = 'Mine', ru = 'Моё' }\n")
+        for catalogs in (kind(own), [kind(own)]):
+            with mikas.connect(
+                SIM,
+                catalogs=catalogs,
+                journal=kind(tmp_path / "kept" / "journal"),
+                state=kind(tmp_path / "units"),
+            ) as ecu:
+                assert ecu.catalog.parameter("TWAT").text.en == "Mine"
+                ecu.set_list("TWAT")
+        assert (tmp_path / "kept" / "journal").is_file()
+
+    def test_of_recordings(self, kind, tmp_path):
+        path = tmp_path / "drive.pcapng"
+        with CaptureWriter(path, url=SIM) as sink, mikas.connect(SIM, sink=sink) as ecu:
+            ecu.read("TWAT")
+        assert mikas.open(kind(path)) is not None
+
+
+def test_a_virtual_unit_leaves_the_users_journal_alone(tmp_path, monkeypatch):
+    monkeypatch.delenv("MIKAS_STATE", raising=False)
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
+    monkeypatch.setenv("HOME", str(tmp_path))
+    with mikas.connect(SIM) as ecu:
+        ecu.memory.ram.write(0x40, 1)
+    assert not list(tmp_path.rglob("journal*"))
+    monkeypatch.setenv("MIKAS_STATE", str(tmp_path / "named"))
+    with mikas.connect(SIM) as ecu:
+        ecu.memory.ram.write(0x40, 1)
+    assert (tmp_path / "named" / "journal.jsonl").is_file()
+
+
+def test_an_unknown_option_lists_all(tmp_path):
+    with pytest.raises(BadPortUrl) as caught:
+        mikas.connect("sim:?bogus=1")
+    for name in ("clock", *SETTINGS):
+        assert f" {name}" in str(caught.value)
+
+
+@pytest.mark.parametrize("url", [SIM, "sim:"])
+def test_after_close_nothing_speaks_of_plugs(url):
+    ecu = mikas.connect(url)
+    ecu.close()
+    for use in (lambda: ecu.read("TWAT"), ecu.faults, lambda: ecu.raw(b"\x01")):
+        with pytest.raises(LinkClosed, match=r"is closed\. Connect again") as caught:
+            use()
+        assert "USB" not in str(caught.value)
+        assert caught.value.errno in (None, errno.EBADF)
