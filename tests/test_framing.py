@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from mikas.framing import Damage, DamageReason, Decoder, Event, Frame, checksum, encode, unstuff
 
 REPOSITORY = Path(__file__).parents[1]
-VECTORS = REPOSITORY / "tests/vectors"
+VECTORS = REPOSITORY / "conformance"
 FRAMES = json.loads((VECTORS / "frames.json").read_text("utf-8"))
 STREAMS = json.loads((VECTORS / "streams.json").read_text("utf-8"))
 

@@ -15,11 +15,11 @@ from mikas.virtual.fault_injector import FaultInjector
 from mikas.virtual.quirks import EcuQuirks
 from mikas.virtual.responder import Identity, Responder
 
-VECTORS = Path(__file__).parent / "vectors"
+VECTORS = Path(__file__).parents[1] / "conformance"
 EXCHANGES = json.loads((VECTORS / "exchanges.json").read_text("utf-8"))
 
 # The raw bytes of each code of §4 (`protocol_codes`), by code, of a unit that has no other: the
-# responses to the requests for one parameter in vectors/exchanges.json.
+# responses to the requests for one parameter in conformance/exchanges.json.
 DATA = {
     bytes.fromhex(v["request"])[1]: bytes.fromhex(v["answer"])
     for v in EXCHANGES

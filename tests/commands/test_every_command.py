@@ -16,7 +16,7 @@ from mikas import commands as c
 from mikas.errors import LineError, MikasError, NotSupported
 from mikas.framing import encode
 
-VECTORS = Path(__file__).parent.parent / "vectors"
+VECTORS = Path(__file__).parents[2] / "conformance"
 EXCHANGES = json.loads((VECTORS / "exchanges.json").read_text("utf-8"))
 
 ALL_CODES = bytes.fromhex(
