@@ -46,6 +46,45 @@ def closed(link):
     return False
 
 
+def test_a_link_of_ones_own_is_taken_and_closed_with_the_unit():
+    class Duck:
+        """Has the methods of a link and is none by its class."""
+
+        def __init__(self, link):
+            self._link = link
+
+        def __getattr__(self, name):
+            return getattr(self._link, name)
+
+    for made in (lambda link: link, Duck):
+        link = open_link(SIM)
+        with connect(link=made(link)) as ecu:
+            assert ecu.read("TWAT")["TWAT"].unit == "°C"
+        assert closed(link)
+    link = open_link(SIM + "&scenario=key-off&lost=1")
+    with pytest.raises(errors.EchoOnly):
+        connect(link=link, retries=0)
+    assert closed(link)
+    with pytest.raises(errors.UsageError, match="not both"):
+        connect(SIM, link=link)
+
+
+def test_the_port_is_that_of_the_environment_then_of_the_config_file(tmp_path, monkeypatch):
+    config = tmp_path / "config.toml"
+    config.write_text('port = "sim:?clock=simulated&model=5.4"\n')
+    monkeypatch.setenv("MIKAS_CONFIG", str(config))
+    monkeypatch.delenv("MIKAS_PORT", raising=False)
+    with connect() as ecu:
+        assert ecu.version_code == 0x09
+    monkeypatch.setenv("MIKAS_PORT", SIM)
+    with connect() as ecu:
+        assert ecu.version_code == 0x0A
+    config.write_text("port = \n")
+    monkeypatch.delenv("MIKAS_PORT")
+    with pytest.raises(errors.UsageError, match="config file"):
+        connect()
+
+
 def test_the_unit_is_found_and_ready():
     with connect(SIM) as ecu:
         assert (ecu.version_code, ecu.model.known) == (0x0A, True)

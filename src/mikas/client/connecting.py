@@ -14,6 +14,7 @@ from mikas.catalog.model import check_interpretation
 from mikas.client.ecu import Ecu
 from mikas.client.gate import Confirm
 from mikas.client.limits import LimitsStore
+from mikas.errors import usage_error
 from mikas.link import CaptureTee, Link, Sink, choose_port, open_link
 from mikas.options import check_choice, check_number
 from mikas.tester import Echo, Tester, Timing
@@ -21,6 +22,7 @@ from mikas.tester import Echo, Tester, Timing
 StrPath = str | os.PathLike[str]
 
 STATE_VARIABLE = "MIKAS_STATE"
+PORT_VARIABLE = "MIKAS_PORT"
 _SHORTEST = 0.001  # s; a shorter time-out would end before an adapter hands over its first byte
 
 
@@ -127,6 +129,7 @@ def state_folder() -> Path:
 def connect(
     url: str | None = None,
     *,
+    link: Link | None = None,
     echo: str = "auto",
     timeout: float = 0.5,
     inter_byte_timeout: float = 0.2,
@@ -143,10 +146,12 @@ def connect(
 ) -> Ecu:
     """Open the port, find the ECU on it and return it, ready for requests.
 
-    `url`: `/dev/ttyUSB0`, `COM3`, `socket://host:port`, `rfc2217://host:port`, `sim:`; None: the
-    only likely adapter. `catalogs`: the user's own files. `sink`: records all bytes on the wire; if
-    it fails, `on_sink_failure` gets its exception and the session goes on unrecorded; None: the
-    exception is raised, and by each later request again.
+    `url`: `/dev/ttyUSB0`, `COM3`, `socket://host:port`, `rfc2217://host:port`, `sim:`; None: that
+    of MIKAS_PORT, else of the config file, else the only likely adapter. `link`: an open link of
+    your own instead, of the interface of `mikas.link.Link`; it is closed with the unit.
+    `catalogs`: the user's own files. `sink`: records all bytes on the wire; if it fails,
+    `on_sink_failure` gets its exception and the session goes on unrecorded; None: the exception is
+    raised, and by each later request again.
     The other options: `ConnectionOptions`. Raises `UsageError` for an invalid option before the
     port is opened, then `NoConnection` or a `LineError`.
     """
@@ -163,7 +168,29 @@ def connect(
         raw_checksum=raw_checksum,
         strict=strict,
     )
-    return open_ecu(url, options, sink=sink, on_sink_failure=on_sink_failure or _refuse)
+    if link is not None and url is not None:
+        raise usage_error(
+            "connect() takes a url or a link, not both",
+            "connect() принимает или url, или link, но не оба",
+        )
+    return open_ecu(
+        url if link is None else link,
+        options,
+        sink=sink,
+        on_sink_failure=on_sink_failure or _refuse,
+    )
+
+
+def named_port() -> str:
+    """Return the port of MIKAS_PORT, else of the config file; empty if neither names one.
+
+    Raises `UsageError` for a wrong config file.
+    """
+    if named := os.environ.get(PORT_VARIABLE, "").strip():
+        return named
+    from mikas.preferences import config_path, parsed_config
+
+    return str(parsed_config(config_path()).get("port", "")).strip()
 
 
 def _refuse(error: Exception) -> None:
@@ -171,14 +198,16 @@ def _refuse(error: Exception) -> None:
 
 
 def open_ecu(
-    url: str | None,
+    port: Link | str | None,
     options: ConnectionOptions,
     *,
     sink: Sink | None = None,
     on_sink_failure: Callable[[Exception], None] = _refuse,
 ) -> Ecu:
     """As `connect`, with the options as one value."""
-    link: Link = open_link(choose_port() if url is None else url)
+    if port is None:
+        port = named_port() or choose_port()
+    link: Link = open_link(port) if isinstance(port, str) else port
     if sink is not None:
         link = CaptureTee(link, sink, on_failure=on_sink_failure)
     try:
