@@ -9,8 +9,7 @@ from types import FrameType
 
 from mikas.errors import LinkLost
 from mikas.link import Link
-
-from .contract import Rig
+from mikas.testing.links import Rig
 
 _MODULES = ("serial.", "mikas.link.network", "mikas.link.serial")
 _LINES = 200  # more than any call has

@@ -16,8 +16,7 @@ from serial.urlhandler import protocol_loop
 
 from mikas.link import Link, LinkWrapper, open_link
 from mikas.link.serial import TICK, SerialLink
-
-from .contract import FAR, Rig
+from mikas.testing.links import FAR, Rig
 
 
 def port_of(link: Link) -> Any:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from mikas.link import CaptureTee
+from mikas.testing.links import RealTimeContract, Rig
 
-from .contract import RealTimeContract, Rig
 from .rigs import asked_rig, rfc2217_rig, tcp_rig
 
 pytestmark = pytest.mark.realtime

@@ -14,8 +14,8 @@ from mikas.link import Port, open_link
 from mikas.link import serial as serial_link
 from mikas.link.base import AT_ONCE, LATENCY_TIMER
 from mikas.link.serial import TICK, SerialLink
+from mikas.testing.links import FAR, meanwhile, write_until_lost
 
-from .contract import FAR, meanwhile, write_until_lost
 from .rigs import asked_rig, port_of, rfc2217_rig, tcp_rig
 
 

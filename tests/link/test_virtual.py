@@ -12,10 +12,9 @@ import pytest
 from mikas.errors import LinkLost
 from mikas.framing import encode
 from mikas.link.virtual import RealTimeVirtualLink, VirtualLink
+from mikas.testing.links import FAR, LinkContract, RealTimeContract, Rig
 from mikas.virtual.bus import Adapter, AdapterKind
 from virtual_harness import make_bus
-
-from .contract import FAR, LinkContract, RealTimeContract, Rig
 
 
 class PlainBus:

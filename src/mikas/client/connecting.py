@@ -100,7 +100,7 @@ class ConnectionOptions:
             confirm=self.confirm,
             journal=self._journal(link),
             store=self._store(link),
-            lists=Path(self.state or state_folder() / "units") / "lists",
+            lists=self._lists(link),
         )
 
     def _journal(self, link: Link) -> Path | None:
@@ -109,6 +109,11 @@ class ConnectionOptions:
         if link.is_virtual and not os.environ.get(STATE_VARIABLE):
             return None  # the user's own journal is of cars
         return state_folder() / "journal.jsonl"
+
+    def _lists(self, link: Link) -> Path | None:
+        if link.is_virtual and self.state is None and not os.environ.get(STATE_VARIABLE):
+            return None  # the next virtual unit has no list
+        return Path(self.state or state_folder() / "units") / "lists"
 
     def _store(self, link: Link) -> LimitsStore | None:
         kept = self.virtual_units

@@ -22,8 +22,8 @@ from mikas.i18n import Text
 from mikas.link import open_link
 from mikas.link.network import other_end, rfc2217
 from mikas.link.network.other_end import at_the_end, in_handshake, said_in
+from mikas.testing.links import collect
 
-from ..contract import collect
 from .terminal_server import REQUEST, TerminalServer, served, unit
 
 realtime = pytest.mark.realtime

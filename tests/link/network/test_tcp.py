@@ -15,8 +15,8 @@ from mikas.errors import PortFailed
 from mikas.link import open_link
 from mikas.link.network import tcp
 from mikas.link.network.tcp import RawTcpPort
+from mikas.testing.links import FAR
 
-from ..contract import FAR
 from .terminal_server import served, unit
 
 pytestmark = pytest.mark.realtime

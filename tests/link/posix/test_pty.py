@@ -22,9 +22,9 @@ from mikas.errors import LinkLost, PortBusy, PortDenied, PortFailed, PortNotFoun
 from mikas.link import CaptureTee, open_link
 from mikas.link import serial as serial_link
 from mikas.link.base import LATENCY_TIMER
+from mikas.testing.links import FAR, RealTimeContract, Rig, meanwhile, write_until_lost
 
 from ..closing import close_at_each_line
-from ..contract import FAR, RealTimeContract, Rig, meanwhile, write_until_lost
 from ..rigs import port_of
 from ..test_closing import USES
 from ..test_contract import teed

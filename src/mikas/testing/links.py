@@ -1,16 +1,18 @@
-"""What every link promises (`mikas.link.base`), as one suite to run over each back end.
+"""What every link promises (`mikas.link.base.Link`), as one suite to run over each of them.
 
-A back end's tests are a class that inherits `LinkContract`, or `RealTimeContract` if its waits are
-real, says its quirks as class attributes, and has a fixture `rig` that gives a `Rig`: the open link
-and the other end of its wire.
+    import pytest
+    from mikas.testing.links import LinkContract, Rig
 
     class TestMine(LinkContract):
         can_break = False
 
         @pytest.fixture
         def rig(self):
-            with ... as link:
+            with open_mine() as link:
                 yield Rig(link, MyPeer(...))
+
+A class inherits `LinkContract`, or `RealTimeContract` if its waits are real, names its quirks as
+class attributes, and has a fixture `rig`: the open link and the other end of its wire.
 """
 
 from __future__ import annotations
@@ -47,6 +49,8 @@ class Peer(Protocol):
 
 @dataclass
 class Rig:
+    """An open link, and the other end of its wire."""
+
     link: Link
     peer: Peer
 
@@ -70,6 +74,7 @@ def write_until_lost(link: Link, data: bytes, between: Callable[[], None] = lamb
 
 @contextmanager
 def meanwhile(act: Callable[[], object]) -> Iterator[None]:
+    """Do `act` in another thread, and wait for its end."""
     thread = threading.Thread(target=act)
     thread.start()
     try:
@@ -84,50 +89,50 @@ class LinkContract:
     can_break = True
     gathers = True  # whether it lets bytes come together
 
-    def test_names_what_it_is(self, rig):
+    def test_names_what_it_is(self, rig: Rig) -> None:
         assert rig.link.url
         assert rig.link.description
 
-    def test_a_byte_is_ten_bits(self, rig):
+    def test_a_byte_is_ten_bits(self, rig: Rig) -> None:
         assert rig.link.byte_time == pytest.approx(10 / rig.link.baud)
 
-    def test_what_is_written_arrives_unchanged(self, rig):
+    def test_what_is_written_arrives_unchanged(self, rig: Rig) -> None:
         rig.link.write(EVERY_BYTE)
         assert rig.peer.received(256) == EVERY_BYTE
 
-    def test_writes_keep_their_order(self, rig):
+    def test_writes_keep_their_order(self, rig: Rig) -> None:
         for value in b"\x01\xff\r":
             rig.link.write(bytes([value]))
         assert rig.peer.received(3) == b"\x01\xff\r"
 
-    def test_writing_nothing_does_nothing(self, rig):
+    def test_writing_nothing_does_nothing(self, rig: Rig) -> None:
         rig.link.write(b"")
         rig.link.write(b"x")
         assert rig.peer.received(1) == b"x"
 
-    def test_what_is_sent_here_is_read_unchanged(self, rig):
+    def test_what_is_sent_here_is_read_unchanged(self, rig: Rig) -> None:
         rig.peer.send(EVERY_BYTE)
         assert collect(rig.link, 256) == EVERY_BYTE
 
-    def test_a_read_does_not_wait_for_its_deadline_once_something_arrived(self, rig):
+    def test_a_read_does_not_wait_for_its_deadline_once_something_arrived(self, rig: Rig) -> None:
         began = rig.link.now()
         rig.peer.send(b"\x09")
         chunk = rig.link.read(began + FAR)
         assert chunk.data == b"\x09"
         assert began <= chunk.time <= rig.link.now() < began + FAR / 2
 
-    def test_silence_gives_an_empty_chunk_at_the_deadline_and_not_earlier(self, rig):
+    def test_silence_gives_an_empty_chunk_at_the_deadline_and_not_earlier(self, rig: Rig) -> None:
         deadline = rig.link.now() + SOON
         chunk = rig.link.read(deadline)
         assert chunk.data == b""
         assert deadline <= chunk.time <= rig.link.now() < deadline + FAR / 2
 
-    def test_a_deadline_in_the_past_does_not_wait(self, rig):
+    def test_a_deadline_in_the_past_does_not_wait(self, rig: Rig) -> None:
         before = rig.link.now()
         assert rig.link.read(before - FAR).data == b""
         assert rig.link.now() < before + FAR / 2
 
-    def test_a_deadline_in_the_past_still_looks(self, rig):
+    def test_a_deadline_in_the_past_still_looks(self, rig: Rig) -> None:
         rig.peer.send(b"\x0a")
         assert rig.link.read(rig.link.now() + FAR).data == b"\x0a"
         rig.peer.send(b"\x09")
@@ -140,31 +145,31 @@ class LinkContract:
     def let_time_pass(self, link: Link) -> None:
         """For a simulated clock, which stands still between reads: move it on, reading nothing."""
 
-    def test_what_gathers_meanwhile_is_there_afterwards(self, rig):
+    def test_what_gathers_meanwhile_is_there_afterwards(self, rig: Rig) -> None:
         rig.peer.send(b"\x09\xf7\r")
         until = rig.link.now() + SOON
         rig.link.gather(until)
         assert (rig.link.now() >= until) is self.gathers
         assert collect(rig.link, 3) == b"\x09\xf7\r"
 
-    def test_gathering_until_a_time_that_is_over_does_not_wait(self, rig):
+    def test_gathering_until_a_time_that_is_over_does_not_wait(self, rig: Rig) -> None:
         before = rig.link.now()
         rig.link.gather(before - FAR)
         assert rig.link.now() < before + FAR / 2
 
-    def test_a_loss_does_not_show_while_bytes_gather(self, rig):
+    def test_a_loss_does_not_show_while_bytes_gather(self, rig: Rig) -> None:
         rig.link.close()
         rig.link.gather(rig.link.now() + SOON)
         with pytest.raises(LinkLost):
             rig.link.read(rig.link.now())
 
-    def test_the_clock_never_runs_back(self, rig):
+    def test_the_clock_never_runs_back(self, rig: Rig) -> None:
         times = []
         for _ in range(200):
             times += [rig.link.now(), rig.link.read(rig.link.now()).time]
         assert times == sorted(times)
 
-    def test_a_break_takes_its_time_and_leaves_the_link_usable(self, rig):
+    def test_a_break_takes_its_time_and_leaves_the_link_usable(self, rig: Rig) -> None:
         before = rig.link.now()
         rig.link.send_break(SOON)
         assert before + SOON <= rig.link.now() < before + FAR / 2
@@ -173,34 +178,34 @@ class LinkContract:
         assert rig.peer.received(1)[-1:] == b"x"
 
     @pytest.mark.parametrize("use", ["read", "write", "send_break"])
-    def test_a_closed_link_is_lost(self, rig, use):
+    def test_a_closed_link_is_lost(self, rig: Rig, use: str) -> None:
         rig.link.close()
         with pytest.raises(LinkLost) as caught:
             self._use(rig.link, use)
         assert caught.value.fields["url"] == rig.link.url
         assert isinstance(caught.value, ConnectionError)
 
-    def test_closing_twice_is_closing_once(self, rig):
+    def test_closing_twice_is_closing_once(self, rig: Rig) -> None:
         rig.link.close()
         rig.link.close()
 
-    def test_a_closed_link_still_knows_the_time(self, rig):
+    def test_a_closed_link_still_knows_the_time(self, rig: Rig) -> None:
         before = rig.link.now()
         rig.link.close()
         assert rig.link.now() >= before
 
-    def test_a_closed_link_still_knows_the_date(self, rig):
+    def test_a_closed_link_still_knows_the_date(self, rig: Rig) -> None:
         rig.link.close()
         now = rig.link.now() if rig.link.is_simulated else time.time()
         assert rig.link.date() == pytest.approx(now, abs=60)
 
-    def test_leaving_its_context_closes_it(self, rig):
+    def test_leaving_its_context_closes_it(self, rig: Rig) -> None:
         with rig.link as link:
             assert link is rig.link
         with pytest.raises(LinkLost):
             rig.link.read(rig.link.now())
 
-    def test_a_vanished_adapter_ends_the_read_and_stays_lost(self, rig):
+    def test_a_vanished_adapter_ends_the_read_and_stays_lost(self, rig: Rig) -> None:
         rig.peer.vanish()
         with pytest.raises(LinkLost) as caught:
             collect(rig.link, 1)
@@ -210,7 +215,7 @@ class LinkContract:
                 self._use(rig.link, use)
         rig.link.close()
 
-    def test_a_vanished_adapter_takes_no_bytes(self, rig):
+    def test_a_vanished_adapter_takes_no_bytes(self, rig: Rig) -> None:
         rig.peer.vanish()
         with pytest.raises(LinkLost):
             write_until_lost(rig.link, b"\x01\xff\r", lambda: self.let_time_pass(rig.link))
@@ -228,20 +233,20 @@ class LinkContract:
 class RealTimeContract(LinkContract):
     """For a link whose waits are real: another thread can act while it waits."""
 
-    def test_its_clock_is_unix_time(self, rig):
+    def test_its_clock_is_unix_time(self, rig: Rig) -> None:
         assert rig.link.now() == pytest.approx(time.time(), abs=2)
 
-    def test_a_waiting_read_gets_what_comes(self, rig):
+    def test_a_waiting_read_gets_what_comes(self, rig: Rig) -> None:
         with meanwhile(lambda: rig.peer.send(b"\x09")):
             assert rig.link.read(rig.link.now() + FAR).data == b"\x09"
 
-    def test_a_waiting_read_ends_when_the_adapter_vanishes(self, rig):
+    def test_a_waiting_read_ends_when_the_adapter_vanishes(self, rig: Rig) -> None:
         began = rig.link.now()
         with meanwhile(rig.peer.vanish), pytest.raises(LinkLost):
             rig.link.read(began + FAR)
         assert rig.link.now() < began + FAR / 2
 
-    def test_a_waiting_read_ends_when_another_thread_closes_the_link(self, rig):
+    def test_a_waiting_read_ends_when_another_thread_closes_the_link(self, rig: Rig) -> None:
         began = rig.link.now()
         with meanwhile(rig.link.close), pytest.raises(LinkLost):
             rig.link.read(began + FAR)
