@@ -28,6 +28,8 @@ if TYPE_CHECKING:
         connect,
     )
     from mikas.errors import MikasError
+    from mikas.live.asynchronous import async_session
+    from mikas.live.session import Session, session
     from mikas.notebook.recording import Recording
     from mikas.notebook.recording import open as open  # noqa: A004  (read as `mikas.open`)
 
@@ -43,13 +45,19 @@ __all__ = [
     "Reading",
     "Recording",
     "Sample",
+    "Session",
+    "async_session",
     "connect",
     "errors",
+    "session",
 ]
 
 _MODULES = dict.fromkeys(__all__, "mikas.client") | {
     "Fault": "mikas.catalog",
     "MikasError": "mikas.errors",
+    "Session": "mikas.live.session",
+    "async_session": "mikas.live.asynchronous",
+    "session": "mikas.live.session",
     "Parameter": "mikas.catalog",
     "Recording": "mikas.notebook.recording",
     "open": "mikas.notebook.recording",  # not in `__all__`: `import *` would hide the built-in one

@@ -125,6 +125,12 @@ class Sampled(Event):
     stale: Mapping[str, Reading]
     derived: Mapping[str, DerivedValue] = field(default_factory=dict)
 
+    @property
+    def values(self) -> dict[str, float | bool]:
+        """The fresh values and the derived ones, by name."""
+        found = {name: reading.value for name, reading in self.fresh.items()}
+        return found | {name: derived.value for name, derived in self.derived.items()}
+
 
 @dataclass(frozen=True, slots=True)
 class CycleFailed(Event):

@@ -1,0 +1,1 @@
+"""Live values as the command line and the dashboard have them: `mikas.session`."""

@@ -1,0 +1,87 @@
+"""`async_session`: a session for asyncio programs, driven by one worker thread.
+
+async with mikas.async_session("sim:", channels=["FREQ"]) as session:
+    async for sample in session:
+        print(sample.values)
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator, Callable
+from concurrent.futures import ThreadPoolExecutor
+from functools import wraps
+from typing import ParamSpec, Self, TypeVar
+
+from mikas.client import Ecu
+from mikas.live.session import Session, session
+from mikas.sampling.events import Event, Sampled
+
+P = ParamSpec("P")
+E = TypeVar("E", bound=Event)
+T = TypeVar("T")
+
+
+class AsyncSession(AsyncIterator[Sampled]):
+    """`session` is the `Session`; its listeners are called in the worker thread.
+
+    A task that is cancelled while it waits loses no sample: the next one that waits gets it.
+    """
+
+    def __init__(self, sync: Session) -> None:
+        self.session = sync
+        self._worker = ThreadPoolExecutor(1, thread_name_prefix="mikas-session")
+        self._next: asyncio.Future[Event | None] | None = None
+
+    async def __anext__(self) -> Sampled:
+        """Return the next sample. Raises as `Session` does."""
+        while True:
+            event = await self._following()
+            if event is None:
+                raise StopAsyncIteration
+            if isinstance(event, Sampled):
+                return event
+
+    async def events(self) -> AsyncIterator[Event]:
+        """Iterate over all events, as `Session.events`."""
+        while (event := await self._following()) is not None:
+            yield event
+
+    async def call(self, job: Callable[[Ecu], T]) -> T:
+        """Run `job(ecu)` between two cycles and return its result, while another task iterates."""
+        return await asyncio.wrap_future(self.session.call(job))
+
+    async def close(self) -> None:
+        """As `Session.close`; a second call does nothing."""
+        self.session.stop()
+        if self._next is not None:
+            await asyncio.wait([self._next])
+        loop = asyncio.get_running_loop()
+        await loop.run_in_executor(self._worker, self.session.close)
+        self._worker.shutdown(wait=False)
+
+    async def _following(self) -> Event | None:
+        if self._next is None:
+            loop = asyncio.get_running_loop()
+            self._next = loop.run_in_executor(self._worker, self.session.following)
+        event = await asyncio.shield(self._next)
+        self._next = None
+        return event
+
+    async def __aenter__(self) -> Self:
+        return self
+
+    async def __aexit__(self, *_: object) -> None:
+        await self.close()
+
+
+def _asynchronous(function: Callable[P, Session]) -> Callable[P, AsyncSession]:
+    @wraps(function)
+    def call(*args: P.args, **kwargs: P.kwargs) -> AsyncSession:
+        return AsyncSession(function(*args, **kwargs))
+
+    return call
+
+
+async_session = _asynchronous(session)
+"""As `session`, for `async with` and `async for`."""
