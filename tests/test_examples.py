@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import runpy
+import subprocess
 import sys
 import tomllib
 from pathlib import Path
@@ -10,6 +12,7 @@ from pathlib import Path
 import pytest
 
 import mikas
+from mikas.client import MemorySpace
 from mikas.link import urls
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
@@ -18,10 +21,16 @@ EXPECTED = {
     "log_and_plot.py": "360 samples in drive.csv",
     "erase_faults.py": "stored now: []",
     "dump_memory.py": "4096 bytes in code-8000.bin",
-    "async_watch.py": "FREQ 840 rpm",
+    "two_units.py": "sim:?clock=simulated&scenario=city: 840 rpm",
+    "stream_to_pandas.py": "method: stream",
+    "codec_bytes.py": "at byte 7: TWAT 86 °C",
+    "write_parameter.py": "before: UOZ 13.5 ° crank now: UOZ 12.5 ° crank",
     "own_catalog/read_own.py": "TWAT 86 °C danger above 105",
 }
 LINK = "own_link/mikas_trace.py"  # a package, which is installed
+TESTS = ("test_overheating.py", "socket_link/test_socket_link.py")  # pytest runs them
+MODULES = ("socket_link/socket_link.py",)
+ALL = (*EXPECTED, LINK, *TESTS, *MODULES)
 
 
 @pytest.fixture
@@ -40,7 +49,7 @@ def run(tmp_path, monkeypatch, capsys):
 
 def test_every_example_is_run():
     scripts = {path.relative_to(EXAMPLES).as_posix() for path in EXAMPLES.rglob("*.py")}
-    assert scripts == {*EXPECTED, LINK}
+    assert scripts == {*ALL}
 
 
 @pytest.mark.parametrize("name", EXPECTED)
@@ -48,12 +57,13 @@ def test_each_example_prints_what_is_expected(run, name):
     assert EXPECTED[name] in run(name)
 
 
-@pytest.mark.parametrize("name", [*EXPECTED, LINK])
-def test_each_example_has_10_to_40_lines(name):
-    assert 10 <= len((EXAMPLES / name).read_text("utf-8").splitlines()) <= 40
+@pytest.mark.parametrize("name", ALL)
+def test_each_example_has_10_to_80_lines(name):
+    longest = 80 if name in TESTS or name in MODULES else 40
+    assert 10 <= len((EXAMPLES / name).read_text("utf-8").splitlines()) <= longest
 
 
-@pytest.mark.parametrize("name", [*EXPECTED, LINK])
+@pytest.mark.parametrize("name", ALL)
 def test_the_guide_names_each_example(name):
     guide = (EXAMPLES / "README.md").read_text("utf-8")
     assert f"]({name})" in guide or f"]({Path(name).parent}/)" in guide
@@ -70,6 +80,40 @@ def test_what_was_logged_is_drawn(run, tmp_path):
 def test_what_is_not_confirmed_is_not_erased(run, monkeypatch):
     monkeypatch.setattr("builtins.input", lambda _: "")
     assert "nothing was changed" in run("erase_faults.py")
+
+
+@pytest.mark.parametrize("name", TESTS)
+def test_the_tests_of_an_example_pass(name, tmp_path):
+    options = ["-q", "-W", "error", "-p", "no:cacheprovider", "-p", "mikas.testing.plugin"]
+    done = subprocess.run(
+        [sys.executable, "-m", "pytest", *options, "--rootdir", str(tmp_path), "-c", os.devnull,
+         str(EXAMPLES / name)],
+        capture_output=True, text=True, cwd=tmp_path, check=False,
+        env={**os.environ, "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"},
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_a_cancelled_dump_leaves_the_line_in_step(run, monkeypatch):
+    blocks = MemorySpace.blocks
+
+    def interrupted(*args):
+        for number, block in enumerate(blocks(*args)):
+            if number == 3:
+                raise KeyboardInterrupt
+            yield block
+
+    monkeypatch.setattr(MemorySpace, "blocks", interrupted)
+    printed = run("dump_memory.py")
+    assert "cancelled at 82FD" in printed
+    assert "765 bytes in code-8000.bin; the line is in step: UACC 14.1 V" in printed
+
+
+def test_a_change_that_is_not_confirmed_is_not_written(run, monkeypatch):
+    monkeypatch.setattr("builtins.input", lambda _: "no")
+    printed = run("write_parameter.py")
+    assert "UOZ: 13.5 ° crank → 12.5 ° crank" in printed
+    assert "nothing was changed" in printed
 
 
 @pytest.fixture

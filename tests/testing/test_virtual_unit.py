@@ -8,6 +8,7 @@ import sys
 
 import pytest
 
+import mikas.testing
 from mikas.errors import LineError, LinkLost, NoConnection, NotSupported, UsageError
 from mikas.testing.units import LineFault, VirtualUnit
 
@@ -112,6 +113,8 @@ def test_nothing_is_kept_in_the_users_folders(tmp_path, monkeypatch):
 
 PROJECT = """
 import pytest
+
+import mikas.testing
 from mikas.errors import LinkLost
 from mikas.testing.units import LineFault
 
@@ -150,3 +153,14 @@ def test_the_plugin_imports_nothing_before_a_test_wants_it():
     code = "import sys, mikas.testing.plugin; print(sorted(m for m in sys.modules if 'mikas' in m))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "['mikas', 'mikas.testing', 'mikas.testing.plugin']"
+
+
+def test_the_package_has_what_a_test_needs():
+    assert set(mikas.testing.__all__) == {
+        "LineFault", "LinkContract", "Peer", "RealTimeContract", "Rig", "VirtualUnit",
+    }  # fmt: skip
+    for name in mikas.testing.__all__:
+        assert getattr(mikas.testing, name).__doc__
+    assert dir(mikas.testing) == mikas.testing.__all__
+    with pytest.raises(AttributeError, match="nonsense"):
+        _ = mikas.testing.nonsense

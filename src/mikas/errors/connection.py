@@ -136,7 +136,7 @@ class PortFailed(NoConnection):
 
 
 class LinkLost(NoConnection):
-    """The adapter disconnected while in use."""
+    """The adapter disconnected while in use: `LinkLost(url="mine:", problem="closed")`."""
 
     what = Text("The adapter on {url} is gone: {problem}", "Адаптер на {url} пропал: {problem}")
     advice = Text("Check the USB plug and its cable.", "Проверьте разъём USB и кабель.")

@@ -3,6 +3,7 @@
 `find_ports` and `choose_port` find the URL. A scheme's libraries are imported when it is opened.
 """
 
+from mikas.errors import PortKind
 from mikas.link.base import CaptureTee, Chunk, Direction, Link, LinkWrapper, Sink, WallClock
 from mikas.link.ports import Port, choose_port, find_ports
 from mikas.link.urls import open_link
@@ -14,6 +15,7 @@ __all__ = [
     "Link",
     "LinkWrapper",
     "Port",
+    "PortKind",
     "Sink",
     "WallClock",
     "choose_port",

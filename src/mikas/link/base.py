@@ -4,7 +4,7 @@ Every higher layer waits with `Link.read` and takes the time from `Link.now`, in
 code. So the same tester runs on an adapter in real time and on a simulated bus at full speed.
 
 A link knows no frames, echo, requests or retries. One thread at a time uses it; only `close` may be
-called from another. The contract suite `tests/link/contract.py` checks the sentences below.
+called from another. The contract suite `mikas.testing.LinkContract` checks the sentences below.
 """
 
 from __future__ import annotations
@@ -64,7 +64,12 @@ class Chunk(NamedTuple):
 
 
 class Link(ABC):
-    """A wire with a clock. Opened by `mikas.link.open_link`; usable as a context manager."""
+    """A wire with a clock. Opened by `mikas.link.open_link`; usable as a context manager.
+
+    A link of your own has a `url` (its name in messages), `write`, `read`, `now`, `send_break` and
+    `close`; `examples/socket_link` is one. `WallClock` is a clock that never runs back.
+    `connect(link=…)` takes it.
+    """
 
     url: str
     """The port, as the user wrote it."""

@@ -1,6 +1,6 @@
 """`VirtualUnit`: a unit for a test. Its values are set, its line fails, its cable is pulled out.
 
-Its time is simulated: hours pass in seconds, and none passes between two calls.
+Its time is simulated: minutes pass in no time, and none passes between two calls.
 
     with VirtualUnit(scenario="city", faults="17") as car, car.connect() as ecu:
         car.set("TWAT", 110)
@@ -142,7 +142,11 @@ class VirtualUnit:
         self._car.data.pop(shipped().parameter(name).code, None)
 
     def next_responses(self, *faults: LineFault | None) -> None:
-        """Let the next responses have these faults, in their order; None: that one has none."""
+        """Let the next responses have these faults, in their order; None: that one has none.
+
+        After a failed exchange the tester asks the unit for its identity, which takes a response
+        of these too.
+        """
         self.bus.fault_injector.next(*faults)
 
     def pass_time(self, seconds: float) -> None:
