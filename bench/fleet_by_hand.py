@@ -8,7 +8,7 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-import pandas as pd  # type: ignore[import-untyped]  # it carries no types
+import pandas as pd
 
 import mikas
 

@@ -44,6 +44,7 @@ TREE = {
     "ConnectionSilent": ("LinkLost", ConnectionError),
     "OtherService": ("LinkLost", ConnectionError),
     "PortTaken": ("PortBusy", ConnectionError),
+    "LinkClosed": ("LinkLost", ConnectionError),
     "LineFlooded": ("LinkLost", ConnectionError),
     "RecordingOver": ("LinkLost", ConnectionError),
     "NoEcho": ("NoConnection", ConnectionError),
@@ -57,6 +58,7 @@ TREE = {
     "BrokerLost": ("NoBroker", ConnectionError),
     "LineError": ("MikasError", Exception),
     "NoResponse": ("LineError", TimeoutError),
+    "DeadlinePassed": ("MikasError", TimeoutError),
     "EngineStopped": ("NoResponse", TimeoutError),
     "AnswersLate": ("LineError", Exception),
     "EchoDiffers": ("LineError", Exception),
@@ -109,8 +111,11 @@ def test_the_package_exports_exactly_this_list():
         "Reading",
         "Recording",
         "Sample",
+        "Session",
+        "async_session",
         "connect",
         "errors",
+        "session",
     ]
     for name in (*mikas.__all__, "open"):
         assert getattr(mikas, name).__doc__
@@ -118,8 +123,16 @@ def test_the_package_exports_exactly_this_list():
     assert mikas.__version__[0].isdigit()
     assert mikas.Ecu is mikas.client.Ecu
     assert mikas.MikasError is errors.MikasError
-    with pytest.raises(AttributeError, match="nonsense"):
+
+
+def test_a_misspelt_name_is_an_error_with_the_nearest_one():
+    with pytest.raises(AttributeError, match=r"'conect'. Did you mean connect\?"):
+        _ = mikas.conect
+    with pytest.raises(AttributeError, match=r"'nonsense'$"):
         _ = mikas.nonsense
+    assert not hasattr(mikas, "__wrapped__")
+    with pytest.raises(ImportError, match="Recordin"):
+        exec("from mikas import Recordin")
 
 
 def test_import_star_leaves_the_built_in_open():

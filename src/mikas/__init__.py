@@ -33,6 +33,8 @@ if TYPE_CHECKING:
     from mikas.notebook.recording import Recording
     from mikas.notebook.recording import open as open  # noqa: A004  (read as `mikas.open`)
 
+    __version__: str
+
 __all__ = [
     "AsyncEcu",
     "Change",
@@ -64,16 +66,26 @@ _MODULES = dict.fromkeys(__all__, "mikas.client") | {
 }
 
 
-def __getattr__(name: str) -> object:
-    if name == "__version__":
-        from importlib.metadata import version
+if not TYPE_CHECKING:  # for a type checker, what is not above does not exist
 
-        return version("mikas")
-    if name == "errors":
-        return import_module("mikas.errors")
-    if name in _MODULES:
-        return getattr(import_module(_MODULES[name]), name)
-    raise AttributeError(f"module 'mikas' has no attribute {name!r}")
+    def __getattr__(name: str) -> object:
+        if name == "__version__":
+            from importlib.metadata import version
+
+            return version("mikas")
+        if name == "errors":
+            return import_module("mikas.errors")
+        if name in _MODULES:
+            return getattr(import_module(_MODULES[name]), name)
+        raise AttributeError(_absent(name))
+
+
+def _absent(name: str) -> str:
+    from mikas.options import nearest
+
+    near = () if name.startswith("_") else nearest(name, __dir__())
+    meant = "".join(f". Did you mean {each}?" for each in near)
+    return f"module 'mikas' has no attribute {name!r}{meant}"
 
 
 def __dir__() -> list[str]:

@@ -8,7 +8,7 @@ from enum import StrEnum
 from fractions import Fraction
 from itertools import pairwise
 from math import isfinite
-from typing import ClassVar
+from typing import ClassVar, Literal, get_args
 
 from mikas.catalog.conversion import NO_TEXT, Conversion
 from mikas.catalog.formula_syntax import parse
@@ -172,7 +172,8 @@ def in_order(derived: Mapping[str, Derived], wanted: Iterable[str]) -> tuple[Der
     return tuple(derived[name] for name in TopologicalSorter(graph).static_order())
 
 
-INTERPRETATIONS = ("corrected", "literal", "alternative", "family")
+Interpretation = Literal["corrected", "literal", "alternative", "family"]
+INTERPRETATIONS: tuple[Interpretation, ...] = get_args(Interpretation)
 """corrected (default): the source's text, unless it is impossible; literal: the source's text;
 alternative: another sense of a text that is odd, but possible (E3); family: that of siblings."""
 

@@ -7,9 +7,10 @@ import os
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Literal, TypedDict
 
 from mikas import home
-from mikas.catalog import Catalog, load, shipped
+from mikas.catalog import Catalog, Interpretation, load, shipped
 from mikas.catalog.model import check_interpretation
 from mikas.client.ecu import Ecu
 from mikas.client.gate import Confirm
@@ -20,6 +21,8 @@ from mikas.options import check_choice, check_number
 from mikas.tester import Echo, Tester, Timing
 
 StrPath = str | os.PathLike[str]
+EchoSetting = Literal["auto", "on", "off"]
+"""Whether the adapter returns what it sends (D1); auto: the first exchange shows it."""
 
 STATE_VARIABLE = "MIKAS_STATE"
 PORT_VARIABLE = "MIKAS_PORT"
@@ -33,7 +36,7 @@ class ConnectionOptions:
     `create_ecu` may be called for each new link after a lost one.
     """
 
-    echo: str = "auto"
+    echo: EchoSetting = "auto"
     """auto, on or off: whether the adapter returns what it sends (D1)."""
 
     timeout: float = 0.5
@@ -45,7 +48,7 @@ class ConnectionOptions:
     retries: int = 2
     """How often a request that changes nothing is repeated after a failed exchange."""
 
-    interpretation: str = "corrected"
+    interpretation: Interpretation = "corrected"
     """corrected, literal, alternative or family: the interpretation of the source's errata."""
 
     catalog: Catalog = field(default_factory=shipped)
@@ -124,6 +127,22 @@ class ConnectionOptions:
         return LimitsStore(Path(self.state or state_folder() / "units"), virtual_units=kept)
 
 
+class ConnectionKeywords(TypedDict, total=False):
+    """The fields of `ConnectionOptions` but the catalog, as keyword arguments of a function."""
+
+    echo: EchoSetting
+    timeout: float
+    inter_byte_timeout: float
+    retries: int
+    interpretation: Interpretation
+    confirm: Confirm | None
+    journal: StrPath | None
+    state: StrPath | None
+    raw_checksum: bool
+    strict: bool
+    virtual_units: bool | None
+
+
 def state_folder() -> Path:
     """Return the folder of the journal and of learnt limits: MIKAS_STATE, or the user's own."""
     if named := os.environ.get(STATE_VARIABLE):
@@ -135,11 +154,11 @@ def connect(
     url: str | None = None,
     *,
     link: Link | None = None,
-    echo: str = "auto",
+    echo: EchoSetting = "auto",
     timeout: float = 0.5,
     inter_byte_timeout: float = 0.2,
     retries: int = 2,
-    interpretation: str = "corrected",
+    interpretation: Interpretation = "corrected",
     catalogs: StrPath | Iterable[StrPath] = (),
     confirm: Confirm | None = None,
     journal: StrPath | None = None,

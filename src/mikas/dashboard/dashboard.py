@@ -19,6 +19,7 @@ from dataclasses import replace
 from mikas.catalog import Catalog
 from mikas.client import Info, Support
 from mikas.client.cars import CarBook, CarDetails
+from mikas.client.connecting import EchoSetting
 from mikas.client.identity import UnitIdentity
 from mikas.client.parameters.polling import Method
 from mikas.dashboard.library.folder import RecordingFolder
@@ -142,7 +143,7 @@ class Dashboard:
         self,
         url: str | None,
         *,
-        echo: str = "auto",
+        echo: EchoSetting = "auto",
         method: Method = "auto",
         rate: float | None = None,
     ) -> None:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 from mikas.catalog.own.file import NAME, OwnCatalog
 from mikas.cleaning import public_port
-from mikas.client.connecting import STATE_VARIABLE, ConnectionOptions, state_folder
+from mikas.client.connecting import STATE_VARIABLE, ConnectionOptions, EchoSetting, state_folder
 from mikas.client.parameters.polling import Method
 from mikas.dashboard.network.addresses import own_addresses
 from mikas.errors import UsageError, reason_of
@@ -145,7 +145,7 @@ class PortSettings:
     """How the unit is reached."""
 
     url: str
-    echo: str = "auto"
+    echo: EchoSetting = "auto"
 
     @property
     def shown(self) -> str:

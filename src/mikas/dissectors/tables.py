@@ -161,7 +161,7 @@ def _conversion(conversion: Conversion) -> dict[str, object]:
 
 
 def _senses(erratum: Erratum) -> dict[str, Text]:
-    senses = dict.fromkeys(INTERPRETATIONS, erratum.default)
+    senses: dict[str, Text] = dict.fromkeys(INTERPRETATIONS, erratum.default)
     if erratum.selected_by:
         senses[erratum.selected_by] = erratum.alternative
     if erratum.family != NO_TEXT:

@@ -18,10 +18,11 @@ from contextlib import closing
 from math import inf
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self, TypeVar
+from typing import TYPE_CHECKING, Any, Self, TypeVar, Unpack
 
 from mikas.catalog import load
-from mikas.client.connecting import ConnectionOptions, StrPath, named_port
+from mikas.client.connecting import ConnectionKeywords, ConnectionOptions, StrPath, named_port
+from mikas.client.parameters.polling import Method
 from mikas.errors import CaptureError, LinkClosed, RecordingOver, usage_error
 from mikas.link import choose_port, open_link
 from mikas.link.reconnecting import ReconnectingPort
@@ -32,6 +33,8 @@ from mikas.sampling.events import Event, Sampled
 from mikas.sampling.session import SamplingSession
 
 if TYPE_CHECKING:
+    import pandas as pd
+
     from mikas.client import Ecu
     from mikas.client.identity import UnitIdentity
     from mikas.link import Link
@@ -139,13 +142,13 @@ class Session(Iterator[Sampled]):
                     break
         return samples
 
-    def to_pandas(self, duration: float | None = None) -> Any:  # noqa: ANN401  (pandas may not be installed)
+    def to_pandas(self, duration: float | None = None) -> pd.DataFrame:
         """Sample as `run` does; return a `pandas.DataFrame`: a row a sample, a column a channel.
 
         The index is the time with its zone (UTC); a value that was not read in a cycle is missing.
         Needs pandas.
         """
-        pandas = library("pandas")
+        found = library("pandas")
         times: list[float] = []
         rows: list[dict[str, float | bool]] = []
 
@@ -158,9 +161,10 @@ class Session(Iterator[Sampled]):
             self.run(duration)
         finally:
             remove()
-        index = pandas.to_datetime(times, unit="s", utc=True)
+        index = found.to_datetime(times, unit="s", utc=True)
         names = [channel.name for channel in self.acquisition.channels]
-        return pandas.DataFrame(rows, index=index, columns=names).rename_axis("time")
+        frame: pd.DataFrame = found.DataFrame(rows, index=index, columns=names)
+        return frame.rename_axis("time")
 
     # To be called from any thread
 
@@ -181,7 +185,7 @@ class Session(Iterator[Sampled]):
         return self._recorder.marker(label=label)
 
     def reconfigure(
-        self, channels: Iterable[str], method: str = "auto", rate: float | None = None
+        self, channels: Iterable[str], method: Method = "auto", rate: float | None = None
     ) -> None:
         """Sample other channels from the next cycle on. Raises as `session` does."""
         self.acquisition.reconfigure(channels, method, rate)
@@ -257,7 +261,7 @@ def session(
     url: str | None = None,
     channels: Iterable[str] = (),
     *,
-    method: str = "auto",
+    method: Method = "auto",
     rate: float | None = None,
     count: int | None = None,
     duration: float | None = None,
@@ -267,7 +271,7 @@ def session(
     patient: bool = False,
     catalogs: StrPath | Iterable[StrPath] = (),
     open_port: Callable[[str], Link] = open_link,
-    **options: Any,
+    **options: Unpack[ConnectionKeywords],
 ) -> Session:
     """Prepare a session; its port is opened when it is iterated.
 

@@ -15,13 +15,14 @@ import os
 from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, Self
 
-from mikas.catalog import Catalog, load
+from mikas.catalog import Catalog, Interpretation, load
 from mikas.cleaning import clean_line
 from mikas.errors import MikasError, library, reason_of, usage_error
 from mikas.i18n import Text
 from mikas.recording import recording
+from mikas.recording.table.channels import with_gaps
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -38,9 +39,9 @@ _FEWEST: Final = 10  # points of a line
 def open(  # noqa: A001  (read as `mikas.open`)
     path: str | os.PathLike[str],
     *,
-    interpretation: str = "corrected",
-    catalogs: Iterable[str | os.PathLike[str]] = (),
-    names: Iterable[str] = (),
+    interpretation: Interpretation = "corrected",
+    catalogs: str | os.PathLike[str] | Iterable[str | os.PathLike[str]] = (),
+    names: str | Iterable[str] = (),
     language: Language | None = None,
 ) -> Recording:
     """Read a recording (.pcapng) and return it as a table.
@@ -58,7 +59,8 @@ def open(  # noqa: A001  (read as `mikas.open`)
             f"There is no language “{language}”; there are: en, ru",
             f"Языка «{language}» нет; есть: en, ru",
         )
-    return Recording(path, load(*map(Path, catalogs)), interpretation, names, language)
+    files = [catalogs] if isinstance(catalogs, str | os.PathLike) else catalogs
+    return Recording(path, load(*map(Path, files)), interpretation, names, language)
 
 
 class Recording(recording.Recording):
@@ -67,7 +69,8 @@ class Recording(recording.Recording):
     `absent`: the wanted channels without recorded values; their columns are empty.
 
     Opening reads the file once, a second for ten hours; its notes (`unit`, `events`, part of
-    `about`) are read on first use.
+    `about`) are read on first use. No file stays open: `close`, or `with`, frees the memory that
+    the rows take. `len(recording)` is the number of rows of its tables.
     """
 
     def __init__(
@@ -80,6 +83,33 @@ class Recording(recording.Recording):
     ) -> None:
         super().__init__(path, catalog, interpretation, names)
         self._language = language
+
+    def __len__(self) -> int:
+        return self._extent[0]
+
+    @property
+    def duration(self) -> float:
+        """The seconds from the earliest row to the latest; 0 without rows."""
+        return self._extent[1]
+
+    @cached_property
+    def _extent(self) -> tuple[int, float]:
+        count, times = 0, []
+        for rows in with_gaps(self.rows(), self.events):
+            count += len(rows.times)
+            times += [float(rows.times[0]), float(rows.times[-1])]
+        return count, max(times) - min(times) if times else 0.0
+
+    def close(self) -> None:
+        """Free the memory that the rows take; what is read of them later is a `UsageError`."""
+        self.raw.close()
+        self.__dict__.pop("_windows", None)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
 
     @property
     def language(self) -> Language:

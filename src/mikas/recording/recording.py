@@ -9,11 +9,12 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Iterator
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Literal, get_args
 
 from mikas.catalog import Catalog
 from mikas.cleaning import clean_line
 from mikas.errors import usage_error
+from mikas.options import check_choice
 from mikas.recording.annotations.events import RecordedUnit, catalogs_of, events_of, first_unit
 from mikas.recording.capture.notes import Note
 from mikas.recording.capture.reader import Problem, Source
@@ -21,8 +22,16 @@ from mikas.recording.table.channels import Rows, all_channels, calendar, is_reco
 from mikas.sampling.events import Event, MethodChosen
 
 if TYPE_CHECKING:
+    import pandas as pd
+    import polars as pl
+    import pyarrow as pa
+
+    from mikas.recording.table.dataframes import Table
     from mikas.recording.table.raw_recording import RawRecording
     from mikas.recording.table.window import Windows
+
+Clock = Literal["elapsed", "clock"]
+"""The time of a table's rows: seconds from the first row, or the date and the time of day."""
 
 
 class Recording:
@@ -230,17 +239,31 @@ class Recording:
         several = len(self.raw.cars) > 1
         return Recording(self.path, catalog, interpretation, names, raw=raw, last_car=several)
 
-    def to_pandas(self) -> Any:  # noqa: ANN401  (pandas may not be installed)
-        """Return a `pandas.DataFrame`; its index: seconds since the start; units are in `attrs`."""
-        return self._frame("pandas")
+    def to_pandas(self, *, time: Clock = "elapsed", zone: str = "UTC") -> pd.DataFrame:
+        """Return a `pandas.DataFrame`; its index is `time`, units are in `attrs`.
 
-    def to_polars(self) -> Any:  # noqa: ANN401  (polars may not be installed)
-        """Return a `polars.DataFrame`; a missing value is null."""
-        return self._frame("polars")
+        `time`: elapsed, seconds from the first row, or clock, the date and the time of day in
+        `zone`, such as Europe/Moscow. Raises `UsageError` for the clock of a recording without a
+        date, `MissingExtra` without pandas; so do the other two.
+        """
+        from mikas.recording.table.dataframes import pandas_frame
 
-    def to_arrow(self) -> Any:  # noqa: ANN401  (pyarrow may not be installed)
-        """Return a `pyarrow.Table`; units and texts are in the metadata of its fields."""
-        return self._frame("pyarrow")
+        return pandas_frame(self._table("pandas", time, zone))
+
+    def to_polars(self, *, time: Clock = "elapsed", zone: str = "UTC") -> pl.DataFrame:
+        """Return a `polars.DataFrame` with a column `time`, as of `to_pandas`; missing is null."""
+        from mikas.recording.table.dataframes import polars_frame
+
+        return polars_frame(self._table("polars", time, zone))
+
+    def to_arrow(self, *, time: Clock = "elapsed", zone: str = "UTC") -> pa.Table:
+        """Return a `pyarrow.Table` with a column `time`, as of `to_pandas`.
+
+        Units and texts are in the metadata of its fields.
+        """
+        from mikas.recording.table.dataframes import arrow_table
+
+        return arrow_table(self._table("pyarrow", time, zone))
 
     def _chosen(self, rows: Rows) -> Rows:
         import numpy as np
@@ -249,13 +272,17 @@ class Recording:
         values = {each.name: rows.values.get(each.name, missing) for each in self.channels}
         return Rows(rows.times, values)
 
-    def _frame(self, name: str) -> Any:  # noqa: ANN401  (of a library that may not be installed)
+    def _table(self, name: str, time: Clock, zone: str) -> Table:
+        """Return the whole table for the library `name`, with its time as `to_pandas` says."""
         import numpy as np
 
         from mikas.recording.table.channels import joined_rows, with_gaps
-        from mikas.recording.table.dataframes import FRAMES, Table, library
+        from mikas.recording.table.dataframes import Table, library
+        from mikas.recording.table.dates import checked_zone, microseconds
 
         library(name)  # may be missing: before the file is read
+        check_choice("time", time, get_args(Clock))
+        checked_zone(zone)
         none = self._chosen(Rows(np.empty(0), {}))
         rows = joined_rows([none, *with_gaps(self.rows(), self.events)])
         zero = float(rows.times[0]) if rows.times.size else 0.0
@@ -266,4 +293,5 @@ class Recording:
             "units": {channel.name: channel.unit for channel in self.channels},
             "channels": {channel.name: channel.facts() for channel in self.channels},
         }
-        return FRAMES[name](Table(self.channels, rows.times - zero, rows.values, facts))
+        moments = microseconds(rows.times) if time == "clock" else None
+        return Table(self.channels, rows.times - zero, rows.values, facts, moments, zone)

@@ -19,7 +19,7 @@ from typing import TypeVar
 
 from mikas.catalog import Catalog
 from mikas.client import Ecu
-from mikas.client.connecting import ConnectionOptions
+from mikas.client.connecting import ConnectionOptions, EchoSetting
 from mikas.dashboard.errors import ADVICE, Busy, NotConnected
 from mikas.dashboard.session.monitor import DISCONNECTED, ConnectionMonitor
 from mikas.dashboard.session.port_threads import SamplingThread
@@ -107,7 +107,7 @@ class Connection:
         self,
         url: str | None,
         *,
-        echo: str = "auto",
+        echo: EchoSetting = "auto",
         accepted: Callable[[str], None] = lambda _: None,
     ) -> None:
         """Connect to `url`, or to the one likely adapter; an existing connection ends.

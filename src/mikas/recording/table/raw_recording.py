@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from mikas.cancellation import check_cancelled
 from mikas.commands import ERASE_FAULTS, ReadFaults
-from mikas.errors import MikasError
+from mikas.errors import MikasError, usage_error
 from mikas.recording.annotations.cars import PortSpan, RecordedCar, SeveralCars, cars_of, several
 from mikas.recording.capture.notes import Note
 from mikas.recording.capture.reader import Problem, Source
@@ -132,6 +132,7 @@ class RawRecording:
         self._layouts = Layouts(size_of)
         self._refused: dict[Source, Index] = {}
         self._held: list[RawRows] | None = []
+        self._is_closed = False
         self._kept: frozenset[int] | None = None  # sessions of one car; None: all
         self._read()
         runs = {
@@ -164,8 +165,18 @@ class RawRecording:
         """About as many bytes of memory as its rows take."""
         return sum(rows.held for rows in self._held or ())
 
+    def close(self) -> None:
+        """Free the memory of the rows; they can't be had any more."""
+        self._held = None
+        self._is_closed = True
+
     def stretches(self, session: int | None = None) -> Iterator[RawRows]:
         """Yield the rows in the order of the file, of one session or of all."""
+        if self._is_closed:
+            raise usage_error(
+                f"the recording {self.path.name} is closed; open it again for its rows",
+                f"запись {self.path.name} закрыта; откройте её снова, чтобы прочитать строки",
+            )
         known = self._held
         found: Iterable[RawRows] = known if known is not None else self._again()
         for rows in found:
