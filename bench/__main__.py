@@ -59,8 +59,8 @@ _ABOUT = """\
 
 Made by `make bench`, which takes about an hour; not edited by hand. A figure is the
 median of its runs, lowest and highest stand beside it. A target that was not reached says MISSED.
-The limits of the wire are those of [protocol.md](../protocol.md), §5. Under each table stands where
-and when it was measured, and what else the machine was doing."""
+The limits of the wire are those of [protocol.md](../protocol.md), [§5](../protocol.md#s5).
+Under each table stands where and when it was measured, and what else the machine was doing."""
 
 
 def main() -> None:

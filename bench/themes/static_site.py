@@ -48,8 +48,8 @@ the first value on the screen; the adapter is clicked as soon as it can be, 0.3 
 most are that click."""
 _RATE = """\
 {seconds} s recorded by the site and taken from it: the wire's time for what was carried, stuffing
-included (bytes · 10 / 9600, and 2 ms a request, §5), over the time that passed between the first
-packet and the last."""
+included (bytes · 10 / 9600, and 2 ms a request, [§5](../protocol.md#s5)), over the time
+that passed between the first packet and the last."""
 _OPEN = """\
 a recording of {hours:g} h, {megabytes:.0f} MB, in the reader's worker: its first decimated rows as
 the chart asks for them, with nothing read before; the list's summary is the row before."""

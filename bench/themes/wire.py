@@ -26,10 +26,10 @@ _FAST = ("FREQ", "UOZ", "INJ", "JAIR", "THR", "UACC")
 _SLOW = ("TWAT", "TAIR", "TWATI", "RCOK", "FSM", "SSM")
 
 _METHOD = """\
-All 21 codes of §4, 25 data bytes a set, of a virtual ECU that idles warm; the line echoes, the ECU
-turns round in 2 ms and leaves 0.4 ms between the responses of a stream. What runs is the sampler of
-`mikas log`. 100 % is the wire's time for what was really carried, stuffing included: bytes · 10 /
-9600, and 2 ms a request (§5). """
+All 21 codes of [§4](../protocol.md#s4), 25 data bytes a set, of a virtual ECU that idles warm;
+the line echoes, the ECU turns round in 2 ms and leaves 0.4 ms between the responses of a stream.
+What runs is the sampler of `mikas log`. 100 % is the wire's time for what was really carried,
+stuffing included: bytes · 10 / 9600, and 2 ms a request ([§5](../protocol.md#s5)). """
 _SIMULATED = """\
 On the simulated clock the tester's own computing takes no time: these rows say what the protocol's
 handling leaves of the wire."""
@@ -51,7 +51,10 @@ def theme(scope: Scope, title: str, port: Port, method: str, runs: int) -> Theme
         sets = scope.of(round(3 * _LIMITS[name]), round(_LIMITS[name]))  # three seconds, or one
         with port() as plug:
             session = sample(plug, everything(), name, sets=sets, runs=runs)
-        aside = f"{_rate(session):.2f} sets/s; §5 says {_LIMITS[name]:.1f} for data not stuffed"
+        aside = (
+            f"{_rate(session):.2f} sets/s; [§5](../protocol.md#s5) says {_LIMITS[name]:.1f} "
+            "for data not stuffed"
+        )
         rows.append(_percent(f"`{name}`", session, target, aside))
     rows += [*_auto(scope, port, runs), *_lumps(scope, port, runs)]
     rows += [_mixed(scope, port, runs), _usual(scope, port)]

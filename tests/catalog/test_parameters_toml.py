@@ -46,7 +46,8 @@ SOURCE_OF = dict.fromkeys(NAMES, "§4") | {row[0]: source for row, source in BEY
 def test_the_fixed_set_is_the_table_of_the_document() -> None:
     """`protocol_codes`, which other tests compute with, against docs/protocol.md."""
     document = (Path(__file__).parents[2] / "docs" / "protocol.md").read_text(encoding="utf-8")
-    rows = re.findall(r"^\| ([A-Z]+) \| ([0-9A-F]{2}) \| ([12]) ", document, re.MULTILINE)
+    row = r'^\| <a id="p-[a-z]+"></a>([A-Z]+) \| ([0-9A-F]{2}) \| ([12]) '
+    rows = re.findall(row, document, re.MULTILINE)
     assert [(name, int(code, 16)) for name, code, _ in rows] == list(CODE_OF.items())
     assert {int(code, 16) for _, code, size in rows if size == "2"} == TWO_BYTES
     assert [(row[0], row[1]) for row in LAW] == list(CODE_OF.items())

@@ -36,8 +36,8 @@ ONE_OF_EACH = {0x63: c.ReadList(ONE)} | {body[0]: c.parse(body, lambda _: 1) for
 
 def test_names_are_those_of_the_table_of_the_document():
     document = (Path(__file__).parents[2] / "docs" / "protocol.md").read_text("utf-8")
-    section = document.partition("## §3")[2].partition("## §4")[0]
-    rows = re.findall(r"^\| ([0-9A-F]{2})[ 0-9A-F…]* \| ([^|]+) \|", section, re.MULTILINE)
+    row = r'^\| <a id="cmd-([0-9a-f]{2})"></a>[^|]+\| ([^|]+) \|'
+    rows = re.findall(row, document, re.MULTILINE)
     documented = {int(code, 16): name for code, name in rows}
     assert documented == {command.CODES[0]: command.SOURCE_NAME for command in c.ALL_COMMANDS}
 

@@ -13,12 +13,15 @@ from functools import partial
 from pathlib import Path, PurePosixPath
 
 from tools.docs.__main__ import BUILT
-from tools.docs.checking import built, examples, links, named, structure
+from tools.docs.checking import built, citations, examples, links, named, structure
 from tools.docs.checking.finding import Finding
 from tools.docs.generated.writing import files as generated
 from tools.docs.pages import LANGUAGES, ROOT, files
 
-OTHERS = ("CONTRIBUTING.md", "README.md", "SECURITY.md", "examples/README.md", "fuzz/README.md")
+OTHERS = (
+    "CONTRIBUTING.md", "README.md", "SECURITY.md", "conformance/README.md", "examples/README.md",
+    "fuzz/README.md",
+)  # fmt: skip
 
 
 def main() -> int:
@@ -31,7 +34,7 @@ def main() -> int:
         ran = side_by_side.map(partial(examples.findings, drive=drive), documents)
         found: list[Finding] = [*structure.findings(), *stale(), *built.findings(BUILT)]
         for file in documents:
-            found += [*links.findings(file), *named.findings(file)]
+            found += [*links.findings(file), *named.findings(file), *citations.findings(file)]
         for each in ran:
             found += each
     for finding in found:

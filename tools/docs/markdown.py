@@ -106,7 +106,7 @@ class Document:
     @cached_property
     def anchors(self) -> frozenset[str]:
         """What can stand behind a `#`."""
-        own = _ANCHOR.findall(self._prose)
+        own = _ANCHOR.findall(self.prose)
         return frozenset([*(each.anchor for each in self.headings), *own])
 
     @cached_property
@@ -131,12 +131,12 @@ class Document:
                 line=self.text.count("\n", 0, match.start("target")) + 1,
             )
             for form in (_LINK, _PICTURE_IN_LINK, _HTML)
-            for match in form.finditer(self._prose)
+            for match in form.finditer(self.prose)
         }
         return tuple(found[start] for start in sorted(found))
 
     @cached_property
-    def _prose(self) -> str:
+    def prose(self) -> str:
         """The text with code and comments blanked, so that offsets stay."""
         lines = self.text.splitlines(keepends=True)
         for token in self.tokens:

@@ -4,6 +4,8 @@ tables         tables of Markdown, and the words in them
 catalog_pages  parameters, faults, derived channels, models, errata
 causes_page    causes, and the features that they move
 command_pages  the commands of the protocol
+protocol_page  the worked bytes in the protocol itself
+bodies         requests and responses in words
 frames         frames on the line, drawn
 help_pages     what every command says to --help
 python_pages   the Python interface, from its docstrings

@@ -13,7 +13,7 @@ from mikas.catalog import (
     Parameter,
 )
 from mikas.i18n import Language, Text
-from tools.docs.generated.tables import CONFIDENCE, code, interval, number, page, table
+from tools.docs.generated.tables import CONFIDENCE, cited, code, interval, number, page, table
 
 _LEVELS = {
     Level.WARNING: Text("warning", "предупреждение"),
@@ -103,7 +103,7 @@ def _erratum(erratum: Erratum, language: Language) -> tuple[str, ...]:
     if third := erratum.family.to(language):
         otherwise, chosen = f"{otherwise} {third}", f"{chosen}, {code('family')}"
     texts = (erratum.title, erratum.reason, erratum.default)
-    return (f"**{erratum.name}**", *(each.to(language) for each in texts), otherwise, chosen)
+    return (f"**{cited(erratum.name)}**", *(each.to(language) for each in texts), otherwise, chosen)
 
 
 def _on_the_wire(parameter: Parameter, language: Language) -> tuple[str, ...]:
@@ -121,8 +121,8 @@ def _on_the_wire(parameter: Parameter, language: Language) -> tuple[str, ...]:
         "; ".join(formulas),
         parameter.unit_text.to(language),
         interval(parameter.limits(), language),
-        " ".join(parameter.errata),
-        f"{parameter.source}, {_sure(parameter, language)}",
+        " ".join(map(cited, parameter.errata)),
+        f"{cited(parameter.source)}, {_sure(parameter, language)}",
     )
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from mikas.catalog import Confidence
 from mikas.i18n import Language, Text
+from tools.docs.checking.citations import CITED, anchor_of
 
 _TEXTS = Path(__file__).with_name("texts")
 CONFIDENCE = {
@@ -28,6 +29,12 @@ def table(language: Language, headers: tuple[str, str], rows: Iterable[Sequence[
 def code(text: str) -> str:
     """Return `text` as code; empty stays empty."""
     return f"`{text}`" if text else ""
+
+
+def cited(clause: str) -> str:
+    """Return a clause of the protocol as a link of a page in reference/; other text unchanged."""
+    found = CITED.fullmatch(clause)
+    return f"[{clause}](../protocol.md#{anchor_of(found)})" if found else clause
 
 
 def number(value: float, language: Language) -> str:

@@ -16,6 +16,7 @@ from tools.docs.generated import (
     command_pages,
     frames,
     help_pages,
+    protocol_page,
     python_pages,
 )
 from tools.docs.pages import DOCS, LANGUAGES, RUSSIAN
@@ -26,6 +27,7 @@ _PAGES: dict[str, Callable[[Catalog, Language], str]] = {
     "reference/channels.md": catalog_pages.channels,
     "reference/causes.md": causes_page.causes,
     "reference/commands.md": command_pages.commands,
+    "protocol.md": protocol_page.protocol,
 }
 
 
