@@ -97,13 +97,13 @@ def is_one_short_paragraph(text: str) -> None:
 
 
 NAMES = re.compile(
-    r"`[^`]*`|«[^»]*»|--[\w-]+|\b[A-Z][A-Z0-9]{1,8}\b|0x[0-9A-Fa-f]+|\S*[/\\:.]\S+|\b\w+=\w*|"
+    r"`[^`]*`|«[^»]*»|(?<![\w-])--?[\w-]+|\b[A-Z][A-Z0-9]{1,8}\b|0x[0-9A-Fa-f]+|\S*[/\\:.]\S+|\b\w+=\w*|"
     r"MIKAS_MQTT_\w+|MQTT|Home Assistant|homeassistant|Node-RED|"
     r"K-Line|VAG-COM|PulseView|Wireshark|tshark|Lua|ModemManager|brltty|"
     r"Wi-Fi|Telnet|ESPHome|esp-link|ser2net|"
     r"udev|Linux|Ctrl-C|mikas( [a-z]+){0,3}|pcapng|usermod.*USER"
 )
-LISTS = re.compile(r"([Ее]сть:?|можно:|имена:|виды:|сценарии:|только) [\w, +×°…-]+")
+LISTS = re.compile(r"([Ее]сть:?|можно:|Может быть,|имена:|виды:|сценарии:|только) [\w, +×°…-]+")
 WORDS = {
     "ram", "xram", "code", "sfr", "en", "ru", "auto", "on", "off", "single", "batch", "list",
     "stream", "corrected", "literal", "alternative", "family", "erase", "log", "capture",

@@ -88,7 +88,7 @@ LINES = [
     ("publish", "mqtt://h", ESC), ("publish", "mqtts://h", "--tls-ca", f"n{ESC}"),
     ("publish", "mqtt://h", "--user", "u", "--password-file", f"n{ESC}"),
     ("--version",), ("--help",), ("read", "--help"), ("wireshark",), ("sigrok",),
-    ("sigrok", "-o", f"d{ESC}"), ("sigrok", "-o", NAME),
+    ("sigrok", "-o", f"d{ESC}"), ("sigrok", "-o", NAME), ("help", ESC), ("help", "mem", ESC),
 ]  # fmt: skip
 IN_JSON = [
     ("info",), ("params",), ("read", "EVIL"), ("faults",), ("scan",), ("decode", NAME), (ESC,),

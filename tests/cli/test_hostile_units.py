@@ -85,7 +85,7 @@ CASES = {
 }
 WITHOUT_A_UNIT = {
     "ports", "params", "decode", "export", "find", "split", "wireshark", "sigrok", "fleet", "sim",
-    "demo", "mem diff",
+    "demo", "mem diff", "help",
 }  # fmt: skip
 APART = {"dash", "publish"}  # below
 

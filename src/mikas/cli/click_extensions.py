@@ -2,24 +2,29 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping
 from contextlib import nullcontext
 from dataclasses import field, fields
 from functools import wraps
 from importlib import import_module
-from typing import Any, TypeVar
+from typing import Any, Final, TypeVar, cast
 
 import click
 
 from mikas.cli.language import localized, tr
 from mikas.cli.options.common import CommonOption, LocalizedOption, common_options
 from mikas.cli.options.parameter_types import any_file
+from mikas.cli.render.help_formatter import HelpContext, HelpFormatter
 from mikas.cli.render.terminal import write_error
 from mikas.i18n import Text
+from mikas.options import nearest
 
 F = TypeVar("F", bound=Callable[..., Any])
 T = TypeVar("T")
-_OPTION = "option"  # key of a field's metadata
+Home = tuple[str, Text]
+"""The module of a command, and its line in the help."""
+_OPTION: Final = "option"  # key of a field's metadata
 
 
 def option(*names: str, en: str, ru: str, **settings: Any) -> Callable[[F], F]:
@@ -100,6 +105,8 @@ OVERWRITE = flag(
 class LocalizedCommand(click.Command):
     """A command with the common options; its help, in both languages, ends with examples."""
 
+    context_class = HelpContext
+
     def __init__(
         self, *args: Any, en: str, ru: str, examples: tuple[str, ...] = (), **kwargs: Any
     ) -> None:
@@ -111,8 +118,11 @@ class LocalizedCommand(click.Command):
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         allow_more = ctx.allow_extra_args
         ctx.allow_extra_args = True  # surplus words are reported below
+        given = [*args]  # click empties the list
         try:
             rest = super().parse_args(ctx, args)
+        except click.NoSuchOption as error:
+            raise self._unknown_option(error.option_name, given, ctx) from error
         except click.UsageError as error:
             error.ctx = error.ctx or ctx
             raise
@@ -122,6 +132,20 @@ class LocalizedCommand(click.Command):
                 tr(f"Unexpected argument: “{surplus}”.", f"Лишний аргумент: «{surplus}»."), ctx
             )
         return rest
+
+    def _unknown_option(
+        self, name: str, given: list[str], ctx: click.Context
+    ) -> click.NoSuchOption:
+        """Return the error with the nearest options; `-port` is one word, as who wrote it meant."""
+        known = [opt for it in self.get_params(ctx) for opt in (*it.opts, *it.secondary_opts)]
+        long = [opt for opt in known if opt.startswith("--")]
+        for word in given:
+            begin = word.partition("=")[0]
+            if re.match("-[^-].", begin) and name[1:] in begin and nearest(f"-{begin}", long):
+                name = begin
+                break
+        near = nearest(f"--{name.lstrip('-')}", long, 2) if len(name) > 2 else ()
+        return click.NoSuchOption(name, possibilities=near, ctx=ctx)
 
     def get_help_option(self, ctx: click.Context) -> click.Option | None:
         option = super().get_help_option(ctx)
@@ -158,26 +182,32 @@ class LocalizedCommand(click.Command):
         if self.examples:
             with formatter.section(tr("Examples", "Примеры")):
                 for example in self.examples:
-                    formatter.write(f"  {example}\n")
+                    cast("HelpFormatter", formatter).write_example(example)
 
 
 class LocalizedGroup(LocalizedCommand, click.Group):
     """A group whose commands are import paths until they are called.
 
-    `homes`: name → (module, text); the module has an attribute of the same name. The list of
-    commands is shown without importing any.
+    `homes`: name → (module, text); the module has an attribute of the same name. `titles`: those of
+    the list, each above the command of the name. The list is shown without importing any command.
     """
 
-    def __init__(self, *args: Any, homes: Mapping[str, tuple[str, Text]], **kwargs: Any) -> None:
+    def __init__(
+        self,
+        *args: Any,
+        homes: Mapping[str, Home],
+        titles: Mapping[str, Text] | None = None,
+        **kwargs: Any,
+    ) -> None:
         super().__init__(*args, invoke_without_command=True, callback=_require_command, **kwargs)
-        self.homes = homes
+        self.homes, self.titles = homes, titles or {}
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         return list(self.homes)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command:
         if cmd_name not in self.homes:
-            raise click.UsageError(self._unknown(cmd_name), ctx)
+            raise click.UsageError(self._unknown(cmd_name, ctx), ctx)
         command: click.Command = getattr(import_module(self.homes[cmd_name][0]), cmd_name)
         return command
 
@@ -191,24 +221,40 @@ class LocalizedGroup(LocalizedCommand, click.Group):
             ctx.exit(2)
         return super().parse_args(ctx, args)
 
-    def _unknown(self, name: str) -> str:
-        from difflib import get_close_matches
-
-        nearest = get_close_matches(name.lower(), self.homes, n=2)
-        listed = ", ".join(nearest or self.homes)
+    def _unknown(self, name: str, ctx: click.Context) -> str:
+        near = nearest(name, self.homes, 2)
+        if not near and any(f"--{name}" in it.opts for it in self.get_params(ctx)):
+            near = (f"{ctx.command_path} --{name}",)
+        listed = ", ".join(near or self.homes)
         problem = tr(f"There is no command “{name}”.", f"Команды «{name}» нет.")
-        if nearest:
+        if near:
             return f"{problem} {tr(f'Did you mean {listed}?', f'Может быть, {listed}?')}"
         return f"{problem} {tr(f'There are {listed}.', f'Есть {listed}.')}"
+
+    def listed(self) -> list[tuple[Text | None, list[tuple[str, str]]]]:
+        """Return each title with its commands and their lines in the help."""
+        found: list[tuple[Text | None, list[tuple[str, str]]]] = []
+        width = max(map(len, self.homes))  # one column for all titles
+        for name, (_, text) in self.homes.items():
+            if name in self.titles or not found:
+                found.append((self.titles.get(name), []))
+            found[-1][1].append((name.ljust(width), localized(text)))
+        return found
 
     def collect_usage_pieces(self, ctx: click.Context) -> list[str]:
         self.subcommand_metavar = tr("COMMAND [ARGUMENTS]...", "КОМАНДА [АРГУМЕНТЫ]...")
         return super().collect_usage_pieces(ctx)
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        LocalizedCommand.format_options(self, ctx, formatter)
         with formatter.section(tr("Commands", "Команды")):
-            formatter.write_dl([(name, localized(text)) for name, (_, text) in self.homes.items()])
+            for title, rows in self.listed():
+                if title is None:
+                    formatter.write_dl(rows)
+                    continue
+                formatter.write_heading(localized(title))
+                with formatter.indentation():
+                    formatter.write_dl(rows)
+        LocalizedCommand.format_options(self, ctx, formatter)
 
 
 @click.pass_context

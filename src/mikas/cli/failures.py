@@ -121,8 +121,11 @@ def _wrong_command_line(error: click.ClickException) -> FailureReport:
     path = context.command_path if context else "mikas"
     message = _message(error)
     message = message if message.endswith((".", "?")) else f"{message}."
-    advice = tr(f"Help: {path} --help", f"Справка: {path} --help")
-    return FailureReport(USAGE, "UsageError", message, f"{message} {advice}", (advice,))
+    advice = [tr(f"Help: {path} --help", f"Справка: {path} --help")]
+    examples = getattr(context and context.command, "examples", ())
+    if examples and isinstance(error, click.MissingParameter):
+        advice.insert(0, tr(f"For example: {examples[0]}.", f"Например: {examples[0]}."))
+    return FailureReport(USAGE, "UsageError", message, " ".join([message, *advice]), (*advice,))
 
 
 def _message(error: click.ClickException) -> str:

@@ -17,7 +17,7 @@ import click
 from mikas import unkept
 from mikas.cli import completion, desktop
 from mikas.cli.click_extensions import LocalizedGroup
-from mikas.cli.commands import COMMANDS
+from mikas.cli.commands import COMMANDS, TITLES
 from mikas.cli.failures import BUG, DONE, INTERRUPTED, failure_of
 from mikas.cli.given_secrets import hider_of
 from mikas.cli.language import detect_language, localized, set_language
@@ -40,6 +40,7 @@ def _version(ctx: click.Context, _: click.Parameter, value: bool) -> None:
 cli = LocalizedGroup(
     "mikas",
     homes=COMMANDS,
+    titles=TITLES,
     en="Diagnostics for the Mikas 5.4 and 7.1 engine control units over K-Line. "
     "No cable at hand? Try: mikas demo",
     ru="Диагностика блоков управления Микас 5.4 и 7.1 по K-Line. "

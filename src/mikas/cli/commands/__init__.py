@@ -13,28 +13,30 @@ def home(module: str, en: str, ru: str) -> tuple[str, Text]:
 
 
 COMMANDS: dict[str, tuple[str, Text]] = {
+    "demo": home("dash", "the dashboard with a virtual car", "панель с виртуальным автомобилем"),
     "ports": home("ports", "list the adapters plugged in", "показать подключённые адаптеры"),
     "doctor": home("doctor", "check the connection step by step", "проверить связь по шагам"),
-    "info": home(
-        "unit.info", "model, passports, supported commands", "модель, паспорта, команды блока"
-    ),
+    "dash": home("dash", "the dashboard in the browser", "панель в браузере"),
     "params": home(
         "unit.parameters",
         "list all parameters (needs no port)",
         "показать все параметры (порт не нужен)",
     ),
     "read": home("unit.parameters", "read parameters once", "прочитать параметры один раз"),
-    "scan": home(
-        "unit.scan",
-        "which codes the unit answers; a catalog file to start from",
-        "на какие коды отвечает блок; заготовка каталога",
-    ),
     "watch": home("watch", "live table of values", "таблица текущих значений"),
     "log": home("log", "record to a file", "запись в файл"),
     "publish": home(
         "publish",
         "live values to an MQTT broker: Home Assistant, Node-RED",
         "текущие значения на брокер MQTT: Home Assistant, Node-RED",
+    ),
+    "test": home(
+        "guided_test",
+        "a guided test, step by step, with a verdict",
+        "проверка по шагам, с заключением",
+    ),
+    "info": home(
+        "unit.info", "model, passports, supported commands", "модель, паспорта, команды блока"
     ),
     "faults": home(
         "unit.faults", "stored faults; `faults erase` erases them", "ошибки; сброс: `faults erase`"
@@ -51,25 +53,10 @@ COMMANDS: dict[str, tuple[str, Text]] = {
         "память блока: чтение, запись, дамп, сравнение",
     ),
     "raw": home("unit.raw", "send any request", "отправить любой запрос"),
-    "decode": home(
-        "recordings.export",
-        "show a capture frame by frame (needs no port)",
-        "показать запись по кадрам (порт не нужен)",
-    ),
-    "export": home(
-        "recordings.export",
-        "export a recording for other programs (needs no port)",
-        "экспорт записи для других программ (порт не нужен)",
-    ),
-    "find": home(
-        "recordings.find",
-        "find the moments of a recording at which a condition holds (needs no port)",
-        "найти в записи моменты, когда выполняется условие (порт не нужен)",
-    ),
-    "split": home(
-        "recordings.split",
-        "make a file of each car from a recording of several (needs no port)",
-        "сделать из записи нескольких машин по файлу на каждую (порт не нужен)",
+    "scan": home(
+        "unit.scan",
+        "which codes the unit answers; a catalog file to start from",
+        "на какие коды отвечает блок; заготовка каталога",
     ),
     "report": home(
         "recordings.report",
@@ -81,6 +68,32 @@ COMMANDS: dict[str, tuple[str, Text]] = {
         "what is wrong with the car, ranked, from recordings or measured now",
         "причины неисправности: по записям или по измерению сейчас",
     ),
+    "find": home(
+        "recordings.find",
+        "find the moments of a recording at which a condition holds (needs no port)",
+        "найти в записи моменты, когда выполняется условие (порт не нужен)",
+    ),
+    "export": home(
+        "recordings.export",
+        "export a recording for other programs (needs no port)",
+        "экспорт записи для других программ (порт не нужен)",
+    ),
+    "split": home(
+        "recordings.split",
+        "make a file of each car from a recording of several (needs no port)",
+        "сделать из записи нескольких машин по файлу на каждую (порт не нужен)",
+    ),
+    "decode": home(
+        "recordings.export",
+        "show a capture frame by frame (needs no port)",
+        "показать запись по кадрам (порт не нужен)",
+    ),
+    "fleet": home(
+        "groups",
+        "many recordings as one dataset: add, ask by SQL, report (needs no port)",
+        "много записей как один набор: собрать, спросить на SQL, отчёт (порт не нужен)",
+    ),
+    "sim": home("sim", "a virtual ECU for other programs", "виртуальный блок для других программ"),
     "wireshark": home(
         "recordings.decoders",
         "a plugin that shows recordings in Wireshark (needs no port)",
@@ -91,17 +104,16 @@ COMMANDS: dict[str, tuple[str, Text]] = {
         "the decoder for sigrok and PulseView (needs no port)",
         "декодер для sigrok и PulseView (порт не нужен)",
     ),
-    "fleet": home(
-        "groups",
-        "many recordings as one dataset: add, ask by SQL, report (needs no port)",
-        "много записей как один набор: собрать, спросить на SQL, отчёт (порт не нужен)",
+    "help": home(
+        "help", "the help of a command: mikas help read", "справка по команде: mikas help read"
     ),
-    "test": home(
-        "guided_test",
-        "a guided test, step by step, with a verdict",
-        "проверка по шагам, с заключением",
-    ),
-    "sim": home("sim", "a virtual ECU for other programs", "виртуальный блок для других программ"),
-    "dash": home("dash", "the dashboard in the browser", "панель в браузере"),
-    "demo": home("dash", "the dashboard with a virtual car", "панель с виртуальным автомобилем"),
 }
+TITLES: dict[str, Text] = {
+    "demo": Text("First steps", "С чего начать"),
+    "params": Text("Values", "Значения"),
+    "info": Text("The unit", "Блок"),
+    "report": Text("Recordings", "Записи"),
+    "sim": Text("Other programs", "Другие программы"),
+    "help": Text("Help", "Справка"),
+}
+"""The titles in the help's list, each above the command of the name."""

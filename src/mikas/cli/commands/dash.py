@@ -18,7 +18,7 @@ from mikas.cli.language import localized, requested_language, tr
 from mikas.cli.options.dashboard import DashboardOptions, dashboard_options
 from mikas.cli.options.parameter_types import whole
 from mikas.cli.render.terminal import error_drawing
-from mikas.errors import usage_error
+from mikas.errors import BadPortUrl, UsageError, usage_error
 
 if TYPE_CHECKING:
     from mikas.dashboard.dashboard import Dashboard
@@ -118,7 +118,10 @@ def demo(
         settings["car"] = car
     context.port = f"sim:?{urlencode(settings, safe=':,')}"
     context.output.detail(tr("virtual car:", "виртуальный автомобиль:"), context.port)
-    show_dashboard(context, options)
+    try:
+        show_dashboard(context, options)
+    except BadPortUrl as error:  # of these options, not of a port that the user has named
+        raise UsageError(problem=error.fields["problem"]) from error
 
 
 def show_dashboard(

@@ -14,7 +14,7 @@ import click
 
 from mikas.cli.config import CHECKSUMS, ECHO, INTERPRETATIONS, LANGUAGES, MAX_RETRIES
 from mikas.cli.language import localized
-from mikas.cli.options.parameter_types import METAVARS, any_file, one_of, timeout, whole
+from mikas.cli.options.parameter_types import METAVARS, OneOf, any_file, timeout, whole
 from mikas.i18n import Text
 
 
@@ -25,7 +25,7 @@ class LocalizedOption(click.Option):
         self, *args: Any, en: str, ru: str, words: Iterable[str] = (), **kwargs: Any
     ) -> None:
         if words:
-            kwargs |= {"type": one_of(words), "metavar": f"[{'|'.join(words)}]"}
+            kwargs |= {"type": OneOf(words), "metavar": f"[{'|'.join(words)}]"}
         kwargs.setdefault("metavar", METAVARS.get(kwargs.get("type")))
         super().__init__(*args, **kwargs)
         self.text = Text(en, ru)

@@ -12,12 +12,21 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from math import inf, nan
 from pathlib import Path
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import click
 
 from mikas.cli.config import MAX_TIMEOUT, MIN_TIMEOUT
 from mikas.cli.language import tr
+from mikas.i18n import Text
+from mikas.options import with_nearest
+
+if TYPE_CHECKING:
+    from click.shell_completion import CompletionItem
+
+    _WordType = click.ParamType[str, str]
+else:
+    _WordType = click.ParamType  # generic since click 8.4
 
 
 def _invalid(en: str, ru: str) -> click.BadParameter:
@@ -149,24 +158,34 @@ def portion(text: str) -> Portion:
     )
 
 
-def one_of(words: Iterable[str]) -> Callable[[str], str]:
-    """Return the type of one of some words, in upper or lower case."""
-    known = tuple(words)
+class OneOf(_WordType):
+    """One of some words, in upper or lower case."""
 
-    def parse(text: str) -> str:
-        if text.lower() in known:
-            return text.lower()
-        listed = ", ".join(known)
-        if len(known) == 1:
+    name = "word"
+
+    def __init__(self, words: Iterable[str]) -> None:
+        self.words = tuple(words)
+
+    def convert(self, value: str, param: object, ctx: object) -> str:  # noqa: ARG002  (click's)
+        if value.lower() in self.words:
+            return value.lower()
+        listed = ", ".join(self.words)
+        if len(self.words) == 1:
             raise _invalid(
-                f"“{text}” is not allowed; the only value is {listed}.",
-                f"«{text}» не подходит; можно только {listed}.",
+                f"“{value}” is not allowed; the only value is {listed}.",
+                f"«{value}» не подходит; можно только {listed}.",
             )
-        raise _invalid(
-            f"“{text}” is not one of {listed}.", f"«{text}» не подходит; можно: {listed}."
+        problem = Text(
+            f"“{value}” is not one of {listed}", f"«{value}» не подходит; можно: {listed}"
         )
+        problem = with_nearest(problem, value, self.words)
+        end = "" if problem.en.endswith("?") else "."
+        raise _invalid(problem.en + end, problem.ru + end)
 
-    return parse
+    def shell_complete(self, ctx: object, param: object, incomplete: str) -> list[CompletionItem]:  # noqa: ARG002
+        from click.shell_completion import CompletionItem
+
+        return [CompletionItem(it) for it in self.words if it.startswith(incomplete.lower())]
 
 
 def any_file(text: str) -> Path:

@@ -13,7 +13,7 @@ import click
 from mikas.cli.click_extensions import grouped, option_field, optional_field
 from mikas.cli.completion import channel_names
 from mikas.cli.options.common import RELEARN
-from mikas.cli.options.parameter_types import one_of, positive, whole
+from mikas.cli.options.parameter_types import OneOf, positive, whole
 
 _DEFAULT = "auto"
 
@@ -23,7 +23,7 @@ def _method(text: str) -> str:
         return text
     from mikas.client import METHODS
 
-    return one_of(METHODS)(text)
+    return OneOf(METHODS).convert(text, None, None)
 
 
 @dataclass(frozen=True, slots=True)

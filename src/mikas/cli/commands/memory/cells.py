@@ -9,12 +9,12 @@ import click
 from mikas.cli.click_extensions import SURE, YES, command
 from mikas.cli.context import CommandContext, check_sure
 from mikas.cli.options.common import RELEARN
-from mikas.cli.options.parameter_types import hex_address, hex_bytes, one_of, size_in_bytes
+from mikas.cli.options.parameter_types import OneOf, hex_address, hex_bytes, size_in_bytes
 from mikas.client import Change
 from mikas.commands.base import check_range
 from mikas.i18n import Text
 
-SPACE = one_of(("ram", "xram", "code", "sfr"))
+SPACE = OneOf(("ram", "xram", "code", "sfr"))
 
 
 @command(

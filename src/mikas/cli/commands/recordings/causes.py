@@ -12,7 +12,7 @@ from mikas.cli.click_extensions import command, option
 from mikas.cli.context import CommandContext
 from mikas.cli.language import capital, localized, tr
 from mikas.cli.options.common import RELEARN
-from mikas.cli.options.parameter_types import existing_file, one_of, positive
+from mikas.cli.options.parameter_types import OneOf, existing_file, positive
 from mikas.cli.options.sampling import SamplingOptions
 from mikas.errors import usage_error
 from mikas.json_values import picked
@@ -49,7 +49,7 @@ _SHOWN: Final = 3  # moments of an evidence
 @click.argument("files", metavar="[FILE]...", nargs=-1, type=existing_file)
 @option(
     "--complaint",
-    type=one_of(COMPLAINTS),
+    type=OneOf(COMPLAINTS),
     metavar="WORD",
     en=f"the owner's complaint: {', '.join(COMPLAINTS)}",
     ru=f"жалоба владельца: {', '.join(COMPLAINTS)}",

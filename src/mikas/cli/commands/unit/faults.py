@@ -10,7 +10,7 @@ from mikas.catalog import Confidence, Fault
 from mikas.cli.click_extensions import YES, command
 from mikas.cli.context import CommandContext
 from mikas.cli.language import localized, tr
-from mikas.cli.options.parameter_types import one_of
+from mikas.cli.options.parameter_types import OneOf
 
 
 @command(
@@ -20,7 +20,7 @@ from mikas.cli.options.parameter_types import one_of
     "`faults erase` сбрасывает ошибки и перечитывает память.",
     examples=("mikas faults", "mikas faults erase", "mikas faults erase --yes --json"),
 )
-@click.argument("action", metavar="[erase]", type=one_of(["erase"]), required=False)
+@click.argument("action", metavar="[erase]", type=OneOf(["erase"]), required=False)
 @YES
 def faults(context: CommandContext, action: str | None, *, yes: bool) -> None:
     if action == "erase":
