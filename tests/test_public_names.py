@@ -101,6 +101,7 @@ def own_errors():
 def test_the_package_exports_exactly_this_list():
     assert mikas.__all__ == [
         "AsyncEcu",
+        "AsyncSession",
         "Change",
         "Ecu",
         "Fault",
@@ -143,7 +144,22 @@ def test_import_star_leaves_the_built_in_open():
 
 
 def test_the_async_connect_has_the_options_of_connect():
-    assert signature(mikas.AsyncEcu.connect) == signature(mikas.connect)
+    awaited, plain = signature(mikas.AsyncEcu.connect), signature(mikas.connect)
+    assert awaited.parameters == plain.parameters
+    assert (awaited.return_annotation, plain.return_annotation) == ("AsyncEcu", "Ecu")
+
+
+def test_the_async_methods_say_what_they_return():
+    returned = {
+        name: signature(getattr(mikas.AsyncEcu, name)).return_annotation
+        for name in ("read", "watch", "supported", "close")
+    }
+    assert returned == {
+        "read": "Awaitable[dict[str, Reading]]",
+        "watch": "AsyncItems[Sample]",
+        "supported": "AsyncItems[Support]",
+        "close": "None",
+    }
 
 
 def test_the_client_exports_exactly_this_list():
@@ -156,6 +172,7 @@ def test_the_client_exports_exactly_this_list():
         "AsyncMemorySpace",
         "Change",
         "Confirm",
+        "ConnectionOptions",
         "Ecu",
         "Erased",
         "Info",

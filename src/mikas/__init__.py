@@ -28,7 +28,7 @@ if TYPE_CHECKING:
         connect,
     )
     from mikas.errors import MikasError
-    from mikas.live.asynchronous import async_session
+    from mikas.live.asynchronous import AsyncSession, async_session
     from mikas.live.session import Session, session
     from mikas.notebook.recording import Recording
     from mikas.notebook.recording import open as open  # noqa: A004  (read as `mikas.open`)
@@ -37,6 +37,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "AsyncEcu",
+    "AsyncSession",
     "Change",
     "Ecu",
     "Fault",
@@ -58,6 +59,7 @@ _MODULES = dict.fromkeys(__all__, "mikas.client") | {
     "Fault": "mikas.catalog",
     "MikasError": "mikas.errors",
     "Session": "mikas.live.session",
+    "AsyncSession": "mikas.live.asynchronous",
     "async_session": "mikas.live.asynchronous",
     "session": "mikas.live.session",
     "Parameter": "mikas.catalog",

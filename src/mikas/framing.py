@@ -25,8 +25,11 @@ class DamageReason(Enum):
     """The reason why bytes are no frame."""
 
     CHECKSUM = "checksum"
+    """The sum is not 0."""
     TOO_LONG = "too long"
-    IRREGULAR_ESCAPE = "irregular escape"  # strict mode only, D4
+    """No terminator within the limit."""
+    IRREGULAR_ESCAPE = "irregular escape"
+    """Neither 40 CD nor 40 00; in strict mode only (D4)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,10 +41,15 @@ class Frame:
     """
 
     body: bytes
+    """The bytes without stuffing, checksum and terminator."""
     wire: bytes
+    """The bytes as on the wire, with the terminator."""
     offset: int
+    """Of its first byte in the stream."""
     raw_checksum: bool = False
+    """Whether the checksum was 0D or 40 and not stuffed (D3)."""
     irregular: bool = False
+    """Whether an escape was neither 40 CD nor 40 00 (D4)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,8 +57,11 @@ class Damage:
     """Bytes that are no frame, without their terminator. `offset`: of the first one."""
 
     reason: DamageReason
+    """Why they are no frame."""
     data: bytes
+    """The bytes, without their terminator."""
     offset: int
+    """Of the first one in the stream."""
 
 
 Event = Frame | Damage

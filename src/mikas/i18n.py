@@ -21,7 +21,9 @@ class Text(NamedTuple):
     """One sentence in English and in Russian; may hold `str.format` fields."""
 
     en: str
+    """In English."""
     ru: str
+    """In Russian."""
 
     def to(self, language: Language) -> str:
         """Return the text in `language`."""

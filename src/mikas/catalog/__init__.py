@@ -8,18 +8,16 @@
 """
 
 from mikas.catalog.conversion import Conversion
+from mikas.catalog.limits import AlarmLimits, Confidence, Level
 from mikas.catalog.loading.loader import load, shipped
 from mikas.catalog.lookup import Catalog
 from mikas.catalog.model import (
     INTERPRETATIONS,
-    AlarmLimits,
-    Confidence,
     Derived,
     Erratum,
     Fault,
     Interpretation,
     Lamp,
-    Level,
     Meaning,
     Model,
     Parameter,

@@ -39,13 +39,21 @@ class Conversion:
     """
 
     size: int
+    """The number of raw bytes."""
     signed: bool = False
+    """Whether the raw number is in two's complement."""
     mask: int = 0
+    """The bits of a flag; 0: a number."""
     scale: Fraction = Fraction(1)
+    """value = (raw − bias) · scale + offset."""
     bias: int = 0
+    """As in the formula of `scale`."""
     offset: Fraction = Fraction(0)
+    """As in the formula of `scale`."""
     unit: str = ""
+    """The stable key, `rpm`."""
     unit_text: Text = NO_TEXT
+    """The unit for display."""
     numerator: int = field(init=False, repr=False, compare=False)
     constant: int = field(init=False, repr=False, compare=False)
     denominator: int = field(init=False, repr=False, compare=False)

@@ -30,12 +30,19 @@ class Catalog:
     """
 
     parameters: tuple[Parameter, ...]
+    """In the order of §4, the user's own after them."""
     derived: Mapping[str, Derived]
+    """The derived channels by name."""
     faults: Mapping[int, Fault]
+    """The faults by number."""
     models: Mapping[int, Model]
+    """The models by version code."""
     errata: Mapping[str, Erratum]
+    """The doubtful passages by name, E1."""
     units: Mapping[str, Text]
+    """The text of each unit by key."""
     version: str
+    """Of the loaded files, with a mark of their content."""
 
     @cached_property
     def _by_name(self) -> dict[str, Parameter]:

@@ -4,99 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from enum import StrEnum
 from fractions import Fraction
-from itertools import pairwise
-from math import isfinite
 from typing import ClassVar, Literal, get_args
 
 from mikas.catalog.conversion import NO_TEXT, Conversion
 from mikas.catalog.formula_syntax import parse
 from mikas.catalog.formulas import Calculation
+from mikas.catalog.limits import AlarmLimits, Confidence, Level
 from mikas.errors import usage_error
 from mikas.i18n import Text
 from mikas.json_values import picked
-
-
-class Confidence(StrEnum):
-    """How well a statement is known."""
-
-    CONFIRMED = "confirmed"  # two independent public sources
-    REPORTED = "reported"  # one source
-    UNCONFIRMED = "unconfirmed"  # commonly printed, no source seen
-    UNKNOWN = "unknown"  # nothing is known; only the number is shown
-
-
-class Level(StrEnum):
-    """The severity of an alarm."""
-
-    NONE = "none"
-    WARNING = "warning"
-    DANGER = "danger"
-
-
-LIMITS = ("danger_low", "warning_low", "warning_high", "danger_high")
-"""The limits from the lowest to the highest."""
-
-
-@dataclass(frozen=True, slots=True)
-class AlarmLimits:
-    """Alarm limits in the unit of the corrected interpretation; None: no such limit.
-
-    An alarm ends when the value is back inside by `hysteresis`. `when_true` is for a flag, which
-    has no other limits. UsageError: the limits are not in order, or leave no range between them.
-    """
-
-    danger_low: float | None = None
-    warning_low: float | None = None
-    warning_high: float | None = None
-    danger_high: float | None = None
-    hysteresis: float = 0
-    when_true: Level = Level.NONE
-    source: str = ""
-    confidence: Confidence = Confidence.UNCONFIRMED
-
-    def __post_init__(self) -> None:
-        given = [(name, limit) for name in LIMITS if (limit := getattr(self, name)) is not None]
-        for name, number in (*given, ("hysteresis", self.hysteresis)):
-            if not isfinite(number):
-                raise usage_error(f"{name} is no finite number", f"{name} — не конечное число")
-        if self.hysteresis < 0:
-            raise usage_error("hysteresis is below 0", "hysteresis меньше 0")
-        for (lower, low), (upper, high) in pairwise(given):
-            across = lower.endswith("low") and upper.endswith("high")
-            if low > high or (across and low + self.hysteresis >= high):
-                more = " and the hysteresis" if across else ""
-                raise usage_error(
-                    f"{upper} {high:g} must be above {lower} {low:g}{more}",
-                    f"{upper} {high:g} должен быть выше {lower} {low:g}"
-                    + (" с учётом hysteresis" if across else ""),
-                )
-
-    @property
-    def lows(self) -> tuple[tuple[Level, float], ...]:
-        """The existing low limits, the mildest first."""
-        return _present((Level.WARNING, self.warning_low), (Level.DANGER, self.danger_low))
-
-    @property
-    def highs(self) -> tuple[tuple[Level, float], ...]:
-        """The existing high limits, the mildest first."""
-        return _present((Level.WARNING, self.warning_high), (Level.DANGER, self.danger_high))
-
-    @property
-    def for_number(self) -> bool:
-        """Whether a number can cross a limit."""
-        return bool(self.lows or self.highs)
-
-    @property
-    def for_flag(self) -> bool:
-        """Whether a flag can raise the alarm."""
-        return self.when_true is not Level.NONE
-
-
-def _present(*limits: tuple[Level, float | None]) -> tuple[tuple[Level, float], ...]:
-    return tuple((level, limit) for level, limit in limits if limit is not None)
-
 
 _LEAST_STEPS = 10  # on an axis, so that the noise of the last digit does not fill it
 _LEAST_SHARE = 0.05  # of the range
@@ -118,27 +35,42 @@ class Derived:
     """
 
     name: str
+    """The mnemonic, in capitals: `FUEL_FLOW`."""
     text: Text
+    """Its name for a person."""
     formula: str
+    """The formula, in the names of channels."""
     inputs: tuple[str, ...]
     short: Text = NO_TEXT
     constants: tuple[tuple[str, float], ...] = ()
     accumulates: bool = False
     unit: str = ""
+    """The key of the unit."""
     unit_text: Text = NO_TEXT
+    """The unit for display."""
     decimals: int = 2
+    """Digits after the point."""
     gauge: tuple[float, float] | None = None
     span_least: float | None = None
     alarm_limits: AlarmLimits | None = None
+    """The limits that alarm."""
     source: str = ""
+    """Where the formula is from."""
     confidence: Confidence = Confidence.UNKNOWN
+    """How well it is known."""
     # As of a parameter that is a number without bounds or a reference
     is_flag: ClassVar[bool] = False
+    """False: its values are numbers."""
     range: ClassVar[None] = None
+    """None: it has no bounds."""
     reference: ClassVar[None] = None
+    """None: it has none."""
     lamp: ClassVar[None] = None
+    """None: it is no flag."""
     meaning: ClassVar[None] = None
+    """None: it has no reference."""
     errata: ClassVar[tuple[str, ...]] = ()
+    """None concern it."""
 
     @property
     def gauge_scale(self) -> tuple[float, float] | None:
@@ -173,6 +105,7 @@ def in_order(derived: Mapping[str, Derived], wanted: Iterable[str]) -> tuple[Der
 
 
 Interpretation = Literal["corrected", "literal", "alternative", "family"]
+"""The name of a reading of the source's doubtful passages."""
 INTERPRETATIONS: tuple[Interpretation, ...] = get_args(Interpretation)
 """corrected (default): the source's text, unless it is impossible; literal: the source's text;
 alternative: another sense of a text that is odd, but possible (E3); family: that of siblings."""
@@ -196,7 +129,9 @@ class Lamp:
     """
 
     on: Text
+    """While the flag is set."""
     off: Text
+    """While it is not."""
     trouble: Level = Level.NONE
 
 
@@ -205,9 +140,13 @@ class Meaning:
     """Causes of a value below or above its reference, and what to check; empty: unknown."""
 
     low: Text = NO_TEXT
+    """Causes of a value below."""
     high: Text = NO_TEXT
+    """Causes of a value above."""
     source: str = ""
+    """Where this is from."""
     confidence: Confidence = Confidence.UNCONFIRMED
+    """How well it is known."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -221,26 +160,47 @@ class Parameter:
     """
 
     name: str
+    """The mnemonic, in capitals: `TWAT`."""
     code: int
+    """The code that is sent after 61."""
     text: Text
+    """Its name for a person."""
     conversion: Conversion
+    """The corrected interpretation."""
     short: Text = NO_TEXT
+    """The text of a small tile."""
     literal: Conversion | None = None
+    """The source's letter; None: equal to the corrected one."""
     alternative: Conversion | None = None
+    """The other sense (E3); None: there is none."""
     family: Conversion | None = None
+    """That of sibling units; None: there is none."""
     decimals: int = 0
+    """Digits after the point."""
     plausible: tuple[float, float] | None = None
+    """The plausible range."""
     reference: tuple[float, float] | None = None
+    """The range of a sound engine at warm idle."""
     reference_confidence: Confidence = Confidence.UNKNOWN
+    """How well that is known."""
     gauge: tuple[float, float] | None = None
+    """The scale of a gauge."""
     span_least: float | None = None
+    """The least span of an axis."""
     source: str = ""
+    """Where the definition is from."""
     confidence: Confidence = Confidence.UNKNOWN
+    """How well it is known."""
     errata: tuple[str, ...] = ()
+    """The errata that concern it."""
     alarm_limits: AlarmLimits | None = None
+    """The limits that alarm."""
     lamp: Lamp | None = None
+    """The texts of a flag's lamp."""
     meaning: Meaning | None = None
+    """Causes of a value off its reference."""
     accumulates: ClassVar[bool] = False  # as a derived channel may
+    """False; a derived channel may."""
 
     @property
     def size(self) -> int:
@@ -339,13 +299,18 @@ class Fault:
     """
 
     code: int
+    """The number."""
     text: Text = NO_TEXT
+    """What it means, for a person; empty: unknown."""
     check: Text = NO_TEXT
     check_confidence: Confidence = Confidence.UNKNOWN
+    """How well the check is known."""
     parameters: tuple[str, ...] = ()
     sensor: tuple[str, ...] = ()
     confidence: Confidence = Confidence.UNKNOWN
+    """How well the text is known."""
     sources: tuple[str, ...] = ()
+    """Where the text is from."""
     informational: bool = False
 
     def __repr__(self) -> str:
@@ -368,9 +333,13 @@ class Model:
     """A unit's answer to command 01. An unknown model is usable too (§3)."""
 
     code: int
+    """The answer to 01."""
     text: Text
+    """Its name."""
     source: str = ""
+    """Where that is from."""
     confidence: Confidence = Confidence.UNKNOWN
+    """How well it is known; unknown: of a model that the catalog lacks."""
 
     @property
     def known(self) -> bool:
@@ -392,10 +361,16 @@ class Erratum:
     """
 
     name: str
+    """Its name, E1."""
     title: Text
+    """What is doubtful."""
     reason: Text
+    """Why."""
     default: Text
+    """The sense that is used."""
     alternative: Text
+    """The other sense."""
     family: Text = NO_TEXT
     selected_by: str = ""
     source: str = ""
+    """Where the passage is."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from mikas.client.connecting import connect
+from mikas.client.connecting import ConnectionOptions, connect
 from mikas.client.ecu import Ecu, Erased
 from mikas.client.gate import Change, Confirm
 from mikas.client.identity import Info, Passport
@@ -27,6 +27,7 @@ __all__ = [
     "AsyncMemorySpace",
     "Change",
     "Confirm",
+    "ConnectionOptions",
     "Ecu",
     "Erased",
     "Info",

@@ -8,10 +8,12 @@ one within the time of one exchange, and the line is in step.
 from __future__ import annotations
 
 import asyncio
+import re
 from collections.abc import AsyncIterator, Callable, Coroutine, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import asynccontextmanager, suppress
 from functools import partial, update_wrapper, wraps
+from inspect import signature
 from typing import Any, Concatenate, Generic, NamedTuple, ParamSpec, Self, TypeVar, cast
 
 from mikas.cancellation import Cancellation
@@ -46,7 +48,7 @@ def _delegated(
     def call(self: _Remote[T], /, *args: P.args, **kwargs: P.kwargs) -> asyncio.Future[R]:
         return self._async_ecu.run(partial(method, self._sync, *args, **kwargs))
 
-    return call
+    return _returning(call, "Awaitable[{}]")
 
 
 def _iterated(
@@ -58,6 +60,19 @@ def _iterated(
     def call(self: _Remote[T], /, *args: P.args, **kwargs: P.kwargs) -> AsyncItems[R]:
         return AsyncItems(self._async_ecu, partial(method, self._sync, *args, **kwargs))
 
+    return _returning(call, "AsyncItems[{}]")
+
+
+_ITERATED = re.compile(r"(?:Iterator|Generator)\[([^,]+?)(?:, None, None)?\]")
+
+
+def _returning(call: Callable[P, R], form: str) -> Callable[P, R]:
+    """Let `help` say what `call` returns, not what the unit's method does."""
+    plain = signature(call)
+    returned = str(plain.return_annotation)
+    inner = _ITERATED.fullmatch(returned)
+    changed = plain.replace(return_annotation=form.format(inner[1] if inner else returned))
+    call.__signature__ = changed  # type: ignore[attr-defined]  # as inspect wants it
     return call
 
 
@@ -84,7 +99,7 @@ class _Connect(Generic[P]):
                 raise
 
         update_wrapper(call, self._function)
-        return call
+        return _returning(call, "AsyncEcu")
 
 
 class _Call(NamedTuple, Generic[R]):
@@ -195,7 +210,9 @@ class AsyncMemorySpace(_Remote[MemorySpace]):
         self._async_ecu = ecu
         self._sync = sync
         self.name = sync.name
+        """ram, xram, code or sfr."""
         self.last = sync.last
+        """The highest address."""
 
 
 class AsyncMemory:
@@ -206,6 +223,7 @@ class AsyncMemory:
         self.ram, self.xram, self.code, self.sfr = (
             AsyncMemorySpace(ecu, sync[name]) for name in Memory.NAMES
         )
+        """The four spaces."""
 
     def __getitem__(self, name: str) -> AsyncMemorySpace:
         space: AsyncMemorySpace = getattr(self, self._sync[name].name)
@@ -243,7 +261,9 @@ class AsyncEcu(_Remote[Ecu]):
         self, ecu: Ecu, *, _worker: _Worker | None = None, _questions: Questions | None = None
     ) -> None:
         self.ecu = ecu
+        """The `Ecu` that the worker thread uses."""
         self.memory = AsyncMemory(self, ecu.memory)
+        """Its memory, with methods to be awaited."""
         self._async_ecu = self
         self._sync = ecu
         self._worker = _worker or _Worker()

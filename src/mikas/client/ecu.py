@@ -46,7 +46,9 @@ class Erased:
     """The faults that were stored before an erase, and those stored after it."""
 
     before: tuple[Fault, ...]
+    """The faults before the erase."""
     after: tuple[Fault, ...]
+    """Those that are stored still."""
 
 
 def erasing(count: int) -> Text:
@@ -97,14 +99,20 @@ class Ecu:
     ) -> None:
         check_interpretation(interpretation)
         self.tester = tester
+        """The exchange of single requests, with its statistics."""
         self.catalog = catalog
+        """The definitions that name and decode."""
         self.limits_cache = LimitsCache(store, self._identify)
+        """The learnt limits of this unit."""
         self.passports = PassportReader(tester, on_other=self.limits_cache.reset)
+        """The reader of its passports."""
         self._gate = Gate(tester, self._whose, confirm, journal)
         data = DataReader(tester, self.limits_cache)
         self._list = UnitList(tester, self._gate, lists, self._identify)
         self.parameters = Parameters(tester, catalog, interpretation, self._gate, data, self._list)
+        """The reader of its parameters."""
         self.memory = Memory(tester, self._gate, self.limits_cache)
+        """RAM, XRAM, CODE and SFR: `ecu.memory.code.read_block(0x8000, 256)`."""
 
     def use_catalog(self, catalog: Catalog) -> None:
         """Name and decode by another catalog from here on."""

@@ -35,8 +35,11 @@ class Change:
     """
 
     what: Text
+    """What will be done, in words."""
     safety: Safety
+    """How bad it can end."""
     command: str
+    """The protocol's name of the command."""
     before: str | None = None
     after: str | None = None
     warning: Text | None = None

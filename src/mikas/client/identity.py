@@ -28,7 +28,9 @@ class Passport:
     """
 
     program: tuple[str | None, ...]
+    """The three pieces of 51–53."""
     data: tuple[str | None, ...]
+    """The five pieces of 54–58."""
 
     @property
     def pieces(self) -> tuple[str, ...]:
@@ -63,7 +65,9 @@ class UnitIdentity(NamedTuple):
     """What distinguishes units, live and in recordings; None: unknown."""
 
     version_code: int | None
+    """The answer to 01."""
     passport: Passport | None
+    """The passports, as far as they were read."""
 
     def contradicts(self, other: UnitIdentity) -> bool:
         """Whether both are certainly two units."""
@@ -91,11 +95,16 @@ class Info:
     """Description of a unit. `parameter_count`: None if the unit does not answer 60."""
 
     model: Model
+    """The model of its version code."""
     version_code: int
+    """The answer to 01."""
     passport: Passport
+    """The passports (51–58)."""
     parameter_count: int | None
     echo: bool
+    """Whether the adapter returns what is sent (D1)."""
     limits: Limits
+    """The learnt limits."""
 
 
 class PassportReader:

@@ -74,9 +74,13 @@ class Limits:
     """
 
     max_list: int = STARTING_LIST
+    """The most codes in one request (D11)."""
     max_block: dict[str, int] = field(default_factory=dict)
+    """The most bytes of one block, by memory space; 1: byte by byte."""
     refused: list[int] = field(default_factory=list)
+    """The codes that the unit does not know."""
     methods: dict[str, dict[str, MethodTiming]] = field(default_factory=dict)
+    """The measured speed of each sampling method, by kind of adapter."""
 
     def block(self, space: str) -> int:
         """Return the largest block of `space` to request."""

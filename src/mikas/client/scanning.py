@@ -25,9 +25,13 @@ class Answer(Enum):
     """The unit's answer to a code."""
 
     DATUM = "datum"
-    REFUSED = "refused"  # 01 (D10), or an empty response (D5)
-    SILENT = "silent"  # D10
-    UNCLEAR = "unclear"  # 01 that may be a datum, damage, or two readings of different sizes
+    """A value of one or more bytes."""
+    REFUSED = "refused"
+    """01 (D10), or an empty response (D5)."""
+    SILENT = "silent"
+    """No response (D10)."""
+    UNCLEAR = "unclear"
+    """01 that may be a datum, damage, or two readings of different sizes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +39,9 @@ class ScannedCode:
     """The answer to one code. `raw`: the datum, low byte first; `time`: as a `Reading`'s."""
 
     code: int
+    """The code that was requested."""
     answer: Answer
+    """The kind of answer."""
     raw: bytes = b""
     time: float = 0.0
 

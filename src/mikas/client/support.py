@@ -37,8 +37,11 @@ class Support:
     """
 
     command: type[c.Command[Any]]
+    """The command's class in `mikas.commands`."""
     code: int
+    """Its code."""
     known: bool | None
+    """Whether the unit knows it; None: not tried, or uncertain."""
     reason: Text | None = None
 
     @property

@@ -31,18 +31,26 @@ class Safety(IntEnum):
     """The possible effect of a command on the ECU, from harmless to worst."""
 
     READ = 0
-    REVERSIBLE = 1  # a power cycle undoes it
+    """Changes nothing."""
+    REVERSIBLE = 1
+    """A power cycle undoes it."""
     LASTING = 2
-    DANGEROUS = 3  # CODE writes, GOTO: may leave the unit unable to run
+    """May outlive a power cycle."""
+    DANGEROUS = 3
+    """Writes to CODE, and GOTO: the unit may be left unable to run."""
 
 
 class Space(StrEnum):
     """A memory space."""
 
     RAM = "ram"
+    """Internal RAM, addresses of one byte."""
     XRAM = "xram"
+    """External RAM, addresses of two bytes."""
     CODE = "code"
+    """Program memory, addresses of two bytes."""
     SFR = "sfr"
+    """Special function registers, addresses of one byte."""
 
     @property
     def address_bytes(self) -> int:
@@ -65,12 +73,19 @@ class Command(ABC, Generic[T]):
     __slots__ = ()
 
     CODES: ClassVar[tuple[int, ...]]
+    """Its first byte; several for one command in several forms."""
     SOURCE_NAME: ClassVar[str]
+    """The source's name for it."""
     TITLE: ClassVar[Text]
+    """Its title for people."""
     SAFETY: ClassVar[Safety] = Safety.READ
+    """Its possible effect."""
     STREAM: ClassVar[bool] = False  # answered again and again, until ended by D12
+    """Whether it is answered again and again, until D12 ends it."""
     ANSWERED: ClassVar[bool] = True  # False: no response is expected (D9)
+    """Whether a response is expected (D9)."""
     LENGTHS: ClassVar[tuple[int, ...]] = ()  # of the response's body, if all requests have the same
+    """The lengths of the response's body, if all requests have the same."""
 
     @property
     def code(self) -> int:

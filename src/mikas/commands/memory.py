@@ -35,8 +35,10 @@ class AtAddress(Command[T]):
     """
 
     address: int
+    """The first address."""
 
     SPACE: ClassVar[Space]
+    """The memory space."""
 
     def __post_init__(self) -> None:
         check_range(self.SPACE, self.address)
@@ -83,6 +85,7 @@ class WriteByte(ByteCommand):
     """Writes `value`; the response repeats address and byte, which `read` returns."""
 
     value: int
+    """The byte to write."""
 
     SAFETY: ClassVar[Safety] = Safety.REVERSIBLE
 
@@ -174,8 +177,10 @@ class ReadBlock(AtAddress[bytes]):
     """`count` bytes from `address` on. `COUNT_FORMS`: whether the count is repeated (D7)."""
 
     count: int
+    """How many bytes, 1 … 255."""
 
     COUNT_FORMS: ClassVar[tuple[bool, ...]]  # the usual form first
+    """Whether the response repeats the count (D7), the usual form first."""
 
     def __post_init__(self) -> None:
         _check_block(self.SPACE, self.address, self.count)
@@ -204,6 +209,7 @@ class WriteBlock(Write, AtAddress[None]):
     """Writes `data` from `address` on. The source's rows 24, 26 lack the data bytes (D8)."""
 
     data: bytes
+    """The bytes to write, 1 … 255."""
 
     SAFETY: ClassVar[Safety] = Safety.REVERSIBLE
 

@@ -32,7 +32,9 @@ class Datum(NamedTuple):
     """A parameter on the wire: its code and number of bytes."""
 
     code: int
+    """The parameter's code."""
     size: int
+    """The bytes of its datum, which no response says."""
 
 
 @row(0x60, "CNUMPAR", Text("number of parameters", "количество параметров"))
@@ -46,6 +48,7 @@ class _ForParameters(Command[T]):
     """A request of the codes of `parameters`."""
 
     parameters: tuple[Datum, ...]
+    """The parameters in the order of the request."""
 
     def __post_init__(self) -> None:
         if not self.parameters:
@@ -106,6 +109,7 @@ class ReadUnknownSize(ReadParameters):
 
     __slots__ = ()
     LONGEST: ClassVar[int] = 0xFF  # bytes of a datum
+    """The most bytes of a datum."""
 
     @classmethod
     def of(cls, code: int, times: int) -> Self:
@@ -129,7 +133,9 @@ class WriteParameter(Write):
     """62 CWRITP: `62 P D…` → `00` / `01`; the datum has the parameter's size."""
 
     parameter: int
+    """The parameter's code."""
     data: bytes
+    """The datum to write."""
 
     SAFETY: ClassVar[Safety] = Safety.LASTING
 
@@ -193,6 +199,7 @@ class StreamAtStroke(_DataCommand):
     """7F 80 81 82 83, CREADPS: `D1 … DN` once an engine cycle, at stroke 0, 1, 2, 3 or 4 (D15)."""
 
     stroke: int = 0
+    """0 … 4: which moment of the engine's cycle (D15)."""
 
     STREAM: ClassVar[bool] = True
 

@@ -112,6 +112,7 @@ class _ReadPassport(OnlyCode[str]):
     """
 
     part: int
+    """Which piece, from 1."""
 
     LENGTHS: ClassVar[tuple[int, ...]] = (PASSPORT_LENGTH,)
 

@@ -29,9 +29,13 @@ class MikasError(Exception):
     """
 
     what: ClassVar[Text] = Text("The operation failed", "Операция не выполнена")
+    """The failure in words."""
     advice: Text = Text("", "")
+    """The likely causes in order, and what to try."""
     defaults: ClassVar[Mapping[str, object]] = MappingProxyType({})  # of fields that may be missing
+    """The fields that may be left out."""
     more_fields: ClassVar[frozenset[str]] = frozenset()  # that no text has
+    """The fields that no text has."""
 
     def __init__(
         self,
@@ -43,12 +47,18 @@ class MikasError(Exception):
         **fields: object,
     ) -> None:
         self.request = request
+        """The bytes that were sent; None: none were."""
         self.received = received
+        """The bytes that came back; empty: silence."""
         self.time = time
+        """The link's clock."""
         self._check_fields(fields.keys(), advice)
         self.fields = fields = _public({**self.defaults, **fields})
-        self.is_over_network = False  # of the connection to the unit
+        """The fields of this class by name."""
+        self.is_over_network = False
+        """Whether the port is a network's."""
         self.reason = self.what.filled(**fields)
+        """`what` with its fields, in both languages."""
         self.advice = (advice or type(self).advice).filled(**fields)
         self._class_advice = None if advice else self.advice
         super().__init__(self.reason.en)
@@ -215,6 +225,7 @@ class UnfitFile(OSError):
     def __init__(self, code: int, text: Text) -> None:
         super().__init__(code, text.en)
         self.text = text
+        """Why, in both languages."""
 
 
 def reason_of(error: OSError) -> Text:

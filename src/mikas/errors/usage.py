@@ -48,7 +48,9 @@ class UnknownParameter(UsageError):
 
     def __init__(self, name: str, suggestions: Sequence[str] = ()) -> None:
         self.name = name
+        """The name as it was given."""
         self.suggestions = tuple(suggestions)
+        """The nearest names, best first."""
         listed = ", ".join(self.suggestions)
         nearest = Text(f"Did you mean {listed}? ", f"Может быть, {listed}? ")
         super().__init__(name=name, nearest=nearest if listed else "")
@@ -109,6 +111,9 @@ class CatalogError(UsageError):
 
     def __init__(self, file: str, line: int, problem: Text) -> None:
         self.file, self.line, self.problem = file, line, problem
+        """What is wrong."""
+        """From 1; 0: the file as a whole."""
+        """The file."""
         super().__init__(place=f"{file}:{line}" if line else file, problem=problem)
 
 
@@ -119,6 +124,8 @@ class FormulaError(UsageError):
 
     def __init__(self, problem: Text, span: tuple[int, int] | None = None) -> None:
         self.problem, self.span = problem, span
+        """The first and the next character of the wrong part; None: all."""
+        """What is wrong."""
         super().__init__(problem=problem)
 
 
@@ -129,6 +136,9 @@ class CaptureError(UsageError):
 
     def __init__(self, file: str, problem: Text, offset: int | None = None) -> None:
         self.file, self.problem, self.offset = file, problem, offset
+        """Where in the file; None: unknown."""
+        """What is wrong."""
+        """The file."""
         super().__init__(file=file, problem=problem)
 
 
@@ -149,6 +159,8 @@ class ExportError(UsageError):
 
     def __init__(self, file: str, problem: Text) -> None:
         self.file, self.problem = file, problem
+        """What is wrong."""
+        """The file."""
         super().__init__(file=file, problem=problem)
 
 
@@ -163,6 +175,8 @@ class FleetError(UsageError):
     def __init__(self, place: str, problem: Text, advice: Text | None = None) -> None:
         super().__init__(place=place, problem=problem, advice=advice)
         self.place, self.problem = public_url(place), cast("Text", self.fields["problem"])
+        """What is wrong."""
+        """Its path or URL, without a password."""
 
 
 class JournalError(UsageError):

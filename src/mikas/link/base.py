@@ -60,7 +60,9 @@ class Chunk(NamedTuple):
     """
 
     data: bytes
+    """The bytes; empty: none came."""
     time: float
+    """The link's clock when the last byte was seen, or when the wait ended."""
 
 
 class Link(ABC):
@@ -185,6 +187,7 @@ class LinkWrapper(Link):
 
     def __init__(self, link: Link) -> None:
         self.link = link
+        """The inner link."""
         self.url = link.url
         self.baud = link.baud
         self.kind = link.kind
@@ -233,7 +236,9 @@ class Direction(Enum):
     """The direction of bytes, seen from the tester."""
 
     SENT = "sent"
+    """To the unit."""
     RECEIVED = "received"
+    """From the line, echo included."""
 
 
 class Sink(Protocol):
@@ -262,7 +267,6 @@ class CaptureTee(LinkWrapper):
       nothing is exchanged unrecorded unless somebody wants that.
     - Closing the tee closes the link, not the sink.
     - `wire` counts the bytes, also after a failure of the sink.
-    - `date_set`: the seconds by which the computer's date was set since; none if time is simulated.
     """
 
     def __init__(
@@ -276,12 +280,14 @@ class CaptureTee(LinkWrapper):
         self._on_failure = on_failure
         self._refusal: Exception | None = None
         self.failure: Exception | None = None
+        """The exception of the sink; None: it works."""
         self._wire = wire or WireCount()
         self._sink = sink
         self._wall = WallClock()
 
     @property
     def date_set(self) -> float:
+        """The seconds by which the computer's date was set since; 0 if time is simulated."""
         return 0.0 if self.is_simulated else self._wall.date() - self._wall.now()
 
     def write(self, data: bytes) -> None:
@@ -344,6 +350,7 @@ class WallClock:
     ) -> None:
         self._steady = steady
         self.date = date or time.time
+        """Returns the computer's date, in UNIX time."""
         self._offset = self.date() - steady()
 
     def now(self) -> float:

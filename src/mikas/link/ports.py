@@ -44,15 +44,22 @@ class Port:
     """
 
     url: str
+    """The address for `connect`."""
     description: str
     chip: str = ""
+    """The USB serial chip; empty: unknown."""
     quirks: tuple[Text, ...] = ()
+    """What is known of that chip."""
     likely: bool = False
     vid: int | None = None
+    """The USB vendor."""
     pid: int | None = None
+    """The USB product."""
     serial_number: str | None = None
+    """The adapter's serial number."""
     latency_ms: int | None = None
     location: str | None = None
+    """The USB socket."""
 
 
 def system_ports() -> Iterable[ListPortInfo]:

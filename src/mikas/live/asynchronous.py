@@ -30,6 +30,7 @@ class AsyncSession(AsyncIterator[Sampled]):
 
     def __init__(self, sync: Session) -> None:
         self.session = sync
+        """The `Session` that the worker thread iterates."""
         self._worker = ThreadPoolExecutor(1, thread_name_prefix="mikas-session")
         self._next: asyncio.Future[Event | None] | None = None
 

@@ -64,6 +64,7 @@ class Session(Iterator[Sampled]):
         on_record_failure: Callable[[CaptureError], object] | None = None,
     ) -> None:
         self.acquisition = acquisition
+        """The loop that samples, with its plan, catalog and statistics."""
         self._recorder = recorder
         self._sampling = SamplingSession(recorder.record_event)
         self._sampling.wants_faults = lambda: faults

@@ -56,6 +56,7 @@ class Plot:
     """
 
     figure: Figure
+    """matplotlib's figure."""
     panes: tuple[Axes, ...]
     axes: dict[str, Axes] = field(repr=False)
     lines: dict[str, Line2D] = field(repr=False)

@@ -43,12 +43,19 @@ class RecordingStatus:
     """
 
     path: Path
+    """The file."""
     since: float | None
+    """The link's clock at its first byte or event."""
     bytes: int
+    """The size of the file."""
     samples: int
+    """The samples in it."""
     gaps: int
+    """How often the values stopped."""
     failure: CaptureError | None
+    """Why it ended early; None: it did not."""
     lost: int = 0
+    """The samples since a failure."""
 
 
 @dataclass(slots=True)

@@ -61,17 +61,23 @@ class Recording:
         wanted = [named(catalog, name) for name in names]
         Converter(catalog, interpretation, ())  # raises, before the file is read
         self.raw = raw or RawRecording(path, catalog.size_of, last_car=last_car)
+        """The bytes and exchanges of the file."""
         self.path = self.raw.path
+        """The file."""
         self.catalog = catalog
+        """The definitions that decode it."""
         self.interpretation = interpretation
+        """The interpretation of the source's errata."""
         self._converter = Converter(catalog, interpretation, self.raw.codes)
         recorded = {channel.name: channel for channel in self._converter.channels}
         known = all_channels(recorded, catalog, wanted)
         self.channels = tuple(known[name] for name in dict.fromkeys(wanted or known))
+        """The columns, in their order."""
         self._derived = [each.name for each in self.channels if each.name in catalog.derived]
         self.absent = tuple(
             each.name for each in self.channels if not is_recorded(each.name, catalog, recorded)
         )
+        """The wanted channels that the file lacks."""
         self._begins: dict[int, float] = {}  # of sessions, by number: the time of the first row
 
     @cached_property

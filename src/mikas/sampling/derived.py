@@ -42,12 +42,19 @@ class DerivedValue:
     """
 
     channel: Derived
+    """The definition, with its formula."""
     value: float
+    """The computed value."""
     unit: str
+    """The key of the unit; empty: it has none."""
     time: float
+    """The time of its inputs."""
     inputs: Mapping[str, Reading | DerivedValue]
+    """The readings and derived values that it was computed from."""
     since: float | None = None
+    """The begin of the sum, of an accumulating channel."""
     gaps: int = 0
+    """How often the sum was interrupted."""
 
     @property
     def name(self) -> str:

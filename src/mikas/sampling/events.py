@@ -24,58 +24,11 @@ from mikas.errors import MikasError, PortKind
 from mikas.i18n import Text, joined
 from mikas.sampling.derived import DerivedValue
 from mikas.sampling.plan import Plan
+from mikas.sampling.states import STATE_TEXTS as STATE_TEXTS  # noqa: PLC0414  (its public place)
+from mikas.sampling.states import LineState as LineState  # noqa: PLC0414
 
 _NO_TEXT: Final = Text("", "")
 _NOT_IN_JSON: Final = {"json": False}
-
-
-class LineState(StrEnum):
-    """The state of the line to the ECU, from worst to best."""
-
-    NO_PORT = "no-port"
-    NO_ECHO = "no-echo"
-    ECHO_ONLY = "echo-only"
-    ECU_ALIVE = "ecu-alive"
-    SAMPLING = "sampling"
-
-    @property
-    def text(self) -> Text:
-        """The state in words, at a cable."""
-        return _WORDS[self]
-
-    def text_on(self, kind: PortKind) -> Text:
-        """Return the state in words, on a port of this kind."""
-        return _OVER_NETWORK.get(self, self.text) if kind is PortKind.NETWORK else self.text
-
-
-_WORDS: Final = {
-    LineState.NO_PORT: Text("no adapter", "нет адаптера"),
-    LineState.NO_ECHO: Text(
-        "no echo: no 12 V at the adapter, or the wrong port",
-        "нет эха: на адаптере нет 12 В или не тот порт",
-    ),
-    LineState.ECHO_ONLY: Text(
-        "echo, but the ECU is silent: ignition off?",
-        "эхо есть, блок молчит: выключено зажигание?",
-    ),
-    LineState.ECU_ALIVE: Text("the ECU answers", "блок отвечает"),
-    LineState.SAMPLING: Text("sampling", "идёт опрос"),
-}
-_OVER_NETWORK: Final = {
-    LineState.NO_PORT: Text("no connection to the bridge", "нет связи с мостом"),
-    LineState.NO_ECHO: Text(
-        "no echo: the bridge is silent, its Wi-Fi or its supply?",
-        "нет эха: мост молчит, его Wi-Fi или питание?",
-    ),
-    LineState.ECHO_ONLY: Text(
-        "echo, but the ECU is silent: ignition off, or the bridge's baud rate?",
-        "эхо есть, блок молчит: выключено зажигание или скорость порта моста?",
-    ),
-}
-STATE_TEXTS: Final = tuple(
-    dict.fromkeys(state.text_on(kind) for kind in PortKind for state in LineState)
-)
-"""All words that `StateChanged.text` may be."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +36,9 @@ class Event:
     """An event at a `time` of the link's clock. `recording`: its number in the file, if read."""
 
     kind: ClassVar[str]
+    """Its name in JSON and in a recording."""
     time: float
+    """When, on the link's clock."""
     recording: int = field(default=0, kw_only=True, metadata=_NOT_IN_JSON)
 
     def as_json(self) -> dict[str, Any]:
@@ -122,6 +77,7 @@ class Sampled(Event):
 
     kind = "sample"
     fresh: Mapping[str, Reading]
+    """The readings of this cycle, by name."""
     stale: Mapping[str, Reading]
     derived: Mapping[str, DerivedValue] = field(default_factory=dict)
 
@@ -138,6 +94,7 @@ class CycleFailed(Event):
 
     kind = "error"
     error: MikasError
+    """The error of the exchange, with its bytes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,8 +106,11 @@ class Gap(Event):
 
     kind = "gap"
     began: float
+    """The time of the last values before it."""
     ended: float | None
+    """The time of the first values after it."""
     reason: Text | None = None
+    """Why, in words."""
     error: MikasError | None = field(default=None, compare=False, metadata=_NOT_IN_JSON)
 
     def moved(self, seconds: float) -> Self:
@@ -171,9 +131,13 @@ class StateChanged(Event):
 
     kind = "state"
     state: LineState | str
+    """The new state."""
     error: MikasError | None = field(default=None, metadata=_NOT_IN_JSON)
+    """The error that it follows from; None: it got better."""
     text: Text = _NO_TEXT
+    """The state in words."""
     reason: Text | None = None
+    """The error in words."""
     port: PortKind = field(default=PortKind.CABLE, metadata=_NOT_IN_JSON)
 
     def __post_init__(self) -> None:
@@ -197,6 +161,7 @@ class AdapterMoved(Event):
 
     kind = "adapter"
     port: str
+    """The name now."""
     before: str
 
     @property
@@ -216,9 +181,12 @@ class ClockChanged(Event):
 
     kind = "clock"
     seconds: float
+    """By how much; negative: set back."""
     slept: bool
     before: float
+    """The date before."""
     after: float
+    """The date after."""
 
     @property
     def later(self) -> float:
@@ -277,13 +245,20 @@ class UnitFound(Event):
 
     kind = "unit"
     version_code: int | None
+    """The answer to 01; None: unknown."""
     passport: Passport | None
+    """The passports, as far as they were read."""
     another: bool = False
     model: Text | None = None
+    """The model in words."""
     adapter: str = field(default="", metadata=_NOT_IN_JSON)
+    """The name of the adapter."""
     baud: int = field(default=9600, metadata=_NOT_IN_JSON)
+    """Bits a second on the line."""
     echo: bool | None = field(default=None, metadata=_NOT_IN_JSON)
+    """Whether the adapter returns what is sent."""
     catalog: str = field(default="", metadata=_NOT_IN_JSON)
+    """The version of the catalog that decodes."""
 
     def as_json(self) -> dict[str, Any]:
         """As `Event.as_json`; the version code as hex text."""
@@ -304,7 +279,9 @@ class PlanChanged(Event):
 
     kind = "plan"
     plan: Plan
+    """What is requested from here on."""
     catalog: str = ""
+    """The version that decodes; empty: that of the unit's event."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -316,6 +293,7 @@ class MethodChosen(Event):
 
     kind = "method"
     method: str
+    """The method from here on."""
     rates: Mapping[str, float] = field(default_factory=dict)
     limits: Limits | None = field(default=None, metadata=_NOT_IN_JSON)
 
@@ -326,7 +304,9 @@ class ParameterDropped(Event):
 
     kind = "dropped"
     name: str
+    """The parameter."""
     limits: Limits | None = field(default=None, metadata=_NOT_IN_JSON)
+    """Those of the unit known at the time."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -335,7 +315,9 @@ class ParameterReturned(Event):
 
     kind = "returned"
     name: str
+    """The parameter."""
     limits: Limits | None = field(default=None, metadata=_NOT_IN_JSON)
+    """Those of the unit known at the time."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -348,13 +330,21 @@ class AlarmChanged(Event):
 
     kind = "alarm"
     name: str
+    """The channel."""
     level: str
+    """The new level: none, warning, danger."""
     before: str | None
+    """The level before."""
     side: str | None
+    """low or high; None: of a flag."""
     value: float | None
+    """The value that crossed the limit."""
     limit: float | None
+    """The limit that was crossed."""
     text: Text
+    """The alarm in words."""
     better: bool = field(default=False, metadata=_NOT_IN_JSON)
+    """Whether the new level is a milder one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -367,6 +357,7 @@ class FaultReading(Event):
 
     kind = "faults"
     codes: tuple[int, ...]
+    """The numbers of the stored faults."""
     erased: bool = False
     added: tuple[int, ...] | None = field(default=None, compare=False)
     routine: bool = field(default=False, metadata=_NOT_IN_JSON, compare=False)
@@ -385,6 +376,7 @@ class Marker(Event):
 
     kind = "marker"
     label: str = ""
+    """Its name; may be empty."""
     renamed: bool = field(default=False, metadata=_NOT_IN_JSON)
     removed: bool = field(default=False, metadata=_NOT_IN_JSON)
 
@@ -395,3 +387,4 @@ class TextNote(Event):
 
     kind = "note"
     text: str
+    """The text as it was typed."""

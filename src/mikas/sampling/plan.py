@@ -86,8 +86,11 @@ class Plan:
     """Parameters, the method that reads them, and the longest list of codes in one request."""
 
     parameters: tuple[PlannedParameter, ...]
+    """The parameters with their divisors."""
     method: FixedMethod = "batch"
+    """The method that reads them."""
     max_list: int = 255
+    """The most codes in one request."""
 
     def __post_init__(self) -> None:
         if not self.parameters:

@@ -52,7 +52,9 @@ class Rig:
     """An open link, and the other end of its wire."""
 
     link: Link
+    """The open link."""
     peer: Peer
+    """The other end of its wire."""
 
 
 def collect(link: Link, count: int) -> bytes:
@@ -87,7 +89,9 @@ class LinkContract:
     """For every link."""
 
     can_break = True
-    gathers = True  # whether it lets bytes come together
+    """Whether the link pulls the wire low."""
+    gathers = True
+    """Whether `gather` sleeps, so that bytes come together."""
 
     def test_names_what_it_is(self, rig: Rig) -> None:
         assert rig.link.url

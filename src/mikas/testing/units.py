@@ -90,6 +90,7 @@ class VirtualUnit:
         given = {name: f"{value:g}" if isinstance(value, float) else str(value)
                  for name, value in options.items()}  # fmt: skip
         self.bus: Bus = build_bus(given, watcher=self._events.append)
+        """The wire with the unit, for what has no method here."""
         self._car = _SetCar(self.bus.ecu.responder.car)
         self.bus.ecu.responder.car = self._car
         self._link = VirtualLink(self.bus)

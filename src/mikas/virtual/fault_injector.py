@@ -19,15 +19,24 @@ from mikas.framing import encode
 class LineFault(Enum):
     """A fault of one response."""
 
-    LOST = "lost"  # never sent
-    LATE = "late"  # sent after the tester's timeout
-    DAMAGED = "damaged"  # one bit of one byte differs
-    CUT = "cut"  # the end is missing
-    MISSING_BYTE = "missing-byte"  # one byte in the middle is missing
-    DOUBLED = "doubled"  # sent twice
-    FOREIGN = "foreign"  # another transmitter's valid frame instead
-    NOISE = "noise"  # stray bytes before the response
-    ECHO = "bad-echo"  # one byte of the next request's echo differs
+    LOST = "lost"
+    """Never sent."""
+    LATE = "late"
+    """Sent after the tester's time-out."""
+    DAMAGED = "damaged"
+    """One bit of one byte differs."""
+    CUT = "cut"
+    """The end is missing."""
+    MISSING_BYTE = "missing-byte"
+    """One byte in the middle is missing."""
+    DOUBLED = "doubled"
+    """Sent twice."""
+    FOREIGN = "foreign"
+    """Another transmitter's valid frame instead."""
+    NOISE = "noise"
+    """Stray bytes before the response."""
+    ECHO = "bad-echo"
+    """One byte of the next request's echo differs."""
 
 
 LATE_BY = 0.7  # s, more than the 500 ms of D14

@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 from mikas.catalog import model
 from mikas.catalog.conversion import NO_TEXT, Conversion
 from mikas.catalog.formula_syntax import parse
+from mikas.catalog.limits import LIMITS, AlarmLimits, Confidence, Level
 from mikas.catalog.loading.entries import Entries, Entry
 from mikas.catalog.loading.fields import constant, made, read_value
 from mikas.catalog.loading.source import KeyPath
@@ -21,7 +22,7 @@ from mikas.options import nearest
 
 T = TypeVar("T", model.Derived, model.Erratum, model.Fault, model.Model, model.Parameter)
 
-_OF_NUMBERS = (*model.LIMITS, "hysteresis")
+_OF_NUMBERS = (*LIMITS, "hysteresis")
 _OF_FLAGS = ("when_true",)
 _ORIGIN = ("source", "confidence")
 _LONGEST_CIRCLE = 8  # names shown
@@ -66,15 +67,15 @@ def catalog_of(entries: Entries, version: str) -> Catalog:
     )
 
 
-def alarm_limits(entry: Entry, *, is_flag: bool) -> model.AlarmLimits | None:
+def alarm_limits(entry: Entry, *, is_flag: bool) -> AlarmLimits | None:
     """Build the table `limits`; None if no limit is left in it."""
     table = entry.values.get("limits", {})
     unfit, problem = (_OF_NUMBERS, NOT_FOR_FLAGS) if is_flag else (_OF_FLAGS, ONLY_FOR_FLAGS)
     _refuse(entry, (("limits", key) for key in unfit), problem)
     values = {key: value for key, value in table.items() if key not in (*unfit, *_ORIGIN)}
-    values |= _origin(entry, "limits", (*model.LIMITS, *_OF_FLAGS))
+    values |= _origin(entry, "limits", (*LIMITS, *_OF_FLAGS))
     try:
-        limits = model.AlarmLimits(**values)
+        limits = AlarmLimits(**values)
     except UsageError as error:
         last = max((("limits", key) for key in reversed(_OF_NUMBERS)), key=entry.order)
         problem = Text(f"can't be: {error.reason.en}", f"не годится: {error.reason.ru}")
@@ -97,7 +98,7 @@ def lamp(entry: Entry, *, is_flag: bool) -> model.Lamp | None:
     """Build the texts of a flag's lamp; None if it has none."""
     if not _fits(entry, "lamp", ONLY_FOR_FLAGS, fits=is_flag):
         return None
-    trouble = model.Level(entry.values["lamp"].get("trouble", model.Level.NONE))
+    trouble = Level(entry.values["lamp"].get("trouble", Level.NONE))
     return model.Lamp(on=entry.text("lamp", "on"), off=entry.text("lamp", "off"), trouble=trouble)
 
 
@@ -115,7 +116,7 @@ def _origin(entry: Entry, table: str, statements: Iterable[str]) -> dict[str, An
     Else a limit of a person's own would have the source of the shipped one that it overrides.
     """
     values: Mapping[str, Any] = entry.values.get(table, {})
-    stated = [(table, key) for key in statements if values.get(key) not in (None, model.Level.NONE)]
+    stated = [(table, key) for key in statements if values.get(key) not in (None, Level.NONE)]
     newest = max(stated, key=entry.order, default=())
     file = entry.places[newest][0] if newest else entry.source
     kept = {
@@ -310,10 +311,10 @@ def _decimals(conversion: Conversion) -> int:
     return next((places for places in (1, 2) if abs(conversion.scale) * 10**places >= 1), 3)
 
 
-def _confidence_of(values: Mapping[str, Any], key: str) -> model.Confidence:
+def _confidence_of(values: Mapping[str, Any], key: str) -> Confidence:
     """Return the confidence of `key`; UNKNOWN if the key is missing."""
-    default = model.Confidence.UNCONFIRMED if key in values else model.Confidence.UNKNOWN
-    return model.Confidence(values.get(f"{key}_confidence", default))
+    default = Confidence.UNCONFIRMED if key in values else Confidence.UNKNOWN
+    return Confidence(values.get(f"{key}_confidence", default))
 
 
 def _built(kind: type[T], entry: Entry, **given: object) -> T:
@@ -321,7 +322,7 @@ def _built(kind: type[T], entry: Entry, **given: object) -> T:
 
     By default its source is the name of its last file, and it is unconfirmed.
     """
-    keys = {"source": _file(entry), "confidence": model.Confidence.UNCONFIRMED, **entry.values}
+    keys = {"source": _file(entry), "confidence": Confidence.UNCONFIRMED, **entry.values}
     return made(kind, keys, **given)
 
 

@@ -14,8 +14,9 @@ from fractions import Fraction
 from functools import cache
 from typing import Any, TypeAlias, TypeVar, get_type_hints
 
+from mikas.catalog.limits import LIMITS, Confidence, Level
 from mikas.catalog.loading.source import CatalogFile, KeyPath
-from mikas.catalog.model import INTERPRETATIONS, LIMITS, Confidence, Level
+from mikas.catalog.model import INTERPRETATIONS
 from mikas.cleaning import clean_text
 from mikas.errors import CatalogError, UsageError, usage_error
 from mikas.i18n import Text

@@ -15,10 +15,11 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any, Final
 
 from mikas.catalog.formula_syntax import parse
+from mikas.catalog.limits import LIMITS, AlarmLimits, Level
 from mikas.catalog.loading.fields import mnemonic
 from mikas.catalog.loading.loader import shipped
 from mikas.catalog.lookup import Catalog
-from mikas.catalog.model import LIMITS, AlarmLimits, Derived, Level, Parameter
+from mikas.catalog.model import Derived, Parameter
 from mikas.catalog.own.editing import with_keys, without
 from mikas.catalog.own.file import OwnCatalog
 from mikas.errors import FormulaError, UnknownParameter, UsageError, usage_error

@@ -56,9 +56,13 @@ class Written:
     """The result of a write: the bytes before it, and those read back."""
 
     space: str
+    """ram, xram, code or sfr."""
     address: int
+    """The first address."""
     before: bytes
+    """The bytes before."""
     after: bytes
+    """The bytes read back."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,8 +70,10 @@ class Run:
     """Bytes to write from `address`; `before`: as many, as read from there."""
 
     address: int
+    """The first address."""
     before: bytes
     data: bytes
+    """The bytes to write."""
 
 
 class MemorySpace:
@@ -75,7 +81,9 @@ class MemorySpace:
 
     def __init__(self, name: str, tester: Tester, gate: Gate, cache: LimitsCache) -> None:
         self.name = name
+        """ram, xram, code or sfr."""
         self.last = c.Space(name).last
+        """The highest address."""
         self._commands = _SPACES[name]
         self._tester = tester
         self._gate = gate
@@ -286,11 +294,13 @@ class Memory:
     """`memory.ram`, `.xram`, `.code`, `.sfr`; or by name, `memory["ram"]`."""
 
     NAMES = tuple(_SPACES)
+    """The names of the four spaces."""
 
     def __init__(self, tester: Tester, gate: Gate, cache: LimitsCache) -> None:
         self.ram, self.xram, self.code, self.sfr = (
             MemorySpace(name, tester, gate, cache) for name in _SPACES
         )
+        """The four spaces."""
 
     def __getitem__(self, name: str) -> MemorySpace:
         if name not in _SPACES:

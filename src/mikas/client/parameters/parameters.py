@@ -30,8 +30,11 @@ class Reading:
     """
 
     parameter: Parameter
+    """The definition that decoded it."""
     value: float | int | bool
+    """The value: True or False of a flag, else a number."""
     unit: str
+    """The key of the unit, `rpm`; empty: it has none."""
     raw: bytes
     time: float
     interpretation: str
@@ -116,8 +119,11 @@ class Sample:
     """The readings of one cycle of `watch`. A parameter that could not be read is missing."""
 
     time: float
+    """The start of the first response on the link's clock; of a gap its end."""
     readings: Mapping[str, Reading] = field(default_factory=lambda: MappingProxyType({}))
+    """The readings by name."""
     error: errors.MikasError | None = None
+    """Why the cycle failed; None: it did not."""
 
     @property
     def gap(self) -> bool:
@@ -130,6 +136,7 @@ class WrittenParameter:
     """The result of a parameter write. `before`, `after`: None if unreadable."""
 
     name: str
+    """The parameter."""
     before: Reading | None
     after: Reading | None
 

@@ -29,9 +29,11 @@ FixedMethod = Literal[
     "single", "batch", "list", "stream", "stroke0", "stroke1", "stroke2", "stroke3", "stroke4"
 ]
 Method = Literal["auto", FixedMethod]
+"""How `watch` reads: by itself (auto), or by one of the methods."""
 
 FIXED_METHODS: tuple[FixedMethod, ...] = get_args(FixedMethod)
 METHODS: tuple[Method, ...] = get_args(Method)
+"""The names that `method` may have."""
 STREAMS = frozenset({"stream", *(m for m in FIXED_METHODS if m.startswith("stroke"))})
 
 _SLICE = 0.1  # s that a cycle waits for a silent stream

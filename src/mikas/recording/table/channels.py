@@ -41,10 +41,15 @@ class Channel:
     """
 
     name: str
+    """The mnemonic."""
     unit: str
+    """The key of the unit."""
     text: Text
+    """Its name for a person."""
     is_flag: bool = False
+    """Whether its values are 0 and 1."""
     decimals: int = 0
+    """Digits after the point."""
     unit_text: Text = NO_TEXT
 
     def unit_in(self, language: Language) -> str:
