@@ -9,11 +9,11 @@ output (and flushes it); bytes are in hex, with blanks between:
 
     encode 61 40             61 40 00 5F 0D              the message of this body
     encode-raw C0            C0 40 0D                    the same with its checksum not stuffed (D3)
-    decode 01 FF | 0D 0A     frame 01 ; left 0A          what these chunks hold, in their order
+    decode 01 FF | 0D 0A     frame 01 ; left 0A          the contents of these chunks, in order
 
-`decode` begins anew with each line. Its answer has `frame BODY` (an empty one: `frame`), `damaged
-BYTES` (what precedes the 0D), and `left BYTES`, what the decoder still holds at the end; nothing is
-said of a bare 0D (D5). An empty answer: there was nothing.
+Each `decode` begins with an empty decoder. Its answer has `frame BODY` (`frame` alone: an empty
+body), `damaged BYTES` (the bytes before the 0D), and at last `left BYTES`, if the decoder still
+holds some. A bare 0D is not mentioned (D5). Without any event the answer is an empty line.
 
 Needs Python 3.8 or newer and nothing else; it knows no codec of its own. It ends with 0 if all is
 right, with 1 and a line for each mistake if not, with 2 if the program can't be run.

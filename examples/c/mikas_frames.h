@@ -12,7 +12,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* The longest request has 524 bytes on the wire (26 with 255 bytes, all of them stuffed). */
+/* The longest messages: a request of 519 bytes on the wire (26 with 255 bytes, all of them
+ * stuffed), a response of 1,023 (255 data of two bytes); §2.4. */
 enum { MIKAS_LONGEST = 1024 };
 
 /* Write the message of `body` to `wire`, which has room for 2 * length + 3 bytes; return its

@@ -40,6 +40,7 @@ def checked(runner, capfd):
 def test_the_codec_of_mikas_passes(checked):
     status, said = checked(*CODEC)
     assert (status, said.splitlines()[-1]) == (0, "1268 questions, 0 wrong")
+    assert "1,268 questions" in (FOLDER / "README.md").read_text("utf-8")
 
 
 @pytest.mark.skipif(

@@ -1,7 +1,8 @@
 """One language's pages in a folder, as Zensical takes them: Markdown, pictures, a configuration.
 
-A link to a page leads to that page in the same language, a link to a picture to a copy of it, and
-a link to any other file of the repository to the repository's web address.
+A link to a page leads to that page in the same language, a link to a picture or to a published
+file (vectors of the protocol, their runner, the codec in C, a licence) to a copy of it, and a
+link to any other file of the repository to the repository's web address.
 """
 
 from __future__ import annotations
@@ -16,6 +17,8 @@ from tools.docs.markdown import with_targets
 from tools.docs.pages import DOCS, ROOT, Page, led_to, path_of, web_address
 
 _PICTURES = frozenset({".gif", ".jpg", ".png", ".svg", ".webp"})
+_PUBLISHED = (PurePosixPath("conformance"), PurePosixPath("examples/c"), DOCS)
+_NOT_PUBLISHED = frozenset({".md", ""})
 _NOTE = """\
 !!! note "Перевода этой страницы ещё нет"
     Ниже — английский текст.
@@ -26,28 +29,28 @@ _NOTE = """\
 def assemble(pages: Mapping[str, Page], folder: Path) -> None:
     """Write the pages and their pictures into `folder`."""
     shutil.rmtree(folder, ignore_errors=True)
-    pictures: set[PurePosixPath] = set()
+    copied: set[PurePosixPath] = set()
     for page in pages.values():
         targets: dict[int, str] = {}
         for link in page.document.links:
             if link.external or not link.path:
                 continue
             place = led_to(page.file, link)
-            if place.suffix in _PICTURES:
-                pictures.add(place)
+            if _is_copied(place):
+                copied.add(place)
             targets[link.start] = _target(page, place, pages, link.anchor)
         text = rewritten(with_targets(page.document, targets))
         _write(folder / page.path, text if page.translated else _noted(text))
-    for picture in pictures:
-        copy = folder / _picture(picture)
+    for file in copied:
+        copy = folder / _copy(file)
         copy.parent.mkdir(parents=True, exist_ok=True)
-        shutil.copyfile(ROOT / picture, copy)
+        shutil.copyfile(ROOT / file, copy)
 
 
 def _target(page: Page, place: PurePosixPath, pages: Mapping[str, Page], anchor: str) -> str:
     behind = f"#{anchor}" if anchor else ""
-    if place.suffix in _PICTURES:
-        return _relative(_picture(place), page.path)
+    if _is_copied(place):
+        return _relative(_copy(place), page.path)
     if place.is_relative_to(DOCS) and (path := path_of(place)) in pages:
         # The words of a heading, and so its anchor, are those of the page's own language.
         return _relative(path, page.path) + (
@@ -56,8 +59,14 @@ def _target(page: Page, place: PurePosixPath, pages: Mapping[str, Page], anchor:
     return web_address(place) + behind
 
 
-def _picture(place: PurePosixPath) -> str:
-    """Return a picture's path below the folder of a language."""
+def _is_copied(place: PurePosixPath) -> bool:
+    return place.suffix in _PICTURES or (
+        place.suffix not in _NOT_PUBLISHED and any(map(place.is_relative_to, _PUBLISHED))
+    )
+
+
+def _copy(place: PurePosixPath) -> str:
+    """Return the path of a picture or a published file below the folder of a language."""
     return place.relative_to(DOCS).as_posix() if place.is_relative_to(DOCS) else f"files/{place}"
 
 

@@ -33,7 +33,7 @@ WEB_SERIAL = 0.03  # that timer, which a browser can't change, and the browser's
 NETWORK = 0.2  # a Wi-Fi bridge
 
 PATIENCE = 2.0  # s; a write may take so much longer than its time on the wire
-LONGEST_REQUEST = 1024  # bytes; 26 with 255 data bytes, all of them stuffed, has 524 (§2.2, §3)
+LONGEST_REQUEST = 1024  # bytes; 26 with 255 data bytes, all of them stuffed, has 519 (§2.4)
 
 EMPTY_LINES = b"\r\n\r\n\r"  # no request to a unit (§2.2, D5); a server of lines answers
 TEXT_ANSWER = 0.5  # s that such an answer may take

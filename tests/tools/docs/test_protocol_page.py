@@ -8,10 +8,11 @@ from collections import Counter
 from pathlib import PurePosixPath
 
 import pytest
+from tools.docs.assembling import assemble
 from tools.docs.checking import citations
 from tools.docs.checking.citations import CITED, anchor_of
 from tools.docs.generated import protocol_page
-from tools.docs.pages import DOCS, LANGUAGES, ROOT, RUSSIAN, document
+from tools.docs.pages import DOCS, LANGUAGES, ROOT, RUSSIAN, Page, document
 
 from mikas import commands as c
 from mikas.catalog import shipped
@@ -151,6 +152,20 @@ def most(body):
     """Bytes on the line at most: with some 0D as 40, so that the checksum is stuffed as well."""
     mixed = (body.replace(b"\x0d", b"\x40", count) for count in range(body.count(b"\x0d") + 1))
     return max(len(encode(each)) for each in mixed)
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_what_the_page_links_to_is_published_beside_it(tmp_path, language):
+    page = Page("protocol.md", language, HOME[language] / "protocol.md")
+    assemble({page.path: page}, tmp_path)
+    links = re.findall(r"\]\(([^)#]+)\)", (tmp_path / page.path).read_text("utf-8"))
+    copied = {each for each in links if not each.startswith("https:")}
+    conformance = {path.name for path in (ROOT / "conformance").iterdir() if path.is_file()}
+    examples = {path.name for path in (ROOT / "examples/c").iterdir()}
+    names = [*conformance - {"README.md"}, *examples, "CC-BY-4.0.txt"]
+    assert {PurePosixPath(each).name for each in copied if not each.endswith(".svg")} == set(names)
+    for each in copied:
+        assert (tmp_path / each).is_file()
 
 
 def test_a_citation_that_is_no_link_is_reported(tmp_path, monkeypatch):
