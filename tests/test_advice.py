@@ -46,7 +46,9 @@ def example(kind: type[MikasError]) -> MikasError:
         return kind("f", 1, Text("p", "п"))
     if kind is errors.FormulaError:
         return kind(Text("p", "п"))
-    return UnknownParameter("N", ["M"]) if kind is UnknownParameter else kind(**FIELDS)
+    if kind is UnknownParameter:
+        return UnknownParameter("N", ["M"])
+    return kind(**{name: FIELDS[name] for name in kind.field_names() & FIELDS.keys()})
 
 
 @pytest.mark.parametrize("kind", CLASSES)

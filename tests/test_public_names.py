@@ -24,13 +24,13 @@ TREE = {
     "CatalogError": ("UsageError", ValueError),
     "FormulaError": ("UsageError", ValueError),
     "CaptureError": ("UsageError", ValueError),
-    "DiskFull": ("CaptureError", ValueError),
+    "DiskFull": ("CaptureError", OSError),
     "ExportError": ("UsageError", ValueError),
     "FleetError": ("UsageError", ValueError),
     "JournalError": ("UsageError", ValueError),
     "MissingExtra": ("UsageError", ImportError),
     "NoConnection": ("MikasError", ConnectionError),
-    "PortNotFound": ("NoConnection", ConnectionError),
+    "PortNotFound": ("NoConnection", FileNotFoundError),
     "NoPortGiven": ("PortNotFound", ConnectionError),
     "AnotherAdapter": ("PortNotFound", ConnectionError),
     "AdapterTaken": ("PortNotFound", ConnectionError),
@@ -38,17 +38,18 @@ TREE = {
     "AdapterWithoutDriver": ("PortNotFound", ConnectionError),
     "PortBusy": ("NoConnection", ConnectionError),
     "PortProbed": ("PortBusy", ConnectionError),
-    "PortDenied": ("NoConnection", ConnectionError),
+    "PortDenied": ("NoConnection", PermissionError),
     "PortFailed": ("NoConnection", ConnectionError),
     "LinkLost": ("NoConnection", ConnectionError),
+    "LinkClosed": ("LinkLost", ConnectionError),
     "ConnectionSilent": ("LinkLost", ConnectionError),
     "OtherService": ("LinkLost", ConnectionError),
     "PortTaken": ("PortBusy", ConnectionError),
     "LinkClosed": ("LinkLost", ConnectionError),
     "LineFlooded": ("LinkLost", ConnectionError),
     "RecordingOver": ("LinkLost", ConnectionError),
-    "NoEcho": ("NoConnection", ConnectionError),
-    "EchoOnly": ("NoConnection", ConnectionError),
+    "NoEcho": ("NoConnection", TimeoutError),
+    "EchoOnly": ("NoConnection", TimeoutError),
     "NotAKLineAdapter": ("NoConnection", ConnectionError),
     "NoBroker": ("NoConnection", ConnectionError),
     "BrokerNotFound": ("NoBroker", ConnectionError),
@@ -92,7 +93,8 @@ def own_errors():
     waiting = [errors.MikasError]
     while waiting:
         for error in waiting.pop().__subclasses__():
-            if error.__module__.startswith("mikas.errors."):
+            made = error.__name__ == error.__bases__[0].__name__  # an OSError as well
+            if error.__module__.startswith("mikas.errors.") and not made:
                 found[error.__name__] = error
                 waiting.append(error)
     return found

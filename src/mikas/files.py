@@ -171,7 +171,7 @@ def absolute(path: Path) -> Path:
     try:
         return path.absolute()
     except FileNotFoundError as error:
-        raise UsageError(problem=_NO_CURRENT.filled(name=path)) from error
+        raise UsageError(problem=_NO_CURRENT.filled(name=path)).caused_by(error, path) from error
 
 
 def utf_8(path: Path) -> str:

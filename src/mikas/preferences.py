@@ -32,7 +32,7 @@ def parsed_config(file: Path) -> dict[str, Any]:
         return toml.parse(toml.text_of(toml.read_bytes(file)))
     except OSError as error:
         reason = reason_of(error)
-        raise wrong_config(file, reason.en, reason.ru) from error
+        raise wrong_config(file, reason.en, reason.ru).caused_by(error, file) from error
     except toml.TomlError as error:
         place = f"{file}:{error.line}" if error.line else file
         raise wrong_config(place, error.problem.en, error.problem.ru) from error

@@ -23,6 +23,7 @@ from mikas.cli.given_secrets import hider_of
 from mikas.cli.language import detect_language, localized, set_language
 from mikas.cli.options.common import LocalizedOption
 from mikas.cli.render import terminal
+from mikas.errors import MikasError
 from mikas.i18n import Text
 
 _OBJECTS_BEFORE_COLLECTION = 50_000
@@ -102,6 +103,8 @@ def _run(argv: list[str], hide: Callable[[str], str]) -> int:
     except (KeyboardInterrupt, click.Abort):  # the user's wish, so no error
         _print_error("")
         return INTERRUPTED
+    except MikasError as error:  # of a connection or a file; it may be a BrokenPipeError as well
+        return _failed(error, argv, hide)
     except BrokenPipeError:
         # The reader of stdout has closed it: no error, not at exit either.
         terminal.discard_output()

@@ -245,4 +245,5 @@ def add_to_journal(file: Path, entry: dict[str, Any]) -> None:
         # A port's name may contain bytes that are no Unicode; JSON has \udc80 for them.
         append_line(file, json.dumps(entry, ensure_ascii=False))
     except OSError as error:
-        raise JournalError(file=str(file), problem=reason_of(error)) from error
+        failed = JournalError(file=str(file), problem=reason_of(error))
+        raise failed.caused_by(error, file) from error

@@ -207,14 +207,15 @@ class Sharing:
         if found or failure is None:
             return found
         why, at = reason_of(failure[1]), f"{failure[0]}:{self._access.port}"
-        raise Busy(
+        busy = Busy(
             problem=Text(
                 f"the address {at} can't be opened: {why.en}. Another program may use this port "
                 "there: restart with another --host-port",
                 f"адрес {at} открыть не удаётся: {why.ru}. Возможно, этот порт там занят другой "
                 "программой: перезапустите с другим --host-port",
             )
-        ) from failure[1]
+        )
+        raise busy.caused_by(failure[1]) from failure[1]
 
 
 class Ending:

@@ -17,7 +17,11 @@ from mikas.cleaning import public_port
 from mikas.client.connecting import STATE_VARIABLE, ConnectionOptions, EchoSetting, state_folder
 from mikas.client.parameters.polling import Method
 from mikas.dashboard.network.addresses import own_addresses
-from mikas.errors import UsageError, reason_of
+from mikas.errors import (
+    UsageError,
+    reason_of,
+    system_error,
+)
 from mikas.i18n import Language, Text
 from mikas.link import Link, Port, WallClock, find_ports, open_link
 from mikas.link.urls import parse
@@ -37,13 +41,14 @@ def ensure_folder(folder: Path) -> Path:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         why = reason_of(error)
-        raise UsageError(
+        failed = UsageError(
             problem=Text(
                 f"The folder {folder} can't be created: {why.en}",
                 f"Не удаётся создать папку {folder}: {why.ru}",
             ),
             advice=_ELSEWHERE,
-        ) from error
+        )
+        raise failed.caused_by(error, folder) from error
     return folder
 
 
@@ -55,14 +60,16 @@ def folder_error(folder: Path) -> UsageError | None:
     if there.is_dir() and os.access(there, os.W_OK | os.X_OK):
         return None
     code = errno.EACCES if there.is_dir() else errno.ENOTDIR
-    why = reason_of(OSError(code, os.strerror(code), str(folder)))
-    return UsageError(
+    refusal = system_error(code)
+    why = reason_of(refusal)
+    failed = UsageError(
         problem=Text(
             f"The folder {folder} is not writable ({there}: {why.en})",
             f"В папку {folder} нельзя записать ({there}: {why.ru})",
         ),
         advice=_ELSEWHERE,
     )
+    return failed.caused_by(refusal, folder)
 
 
 @dataclass(frozen=True, slots=True)

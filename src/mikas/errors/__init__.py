@@ -10,13 +10,13 @@
     │   ├── CatalogError               a catalog file is wrong: file, line, what was expected
     │   ├── FormulaError               a formula is wrong: which part of it
     │   ├── CaptureError               a capture file can't be read, or can't be written
-    │   │   └── DiskFull               there is no room for it
+    │   │   └── DiskFull (OSError)     there is no room for it
     │   ├── ExportError                an export can't be made
     │   ├── FleetError                 a place of recordings or a dataset can't be used
     │   ├── JournalError               the journal of changes can't be written
     │   └── MissingExtra               an optional library is not installed
     ├── NoConnection (ConnectionError) no port, no adapter or no ECU
-    │   ├── PortNotFound               no such port, or no adapter at all
+    │   ├── PortNotFound (FileNotFoundError)   no such port, or no adapter at all
     │   │   ├── NoPortGiven            no port named, and not exactly one adapter
     │   │   ├── AnotherAdapter         its name is another adapter's now
     │   │   ├── AdapterTaken           a program has taken it from its driver
@@ -24,7 +24,7 @@
     │   │   └── AdapterWithoutDriver   plugged in, served by no driver
     │   ├── PortBusy                   in use by another program
     │   │   └── PortProbed             in use by ModemManager
-    │   ├── PortDenied                 no permission to open it
+    │   ├── PortDenied (PermissionError)       no permission to open it
     │   ├── PortFailed                 not opened for another reason
     │   ├── LinkLost                   the adapter disconnected while in use
     │   │   ├── LinkClosed             the program itself has closed it
@@ -33,8 +33,8 @@
     │   │   ├── PortTaken              over a network, another client has it (also a PortBusy)
     │   │   ├── LineFlooded            it sends more than a line can carry
     │   │   └── RecordingOver          the recording played by `replay:` has ended
-    │   ├── NoEcho                     nothing received, not even the echo (D1)
-    │   ├── EchoOnly                   echo received, no response from the ECU (D1)
+    │   ├── NoEcho (TimeoutError)      nothing received, not even the echo (D1)
+    │   ├── EchoOnly (TimeoutError)    echo received, no response from the ECU (D1)
     │   ├── NotAKLineAdapter           an ELM327 instead of a plain adapter
     │   └── NoBroker                   no connection to an MQTT broker
     │       ├── BrokerNotFound         the name of its computer is unknown
@@ -66,8 +66,12 @@
 
 Each error carries the bytes sent and received and the time; its message ends with what to try:
 `str(error)` in English, `error.text` in both languages. Advice that names a command or a screen is
-added by the command line (`mikas.cli.advice`) or the dashboard (`mikas.dashboard.errors`). Each
-error is also the matching builtin.
+added by the command line (`mikas.cli.advice`) or the dashboard (`mikas.dashboard.errors`).
+
+Each error is also the matching builtin. What the system has refused is so by its number, whatever
+the class: a `CaptureError` of a missing file is a `FileNotFoundError`, an `ExportError` in the
+place of a file a `FileExistsError`, one on a full disk an `OSError`, each with `errno` and
+`filename` (`MikasError.caused_by`).
 """
 
 from mikas.errors.base import AdviceTable as AdviceTable
@@ -124,6 +128,7 @@ from mikas.errors.exchange import WrongAddress as WrongAddress
 from mikas.errors.exchange import WrongContent as WrongContent
 from mikas.errors.exchange import WrongEchoSetting as WrongEchoSetting
 from mikas.errors.exchange import WrongLength as WrongLength
+from mikas.errors.os_errors import system_error as system_error
 from mikas.errors.port_kinds import PortKind as PortKind
 from mikas.errors.port_kinds import errors_met_on as errors_met_on
 from mikas.errors.port_kinds import met_on as met_on
@@ -145,4 +150,5 @@ from mikas.errors.usage import UsageError as UsageError
 from mikas.errors.usage import ValueDoesNotFit as ValueDoesNotFit
 from mikas.errors.usage import library as library
 from mikas.errors.usage import naming_file as naming_file
+from mikas.errors.usage import unusable_file as unusable_file
 from mikas.errors.usage import usage_error as usage_error

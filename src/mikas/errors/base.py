@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import errno
+import os
 import re
 from collections.abc import Mapping, Set
 from functools import cache
 from pathlib import Path
 from string import Formatter
 from types import MappingProxyType
-from typing import ClassVar
+from typing import ClassVar, Self, TypeVar
 
 from mikas.cleaning import public_port, public_url, without_secrets
+from mikas.errors.os_errors import also, builtin_of, describe, number_of
 from mikas.errors.system import REFUSALS
 from mikas.home import NO_HOME, WHY
 from mikas.i18n import Language, Text
+
+E = TypeVar("E", bound="MikasError")
 
 
 class MikasError(Exception):
@@ -26,6 +30,9 @@ class MikasError(Exception):
     missing or a wrong one is a `TypeError`. An error can be copied, pickled and raised again in
     another process. Of an address in `url` (a port's) or `place` (of files) no text, no
     field and no advice has a password, nor a text about it.
+
+    One that the system has caused is also the matching `OSError`, see `caused_by`. `number`: the
+    `errno` of a class that is always one.
     """
 
     what: ClassVar[Text] = Text("The operation failed", "Операция не выполнена")
@@ -36,6 +43,8 @@ class MikasError(Exception):
     """The fields that may be left out."""
     more_fields: ClassVar[frozenset[str]] = frozenset()  # that no text has
     """The fields that no text has."""
+    number: ClassVar[int | None] = None
+    """The `errno` of a class that is always an `OSError` of one."""
 
     def __init__(
         self,
@@ -62,15 +71,50 @@ class MikasError(Exception):
         self.advice = (advice or type(self).advice).filled(**fields)
         self._class_advice = None if advice else self.advice
         super().__init__(self.reason.en)
+        if isinstance(self, OSError):
+            number = number_of(self) if self.number is None else self.number
+            describe(self, number, file=fields.get("url") or fields.get("file"))
 
     def __reduce__(self) -> tuple[object, ...]:
-        return _empty, (type(self),), {**self.__dict__, "args": self.args}
+        state = {**self.__dict__, "args": self.args}
+        if isinstance(self, OSError):
+            state |= {name: getattr(self, name) for name in _OF_SYSTEM}
+        is_made = self.kind is not type(self)
+        return _empty, type(self).__bases__ if is_made else (type(self),), state
+
+    @property
+    def kind(self) -> type[MikasError]:
+        """The error's class in the tree, without a builtin one that `caused_by` has added."""
+        return type(self).__bases__[0] if type(self).__dict__.get("made") else type(self)
+
+    def caused_by(self, error: BaseException, file: str | os.PathLike[str] | None = None) -> Self:
+        """Return this error as one that is also the system's `error`: `FileNotFoundError` …
+
+        It has the `errno` and the `filename` of `error`; `file`: of the one that the user named.
+        Name, texts and `args` stay as they are; an `error` that is no `OSError` changes nothing.
+        """
+        if not isinstance(error, OSError):
+            return self
+        other = _empty(self.kind, builtin_of(error))
+        other.__dict__.update(self.__dict__)
+        other.args = self.args
+        if isinstance(other, OSError):
+            where = error.filename if file is None else os.fspath(file)
+            words = error.text.en if isinstance(error, UnfitFile) else None
+            describe(other, number_of(error), words, where)
+        return other
+
+    @classmethod
+    def field_names(cls) -> frozenset[str]:
+        """Return the names of the fields that an error of this class takes."""
+        texts = _field_names(cls.what) | _field_names(cls.advice)
+        return texts | cls.defaults.keys() | cls.more_fields
 
     def _check_fields(self, given: Set[str], advice: Text | None) -> None:
         """Raise `TypeError` for a field that is missing, or that this class does not have."""
         texts = (self.what, type(self).advice, advice or type(self).advice)
         needed = {name for text in texts for name in _field_names(text)}
-        known = needed | self.defaults.keys() | self.more_fields
+        known = needed | self.field_names()
         if wrong := sorted(given - known):
             raise TypeError(
                 f"{type(self).__name__} has no field {', '.join(wrong)}; it has "
@@ -116,9 +160,14 @@ class MikasError(Exception):
         return parts
 
 
-def _empty(kind: type[MikasError]) -> MikasError:
-    """Return an error that is filled next, by pickle or copy."""
-    return kind.__new__(kind)
+_OF_SYSTEM = ("errno", "strerror", "filename", "filename2")
+
+
+def _empty(kind: type[E], builtin: type[OSError] | None = None) -> E:
+    """Return an error that is filled next, by pickle, copy or `caused_by`."""
+    made = kind if builtin is None else also(kind, builtin)
+    new = OSError.__new__ if issubclass(made, OSError) else Exception.__new__
+    return new(made)
 
 
 @cache

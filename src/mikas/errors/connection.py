@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 from types import MappingProxyType
 
 from mikas.errors.base import MikasError
@@ -12,7 +13,7 @@ class NoConnection(MikasError, ConnectionError):
     """No port, no adapter or no ECU."""
 
 
-class PortNotFound(NoConnection):
+class PortNotFound(NoConnection, FileNotFoundError):
     """No such port, or no adapter at all."""
 
     what = Text("There is no port {url}", "Порта {url} нет")
@@ -95,6 +96,8 @@ class AdapterWithoutDriver(PortNotFound):
 class PortBusy(NoConnection):
     """Another program has the port open. `holder`: the program, if known."""
 
+    number = errno.EBUSY
+
     what = Text("Port {url} is in use by {holder}", "Порт {url} занят {holder}")
     advice = Text(
         "Likely: another window of mikas or its dashboard, another diagnostics program, a terminal "
@@ -116,7 +119,7 @@ class PortProbed(PortBusy):
     )
 
 
-class PortDenied(NoConnection):
+class PortDenied(NoConnection, PermissionError):
     """The user has no permission to open the port."""
 
     what = Text("No permission to open {url}", "Нет прав на открытие {url}")

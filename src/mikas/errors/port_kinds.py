@@ -153,7 +153,7 @@ def met_on(kind: PortKind, error: E) -> E:
         is_untouched = error.advice == type(error).advice.filled(**error.fields)
         if advice is not None and error.has_class_advice and is_untouched:
             error.use_class_advice(advice)
-        if type(error) is connection.LinkLost:
+        if error.kind is connection.LinkLost:
             error.reason = _LOST.filled(**error.fields)
     return error
 

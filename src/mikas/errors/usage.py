@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -28,13 +29,18 @@ def usage_error(en: str, ru: str) -> UsageError:
 
 @contextmanager
 def naming_file(file: Path) -> Iterator[None]:
-    """Let an `OSError` of the system be a `UsageError` that names the file."""
+    """Let an `OSError` be a `UsageError` that names the file; it stays an `OSError`."""
     try:
         yield
     except MikasError:  # some are OSErrors as well
         raise
     except OSError as error:
-        raise UsageError(problem=reason_at(file, error)) from error
+        raise unusable_file(file, error) from error
+
+
+def unusable_file(file: Path, error: OSError) -> UsageError:
+    """Return the error of a file that the system refuses; it is also the system's."""
+    return UsageError(problem=reason_at(file, error)).caused_by(error, file)
 
 
 class UnknownParameter(UsageError):
@@ -142,8 +148,10 @@ class CaptureError(UsageError):
         super().__init__(file=file, problem=problem)
 
 
-class DiskFull(CaptureError):
+class DiskFull(CaptureError, OSError):
     """There is no room for a capture, or for more of it."""
+
+    number = errno.ENOSPC
 
     advice = Text("Make room, then repeat.", "Освободите место и повторите.")
 

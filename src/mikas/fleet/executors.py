@@ -247,7 +247,8 @@ class DaskRunner(Runner):
         try:
             self._client = dask.Client(f"tcp://{host}", timeout=timeout, set_as_default=False)
         except (OSError, ValueError, TimeoutError) as error:
-            raise FleetError(place, _UNREACHABLE.filled(host=host)) from error
+            unreachable = FleetError(place, _UNREACHABLE.filled(host=host))
+            raise unreachable.caused_by(error) from error
         threads = sum(self._client.nthreads().values())
         if not threads:
             self.close()
@@ -281,7 +282,8 @@ class DaskRunner(Runner):
         if kind == "KilledWorker":
             return FileOutcome(file, bad=_DIED)
         is_lost = isinstance(error, OSError | CancelledError) or "Cancelled" in kind
-        raise FleetError(self._place, _LOST if is_lost else _UNFIT) from error
+        lost = FleetError(self._place, _LOST if is_lost else _UNFIT)
+        raise lost.caused_by(error) from error
 
 
 def runner_of(executor: str, workers: int) -> Runner:

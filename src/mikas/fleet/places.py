@@ -16,7 +16,15 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from mikas.cleaning import LOCAL, SECRET_VARIABLES, public_url, secrets_of, without
-from mikas.errors import FleetError, MikasError, MissingExtra, UnfitFile, library, reason_of
+from mikas.errors import (
+    FleetError,
+    MikasError,
+    MissingExtra,
+    UnfitFile,
+    library,
+    reason_of,
+    system_error,
+)
 from mikas.files import absolute
 from mikas.fleet.object_stores import (
     PROTOCOLS,
@@ -97,7 +105,8 @@ def errors_of(place: str) -> Iterator[None]:
     except Exception as error:  # each store's client has errors of its own
         if not isinstance(error, OSError) and not is_url(place):
             raise
-        raise FleetError(place, reason_in_store(error)) from error
+        file = shown(place) if is_url(place) else None  # a store's own may have a password
+        raise FleetError(place, reason_in_store(error)).caused_by(error, file) from error
 
 
 def is_of_file(error: FleetError) -> bool:
@@ -200,7 +209,7 @@ def _of_disk(place: str) -> Iterator[FoundFile]:
     top = as_path(place)
     if not top.is_dir():
         if not os.path.lexists(top):
-            raise FleetError(place, _NOT_THERE)
+            raise _absent(place)
         yield _on_disk(top.resolve())
         return
 
@@ -217,6 +226,10 @@ def _of_disk(place: str) -> Iterator[FoundFile]:
             if _is_recording(name):
                 yield _on_disk(Path(folder, name))
     yield from closed
+
+
+def _absent(place: str) -> FleetError:
+    return FleetError(place, _NOT_THERE).caused_by(system_error(errno.ENOENT), public_url(place))
 
 
 def _on_disk(path: Path) -> FoundFile:
@@ -236,7 +249,7 @@ def _of_url(place: str) -> Iterator[FoundFile]:
         return
     found = system.find(path, detail=True)
     if not found and not system.exists(path):
-        raise FleetError(shown(place), _NOT_THERE)
+        raise _absent(shown(place))
     for name, info in sorted(found.items()):
         if _is_recording(name):
             yield _at_url(_url_in(place, path, name), info)

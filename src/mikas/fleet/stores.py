@@ -228,7 +228,7 @@ class DiskStore(Store):
         except FleetError as error:
             if is_of_file(error):
                 problem = _UNFIT.filled(name=name, reason=error.problem)
-                raise FleetError(error.place, problem) from error.__cause__
+                raise FleetError(error.place, problem).caused_by(error) from error.__cause__
             raise
 
     def _at(self, name: str, *, is_folder: bool = False) -> Path:

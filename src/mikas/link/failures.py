@@ -13,10 +13,19 @@ import errno
 import re
 import socket
 import sys
+from typing import TypeVar
 
 from serial import SerialTimeoutException
 
-from mikas.errors import NoConnection, PortDenied, PortFailed, PortKind, PortNotFound, met_on
+from mikas.errors import (
+    NoConnection,
+    PortDenied,
+    PortFailed,
+    PortKind,
+    PortNotFound,
+    met_on,
+    system_error,
+)
 from mikas.errors.system import NEEDS_INTERFACE
 from mikas.i18n import Text
 from mikas.link.base import TAKES_NO_BYTES, UNPLUGGED
@@ -45,6 +54,8 @@ _WINDOWS_ABSENT = {2, 3, 433, 1167}
 _WINDOWS_BUSY = {5, 32, 170}
 _WINDOWS_UNPLUGGED = {5, 6, 22, 31, 433, 995, 1167}  # depends on the driver
 _WIN_ERROR = re.compile(r"\w+Error\(\d+, .*, None, (\d+)\)", re.DOTALL)
+
+N = TypeVar("N", bound=NoConnection)
 
 _CHECK_NAME = Text("Serial ports found: {found}.", "Найденные последовательные порты: {found}.")
 
@@ -78,7 +89,8 @@ def opening_failed(url: str, error: Exception, first: bytes = b"") -> NoConnecti
             number = host_and_port(url)[1] if error.text is NO_ANSWER else 0
             if other := in_handshake(url, number, first, telnet=True):
                 return other
-        return met_on(kind, PortFailed(url=url, problem=_why_not_connected(error)))
+        failed = PortFailed(url=url, problem=_why_not_connected(error))
+        return met_on(kind, also_of_system(failed, error))
     code, windows = number_of(error), _windows_number(error)
     if code in _ABSENT or windows in _WINDOWS_ABSENT:
         return adapter_without_port(url) or PortNotFound(url=url, found=listed(find_ports()))
@@ -89,7 +101,13 @@ def opening_failed(url: str, error: Exception, first: bytes = b"") -> NoConnecti
     is_tty = code not in _NO_TTY
     advice = None if is_tty else _CHECK_NAME.filled(found=listed(find_ports()))
     problem = _own_words(error) if is_tty else _NOT_SERIAL
-    return PortFailed(url=url, problem=problem, advice=advice)
+    return also_of_system(PortFailed(url=url, problem=problem, advice=advice), error)
+
+
+def also_of_system(failed: N, error: Exception) -> N:
+    """Return the error with the system's number, and of its builtin class."""
+    number = number_of(error)
+    return failed if number is None else failed.caused_by(system_error(number))
 
 
 def why_lost(error: Exception, kind: PortKind = PortKind.CABLE) -> Text:

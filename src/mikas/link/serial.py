@@ -42,7 +42,13 @@ from mikas.link.base import (
     WallClock,
     link_lost,
 )
-from mikas.link.failures import SYSTEM_ERRORS, is_unable, opening_failed, why_lost
+from mikas.link.failures import (
+    SYSTEM_ERRORS,
+    also_of_system,
+    is_unable,
+    opening_failed,
+    why_lost,
+)
 from mikas.link.network.other_end import at_the_end, in_handshake, with_words
 from mikas.link.network.rfc2217 import LineSettings, Rfc2217Port
 from mikas.link.network.tcp import RawTcpPort
@@ -166,7 +172,7 @@ class SerialLink(Link):
         """Return the error to raise after the port's `error`, which is raised if it is a bug."""
         if isinstance(error, _CLOSED_MEANWHILE) and self._gone is None:
             raise error
-        return self._lose(why_lost(error, self.kind), request)
+        return also_of_system(self._lose(why_lost(error, self.kind), request), error)
 
     def _lose(self, why: Text, request: bytes | None = None) -> LinkLost:
         """Close the lost adapter; return the error to raise."""

@@ -86,9 +86,9 @@ def open_link(url: str, /, **options: str | float) -> Link:
         link = opener(url, parsed.options)
         return link if link.is_virtual else FloodGuard(SuspensionGuard(link))
     except UsageError as error:
-        if type(error) is not UsageError:
+        if error.kind is not UsageError:
             raise
-        raise bad_port_url(url, error.reason) from error
+        raise bad_port_url(url, error.reason).caused_by(error) from error
 
 
 def parse(url: str) -> PortUrl:

@@ -14,7 +14,11 @@ from urllib.parse import unquote, urlsplit
 
 from mikas import files
 from mikas.cleaning import clean_line
-from mikas.errors import UsageError, reason_at, usage_error
+from mikas.errors import (
+    UsageError,
+    unusable_file,
+    usage_error,
+)
 from mikas.i18n import Text
 
 USER: Final = "MIKAS_MQTT_USER"
@@ -139,7 +143,7 @@ def _password_of(file: Path) -> str:
             f"{file}: this is no text in UTF-8", f"{file}: это не текст в UTF-8"
         ) from None  # the error has the bytes
     except OSError as error:
-        raise UsageError(problem=reason_at(file, error)) from error
+        raise unusable_file(file, error) from error
     if not first:
         raise usage_error(
             f"{file}: the first line is empty; the password belongs there",
@@ -188,4 +192,4 @@ def _reading(file: Path | None, en: str, ru: str) -> Iterator[None]:
         raise usage_error(en, ru) from error
     except OSError as error:
         assert file is not None
-        raise UsageError(problem=reason_at(file, error)) from error
+        raise unusable_file(file, error) from error

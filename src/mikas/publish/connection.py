@@ -209,8 +209,9 @@ class BrokerConnection:
             if client.has_left:
                 return left(url, reached=welcomed.is_set())
             if not welcomed.is_set():
-                return connecting_failed(url, error)
-            return connection_lost(url, client.timed_out or error, again=self._short >= _OFTEN)
+                return connecting_failed(url, error).caused_by(error)
+            cause = client.timed_out or error
+            return connection_lost(url, cause, again=self._short >= _OFTEN).caused_by(cause)
         finally:
             client.let_go()
             self.is_connected = False

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import BinaryIO, Final
 
 from mikas.cancellation import check_cancelled
+from mikas.errors import MikasError
 from mikas.files import beside
 from mikas.recording.annotations.cars import PortSpan, RecordedCar, cars_of
 from mikas.recording.capture.opening import capture_error, opened_capture
@@ -56,6 +57,8 @@ def split(path: Path, target: Path) -> Iterator[tuple[RecordedCar, Path]]:
                             begin, end = sections.edges[section : section + 2]
                             _copy(file, begin, end, out)
                         break
+            except MikasError:
+                raise
             except OSError as error:
                 raise capture_error(part, error) from error
             yield car, part

@@ -6,6 +6,7 @@ Content-Security-Policy allows only its own style: a recording may contain any t
 
 from __future__ import annotations
 
+import errno
 from base64 import b64encode
 from collections.abc import Callable, Iterator
 from functools import cache
@@ -17,7 +18,7 @@ from markupsafe import Markup
 
 from mikas.cancellation import check_cancelled
 from mikas.catalog import Fault
-from mikas.errors import ExportError
+from mikas.errors import ExportError, system_error
 from mikas.files import absolute
 from mikas.i18n import Language, Text
 from mikas.recording.export.exporting import check_free, write_whole
@@ -304,7 +305,8 @@ def check_output(out: Path, *, overwrite: bool) -> None:
         )
     check_free(out, overwrite=overwrite)
     if not absolute(out).parent.is_dir():
-        raise ExportError(str(out), Text("there is no such folder", "такой папки нет"))
+        problem = Text("there is no such folder", "такой папки нет")
+        raise ExportError(str(out), problem).caused_by(system_error(errno.ENOENT), out)
 
 
 def write_page(out: Path, page: str, *, overwrite: bool) -> None:

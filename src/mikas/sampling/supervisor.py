@@ -151,8 +151,8 @@ class ConnectionSupervisor:
         if self.state is None:
             return
         known = {self._reported, errors.NoEcho} if self._reported is _SILENT else {self._reported}
-        if self.state is not before or (error is not None and type(error) not in known):
-            self._reported = None if error is None else type(error)
+        if self.state is not before or (error is not None and error.kind not in known):
+            self._reported = None if error is None else error.kind
             yield StateChanged(time, self.state, error, port=kind_of(self.port.url))
 
     def end_run(self) -> None:

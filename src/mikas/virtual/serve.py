@@ -190,9 +190,10 @@ class TcpPort(ServedBus):
                 lambda: _Connection(tcp_port), host, port
             )
         except OSError as error:
-            raise PortFailed(
+            failed = PortFailed(
                 url=f"{host}:{port}", problem=reason_of(error), advice=_OTHER_ADDRESS
-            ) from error
+            )
+            raise failed.caused_by(error) from error
         for each in server.sockets:  # connections have the same buffers
             each.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, _SOCKET_BUFFER)
             each.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, _SOCKET_BUFFER)

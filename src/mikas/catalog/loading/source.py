@@ -56,7 +56,7 @@ def own_files(folder: Path | None) -> tuple[list[Path], tuple[CatalogError, ...]
     except OSError as error:
         reason = reason_of(error)
         problem = Text(f"can't be read: {reason.en}", f"не читается: {reason.ru}")
-        return [], (CatalogError(str(folder), 0, problem),)
+        return [], (CatalogError(str(folder), 0, problem).caused_by(error, folder),)
     if len(files) <= MOST_FILES:
         return files, ()
     too_many = CatalogError(str(folder), 0, _TOO_MANY.filled(most=MOST_FILES))
@@ -173,7 +173,7 @@ def read_source(path: Path) -> CatalogFile:
     except OSError as error:
         reason = reason_of(error)
         problem = Text(f"the file can't be read: {reason.en}", f"файл не читается: {reason.ru}")
-        raise CatalogError(str(path), 0, problem) from error
+        raise CatalogError(str(path), 0, problem).caused_by(error, path) from error
     return parse_source(str(path), data)
 
 

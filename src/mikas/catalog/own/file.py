@@ -110,7 +110,7 @@ class OwnCatalog:
         except ABSENT:
             return ""
         except OSError as error:
-            raise self._failed(reason_of(error)) from error
+            raise self._failed(reason_of(error)).caused_by(error, self.path) from error
         except toml.TomlError as error:
             raise CatalogError(str(self.path), error.line, error.problem) from error
 
@@ -122,7 +122,7 @@ class OwnCatalog:
                 text = text.replace("\n", "\r\n")  # as it was
             save(path, text)
         except OSError as error:
-            raise self._failed(reason_of(error)) from error
+            raise self._failed(reason_of(error)).caused_by(error, self.path) from error
 
     def _failed(self, problem: Text) -> CatalogError:
         return CatalogError(str(self.path), 0, problem)

@@ -154,7 +154,8 @@ def _write(file: Path, rules: str) -> None:
         file.chmod(_READABLE)
     except OSError as error:
         why = reason_of(error)
-        raise usage_error(
+        failed = usage_error(
             f"The rules can't be written to {file}: {why.en}",
             f"Не удаётся записать правила в {file}: {why.ru}",
-        ) from error
+        )
+        raise failed.caused_by(error, file) from error

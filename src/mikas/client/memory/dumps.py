@@ -7,6 +7,7 @@ next run continues at the first missing byte, in the second pass too. Fields wer
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import json
 import os
@@ -20,7 +21,14 @@ from mikas.client.ecu import Ecu
 from mikas.client.memory.spaces import MemorySpace
 from mikas.commands.base import check_range
 from mikas.commands.unit import version_of, version_text
-from mikas.errors import UsageError, naming_file, reason_at, usage_error
+from mikas.errors import (
+    MikasError,
+    UsageError,
+    naming_file,
+    system_error,
+    unusable_file,
+    usage_error,
+)
 from mikas.file_locks import hold
 from mikas.files import beside, open_regular, read_json, read_regular
 from mikas.saving import save
@@ -93,7 +101,7 @@ def read_manifest(file: Path) -> Manifest | None:
         manifest = Manifest(**{**stored, "version_code": version_code, "passport": passport})
         _check(manifest)
     except OSError as error:
-        raise UsageError(problem=reason_at(path, error)) from error
+        raise unusable_file(path, error) from error
     except (ValueError, TypeError, KeyError) as error:
         raise file_error(path, "it is no manifest of a dump", "это не описание дампа") from error
     return manifest
@@ -161,11 +169,12 @@ class Dump:
         self.manifest = Manifest(space.name, first, last, ecu.model.text.en, *identity_of(ecu))
         if os.path.lexists(file) or os.path.lexists(manifest_path(file)):
             if not resume:
-                raise file_error(
+                there = file_error(
                     file,
                     "it exists already; choose another name, or --resume to go on with it",
                     "такой файл уже есть; выберите другое имя или продолжите его: --resume",
                 )
+                raise there.caused_by(system_error(errno.EEXIST), file)
             self._resume()
 
     def _resume(self) -> None:
@@ -173,10 +182,11 @@ class Dump:
         begun = stored is None or stored.bytes_read
         there = os.path.lexists(self._file)
         if not there and begun:  # else killed between the manifest and the file
-            raise self._error(
+            gone = self._error(
                 "the file is gone, only its manifest is left; delete that too to begin anew",
                 "самого файла нет, осталось только описание; чтобы начать заново, удалите и его",
             )
+            raise gone.caused_by(system_error(errno.ENOENT), self._file)
         if stored is None:
             raise self._error(
                 "it has no manifest beside it, so it can't be resumed",
@@ -223,10 +233,10 @@ class Dump:
                     manifest.bytes_read += len(data)
                     progress(len(data))
                 manifest.complete = True
+        except MikasError:  # some are OSErrors as well, as those of the line
+            raise
         except OSError as error:
-            if isinstance(error, ConnectionError | TimeoutError):
-                raise
-            raise UsageError(problem=reason_at(self._file, error)) from error
+            raise unusable_file(self._file, error) from error
         finally:
             self._write_manifest()
 

@@ -25,7 +25,12 @@ from typing import BinaryIO, Final, NamedTuple
 
 from mikas.cleaning import REPLACEMENT, clean_line
 from mikas.dashboard.errors import NotFound
-from mikas.errors import CaptureError, UnfitFile, UsageError, reason_at, reason_of
+from mikas.errors import (
+    CaptureError,
+    UnfitFile,
+    reason_of,
+    unusable_file,
+)
 from mikas.file_locks import check_free
 from mikas.files import check_regular, open_regular
 from mikas.i18n import Text
@@ -172,7 +177,8 @@ class RecordingFolder:
             check_free(file.path)
             file.path.unlink()
         except OSError as error:
-            raise CaptureError(str(file.path), reason_of(error)) from error
+            failed = CaptureError(str(file.path), reason_of(error))
+            raise failed.caused_by(error, file.path) from error
 
 
 def opened(path: Path, identity: str) -> BinaryIO:
@@ -182,7 +188,7 @@ def opened(path: Path, identity: str) -> BinaryIO:
     except FileNotFoundError:
         raise NotFound(name=identity) from None
     except OSError as error:
-        raise UsageError(problem=reason_at(path, error)) from error
+        raise unusable_file(path, error) from error
 
 
 def _file_at(path: Path) -> RecordingFile:

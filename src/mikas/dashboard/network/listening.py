@@ -35,12 +35,13 @@ def listen(port: int | None, *, lan: bool) -> socket.socket:
                 break
     assert failure is not None
     why = reason_of(failure)
-    raise usage_error(
+    failed = usage_error(
         f"The dashboard can't listen on port {port or FIRST_PORT}: {why.en}; choose another "
         "with --host-port, or omit it to take a free one",
         f"Панель не может занять порт {port or FIRST_PORT}: {why.ru}; укажите другой ключом "
         "--host-port или уберите его, тогда найдётся свободный",
-    ) from failure
+    )
+    raise failed.caused_by(failure) from failure
 
 
 def listen_ipv6(port: int) -> list[socket.socket]:

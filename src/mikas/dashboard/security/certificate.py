@@ -23,7 +23,12 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Final
 
 from mikas import unkept
-from mikas.errors import UnfitFile, UsageError, reason_of
+from mikas.errors import (
+    MikasError,
+    UnfitFile,
+    UsageError,
+    reason_of,
+)
 from mikas.files import read_regular
 from mikas.i18n import Text
 from mikas.saving import save
@@ -98,14 +103,17 @@ def _for_this_run(file: Path, text: str, why: Text) -> Certificate:
             passing = Path(folder, file.name)
             save(passing, text, private=True)
             return _loaded(passing, passing, is_own=True)
+    except MikasError:
+        raise
     except OSError as error:
-        raise UsageError(
+        failed = UsageError(
             problem=Text(
                 f"The certificate for --lan can't be written to {file}: {why.en}",
                 f"Сертификат для --lan не удаётся записать в {file}: {why.ru}",
             ),
             advice=PLAIN_ADVICE,
-        ) from error
+        )
+        raise failed.caused_by(error, file) from error
 
 
 def given_certificate(file: Path, key: Path) -> Certificate:
@@ -141,7 +149,7 @@ def _loaded(file: Path, key: Path, *, is_own: bool) -> Certificate:
         context.load_cert_chain(file, key, password="")
     except OSError as error:  # of OpenSSL's, too
         why = _reason(error)
-        raise UsageError(
+        failed = UsageError(
             problem=Text(
                 f"The certificate {file} with the key {key} can't be used: {why.en}",
                 f"Сертификат {file} с ключом {key} использовать нельзя: {why.ru}",
@@ -152,7 +160,8 @@ def _loaded(file: Path, key: Path, *, is_own: bool) -> Certificate:
                 "Нужны файлы PEM, закрытый ключ — без пароля; без --tls-cert и --tls-key "
                 "сертификат сделает mikas.",
             ),
-        ) from error
+        )
+        raise failed.caused_by(error, file) from error
     digest = hashlib.sha256(certificate.public_bytes(Encoding.DER)).digest()
     return Certificate(context, digest.hex(":").upper(), _names(certificate), is_own)
 

@@ -29,7 +29,13 @@ from mikas.dashboard.session.changes import DUMP, Found, deletion
 from mikas.dashboard.session.connection import Connection
 from mikas.dashboard.session.port_threads import logged
 from mikas.dashboard.settings import ensure_folder
-from mikas.errors import LineError, MikasError, NoConnection, UsageError, naming_file, reason_at
+from mikas.errors import (
+    LineError,
+    MikasError,
+    NoConnection,
+    naming_file,
+    unusable_file,
+)
 from mikas.file_locks import writer_of
 from mikas.i18n import Text
 
@@ -210,7 +216,7 @@ class DumpJobs:
         except MikasError as error:
             job.phase, job.error = "failed", error
         except OSError as error:
-            job.phase, job.error = "failed", UsageError(problem=reason_at(job.file, error))
+            job.phase, job.error = "failed", unusable_file(job.file, error)
         except Exception as bug:  # any: the dump shows it and can be resumed
             port = self._connection.port
             job.phase = "failed"

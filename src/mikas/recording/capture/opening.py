@@ -15,7 +15,12 @@ from pathlib import Path
 from shutil import copyfileobj
 from typing import TYPE_CHECKING, BinaryIO, Final
 
-from mikas.errors import CaptureError, DiskFull, UnfitFile
+from mikas.errors import (
+    CaptureError,
+    DiskFull,
+    MikasError,
+    UnfitFile,
+)
 from mikas.errors import reason_of as system_reason_of
 from mikas.files import open_regular
 from mikas.i18n import Text
@@ -81,6 +86,8 @@ def _plain(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
             plain = unpacked(file)
             with plain or nullcontext(file) as ready:
                 yield ready
+    except MikasError:  # some are OSErrors as well: of whoever reads the file
+        raise
     except OSError as error:
         raise capture_error(path, error) from error
 
@@ -142,7 +149,7 @@ def capture_error(
 ) -> CaptureError:
     """Return the error of a capture that could not be read or written. `why`: if not as usual."""
     kind = DiskFull if error.errno in FULL else CaptureError
-    return kind(os.fspath(path), why or reason_of(error))
+    return kind(os.fspath(path), why or reason_of(error)).caused_by(error, path)
 
 
 _EMPTY = Text("the file is empty", "файл пуст")

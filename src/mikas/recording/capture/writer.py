@@ -19,7 +19,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, Final, Self
 
 from mikas.cleaning import public_port
-from mikas.errors import CaptureError, UnfitFile
+from mikas.errors import (
+    CaptureError,
+    MikasError,
+    UnfitFile,
+    system_error,
+)
 from mikas.file_locks import hold
 from mikas.files import open_regular
 from mikas.i18n import Text
@@ -189,9 +194,11 @@ class CaptureWriter:
     def _check_exists(self) -> None:
         """Raise if the file was deleted: some systems let a writer write on without any effect."""
         with suppress(OSError):
-            if self._links and not os.fstat(self._file.fileno()).st_nlink:
-                self._broken = self.deleted = True
-                raise CaptureError(str(self.path), _DELETED)
+            self.deleted = bool(self._links) and not os.fstat(self._file.fileno()).st_nlink
+        if self.deleted:
+            self._broken = True
+            gone = system_error(errno.ENOENT)
+            raise CaptureError(str(self.path), _DELETED).caused_by(gone, self.path)
 
 
 def append_note(path: Path, *notes: Note) -> None:
@@ -219,6 +226,8 @@ def append_note(path: Path, *notes: Note) -> None:
                 with suppress(OSError):
                     file.truncate(end)
                 raise
+    except MikasError:
+        raise
     except OSError as error:
         raise capture_error(path, error, _READ_ONLY.get(error.errno or 0)) from error
 

@@ -7,6 +7,7 @@ hours need no more memory than one.
 
 from __future__ import annotations
 
+import errno
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
@@ -15,7 +16,13 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from mikas.errors import ExportError, MikasError, library, reason_of
+from mikas.errors import (
+    ExportError,
+    MikasError,
+    library,
+    reason_of,
+    system_error,
+)
 from mikas.files import beside
 from mikas.i18n import Language, Text
 from mikas.recording.export.dialects import PLAIN, Dialect
@@ -127,7 +134,7 @@ def check_free(out: Path, *, overwrite: bool) -> None:
             "the file is there already; give another name or allow overwriting (--overwrite)",
             "файл уже есть; дайте другое имя или разрешите перезаписать (--overwrite)",
         )
-        raise ExportError(str(out), problem)
+        raise ExportError(str(out), problem).caused_by(system_error(errno.EEXIST), out)
 
 
 def write_whole(out: Path, write: Callable[[Path], object], *, overwrite: bool) -> None:
@@ -149,7 +156,8 @@ def write_whole(out: Path, write: Callable[[Path], object], *, overwrite: bool) 
         raise
     except OSError as error:
         problem = Text("can't be written: {why}", "не удаётся записать: {why}")
-        raise ExportError(str(out), problem.filled(why=reason_of(error))) from error
+        failed = ExportError(str(out), problem.filled(why=reason_of(error)))
+        raise failed.caused_by(error, out) from error
 
 
 _NO_CHANNELS = Text(

@@ -8,6 +8,7 @@ cells; the virtual unit does.
 
 from __future__ import annotations
 
+import errno
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,7 +26,7 @@ from mikas.catalog.loading.fields import (
     string,
 )
 from mikas.catalog.loading.source import CatalogFile, read_source
-from mikas.errors import usage_error
+from mikas.errors import system_error, usage_error
 from mikas.i18n import Text
 from mikas.virtual.memory import SIZES
 from mikas.virtual.scenarios import form
@@ -161,10 +162,11 @@ def find(name: str) -> Scenario:
     if Path(name).is_file():
         return load(Path(name))
     known = ", ".join(SCENARIOS)
-    raise usage_error(
+    absent = usage_error(
         f"there is no scenario and no file “{name}”; scenarios: {known}",
         f"нет ни сценария, ни файла «{name}»; сценарии: {known}",
     )
+    raise absent.caused_by(system_error(errno.ENOENT), name)
 
 
 def _check_times(source: CatalogFile, keys: dict[str, Any]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
@@ -19,7 +20,7 @@ from mikas.cli.render.output import progress
 from mikas.client.memory import dumps
 from mikas.client.memory.restoring import DumpFile, Restore
 from mikas.commands.base import Space, check_range
-from mikas.errors import naming_file, usage_error
+from mikas.errors import naming_file, system_error, usage_error
 from mikas.files import absolute
 from mikas.i18n import byte_count
 
@@ -91,7 +92,8 @@ def dump(
     end = Space(space).last if last is None else last
     check_range(space, first, end - first + 1)
     if not absolute(out).parent.is_dir():
-        raise dumps.file_error(out, "there is no such folder", "такой папки нет")
+        absent = dumps.file_error(out, "there is no such folder", "такой папки нет")
+        raise absent.caused_by(system_error(errno.ENOENT), out)
     with context.ecu() as ecu:
         memory = ecu.memory[space]
         job = dumps.Dump(ecu, memory, out, first=first, last=end, resume=resume)

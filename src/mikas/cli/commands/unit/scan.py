@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 from collections.abc import Mapping
 from math import ceil
@@ -19,7 +20,12 @@ from mikas.client import Answer, Ecu, ScannedCode
 from mikas.client.identity import count_parameters
 from mikas.client.parameters.parameters import decode
 from mikas.commands import ReadUnknownSize
-from mikas.errors import NotSupported, naming_file, usage_error
+from mikas.errors import (
+    NotSupported,
+    naming_file,
+    system_error,
+    usage_error,
+)
 from mikas.i18n import plural
 from mikas.saving import save
 
@@ -71,12 +77,14 @@ def scan(context: CommandContext, out: Path | None, *, overwrite: bool) -> None:
 def _check_writable(out: Path, *, overwrite: bool) -> None:
     """Raise `UsageError` now: after a scan of ten minutes would be late."""
     if os.path.lexists(out) and not overwrite:
-        raise usage_error(
+        there = usage_error(
             f"{out}: it exists already; choose another name, or --overwrite",
             f"{out}: такой файл уже есть; выберите другое имя или добавьте --overwrite",
         )
+        raise there.caused_by(system_error(errno.EEXIST), out)
     if not os.access(out if out.exists() else out.parent, os.W_OK):
-        raise usage_error(f"{out}: it can't be written", f"{out}: файл не записать")
+        refused = usage_error(f"{out}: it can't be written", f"{out}: файл не записать")
+        raise refused.caused_by(system_error(errno.EACCES), out)
 
 
 def _silence(ecu: Ecu) -> float:

@@ -220,10 +220,10 @@ async def add(
         kept = await asyncio.to_thread(keep)
     except ClientDisconnect:
         raise HTTPException(GONE, "the client has disconnected") from None
-    except OSError as error:
-        raise CaptureError(path.name, reason_of(error)) from error
     except CaptureError as error:
-        raise CaptureError(path.name, error.problem) from error
+        raise CaptureError(path.name, error.problem).caused_by(error, path.name) from error
+    except OSError as error:
+        raise CaptureError(path.name, reason_of(error)).caused_by(error, path.name) from error
     finally:
         with suppress(OSError):
             await asyncio.to_thread(new.unlink, missing_ok=True)
