@@ -35,7 +35,7 @@ FIELDS = {
     "change": "c", "how": "", "space": "ram", "last": 255, "address": 1, "count": 1, "value": 1,
     "allowed": "a", "place": "p", "feature": "f", "extra": "e", "limit": 0.5, "chip": "CH340",
     "holder": Text("h", "h"), "rate": 98000, "baud": 9600, "most": 960,
-    "service": Text("s", "s"), "said": Text("", ""),
+    "total": "T", "service": Text("s", "s"), "said": Text("", ""),
 }  # fmt: skip
 
 

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from mikas.client import (
         AsyncEcu,
         Change,
+        DerivedValue,
         Ecu,
         Info,
         Passport,
@@ -39,6 +40,7 @@ __all__ = [
     "AsyncEcu",
     "AsyncSession",
     "Change",
+    "DerivedValue",
     "Ecu",
     "Fault",
     "Info",

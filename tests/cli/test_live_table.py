@@ -12,10 +12,10 @@ from mikas.cli.language import set_language
 from mikas.cli.render import table_layout
 from mikas.cli.render.live_table import LiveTable, sparkline
 from mikas.cli.render.output import Output
-from mikas.client.parameters.parameters import decode
+from mikas.client.parameters.derived import DerivedChannels
+from mikas.client.parameters.readings import decode
 from mikas.errors import EchoOnly, NoResponse
 from mikas.sampling.alarms import Alarms
-from mikas.sampling.derived import DerivedChannels
 from mikas.sampling.events import CycleFailed, LineState, Sampled, StateChanged
 from protocol_codes import with_limits
 

@@ -11,7 +11,7 @@ from mikas.catalog import load
 from mikas.cli.language import set_language
 from mikas.cli.render.live_table import LiveTable
 from mikas.cli.render.output import Output
-from mikas.client.parameters.parameters import decode
+from mikas.client.parameters.readings import decode
 from mikas.errors import NoResponse
 from mikas.sampling.events import CycleFailed, Sampled
 

@@ -6,7 +6,9 @@ import pytest
 from cli_harness import is_hex
 
 from mikas.catalog import shipped
-from mikas.cli.failures import REFUSED
+from mikas.cli.failures import REFUSED, USAGE
+from mikas.cli.render.values import reading_json, value_text
+from mikas.testing.units import VirtualUnit
 from mikas.virtual.cars import EngineCar
 from mikas.virtual.model.engine import Engine
 from protocol_codes import NAMES
@@ -91,3 +93,33 @@ def test_what_was_learnt_is_forgotten(mikas, argv, tmp_path):
     assert mikas("info", "--json", "--quick", sim="").object["limits"]["max_list"] == 5
     assert mikas(*argv, "--relearn").status in (0, REFUSED)
     assert mikas("info", "--json", "--quick").object["limits"]["max_list"] == 64
+
+
+def test_read_computes_a_derived_channel_beside_the_parameters(mikas):
+    readings = mikas("read", "FUEL_FLOW", "FREQ", "--json").object["readings"]
+    flow = readings["FUEL_FLOW"]
+    assert set(flow) == {"value", "unit", "raw", "time", "inputs"}
+    assert (flow["unit"], flow["raw"]) == ("l/h", None)
+    assert flow["inputs"]["FREQ"] == readings["FREQ"]["value"]
+    assert flow["value"] > 0
+    ran = mikas("read", "FUEL_FLOW", "TWAT")
+    assert [line.split("\t")[0] for line in ran.lines] == ["name", "FUEL_FLOW", "TWAT"]
+    assert "л/ч" in mikas("read", "FUEL_FLOW", "--lang", "ru").lines[1]
+
+
+def test_a_channel_that_adds_up_is_refused_with_the_command_that_does_it(mikas):
+    ran = mikas("read", "FUEL_USED", sim="&supplied=0")  # needs no answer
+    assert ran.status == USAGE
+    assert "`mikas watch FUEL_USED`" in ran.err
+    error = mikas("read", "FUEL_USED", "--json").object["error"]
+    assert error["code"] == "NeedsSamples"
+
+
+def test_a_formula_without_a_result_is_null_in_json_and_a_dash_in_a_table():
+    with VirtualUnit() as unit, unit.connect() as ecu:
+        unit.set("FREQ", 0)
+        value = ecu.read("AIR_STROKE")["AIR_STROKE"]
+    shown = reading_json(value)
+    assert shown["value"] is None
+    assert shown["inputs"]["FREQ"] == 0
+    assert value_text(value) == "–"

@@ -6,7 +6,7 @@ from dashboard.recordings_rig import record
 from dashboard.rig import rig
 from mikas.catalog import shipped
 from mikas.catalog.ignition_only import DEAD, absent_channels
-from mikas.client.parameters.parameters import decode
+from mikas.client.parameters.readings import decode
 from mikas.dashboard.session.history import History
 from mikas.dashboard.session.monitor import ConnectionMonitor
 from mikas.recording.ignition_only import absent_in

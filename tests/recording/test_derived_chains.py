@@ -11,11 +11,11 @@ from crafted_harness import calls
 
 from dashboard.recordings_rig import record
 from mikas.catalog import load, shipped
+from mikas.client.parameters.derived import DerivedChannels
 from mikas.dashboard.session.catalog_in_use import changed_channels, computing
 from mikas.recording.recording import Recording
 from mikas.recording.search import SearchCondition, search
 from mikas.report.from_recording import find_in_recording
-from mikas.sampling.derived import DerivedChannels
 from mikas.sampling.plan import select
 
 COUNT = 150

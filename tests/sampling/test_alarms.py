@@ -9,10 +9,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mikas.catalog import AlarmLimits, Level, load, shipped
-from mikas.client.parameters.parameters import decode
+from mikas.client.parameters.derived import DerivedChannels
+from mikas.client.parameters.readings import decode
 from mikas.i18n import Text
 from mikas.sampling.alarms import Alarms, AlarmState, Side
-from mikas.sampling.derived import DerivedChannels
 from mikas.sampling.events import AlarmChanged
 from protocol_codes import with_limits
 

@@ -81,6 +81,9 @@ _HINTS = {
         "Сертификат своего центра указывает `--tls-ca FILE`.",
     ),
     errors.ListLost: Text("`mikas list set` does that.", "Это делает `mikas list set`."),
+    errors.NeedsSamples: Text(
+        "`mikas watch {name}` does that.", "Это делает `mikas watch {name}`."
+    ),
     errors.UnknownParameter: Text(
         "`mikas params` lists all parameters.", "Все параметры: `mikas params`."
     ),

@@ -10,8 +10,10 @@ from mikas.client.gate import Change, Confirm
 from mikas.client.identity import Info, Passport
 from mikas.client.limits import Limits
 from mikas.client.memory.spaces import Memory, MemorySpace, Run, Written
-from mikas.client.parameters.parameters import Reading, Sample, WrittenParameter
+from mikas.client.parameters.derived import DerivedValue
+from mikas.client.parameters.parameters import WrittenParameter
 from mikas.client.parameters.polling import METHODS, Method
+from mikas.client.parameters.readings import Reading, Sample
 from mikas.client.scanning import Answer, ScannedCode
 from mikas.client.support import Support
 
@@ -28,6 +30,7 @@ __all__ = [
     "Change",
     "Confirm",
     "ConnectionOptions",
+    "DerivedValue",
     "Ecu",
     "Erased",
     "Info",

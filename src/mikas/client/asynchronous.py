@@ -22,7 +22,7 @@ from mikas.client.connecting import connect
 from mikas.client.ecu import Ecu
 from mikas.client.gate import Confirm
 from mikas.client.memory.spaces import Memory, MemorySpace
-from mikas.client.parameters.parameters import Reading
+from mikas.client.parameters.readings import Reading
 from mikas.client.questions import Questions
 from mikas.errors import LinkClosed
 

@@ -21,8 +21,10 @@ from mikas.client.identity import Info, Passport, PassportReader, count_paramete
 from mikas.client.limits import Limits, LimitsCache, LimitsStore, MethodTiming
 from mikas.client.memory.spaces import Memory
 from mikas.client.parameters.data import COMMON, DataReader
-from mikas.client.parameters.parameters import Parameters, Reading, Sample, WrittenParameter
+from mikas.client.parameters.derived import DerivedValue
+from mikas.client.parameters.parameters import Parameters, WrittenParameter
 from mikas.client.parameters.polling import Method, fixed_method
+from mikas.client.parameters.readings import Reading, Sample
 from mikas.client.parameters.unit_list import UnitList
 from mikas.client.parameters.watching import Watcher
 from mikas.client.scanning import Scan, ScannedCode
@@ -166,11 +168,14 @@ class Ecu:
 
     # Parameters
 
-    def read(self, *names: str, timeout: float | None = None) -> dict[str, Reading]:
-        """Read each named parameter once; without names, all that the unit knows.
+    def read(self, *names: str, timeout: float | None = None) -> dict[str, Reading | DerivedValue]:
+        """Read each named channel once; without names, all parameters that the unit knows.
 
-        A raw code is written `0x1A`, or `0x3F:2`. Raises `UnknownParameter`, `NotSupported` if the
-        unit does not know a named parameter or knows none, `LineError`, `NoConnection`.
+        A raw code is written `0x1A`, or `0x3F:2`. Of a derived channel (`FUEL_FLOW`) the parameters
+        that it needs are read, in as few requests as possible; where its formula has no result,
+        `DerivedValue.has_value` is false. Raises `UnknownParameter`, `NeedsSamples` for a channel
+        that is added up over time (`FUEL_USED`), `NotSupported` if the unit does not know a named
+        parameter or one that is needed, or knows none, `LineError`, `NoConnection`.
         """
         with self.tester.within(timeout):
             return self.parameters.read(names)

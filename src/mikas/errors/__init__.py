@@ -3,6 +3,7 @@
     MikasError
     ├── UsageError (ValueError)        wrong use; nothing was sent to the ECU
     │   ├── UnknownParameter           no such name or code; carries the nearest names
+    │   ├── NeedsSamples               a derived channel that one reading does not give
     │   ├── NoList                     the parameters of the unit's list are unknown
     │   ├── AddressOutOfRange          outside the memory space
     │   ├── ValueDoesNotFit            not representable in the parameter's raw bytes
@@ -144,6 +145,7 @@ from mikas.errors.usage import FleetError as FleetError
 from mikas.errors.usage import FormulaError as FormulaError
 from mikas.errors.usage import JournalError as JournalError
 from mikas.errors.usage import MissingExtra as MissingExtra
+from mikas.errors.usage import NeedsSamples as NeedsSamples
 from mikas.errors.usage import NoList as NoList
 from mikas.errors.usage import UnknownParameter as UnknownParameter
 from mikas.errors.usage import UsageError as UsageError

@@ -10,7 +10,7 @@ from functools import cache
 from pathlib import Path
 from string import Formatter
 from types import MappingProxyType
-from typing import ClassVar, Self, TypeVar
+from typing import ClassVar, Self, TypeVar, cast
 
 from mikas.cleaning import public_port, public_url, without_secrets
 from mikas.errors.os_errors import also, builtin_of, describe, number_of
@@ -95,7 +95,7 @@ class MikasError(Exception):
         """
         if not isinstance(error, OSError):
             return self
-        other = _empty(self.kind, builtin_of(error))
+        other = _empty(cast("type[Self]", self.kind), builtin_of(error))
         other.__dict__.update(self.__dict__)
         other.args = self.args
         if isinstance(other, OSError):

@@ -62,6 +62,19 @@ class UnknownParameter(UsageError):
         super().__init__(name=name, nearest=nearest if listed else "")
 
 
+class NeedsSamples(UsageError):
+    """A derived channel can't be read once: `total`, one that it needs, adds up over time."""
+
+    what = Text(
+        "A single reading can't give {name}: {total} is added up from sample to sample",
+        "Одно чтение не даёт {name}: {total} накапливается от опроса к опросу",
+    )
+    advice = Text(
+        "Sample it for a while: a session adds it up.",
+        "Опрашивайте его какое-то время: опрос его накопит.",
+    )
+
+
 class NoList(UsageError):
     """The parameters of the unit's list are unknown: mikas has not set it, or it was lost."""
 

@@ -13,9 +13,9 @@ from typing import Final, NamedTuple, TypeAlias
 
 from mikas.catalog import Derived, Parameter
 from mikas.client import Reading
+from mikas.client.parameters.derived import DerivedValue
 from mikas.i18n import Text
 from mikas.publish.outbox import Message, MessageKind, json_payload, rounded
-from mikas.sampling.derived import DerivedValue
 from mikas.sampling.events import Sampled
 from mikas.sampling.gaps import Arrivals
 

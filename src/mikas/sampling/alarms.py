@@ -16,9 +16,9 @@ from math import inf, isfinite, nan
 from typing import Final, TypeAlias
 
 from mikas.catalog import Catalog, Derived, Level, Parameter
-from mikas.client.parameters.parameters import Reading
+from mikas.client.parameters.derived import DerivedValue, number_of
+from mikas.client.parameters.readings import Reading
 from mikas.i18n import Text, joined, unit_after
-from mikas.sampling.derived import DerivedValue, number_of
 from mikas.sampling.events import AlarmChanged
 
 Value: TypeAlias = Reading | DerivedValue | float | None

@@ -19,10 +19,10 @@ from typing import Any, ClassVar, Final, Self
 
 from mikas.client import Limits, Passport, Reading
 from mikas.client.identity import UnitIdentity
+from mikas.client.parameters.derived import DerivedValue
 from mikas.commands.unit import version_text
 from mikas.errors import MikasError, PortKind
 from mikas.i18n import Text, joined
-from mikas.sampling.derived import DerivedValue
 from mikas.sampling.plan import Plan
 from mikas.sampling.states import STATE_TEXTS as STATE_TEXTS  # noqa: PLC0414  (its public place)
 from mikas.sampling.states import LineState as LineState  # noqa: PLC0414

@@ -137,8 +137,8 @@ def _guide(
     """Return the result; an empty text, if the test did not come to its end."""
     from mikas.cli.render.notices import Notices
     from mikas.cli.sampling_run import sampling_session
+    from mikas.client.parameters.derived import number_of
     from mikas.guided.engine import TestEngine
-    from mikas.sampling.derived import number_of
     from mikas.sampling.events import Sampled
 
     output = context.output

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from mikas.catalog import Derived, Parameter
     from mikas.cli.sampling_run import SamplingRun
     from mikas.client import Reading
-    from mikas.sampling.derived import DerivedValue
+    from mikas.client.parameters.derived import DerivedValue
     from mikas.sampling.events import Event
 
 _PER_SECOND = 5  # refreshes

@@ -8,8 +8,8 @@ from mikas.catalog import Derived, Parameter
 from mikas.cli.language import current_language, decimal, tr
 from mikas.cli.render.output import Output
 from mikas.client import Reading
+from mikas.client.parameters.derived import DerivedValue
 from mikas.json_values import picked
-from mikas.sampling.derived import DerivedValue
 from mikas.sampling.events import CycleFailed, Sampled
 
 if TYPE_CHECKING:
@@ -17,15 +17,25 @@ if TYPE_CHECKING:
     from mikas.sampling.events import Event
 
 
-def reading_json(reading: Reading) -> dict[str, Any]:
-    """Return `{"value", "unit", "raw", "time"}`: numbers are numbers, flags true or false."""
-    raw, time = reading.raw.hex().upper(), round(reading.time, 6)
-    return picked(reading, "value", "unit") | {"raw": raw, "time": time}
+def reading_json(reading: Reading | DerivedValue) -> dict[str, Any]:
+    """Return `{"value", "unit", "raw", "time"}`: numbers are numbers, flags true or false.
+
+    A derived value has no `raw`, and its `inputs`; where the formula has no result it is null.
+    """
+    time = round(reading.time, 6)
+    if isinstance(reading, Reading):
+        raw = reading.raw.hex().upper()
+        return picked(reading, "value", "unit") | {"raw": raw, "time": time}
+    value = reading.value if reading.has_value else None
+    inputs = {name: each.value for name, each in reading.inputs.items()}
+    return {"value": value, "unit": reading.unit, "raw": None, "time": time, "inputs": inputs}
 
 
 def value_text(reading: Reading | DerivedValue) -> str:
     """Return the value with its channel's decimals; a flag as yes or no."""
     if isinstance(reading, DerivedValue):
+        if not reading.has_value:
+            return "–"
         return decimal(f"{reading.value:.{reading.channel.decimals}f}")
     if isinstance(reading.value, bool):
         return tr("yes", "да") if reading.value else tr("no", "нет")

@@ -19,7 +19,8 @@ from typing import Literal, NamedTuple, get_args
 
 from mikas import errors
 from mikas.catalog import Parameter
-from mikas.client.parameters.parameters import Parameters, Reading, Wanted
+from mikas.client.parameters.parameters import Parameters
+from mikas.client.parameters.readings import Reading, Wanted
 from mikas.commands import Availability, StreamAtStroke, StreamCyclic
 from mikas.i18n import Text
 from mikas.options import check_choice

@@ -7,7 +7,8 @@ from contextlib import closing
 
 from mikas.client.parameters import polling
 from mikas.client.parameters.data import refused
-from mikas.client.parameters.parameters import Parameters, Reading, Sample
+from mikas.client.parameters.parameters import Parameters
+from mikas.client.parameters.readings import Reading, Sample
 from mikas.errors import LineError, LinkLost, MikasError, NoConnection, NotSupported, usage_error
 
 

@@ -16,9 +16,9 @@ from typing import TYPE_CHECKING, Any
 from mikas.catalog import Catalog
 from mikas.catalog.lookup import is_corrected
 from mikas.catalog.own.file import OwnCatalog
+from mikas.client.parameters.derived import DerivedChannels
 from mikas.dashboard.errors import CatalogOutdated
 from mikas.errors import CatalogError
-from mikas.sampling.derived import DerivedChannels
 
 if TYPE_CHECKING:
     from mikas.dashboard.session.history import Compute

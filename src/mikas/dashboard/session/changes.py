@@ -18,7 +18,8 @@ from mikas.client import Ecu, Reading
 from mikas.client.ecu import engine_runs, erasing
 from mikas.client.gate import journal_hex
 from mikas.client.memory.spaces import writing
-from mikas.client.parameters.parameters import KEEPING_UNKNOWN, datum_to_write, decode
+from mikas.client.parameters.parameters import KEEPING_UNKNOWN, datum_to_write
+from mikas.client.parameters.readings import decode
 from mikas.commands.base import check_range
 from mikas.dashboard.errors import BadRequest, Busy, ConfirmationOutdated, NotFound, api_hex
 from mikas.dashboard.library.folder import RecordingFile
@@ -160,9 +161,10 @@ class UnitChanges:
 
 def _read(ecu: Ecu, parameter: Parameter) -> Reading | None:
     try:
-        return ecu.read(parameter.name)[parameter.name]
+        value = ecu.read(parameter.name)[parameter.name]
     except NotSupported:
         return None
+    return value if isinstance(value, Reading) else None
 
 
 def _shown(reading: Reading | None) -> ValueShown | None:

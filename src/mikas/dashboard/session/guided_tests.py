@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Final
 from mikas import unkept
 from mikas.cleaning import clean_line
 from mikas.client.limits import unit_file
+from mikas.client.parameters.derived import number_of
 from mikas.dashboard.errors import Busy, NotFound
 from mikas.dashboard.session.catalog_in_use import CatalogInUse
 from mikas.dashboard.session.connection import Connection, SamplingPlanner
@@ -23,7 +24,6 @@ from mikas.dashboard.settings import PlanSettings, Settings
 from mikas.i18n import Text
 from mikas.recording.capture.notes import Kind, Note
 from mikas.recording.recorder import Recorder
-from mikas.sampling.derived import number_of
 from mikas.sampling.events import Sampled, UnitFound
 from mikas.saving import KeptFile
 from mikas.virtual import VIRTUAL_PASSPORT

@@ -17,11 +17,11 @@ from typing import Final
 from mikas.catalog import Level
 from mikas.catalog.ignition_only import SPEED, WITNESSES, InjectionWatch
 from mikas.client import Reading
+from mikas.client.parameters.derived import DerivedValue
 from mikas.dashboard.session.history import EventLog, ExchangeFailed, History, reason_of
 from mikas.errors import EcuRefused, LineError, MikasError, NoConnection
 from mikas.i18n import Text
 from mikas.sampling import events
-from mikas.sampling.derived import DerivedValue
 from mikas.sampling.session import SamplingSession
 from mikas.tester import Failure
 

@@ -14,9 +14,9 @@ from typing import Final
 import numpy as np
 
 from mikas.catalog import Catalog
+from mikas.client.parameters.derived import DerivedChannels
 from mikas.recording.exchanges.arrays import Floats
 from mikas.recording.table.channels import Rows
-from mikas.sampling.derived import DerivedChannels
 
 FRESH: Final = 1.0  # s that a value holds for later responses
 LONGEST: Final = 10.0  # s of a cycle: one request a code, to a unit that needs 0.5 s for each

@@ -9,11 +9,11 @@ from math import inf
 from operator import attrgetter
 
 from mikas.client import Ecu, Reading
+from mikas.client.parameters.derived import DerivedChannels, numbers_of
 from mikas.client.parameters.polling import FixedMethod, check_rate, next_due
 from mikas.commands import Datum
 from mikas.errors import LineNotQuiet
 from mikas.sampling.alarms import Alarms
-from mikas.sampling.derived import DerivedChannels, numbers_of
 from mikas.sampling.events import AlarmChanged, PlanChanged, Sampled
 from mikas.sampling.jobs import JobQueue
 from mikas.sampling.plan import Plan, Selection

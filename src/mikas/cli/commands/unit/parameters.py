@@ -17,7 +17,10 @@ from mikas.cli.options.common import RELEARN
 from mikas.cli.options.parameter_types import hex_bytes
 from mikas.cli.render.values import reading_json, reference, unit_text, value_text
 from mikas.client import Reading
-from mikas.client.parameters.parameters import datum_to_write, decode
+from mikas.client.parameters.derived import DerivedValue
+from mikas.client.parameters.once import Once
+from mikas.client.parameters.parameters import datum_to_write
+from mikas.client.parameters.readings import decode
 from mikas.errors import usage_error
 from mikas.json_values import picked
 
@@ -100,16 +103,16 @@ def _parameter_json(catalog: Catalog, parameter: Parameter, interpretation: str)
 
 @command(
     en="Reads each NAME once; with no name, every parameter that the unit knows. A raw code is "
-    "written 0x1A, or 0x3F:2 for two bytes.",
+    "written 0x1A, or 0x3F:2 for two bytes. A derived channel is computed from the parameters that "
+    "it needs.",
     ru="Читает каждый параметр NAME один раз; без имён — все, которые знает блок. Код без имени "
-    "пишется 0x1A, двухбайтовый 0x3F:2.",
-    examples=("mikas read", "mikas read TWAT FREQ UACC", "mikas read 0x3F:2 --json"),
+    "пишется 0x1A, двухбайтовый 0x3F:2. Производный канал вычисляется из нужных ему параметров.",
+    examples=("mikas read", "mikas read TWAT FREQ FUEL_FLOW", "mikas read 0x3F:2 --json"),
 )
 @click.argument("names", metavar="[NAME]...", nargs=-1, shell_complete=channel_names)
 @RELEARN
 def read(context: CommandContext, names: tuple[str, ...]) -> None:
-    for name in names:
-        context.options.catalog.parameter(name)  # checks, before anything is opened
+    Once(context.options.catalog, names)  # checks, before anything is opened
     with context.ecu() as ecu:
         readings = ecu.read(*names)
         missing = [p.name for p in ecu.catalog.parameters if p.name not in readings]
@@ -120,7 +123,7 @@ def read(context: CommandContext, names: tuple[str, ...]) -> None:
         )
 
 
-def show_readings(context: CommandContext, readings: Mapping[str, Reading]) -> None:
+def show_readings(context: CommandContext, readings: Mapping[str, Reading | DerivedValue]) -> None:
     """Print `readings` by name, as JSON or as a table."""
     if context.output.json:
         context.output.data({"readings": {name: reading_json(r) for name, r in readings.items()}})
@@ -133,18 +136,30 @@ def show_readings(context: CommandContext, readings: Mapping[str, Reading]) -> N
             tr("unit", "ед."): lambda it: unit_text(it[1]),
             tr("raw", "байты"): lambda it: it[1].raw.hex(" ").upper(),
             tr("warm idle", "на ХХ"): lambda it: _reference(it[1]),
-            tr("meaning", "параметр"): lambda it: localized(it[1].parameter.text),
-            tr("notes", "см."): lambda it: " ".join(it[1].parameter.errata),
+            tr("meaning", "параметр"): lambda it: localized(it[1].channel.text),
+            tr("notes", "см."): lambda it: " ".join(it[1].channel.errata),
         },
         right="1",
     )
-    if any(r.parameter.errata for r in readings.values()):
+    for each in readings.values():
+        if isinstance(each, DerivedValue) and not each.has_value:
+            context.output.print_note(_no_result(each))
+    if any(r.channel.errata for r in readings.values()):
         context.say("Notes E1 … are explained by: mikas params", "Пояснения к E1 …: mikas params")
 
 
-def _reference(reading: Reading) -> str:
+def _reference(reading: Reading | DerivedValue) -> str:
     """Return the reference range; nothing under an interpretation in which it would not hold."""
-    return reference(reading.parameter) if reading.interpretation == "corrected" else ""
+    return reference(reading.channel) if reading.interpretation == "corrected" else ""
+
+
+def _no_result(value: DerivedValue) -> str:
+    """Return why a derived channel has no value: its formula has no result now."""
+    at = ", ".join(f"{name} {value_text(each)}" for name, each in value.inputs.items())
+    return tr(
+        f"{value.name}: the formula {value.channel.formula} has no result at {at}",
+        f"{value.name}: у формулы {value.channel.formula} нет результата при {at}",
+    )
 
 
 @command(

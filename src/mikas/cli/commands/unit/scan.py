@@ -18,7 +18,7 @@ from mikas.cli.render.output import progress
 from mikas.cli.render.values import unit_text, value_text
 from mikas.client import Answer, Ecu, ScannedCode
 from mikas.client.identity import count_parameters
-from mikas.client.parameters.parameters import decode
+from mikas.client.parameters.readings import decode
 from mikas.commands import ReadUnknownSize
 from mikas.errors import (
     NotSupported,

@@ -1,6 +1,6 @@
-"""Derived channels of samples: one by one while sampling, or whole columns for an export.
+"""Derived channels: of one reading, of samples one by one, or whole columns for an export.
 
-    readings ──► DerivedChannels.update ──► DerivedValue      live, sample by sample
+    readings ──► DerivedChannels.update ──► DerivedValue      read once, or sample by sample
     rows ──────► DerivedChannels.columns ─► arrays            the same numbers, bit for bit
 
 A derived channel has no value where an input is missing in the sample, or where its formula has
@@ -17,12 +17,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from math import isfinite, nan
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, ClassVar, TypeAlias
 
 from mikas.catalog import Catalog, Derived
 from mikas.catalog.formulas import Calculation
 from mikas.catalog.model import in_order
-from mikas.client.parameters.parameters import Reading
+from mikas.client.parameters.readings import Reading, with_unit
+from mikas.i18n import Text
 
 if TYPE_CHECKING:
     import numpy as np
@@ -39,7 +40,13 @@ class DerivedValue:
     """One value of a derived channel, at `time`, with its direct inputs.
 
     Of an accumulating channel, `since` is the beginning and `gaps` the number of interruptions.
+    `Ecu.read` also returns one without a value (`has_value`): it is NaN, and `inputs` are the
+    parameters that the channel needs. `raw` and `interpretation` are as of a `Reading`: a computed
+    value has no bytes, and is computed from corrected values.
     """
+
+    raw: ClassVar[bytes] = b""
+    interpretation: ClassVar[str] = "corrected"
 
     channel: Derived
     """The definition, with its formula."""
@@ -61,7 +68,22 @@ class DerivedValue:
         """The channel's name."""
         return self.channel.name
 
+    @property
+    def has_value(self) -> bool:
+        """Whether the formula has a result: not so after a division by zero."""
+        return isfinite(self.value)
+
+    @property
+    def shown(self) -> Text:
+        """The value with its unit, as people write it, as of a `Reading`."""
+        if not self.has_value:
+            return Text("no value", "нет значения")
+        number = f"{self.value:.{self.channel.decimals}f}"
+        return with_unit(number, self.channel.unit_text)
+
     def __str__(self) -> str:
+        if not self.has_value:
+            return f"{self.name} no value"
         return f"{self.name} {self.value:.{self.channel.decimals}f} {self.unit}".rstrip()
 
 

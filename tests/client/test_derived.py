@@ -12,8 +12,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mikas.catalog import Catalog, load, shipped
-from mikas.client.parameters.parameters import Reading, decode
-from mikas.sampling.derived import DerivedChannels, DerivedValue
+from mikas.client.parameters.derived import DerivedChannels, DerivedValue
+from mikas.client.parameters.readings import Reading, decode
 
 OWN = """
 [derived.SUM]
