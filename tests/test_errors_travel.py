@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import ast
 import copy
 import pickle
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
+from pathlib import Path
 
 import pytest
 
-import mikas.dashboard.errors  # noqa: F401  (of the tree too)
+import mikas
+import mikas.dashboard.errors
 from mikas import errors
 from mikas.errors import MikasError
 from mikas.i18n import Text
@@ -77,6 +80,30 @@ class TestEach:
             return
         with pytest.raises(TypeError, match="bogus"):
             kind(bogus=1)
+
+
+def made_in(file):
+    """Yield the calls in `file` that make an error by fields, with its class."""
+    of_tree = {kind.__name__: kind for kind in KINDS if kind.__init__ is MikasError.__init__}
+    click_s = "import click" in file.read_text("utf-8")  # it has a UsageError of its own
+    for call in ast.walk(ast.parse(file.read_text("utf-8"))):
+        if isinstance(call, ast.Call) and isinstance(call.func, ast.Name | ast.Attribute):
+            of_click = click_s and isinstance(call.func, ast.Attribute)
+            name = call.func.id if isinstance(call.func, ast.Name) else call.func.attr
+            given = {keyword.arg for keyword in call.keywords}
+            if name in of_tree and None not in given and not of_click:
+                yield of_tree[name], call.lineno, given
+
+
+def test_the_program_makes_each_error_of_its_fields():
+    top, wrong = Path(mikas.__file__).parent, []
+    for file in top.rglob("*.py"):
+        for kind, line, given in made_in(file):
+            needed = kind.field_names() - kind.defaults.keys() - kind.more_fields
+            extra = given - kind.field_names() - {"request", "received", "time", "advice"}
+            if extra or needed - given:
+                wrong.append(f"{file.relative_to(top)}:{line} {kind.__name__}")
+    assert not wrong
 
 
 def fail(kind):

@@ -46,7 +46,6 @@ TREE = {
     "ConnectionSilent": ("LinkLost", ConnectionError),
     "OtherService": ("LinkLost", ConnectionError),
     "PortTaken": ("PortBusy", ConnectionError),
-    "LinkClosed": ("LinkLost", ConnectionError),
     "LineFlooded": ("LinkLost", ConnectionError),
     "RecordingOver": ("LinkLost", ConnectionError),
     "NoEcho": ("NoConnection", TimeoutError),
@@ -159,7 +158,7 @@ def test_the_async_methods_say_what_they_return():
         for name in ("read", "watch", "supported", "close")
     }
     assert returned == {
-        "read": "Awaitable[dict[str, Reading]]",
+        "read": "Awaitable[dict[str, Reading | DerivedValue]]",
         "watch": "AsyncItems[Sample]",
         "supported": "AsyncItems[Support]",
         "close": "None",

@@ -130,7 +130,7 @@ def test_a_lost_cycle_is_dashes_never_the_last_number():
     ],
 )
 def test_a_broken_line_is_reported_in_words(state, message):
-    lines = drawn(120, 24, sample_of(), StateChanged(2.0, state, EchoOnly(seconds=1)))
+    lines = drawn(120, 24, sample_of(), StateChanged(2.0, state, EchoOnly()))
     assert lines[0].startswith(message)
     assert "–" in next(line for line in lines if "TWAT " in line)
     back = drawn(120, 24, StateChanged(2.0, state), StateChanged(3.0, LineState.SAMPLING))

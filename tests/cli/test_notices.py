@@ -22,7 +22,7 @@ from mikas.sampling.events import AdapterMoved, CycleFailed, LineState, Sampled,
 from mikas.sampling.session import SamplingSession
 
 CUT = DamagedResponse(damage=Text("cut", "обрыв"))
-SILENT = EchoOnly(seconds=1)
+SILENT = EchoOnly()
 
 
 @pytest.fixture(autouse=True)

@@ -58,7 +58,7 @@ def plan(time: float) -> PlanChanged:
 
 
 def state(time: float, which: LineState) -> StateChanged:
-    error = EchoOnly(seconds=1) if which is LineState.ECHO_ONLY else None
+    error = EchoOnly() if which is LineState.ECHO_ONLY else None
     return StateChanged(time, which, error)
 
 

@@ -34,8 +34,8 @@ def test_a_broken_state_is_a_better_reason_than_a_failed_cycle():
     tracker = sampling()
     sample(tracker, 1.0)
     tracker.gaps_of(CycleFailed(1.5, LOST))
-    tracker.gaps_of(StateChanged(2.0, LineState.ECHO_ONLY, EchoOnly(seconds=1)))
-    assert tracker.open.reason == EchoOnly(seconds=1).reason
+    tracker.gaps_of(StateChanged(2.0, LineState.ECHO_ONLY, EchoOnly()))
+    assert tracker.open.reason == EchoOnly().reason
     tracker.gaps_of(StateChanged(2.5, LineState.NO_PORT))
     (gap,) = sample(tracker, 9.0)
     assert gap == Gap(9.0, 1.0, 9.0, LineState.NO_PORT.text)

@@ -211,7 +211,9 @@ class NotConnected(ApiRefusal, status=503):
 
 
 class InternalError(ApiRefusal, status=500):
-    """A bug in mikas."""
+    """A bug in mikas. `url`: the port's, whose password no text may have."""
+
+    more_fields = frozenset({"url"})
 
     what = Text("Internal error in mikas ({kind})", "Внутренняя ошибка mikas ({kind})")
     advice = Text("Please report it.", "Сообщите о ней разработчикам.")
