@@ -153,8 +153,12 @@ def test_the_reasons_are_those_that_decoded_recordings_name():
     assert [r.value for r in DamageReason] == ["checksum", "too long", "irregular escape"]
 
 
-def test_bare_terminators_are_skipped():
-    assert [e.body for e in Decoder().feed(bytes.fromhex("0D0D 01FF0D 0D"))] == [b"\x01"]
+def test_bare_terminators_are_skipped_and_counted():
+    decoder = Decoder()
+    assert [e.body for e in decoder.feed(bytes.fromhex("0D0D 01FF0D 0D"))] == [b"\x01"]
+    assert decoder.noise == 3
+    decoder.feed(bytes.fromhex("F30D0D 0D"))  # the second 0D ends the frame (D3)
+    assert decoder.noise == 4
 
 
 def test_strict_mode_reports_an_irregular_escape():

@@ -116,7 +116,7 @@ class Decoder:
 
     `limit`: bytes of the longest frame on the wire without terminator; a longer one is damage, so
     memory is bounded. `strict`: an irregular escape (D4) is damage. Bare terminators (D5) are
-    skipped.
+    skipped, and counted in `noise`.
     """
 
     def __init__(self, *, limit: int = 4096, strict: bool = False) -> None:
@@ -124,6 +124,7 @@ class Decoder:
             raise ValueError("limit must be at least 1 byte")
         self.limit = limit
         self.strict = strict
+        self.noise = 0
         self._buffer = bytearray()
         self._searched = 0  # no terminator before this index: feeding single bytes stays linear
         self._offset = 0  # of the buffer's first byte in the stream
@@ -174,8 +175,10 @@ class Decoder:
             elif total == _RAW_TERMINATOR_SUM and self._buffer[next_start] == TERMINATOR:
                 events.append(self._frame(part, start, raw_terminator=True))
                 next_start += 1
-            elif part:  # else a bare terminator, D5
+            elif part:
                 events.append(Damage(DamageReason.CHECKSUM, part, self._offset + start))
+            else:  # a bare terminator, D5
+                self.noise += 1
             start = self._searched = next_start
         else:
             self._searched = len(self._buffer)

@@ -191,3 +191,11 @@ def test_the_request_and_the_one_in_an_error_have_the_form_that_is_set(form, wir
     with pytest.raises(LineError) as caught:
         tester.request(c.ReadParameters((c.Datum(0x5F, 1),)))
     assert link.sent[-1] == caught.value.request == bytes.fromhex(wire)
+
+
+@both
+def test_bare_terminators_around_a_response_are_counted(echo):
+    link, tester = connected(echo=echo)
+    link.next_time((0.01, b"\x0d\x0d"), (0.02, RESPONSE))
+    right(tester, 22)
+    assert tester.line.noise == 2

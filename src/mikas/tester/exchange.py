@@ -95,6 +95,11 @@ class TimedDecoder:
         """The bytes of an unfinished frame."""
         return self._decoder.pending
 
+    @property
+    def noise(self) -> int:
+        """The bare terminators skipped (D5)."""
+        return self._decoder.noise
+
     def feed(self, chunk: Chunk) -> list[tuple[Frame | Damage, float]]:
         """Decode `chunk`; return what it completes, each with the time of its first byte."""
         end = self._decoder.offset + len(chunk.data)

@@ -93,6 +93,7 @@ class Line:
         self._at_once = 0
         self.silences = 0  # how often two requests in a row got no byte: the unit was off
         self._unanswered = 0  # requests in a row
+        self.noise = 0  # bare terminators around responses, which are skipped (D5)
         self.suspension: ReadingSuspended | None = None
         """The latest time without reading that is still to be reported; no short one."""
         self._ahead = _NOTHING  # received together with the end of an echo
@@ -183,7 +184,7 @@ class Line:
                 self._unanswered = 0
             received += chunk.data
             deadline = chunk.time + self._pause()
-            events = decoder.feed(chunk)
+            events = self._decoded(decoder, chunk)
             if not events and chunk.time > last:
                 raise damaged(wire, bytes(received), chunk.time, DamageReason.TOO_LONG)
             if not events:
@@ -228,6 +229,12 @@ class Line:
     def decoder(self) -> TimedDecoder:
         """Create a decoder for the bytes that arrive from now on."""
         return TimedDecoder(Decoder(strict=self.strict), self.link.byte_time)
+
+    def _decoded(self, decoder: TimedDecoder, chunk: Chunk) -> list[tuple[Frame | Damage, float]]:
+        before = decoder.noise
+        events = decoder.feed(chunk)
+        self.noise += decoder.noise - before
+        return events
 
     def _next(self, deadline: float) -> Chunk:
         if self._ahead.data:
@@ -310,7 +317,7 @@ class Line:
             if not chunk.data:
                 return []
             heard = chunk.time
-            if events := decoder.feed(chunk):
+            if events := self._decoded(decoder, chunk):
                 for event, _ in events:
                     if isinstance(event, Frame):
                         self._log_frame("<", event.wire)

@@ -13,7 +13,7 @@ from tools.docs.generated.tables import code, page, table
 _SAFETY = {
     Safety.READ: Text("reads", "чтение"),
     Safety.REVERSIBLE: Text("until the ignition is off", "до выключения зажигания"),
-    Safety.LASTING: Text("stays", "остаётся"),
+    Safety.LASTING: Text("may stay", "может остаться"),
     Safety.DANGEROUS: Text("**dangerous**", "**опасно**"),
 }
 _PARTS = {
