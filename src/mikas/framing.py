@@ -125,6 +125,7 @@ class Decoder:
         self.limit = limit
         self.strict = strict
         self.noise = 0
+        """The bare terminators that were skipped (D5)."""
         self._buffer = bytearray()
         self._searched = 0  # no terminator before this index: feeding single bytes stays linear
         self._offset = 0  # of the buffer's first byte in the stream

@@ -10,7 +10,7 @@ pytestmark = pytest.mark.realtime
 TITLES = {"en": "The Mikas K-Line protocol, clause by clause", "ru": "Протокол Микаса по K-Line"}
 PAGES = (
     "index", "tutorials/owner", "reference/screens/live", "protocol", "reference/parameters",
-    "reference/python/mikas", "reference/help", "development/architecture",
+    "reference/python/package", "reference/help", "development/architecture",
 )  # fmt: skip
 
 

@@ -44,23 +44,6 @@ _EXTENSIONS: Mapping[str, object] = {
     "pymdownx.highlight": {"pygments_lang_class": True},
     "pymdownx.superfences": {},
 }
-# Docstrings here are sentences, without sections; what a style takes for a section is none.
-_PYTHON: Mapping[str, object] = {
-    "paths": [str(ROOT / "src")],
-    "options": {
-        "docstring_style": "sphinx",
-        "heading_level": 2,
-        "members_order": "source",
-        "separate_signature": True,
-        "show_bases": True,
-        "show_root_full_path": False,
-        "show_root_heading": True,
-        "show_signature_annotations": True,
-        "show_source": False,
-        "show_symbol_type_toc": False,
-        "signature_crossrefs": True,
-    },
-}
 
 
 class Failed(Exception):
@@ -140,7 +123,7 @@ def _project(language: Language, paths: Collection[str]) -> dict[str, object]:
         "markdown_extensions": _EXTENSIONS,
         # `make check` finds these, and says where in the repository.
         "validation": {"invalid_links": False, "invalid_link_anchors": False},
-        "plugins": {"search": {}, "mkdocstrings": {"handlers": {"python": _PYTHON}}},
+        "plugins": {"search": {}},
     }
 
 

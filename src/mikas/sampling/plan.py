@@ -54,7 +54,9 @@ class PlannedParameter:
     """
 
     parameter: Parameter
+    """The definition."""
     divisor: int = 1
+    """It is read in every cycle (1), or in every tenth (10)."""
     aligned: bool = False
 
     def __post_init__(self) -> None:

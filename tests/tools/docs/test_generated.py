@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 import pytest
-from tools.docs.generated import catalog_pages, command_pages, frames, help_pages, python_pages
+from tools.docs.generated import catalog_pages, command_pages, frames, help_pages
 from tools.docs.generated.tables import interval, table
 from tools.docs.markdown import Document
 from tools.docs.pages import LANGUAGES
@@ -73,9 +73,3 @@ def test_the_help_has_every_command_and_common_options_once(language):
     titles = [each.words for each in Document(page).headings]
     assert {"mikas", "mikas read", "mikas mem dump", "mikas list set"} <= set(titles)
     assert page.count("--interpretation [corrected|literal|alternative|family]") == 1
-
-
-def test_python_pages_name_what_exists():
-    identifiers = [each for page in python_pages.PAGES for each in page.identifiers]
-    assert {"mikas.connect", "mikas.link.Link", "mikas.errors.MikasError"} <= set(identifiers)
-    assert len(identifiers) == len(set(identifiers))

@@ -13,6 +13,7 @@ def main() -> int:
     for file, text in files():
         path = ROOT / file
         if not path.is_file() or path.read_text("utf-8") != text:
+            path.parent.mkdir(parents=True, exist_ok=True)
             path.write_text(text, "utf-8", newline="\n")
             print(file)
     return 0

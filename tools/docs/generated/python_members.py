@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ast
 import inspect
+import json
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import MISSING, dataclass, fields, is_dataclass
@@ -17,6 +18,7 @@ from importlib import import_module
 from types import MappingProxyType
 
 _OURS = "mikas."
+_PLAIN = frozenset({"object", "ABC", "Generic", "Protocol"})
 _SAID = re.compile(
     r"(?P<names>`\w+`(?:(?:, | and )`\w+`)*): (?P<doc>.+?)"
     r"(?=\s`\w+`(?:(?:, | and )`\w+`)*: |\n\n|\Z)",
@@ -61,9 +63,11 @@ class Name:
 
     @property
     def kind(self) -> str:
-        """The word for it: function, class, enum, error, constant."""
+        """The word for it: function, class, enum, error, constant, fixture of pytest."""
         value = self.value
         if not isinstance(value, type):
+            if type(value).__name__ == "FixtureFunctionDefinition":
+                return "fixture"
             return "function" if inspect.isroutine(value) else "constant"
         if issubclass(value, Exception):
             return "error"
@@ -83,12 +87,14 @@ class Name:
         value = self.value
         assert isinstance(value, type)
         names = (each.__name__ for each in value.__bases__)
-        return tuple(each for each in names if not each.startswith("_") and each != "object")
+        return tuple(each for each in names if not each.startswith("_") and each not in _PLAIN)
 
     @property
     def definition(self) -> str:
         """How it is called, as Python: `def connect(…) -> Ecu: ...`."""
         value = self.value
+        if self.kind == "fixture":
+            return ""
         if isinstance(value, type):
             return "" if _called(value) is None else _definition(value, self.name, is_class=True)
         return _definition(value, self.name)
@@ -101,8 +107,17 @@ class Name:
             return ()
         docs = _fields_in(value)
         return tuple(
-            Field(each.name, "", repr(each.value), docs.get(each.name, ("", ""))[1])
+            Field(each.name, "", shown(each.value), docs.get(each.name, ("", ""))[1])
             for each in value
+        )
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """The names of the tests of a suite, as sentences."""
+        return tuple(
+            name.removeprefix("test_").replace("_", " ")
+            for name in (vars(self.value) if isinstance(self.value, type) else ())
+            if name.startswith("test_")
         )
 
     @cached_property
@@ -120,7 +135,10 @@ class Name:
 
     @cached_property
     def methods(self) -> tuple[Method, ...]:
-        """The methods of a class, of its own and of bases that have no page."""
+        """The methods of a class, of its own and of bases that have no page.
+
+        An override without a docstring is described where it is introduced, if that has a page.
+        """
         value = self.value
         if not isinstance(value, type):
             return ()
@@ -130,6 +148,8 @@ class Name:
                 if name.startswith(("_", "test_")) or name in found or not _is_method(member):
                     continue
                 function = getattr(owner, name)
+                if not function.__doc__ and any(name in vars(each) for each in _paged(owner)):
+                    continue
                 doc = inspect.getdoc(function) or _inherited_doc(value, name)
                 found[name] = Method(name, _definition(function, name, member=member), doc)
         return tuple(found.values())
@@ -144,6 +164,11 @@ def _owners(value: type) -> Iterator[type]:
     for owner in value.__mro__:
         if owner is value or (owner.__module__.startswith(_OURS) and owner not in documented):
             yield owner
+
+
+def _paged(owner: type) -> Iterator[type]:
+    """Yield the bases of a class that have a page."""
+    return (each for each in owner.__mro__[1:] if each in documented)
 
 
 def _is_method(member: object) -> bool:
@@ -327,6 +352,6 @@ def shown(value: object) -> str:
     if isinstance(value, Enum):
         return f"{type(value).__name__}.{value.name}"
     if value is None or isinstance(value, (bool, int, float, str, bytes, tuple)):
-        text = repr(value)
+        text = json.dumps(value, ensure_ascii=False) if isinstance(value, str) else repr(value)
         return text if len(text) < 40 else "..."
     return "..."

@@ -38,14 +38,24 @@ def files() -> Iterator[tuple[PurePosixPath, str]]:
         home = RUSSIAN if language == "ru" else DOCS
         for path, made in _PAGES.items():
             yield home / path, made(catalog, language)
+        if language == "en":
+            yield from ((DOCS / path, text) for path, text in _python("en").items())
         for name, drawing in frames.drawings(catalog, language):
             yield DOCS / "pictures" / language / f"{name}.svg", drawing
 
 
 def of_the_site(language: Language) -> dict[str, str]:
-    """Return the pages that are on the site only, by their paths."""
-    python = {
+    """Return the pages that are on the site only, by their paths.
+
+    The reference of the library is a file in English; in Russian its introductions differ.
+    """
+    python = _python(language) if language == "ru" else {}
+    return {"reference/help.md": help_pages.help_page(language)} | python
+
+
+def _python(language: Language) -> dict[str, str]:
+    python_pages.places()  # before all: which classes have a page
+    return {
         python_pages.path_of(each): python_pages.python_page(each, language)
         for each in python_pages.PAGES
     }
-    return {"reference/help.md": help_pages.help_page(language)} | python

@@ -46,7 +46,9 @@ class DerivedValue:
     """
 
     raw: ClassVar[bytes] = b""
+    """Empty: it was computed."""
     interpretation: ClassVar[str] = "corrected"
+    """That of the values it was computed from."""
 
     channel: Derived
     """The definition, with its formula."""
