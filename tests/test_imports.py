@@ -36,7 +36,7 @@ def test_no_module_imports_itself_by_way_of_others():
         name: {each for each in imports_of(file, set(files)) if each in files} - {name}
         for name, file in files.items()
     }
-    assert graph["mikas.dissectors.sigrok.parts.decoder"]  # of relative imports
+    assert graph["mikas.dissectors.sigrok._parts.decoder"]  # of relative imports
     assert "mikas.notebook.drawing" in graph["mikas.notebook.recording"]  # of late ones
     try:
         TopologicalSorter(graph).prepare()

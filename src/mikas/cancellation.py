@@ -28,7 +28,7 @@ class Cancellation:
     __slots__ = ("requested",)
 
     def __init__(self) -> None:
-        self.requested = False
+        self.requested: bool = False
         """The work is to end; it may not have ended yet."""
 
     def request(self) -> None:

@@ -40,7 +40,8 @@ class TomlError(ValueError):
 
     def __init__(self, line: int, problem: Text) -> None:
         super().__init__(problem.en)
-        self.line, self.problem = line, problem
+        self.line: int = line
+        self.problem: Text = problem
 
 
 def read_bytes(path: Path) -> bytes:

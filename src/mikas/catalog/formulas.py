@@ -133,7 +133,7 @@ class Calculation:
 
     def __init__(self, formula: Parsed) -> None:
         self._plain = formula.plain
-        self.inputs = formula.inputs
+        self.inputs: tuple[str, ...] = formula.inputs
 
     @property
     def cost(self) -> int:

@@ -49,7 +49,7 @@ class InjectionWatch:
 
     def __init__(self) -> None:
         self._readings = dict.fromkeys(WITNESSES, 0)
-        self.is_alive = False
+        self.is_alive: bool = False
         """Whether a witness was not zero: then this unit is none, whatever follows."""
         self._rpm = 0.0
 

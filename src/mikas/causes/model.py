@@ -63,8 +63,8 @@ class LikelihoodModel:
 
     def __init__(self, table: WeightTable, seen: Mapping[str, float]) -> None:
         self.table = table
-        self.places = [place for place, name in enumerate(table.names) if name in seen]
-        self.values = [seen[table.names[place]] for place in self.places]
+        self.places: list[int] = [place for place, name in enumerate(table.names) if name in seen]
+        self.values: list[float] = [seen[table.names[place]] for place in self.places]
         self._factor = _cholesky(
             [[table.correlation[a][b] for b in self.places] for a in self.places]
         )

@@ -112,7 +112,7 @@ class LocalizedCommand(click.Command):
     ) -> None:
         super().__init__(*args, **kwargs)
         self.params.extend(common_options())
-        self.text = Text(en, ru)
+        self.text: Text = Text(en, ru)
         self.examples = examples
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
@@ -154,7 +154,7 @@ class LocalizedCommand(click.Command):
         return option
 
     def collect_usage_pieces(self, ctx: click.Context) -> list[str]:
-        self.options_metavar = tr("[OPTIONS]", "[КЛЮЧИ]")
+        self.options_metavar: str | None = tr("[OPTIONS]", "[КЛЮЧИ]")
         return super().collect_usage_pieces(ctx)
 
     def format_usage(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
@@ -242,7 +242,7 @@ class LocalizedGroup(LocalizedCommand, click.Group):
         return found
 
     def collect_usage_pieces(self, ctx: click.Context) -> list[str]:
-        self.subcommand_metavar = tr("COMMAND [ARGUMENTS]...", "КОМАНДА [АРГУМЕНТЫ]...")
+        self.subcommand_metavar: str = tr("COMMAND [ARGUMENTS]...", "КОМАНДА [АРГУМЕНТЫ]...")
         return super().collect_usage_pieces(ctx)
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:

@@ -11,6 +11,7 @@ import os
 import sys
 from collections.abc import Callable, Sequence
 from contextlib import suppress
+from typing import Final
 
 import click
 
@@ -38,7 +39,7 @@ def _version(ctx: click.Context, _: click.Parameter, value: bool) -> None:
         ctx.exit()
 
 
-cli = LocalizedGroup(
+cli: Final = LocalizedGroup(
     "mikas",
     homes=COMMANDS,
     titles=TITLES,

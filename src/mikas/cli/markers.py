@@ -38,7 +38,7 @@ class TypedLine:
     """
 
     def __init__(self, encoding: str = "utf-8") -> None:
-        self.text = ""
+        self.text: str = ""
         self._decoder = codecs.getincrementaldecoder(encoding)("replace")
         self._escape = ""
 

@@ -14,7 +14,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import asynccontextmanager, suppress
 from functools import partial, update_wrapper, wraps
 from inspect import signature
-from typing import Any, Concatenate, Generic, NamedTuple, ParamSpec, Self, TypeVar, cast
+from typing import Any, Concatenate, Final, Generic, NamedTuple, ParamSpec, Self, TypeVar, cast
 
 from mikas.cancellation import Cancellation
 from mikas.catalog import Catalog, Model
@@ -199,24 +199,29 @@ class _Items(Generic[R]):
 class AsyncMemorySpace(_Remote[MemorySpace]):
     """A `MemorySpace`, with its methods to be awaited."""
 
-    read = _delegated(MemorySpace.read)
-    read_block = _delegated(MemorySpace.read_block)
-    blocks = _iterated(MemorySpace.blocks)
-    write = _delegated(MemorySpace.write)
-    write_block = _delegated(MemorySpace.write_block)
-    write_runs = _iterated(MemorySpace.write_runs)
+    read: Final = _delegated(MemorySpace.read)
+    read_block: Final = _delegated(MemorySpace.read_block)
+    blocks: Final = _iterated(MemorySpace.blocks)
+    write: Final = _delegated(MemorySpace.write)
+    write_block: Final = _delegated(MemorySpace.write_block)
+    write_runs: Final = _iterated(MemorySpace.write_runs)
 
     def __init__(self, ecu: AsyncEcu, sync: MemorySpace) -> None:
         self._async_ecu = ecu
         self._sync = sync
-        self.name = sync.name
+        self.name: str = sync.name
         """ram, xram, code or sfr."""
-        self.last = sync.last
+        self.last: int = sync.last
         """The highest address."""
 
 
 class AsyncMemory:
     """`memory.ram`, `.xram`, `.code`, `.sfr`; or by name, `memory["ram"]`."""
+
+    ram: AsyncMemorySpace
+    xram: AsyncMemorySpace
+    code: AsyncMemorySpace
+    sfr: AsyncMemorySpace
 
     def __init__(self, ecu: AsyncEcu, sync: Memory) -> None:
         self._sync = sync
@@ -237,32 +242,32 @@ class AsyncEcu(_Remote[Ecu]):
     `confirm` of `connect` may be a coroutine function; the event loop answers the gate by it.
     """
 
-    connect = _Connect(connect)
-    info = _delegated(Ecu.info)
-    passport = _delegated(Ecu.passport)
-    read = _delegated(Ecu.read)
-    set_list = _delegated(Ecu.set_list)
-    read_list = _delegated(Ecu.read_list)
-    forget_list = _delegated(Ecu.forget_list)
-    write_parameter = _delegated(Ecu.write_parameter)
-    faults = _delegated(Ecu.faults)
-    engine_speed = _delegated(Ecu.engine_speed)
-    erase_faults = _delegated(Ecu.erase_faults)
-    goto = _delegated(Ecu.goto)
-    raw = _delegated(Ecu.raw)
-    limits = _delegated(Ecu.limits)
-    keep_timings = _delegated(Ecu.keep_timings)
-    forget_limits = _delegated(Ecu.forget_limits)
-    watch = _iterated(Ecu.watch)
-    supported = _iterated(Ecu.supported)
-    scan = _iterated(Ecu.scan)
+    connect: Final = _Connect(connect)
+    info: Final = _delegated(Ecu.info)
+    passport: Final = _delegated(Ecu.passport)
+    read: Final = _delegated(Ecu.read)
+    set_list: Final = _delegated(Ecu.set_list)
+    read_list: Final = _delegated(Ecu.read_list)
+    forget_list: Final = _delegated(Ecu.forget_list)
+    write_parameter: Final = _delegated(Ecu.write_parameter)
+    faults: Final = _delegated(Ecu.faults)
+    engine_speed: Final = _delegated(Ecu.engine_speed)
+    erase_faults: Final = _delegated(Ecu.erase_faults)
+    goto: Final = _delegated(Ecu.goto)
+    raw: Final = _delegated(Ecu.raw)
+    limits: Final = _delegated(Ecu.limits)
+    keep_timings: Final = _delegated(Ecu.keep_timings)
+    forget_limits: Final = _delegated(Ecu.forget_limits)
+    watch: Final = _iterated(Ecu.watch)
+    supported: Final = _iterated(Ecu.supported)
+    scan: Final = _iterated(Ecu.scan)
 
     def __init__(
         self, ecu: Ecu, *, _worker: _Worker | None = None, _questions: Questions | None = None
     ) -> None:
         self.ecu = ecu
         """The `Ecu` that the worker thread uses."""
-        self.memory = AsyncMemory(self, ecu.memory)
+        self.memory: AsyncMemory = AsyncMemory(self, ecu.memory)
         """Its memory, with methods to be awaited."""
         self._async_ecu = self
         self._sync = ecu

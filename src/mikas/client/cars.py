@@ -94,7 +94,7 @@ class CarBook:
     """
 
     def __init__(self, file: Path, *, virtual_units: bool = True) -> None:
-        self.file = KeptFile(file, _MOST_BYTES, _book)
+        self.file: KeptFile[dict[str, Any]] = KeptFile(file, _MOST_BYTES, _book)
         self._virtual_units = virtual_units
         self._lock = threading.Lock()
         self._unsaved: dict[str, Any] | None = None

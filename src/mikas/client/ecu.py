@@ -102,18 +102,20 @@ class Ecu:
         check_interpretation(interpretation)
         self.tester = tester
         """The exchange of single requests, with its statistics."""
-        self.catalog = catalog
+        self.catalog: Catalog = catalog
         """The definitions that name and decode."""
-        self.limits_cache = LimitsCache(store, self._identify)
+        self.limits_cache: LimitsCache = LimitsCache(store, self._identify)
         """The learnt limits of this unit."""
-        self.passports = PassportReader(tester, on_other=self.limits_cache.reset)
+        self.passports: PassportReader = PassportReader(tester, on_other=self.limits_cache.reset)
         """The reader of its passports."""
         self._gate = Gate(tester, self._whose, confirm, journal)
         data = DataReader(tester, self.limits_cache)
         self._list = UnitList(tester, self._gate, lists, self._identify)
-        self.parameters = Parameters(tester, catalog, interpretation, self._gate, data, self._list)
+        self.parameters: Parameters = Parameters(
+            tester, catalog, interpretation, self._gate, data, self._list
+        )
         """The reader of its parameters."""
-        self.memory = Memory(tester, self._gate, self.limits_cache)
+        self.memory: Memory = Memory(tester, self._gate, self.limits_cache)
         """RAM, XRAM, CODE and SFR: `ecu.memory.code.read_block(0x8000, 256)`."""
 
     def use_catalog(self, catalog: Catalog) -> None:

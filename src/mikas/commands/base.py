@@ -188,7 +188,7 @@ class ReadNumber(OnlyCode[int]):
     """A command without arguments, answered by one byte."""
 
     __slots__ = ()
-    LENGTHS = (1,)
+    LENGTHS: ClassVar[tuple[int, ...]] = (1,)
 
     def _read(self, body: bytes) -> int:
         return body[0]
@@ -201,7 +201,7 @@ class Write(Command[None]):
     """A command answered by a completion code: `00` ok, `01` error."""
 
     __slots__ = ()
-    LENGTHS = (1,)
+    LENGTHS: ClassVar[tuple[int, ...]] = (1,)
 
     def _read(self, body: bytes) -> None:
         if body == ERROR:

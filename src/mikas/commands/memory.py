@@ -99,7 +99,7 @@ class ReadRamByte(ByteCommand):
     """11 CREADI: `11 A` → `A B`. Wire for address 40: `11 40 00 AF 0D`."""
 
     __slots__ = ()
-    SPACE = Space.RAM
+    SPACE: ClassVar[Space] = Space.RAM
 
 
 @row(0x12, "CWRTI", Text("write a RAM byte", "запись байта RAM"))
@@ -107,7 +107,7 @@ class WriteRamByte(WriteByte):
     """12 CWRTI: `12 A B` → `A B`. D6: the request is missing in the source; inferred."""
 
     __slots__ = ()
-    SPACE = Space.RAM
+    SPACE: ClassVar[Space] = Space.RAM
 
 
 @row(0x13, "CREADX", Text("read an XRAM byte", "чтение байта XRAM"))
@@ -115,7 +115,7 @@ class ReadXramByte(ByteCommand):
     """13 CREADX: `13 AL AH` → `AL AH B`."""
 
     __slots__ = ()
-    SPACE = Space.XRAM
+    SPACE: ClassVar[Space] = Space.XRAM
 
 
 @row(0x14, "CWRITX", Text("write an XRAM byte", "запись байта XRAM"))
@@ -123,7 +123,7 @@ class WriteXramByte(WriteByte):
     """14 CWRITX: `14 AL AH B` → `AL AH B`."""
 
     __slots__ = ()
-    SPACE = Space.XRAM
+    SPACE: ClassVar[Space] = Space.XRAM
 
 
 @row(0x15, "CREADC", Text("read a CODE byte", "чтение байта CODE"))
@@ -131,7 +131,7 @@ class ReadCodeByte(ByteCommand):
     """15 CREADC: `15 AL AH` → `AL AH B`."""
 
     __slots__ = ()
-    SPACE = Space.CODE
+    SPACE: ClassVar[Space] = Space.CODE
 
 
 @row(0x16, "CWRITC", Text("write a CODE byte", "запись байта CODE"))
@@ -140,7 +140,7 @@ class WriteCodeByte(WriteByte):
 
     __slots__ = ()
     SAFETY: ClassVar[Safety] = Safety.DANGEROUS
-    SPACE = Space.CODE
+    SPACE: ClassVar[Space] = Space.CODE
 
 
 @row(0x31, "CREADSFR", Text("read an SFR", "чтение SFR"))
@@ -148,7 +148,7 @@ class ReadSfr(ByteCommand):
     """31 CREADSFR: `31 A` → `A B`, a special function register."""
 
     __slots__ = ()
-    SPACE = Space.SFR
+    SPACE: ClassVar[Space] = Space.SFR
 
 
 @row(0x32, "SWRITSFR", Text("write an SFR", "запись SFR"))
@@ -156,7 +156,7 @@ class WriteSfr(WriteByte):
     """32 SWRITSFR (spelled so in the source): `32 A B` → `A B`."""
 
     __slots__ = ()
-    SPACE = Space.SFR
+    SPACE: ClassVar[Space] = Space.SFR
 
 
 LARGEST_BLOCK = 0xFF  # the count is one byte
@@ -232,8 +232,8 @@ class ReadRamBlock(ReadBlock):
     """21 CREADDI: `21 A N` → `A N B1 … BN`."""
 
     __slots__ = ()
-    SPACE = Space.RAM
-    COUNT_FORMS = (True,)
+    SPACE: ClassVar[Space] = Space.RAM
+    COUNT_FORMS: ClassVar[tuple[bool, ...]] = (True,)
 
 
 @row(0x22, "CWRITDI", Text("write RAM bytes", "запись байтов RAM"))
@@ -241,7 +241,7 @@ class WriteRamBlock(WriteBlock):
     """22 CWRITDI: `22 A N B1 … BN` → `00` / `01`."""
 
     __slots__ = ()
-    SPACE = Space.RAM
+    SPACE: ClassVar[Space] = Space.RAM
 
 
 @row(0x23, "CREADDX", Text("read XRAM bytes", "чтение байтов XRAM"))
@@ -249,8 +249,8 @@ class ReadXramBlock(ReadBlock):
     """23 CREADDX: `23 AL AH N` → `AL AH B1 … BN`, or with the count as in 21 (D7)."""
 
     __slots__ = ()
-    SPACE = Space.XRAM
-    COUNT_FORMS = (False, True)
+    SPACE: ClassVar[Space] = Space.XRAM
+    COUNT_FORMS: ClassVar[tuple[bool, ...]] = (False, True)
 
 
 @row(0x24, "CWRITDX", Text("write XRAM bytes", "запись байтов XRAM"))
@@ -258,7 +258,7 @@ class WriteXramBlock(WriteBlock):
     """24 CWRITDX: `24 AL AH N B1 … BN` → `00` / `01` (D8)."""
 
     __slots__ = ()
-    SPACE = Space.XRAM
+    SPACE: ClassVar[Space] = Space.XRAM
 
 
 @row(0x25, "CREADDC", Text("read CODE bytes", "чтение байтов CODE"))
@@ -266,8 +266,8 @@ class ReadCodeBlock(ReadBlock):
     """25 CREADDC: `25 AL AH N` → as 23 (D7)."""
 
     __slots__ = ()
-    SPACE = Space.CODE
-    COUNT_FORMS = (False, True)
+    SPACE: ClassVar[Space] = Space.CODE
+    COUNT_FORMS: ClassVar[tuple[bool, ...]] = (False, True)
 
 
 @row(0x26, "CWRITDC", Text("write CODE bytes", "запись байтов CODE"))
@@ -276,4 +276,4 @@ class WriteCodeBlock(WriteBlock):
 
     __slots__ = ()
     SAFETY: ClassVar[Safety] = Safety.DANGEROUS
-    SPACE = Space.CODE
+    SPACE: ClassVar[Space] = Space.CODE

@@ -71,7 +71,7 @@ class GoTo(AtAddress[bytes]):
 
     SAFETY: ClassVar[Safety] = Safety.DANGEROUS
     ANSWERED: ClassVar[bool] = False
-    SPACE = Space.CODE
+    SPACE: ClassVar[Space] = Space.CODE
 
     def read(self, body: bytes) -> bytes:
         """Return the response, whose form is not specified."""

@@ -65,45 +65,51 @@ class Dashboard:
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         options = settings.connection
-        self.settings, self.lan, self.clock = settings, lan, clock
-        self.saving = threading.Lock()
+        self.settings: Settings = settings
+        self.lan: bool = lan
+        self.clock: Callable[[], float] = clock
+        self.saving: threading.Lock = threading.Lock()
         """Held while a list of the user is saved: requests come in threads."""
-        self.catalogs = CatalogInUse(settings.own_catalog, options.catalog, self._use_catalog)
-        self.write_lock = WriteLock(clock)
-        self.control = ControlLease(clock, changed=self.write_lock.close)
-        self.confirmations = ConfirmationStore(clock)
-        self.history = History()
-        self.session = SamplingSession(on_faults=self._add_faults)
-        self.monitor = ConnectionMonitor(self.history, self.session)
-        self.fault_history = FaultHistory(self._on_faults)
-        self.connection = Connection(
+        self.catalogs: CatalogInUse = CatalogInUse(
+            settings.own_catalog, options.catalog, self._use_catalog
+        )
+        self.write_lock: WriteLock = WriteLock(clock)
+        self.control: ControlLease = ControlLease(clock, changed=self.write_lock.close)
+        self.confirmations: ConfirmationStore = ConfirmationStore(clock)
+        self.history: History = History()
+        self.session: SamplingSession = SamplingSession(on_faults=self._add_faults)
+        self.monitor: ConnectionMonitor = ConnectionMonitor(self.history, self.session)
+        self.fault_history: FaultHistory = FaultHistory(self._on_faults)
+        self.connection: Connection = Connection(
             settings,
             self.monitor,
             self._create_thread,
             self._on_request_end,
             PortSettings(port, options.echo) if port else None,
         )
-        self.plan = SamplingPlanner(self.connection, options)
+        self.plan: SamplingPlanner = SamplingPlanner(self.connection, options)
         folder = RecordingFolder(settings.recordings)
-        self.cars = CarBook(settings.in_state("cars.json"), virtual_units=settings.virtual_units)
+        self.cars: CarBook = CarBook(
+            settings.in_state("cars.json"), virtual_units=settings.virtual_units
+        )
         self.car_now: tuple[UnitIdentity, CarDetails] | None = None
         """The details as last given since the start, with the unit."""
-        self.freeze_frames = FreezeFrameStore(
+        self.freeze_frames: FreezeFrameStore = FreezeFrameStore(
             settings.in_state("freeze-frames"),
             self.history,
             self.connection.now,
             settings.virtual_units,
             lambda: self.connection.later,
         )
-        self.recorder = SessionRecorder(
+        self.recorder: SessionRecorder = SessionRecorder(
             self.connection, self.fault_history, folder, self.cars, options.interpretation
         )
         self.session.record = self.recorder.record_event
         self.recorder.recorder.conclude = self.session.conclude
-        self.guided = GuidedTests(
+        self.guided: GuidedTests = GuidedTests(
             settings, self.connection, self.plan, self.recorder.recorder, self.catalogs
         )
-        self.library = RecordingService(
+        self.library: RecordingService = RecordingService(
             folder,
             References(settings.in_state("references.json"), settings.virtual_recordings),
             options.catalog,
@@ -111,8 +117,8 @@ class Dashboard:
             clock=clock,
             in_progress=lambda: self.recorder.file_name,
         )
-        self.dump_jobs = DumpJobs(self.connection, settings.dumps, clock)
-        self.changes = UnitChanges(
+        self.dump_jobs: DumpJobs = DumpJobs(self.connection, settings.dumps, clock)
+        self.changes: UnitChanges = UnitChanges(
             self.connection, self.fault_history, options.interpretation, self.catalogs
         )
         self.diagnosis: Diagnosis | None = None

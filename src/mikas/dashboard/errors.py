@@ -25,8 +25,8 @@ class ApiRefusal(errors.MikasError):
 class BadRequest(ApiRefusal):
     """Invalid request."""
 
-    what = Text("Invalid request: {problem}", "Неверный запрос: {problem}")
-    advice = Text(
+    what: ClassVar[Text] = Text("Invalid request: {problem}", "Неверный запрос: {problem}")
+    advice: Text = Text(
         "The requests are described at /api/docs.", "Запросы описаны на странице /api/docs."
     )
 
@@ -38,11 +38,11 @@ class TooLarge(BadRequest, status=413):
 class TokenRequired(ApiRefusal, status=401):
     """A request from the network without the token."""
 
-    what = Text(
+    what: ClassVar[Text] = Text(
         "Access from the network needs the token",
         "Из сети панель доступна только по ссылке с ключом",
     )
-    advice = Text(
+    advice: Text = Text(
         "Open the link that the laptop shows, or scan its QR code.",
         "Откройте ссылку с экрана ноутбука или отсканируйте QR-код.",
     )
@@ -51,8 +51,8 @@ class TokenRequired(ApiRefusal, status=401):
 class Forbidden(ApiRefusal, status=403):
     """A foreign host, or the page of another site."""
 
-    what = Text("Refused: {problem}", "Отказано: {problem}")
-    advice = Text(
+    what: ClassVar[Text] = Text("Refused: {problem}", "Отказано: {problem}")
+    advice: Text = Text(
         "Open the dashboard at the address that it printed at its start.",
         "Откройте панель по адресу, который она вывела при запуске.",
     )
@@ -61,8 +61,10 @@ class Forbidden(ApiRefusal, status=403):
 class NotAllowed(ApiRefusal, status=403):
     """The client has view rights only."""
 
-    what = Text("This client may view but not control", "Этому клиенту доступен только просмотр")
-    advice = Text(
+    what: ClassVar[Text] = Text(
+        "This client may view but not control", "Этому клиенту доступен только просмотр"
+    )
+    advice: Text = Text(
         "Use the laptop itself, or allow control on its Connection screen.",
         "Управляйте с самого ноутбука или разрешите управление на его экране «Связь».",
     )
@@ -71,8 +73,10 @@ class NotAllowed(ApiRefusal, status=403):
 class NotFromNetwork(ApiRefusal, status=403):
     """A port that only this computer's own user may choose."""
 
-    what = Text("“{url}” can't be chosen from the network", "Из сети нельзя выбрать «{url}»")
-    advice = Text(
+    what: ClassVar[Text] = Text(
+        "“{url}” can't be chosen from the network", "Из сети нельзя выбрать «{url}»"
+    )
+    advice: Text = Text(
         "Available from here: the adapters that the laptop lists, and its virtual cars. Choose "
         "anything else on the laptop itself.",
         "Отсюда можно выбрать адаптеры из списка ноутбука и его виртуальные автомобили. Всё "
@@ -83,11 +87,11 @@ class NotFromNetwork(ApiRefusal, status=403):
 class OnlyHere(ApiRefusal, status=403):
     """A client in the network wants to open or close the dashboard to the network."""
 
-    what = Text(
+    what: ClassVar[Text] = Text(
         "Access from the network is switched on the computer itself",
         "Доступ из сети включают только на самом компьютере",
     )
-    advice = Text(
+    advice: Text = Text(
         "Use the Connection screen of the computer with the cable.",
         "Откройте экран «Связь» на компьютере с кабелем.",
     )
@@ -96,8 +100,8 @@ class OnlyHere(ApiRefusal, status=403):
 class Locked(ApiRefusal, status=403):
     """Writing has not been unlocked."""
 
-    what = Text("Writing is locked", "Запись заблокирована")
-    advice = Text(
+    what: ClassVar[Text] = Text("Writing is locked", "Запись заблокирована")
+    advice: Text = Text(
         "Unlock writing first. It is locked again automatically after some minutes.",
         "Сначала разблокируйте запись. Через несколько минут она снова заблокируется.",
     )
@@ -112,8 +116,8 @@ _AT_HOME = Text(
 class NotFound(ApiRefusal, status=404):
     """The resource does not exist."""
 
-    what = Text("Not found: {name}", "Не найдено: {name}")
-    advice = Text("Reload the list.", "Обновите список.")
+    what: ClassVar[Text] = Text("Not found: {name}", "Не найдено: {name}")
+    advice: Text = Text("Reload the list.", "Обновите список.")
 
     @classmethod
     def at(cls, path: str) -> NotFound:
@@ -124,8 +128,8 @@ class NotFound(ApiRefusal, status=404):
 class NotController(ApiRefusal, status=409):
     """Another client has control."""
 
-    what = Text("{holder} has control", "Управляет {holder}")
-    advice = Text(
+    what: ClassVar[Text] = Text("{holder} has control", "Управляет {holder}")
+    advice: Text = Text(
         "View only, ask the other client to release control, or take control over.",
         "Можно смотреть, попросить передать управление или взять его на себя.",
     )
@@ -140,8 +144,10 @@ _CHANGED_SINCE = Text(
 class ConfirmationOutdated(ApiRefusal, status=409):
     """The content that was shown before the change is no longer the same."""
 
-    what = Text("{found}; nothing was changed", "{found}; ничего не изменено")
-    advice = Text("Check it again, then confirm again.", "Проверьте ещё раз и подтвердите снова.")
+    what: ClassVar[Text] = Text("{found}; nothing was changed", "{found}; ничего не изменено")
+    advice: Text = Text(
+        "Check it again, then confirm again.", "Проверьте ещё раз и подтвердите снова."
+    )
 
     def __init__(self, found: Text = _CHANGED_SINCE) -> None:
         super().__init__(found=found)
@@ -150,11 +156,11 @@ class ConfirmationOutdated(ApiRefusal, status=409):
 class CatalogOutdated(ApiRefusal, status=409):
     """The catalog was changed since the client has loaded it."""
 
-    what = Text(
+    what: ClassVar[Text] = Text(
         "The catalog was changed meanwhile, on another page or in its file",
         "Каталог тем временем изменили на другой странице или в его файле",
     )
-    advice = Text(
+    advice: Text = Text(
         "Nothing was saved. Look at the present values, then change them again.",
         "Ничего не сохранено. Посмотрите на нынешние значения и измените их снова.",
     )
@@ -163,17 +169,17 @@ class CatalogOutdated(ApiRefusal, status=409):
 class Busy(ApiRefusal, status=409):
     """Another request is in the way."""
 
-    what = Text("Not now: {problem}", "Не сейчас: {problem}")
+    what: ClassVar[Text] = Text("Not now: {problem}", "Не сейчас: {problem}")
 
 
 class TookTooLong(ApiRefusal, status=504):
     """Reading a recording, a report or an export passed its deadline; it was cancelled."""
 
-    what = Text(
+    what: ClassVar[Text] = Text(
         "This took longer than {seconds} s and was cancelled",
         "Это заняло больше {seconds} с и прервано",
     )
-    advice = Text(
+    advice: Text = Text(
         "The file is very long or damaged. The command line has no such limit: "
         "mikas report FILE -o OUT.html, mikas export FILE -o OUT.csv.",
         "Файл очень большой или повреждён. В командной строке такого предела нет: "
@@ -184,7 +190,7 @@ class TookTooLong(ApiRefusal, status=504):
 class AnswerTookTooLong(TookTooLong):
     """A request that reads no recording passed its deadline; it was cancelled."""
 
-    advice = Text(
+    advice: Text = Text(
         "Ask for a shorter time, for fewer channels, or by a shorter formula.",
         "Запросите меньшее время, меньше каналов или формулу короче.",
     )
@@ -193,18 +199,18 @@ class AnswerTookTooLong(TookTooLong):
 class ConfirmationExpired(ApiRefusal, status=410):
     """An unknown, expired or used confirmation, or that of another client."""
 
-    what = Text(
+    what: ClassVar[Text] = Text(
         "This confirmation has expired or was already used",
         "Подтверждение истекло или уже использовано",
     )
-    advice = Text("Start the change again.", "Начните изменение заново.")
+    advice: Text = Text("Start the change again.", "Начните изменение заново.")
 
 
 class NotConnected(ApiRefusal, status=503):
     """No unit answers at the moment."""
 
-    what = Text("There is no connection to a unit", "Нет связи с блоком")
-    advice = Text(
+    what: ClassVar[Text] = Text("There is no connection to a unit", "Нет связи с блоком")
+    advice: Text = Text(
         "Connect first; the state line shows how far the connection has come.",
         "Сначала установите связь; на каком она этапе, показывает строка состояния.",
     )
@@ -215,8 +221,10 @@ class InternalError(ApiRefusal, status=500):
 
     more_fields = frozenset({"url"})
 
-    what = Text("Internal error in mikas ({kind})", "Внутренняя ошибка mikas ({kind})")
-    advice = Text("Please report it.", "Сообщите о ней разработчикам.")
+    what: ClassVar[Text] = Text(
+        "Internal error in mikas ({kind})", "Внутренняя ошибка mikas ({kind})"
+    )
+    advice: Text = Text("Please report it.", "Сообщите о ней разработчикам.")
 
 
 ADVICE: Final = errors.AdviceTable(

@@ -11,7 +11,7 @@ import json
 import mimetypes
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 from fastapi import APIRouter, Request
 from fastapi.responses import FileResponse, HTMLResponse, Response
@@ -47,7 +47,7 @@ _TYPES = {".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml",
           ".webmanifest": "application/manifest+json"}  # fmt: skip
 
 
-docs_router = APIRouter(include_in_schema=False)
+docs_router: Final = APIRouter(include_in_schema=False)
 
 
 def router(folder: Path, language: Language | None = None) -> APIRouter:

@@ -111,7 +111,7 @@ class Server(uvicorn.Server):
         log.setLevel(logging.ERROR)
         log.addFilter(_is_error)
         logging.getLogger("asyncio").setLevel(logging.ERROR)  # of clients that have gone
-        self.guard = TcpConnections(TcpLimits.of_this_process(), TurnClock(clock))
+        self.guard: TcpConnections = TcpConnections(TcpLimits.of_this_process(), TurnClock(clock))
         super().__init__(
             uvicorn.Config(
                 PhaseReports(app, self.guard),

@@ -62,11 +62,12 @@ class MikasError(Exception):
         self.time = time
         """The link's clock."""
         self._check_fields(fields.keys(), advice)
-        self.fields = fields = _public({**self.defaults, **fields})
+        fields = _public({**self.defaults, **fields})
         """The fields of this class by name."""
-        self.is_over_network = False
+        self.fields: dict[str, object] = fields
+        self.is_over_network = False  # of the connection to the unit
         """Whether the port is a network's."""
-        self.reason = self.what.filled(**fields)
+        self.reason: Text = self.what.filled(**fields)
         """`what` with its fields, in both languages."""
         self.advice = (advice or type(self).advice).filled(**fields)
         self._class_advice = None if advice else self.advice

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 from mikas.errors.base import MikasError
 from mikas.i18n import Text
 
@@ -9,7 +11,7 @@ from mikas.i18n import Text
 class LineError(MikasError):
     """The ECU is connected, but the exchange failed, also when repeated."""
 
-    advice = Text(
+    advice: Text = Text(
         "Check ground and plug of the adapter, keep its cable away from the ignition leads.",
         "Проверьте массу и разъём адаптера, отведите кабель от высоковольтных проводов.",
     )
@@ -18,8 +20,10 @@ class LineError(MikasError):
 class NoResponse(LineError, TimeoutError):
     """Silence for longer than the limits of D14."""
 
-    what = Text("The ECU did not answer within {seconds:g} s", "Блок не ответил за {seconds:g} с")
-    advice = Text(
+    what: ClassVar[Text] = Text(
+        "The ECU did not answer within {seconds:g} s", "Блок не ответил за {seconds:g} с"
+    )
+    advice: Text = Text(
         "Either this unit does not know the command, or the ignition went off, or the line is bad "
         "(check ground and plug of the adapter).",
         "Либо блок не знает этой команды, либо выключилось зажигание, либо плохая связь по линии "
@@ -33,11 +37,11 @@ class DeadlinePassed(MikasError, TimeoutError):
     No `LineError`: nothing is wrong with the line, and the next call may follow.
     """
 
-    what = Text(
+    what: ClassVar[Text] = Text(
         "The call was given {seconds:g} s and was not done then",
         "На вызов было отведено {seconds:g} с, за это время он не закончился",
     )
-    advice = Text(
+    advice: Text = Text(
         "It ended between two requests. Give it a longer timeout, or less to do.",
         "Он прерван между двумя запросами. Увеличьте timeout или дайте меньше работы.",
     )
@@ -46,11 +50,11 @@ class DeadlinePassed(MikasError, TimeoutError):
 class EngineStopped(NoResponse):
     """No response to a stream by strokes: the unit reports zero speed (D15)."""
 
-    what = Text(
+    what: ClassVar[Text] = Text(
         "No stroke for {seconds:g} s: the engine is not turning",
         "Тактов нет {seconds:g} с: двигатель не вращается",
     )
-    advice = Text(
+    advice: Text = Text(
         "A stream by strokes comes only while the engine turns: start it, or use another method.",
         "Поток по тактам идёт, только пока двигатель вращается: запустите его или возьмите другой "
         "способ.",
@@ -60,8 +64,10 @@ class EngineStopped(NoResponse):
 class EchoDiffers(LineError):
     """The echo differs from the bytes sent: a second talker or a bad line (D1, D2)."""
 
-    what = Text("The echo differs from what was sent", "Эхо отличается от посланного")
-    advice = Text(
+    what: ClassVar[Text] = Text(
+        "The echo differs from what was sent", "Эхо отличается от посланного"
+    )
+    advice: Text = Text(
         "Likely, in order: another tester or unit is sending on the same wire; a bad ground; a "
         "wrong baud rate or echo setting. Disconnect other devices and try again.",
         "Скорее всего, по порядку: на той же линии передаёт другой прибор или блок; плохая масса; "
@@ -72,8 +78,8 @@ class EchoDiffers(LineError):
 class WrongEchoSetting(EchoDiffers):
     """The line echoes and the setting says that it does not, or the other way round (D1)."""
 
-    what = Text("{problem}", "{problem}")
-    advice = Text(
+    what: ClassVar[Text] = Text("{problem}", "{problem}")
+    advice: Text = Text(
         "Set the echo to auto: then it is detected.", "Задайте эхо auto: тогда оно определится."
     )
 
@@ -81,11 +87,11 @@ class WrongEchoSetting(EchoDiffers):
 class EchoTwice(EchoDiffers):
     """The request came back a second time instead of a response: no unit's version is `01` (D1)."""
 
-    what = Text(
+    what: ClassVar[Text] = Text(
         "The request came back twice and no response followed",
         "Посланное вернулось дважды, а ответа нет",
     )
-    advice = Text(
+    advice: Text = Text(
         "Likely, in order: the ignition is off, and a program between this one and the adapter, or "
         "a second adapter on the wire, returns what it gets, as the adapter does (switch one echo "
         "off); this is not a Mikas 5.4 / 7.1.",
@@ -98,23 +104,23 @@ class EchoTwice(EchoDiffers):
 class AnswersLate(LineError):
     """Each response comes after the time-out (D14). `wanted`: a sufficient one, in seconds."""
 
-    what = Text(
+    what: ClassVar[Text] = Text(
         "The ECU answers {seconds:.2g} s after a request, later than the time-out of {limit:g} s",
         "Блок отвечает через {seconds:.2g} с после запроса, позже предела ожидания {limit:g} с",
     )
-    advice = Text("Set a time-out of {wanted:g} s.", "Задайте предел ожидания {wanted:g} с.")
+    advice: Text = Text("Set a time-out of {wanted:g} s.", "Задайте предел ожидания {wanted:g} с.")
 
 
 class DamagedResponse(LineError):
     """The response's frame is damaged: checksum, cut short, or too long (§2)."""
 
-    what = Text("The response is damaged: {damage}", "Ответ повреждён: {damage}")
+    what: ClassVar[Text] = Text("The response is damaged: {damage}", "Ответ повреждён: {damage}")
 
 
 class WrongLength(LineError):
     """A valid frame of a length that does not fit the request (D13)."""
 
-    what = Text(
+    what: ClassVar[Text] = Text(
         "Bytes in the response: {length}; there should be {expected} for this request",
         "В ответе байтов: {length}; на этот запрос должно быть: {expected}",
     )
@@ -123,7 +129,7 @@ class WrongLength(LineError):
 class WrongAddress(LineError):
     """A valid frame that repeats another address than the request's (D13)."""
 
-    what = Text(
+    what: ClassVar[Text] = Text(
         "The response has address {got}, the request {asked}",
         "В ответе адрес {got}, а в запросе {asked}",
     )
@@ -132,17 +138,17 @@ class WrongAddress(LineError):
 class WrongContent(LineError):
     """A valid frame of the right length with invalid content (§3)."""
 
-    what = Text("Invalid response: {problem}", "Недопустимый ответ: {problem}")
+    what: ClassVar[Text] = Text("Invalid response: {problem}", "Недопустимый ответ: {problem}")
 
 
 class LineNotQuiet(LineError):
     """Bytes keep coming without a request (D2, D12)."""
 
-    what = Text(
+    what: ClassVar[Text] = Text(
         "The line does not become idle: something keeps sending",
         "Линия не освобождается: передача не прекращается",
     )
-    advice = Text(
+    advice: Text = Text(
         "Another tester on the wire, or a stream that the unit does not end: switch the ignition "
         "off for ten seconds and on again.",
         "На линии другой прибор, либо блок не прекращает поток: выключите зажигание на десять "
@@ -153,7 +159,7 @@ class LineNotQuiet(LineError):
 class SyncLost(LineError):
     """After a failed exchange the ECU could not be resynchronised (D13)."""
 
-    what = Text(
+    what: ClassVar[Text] = Text(
         "Synchronisation with the ECU could not be restored after a failed exchange",
         "После сбоя обмена не удалось восстановить синхронизацию с блоком",
     )
@@ -164,13 +170,13 @@ class ReadingSuspended(LineError):
 
     _MOVED = 1.0  # s that it takes to move the plug to another car, at least
 
-    what = Text(
+    what: ClassVar[Text] = Text(
         "The program did not run for {seconds:.1f} s; what came meanwhile is left out, its time is "
         "unknown",
         "Программа не работала {seconds:.1f} с; принятое тем временем отброшено: неизвестно, когда "
         "оно пришло",
     )
-    advice = Text(
+    advice: Text = Text(
         "It was suspended (Ctrl-Z, a debugger), or the computer slept or was overloaded. Give a "
         "command that was cut off again.",
         "Её приостановили (Ctrl-Z, отладчик), либо компьютер спал или был перегружен. Прерванную "
@@ -194,8 +200,8 @@ class EcuRefused(MikasError):
 class WriteRefused(EcuRefused):
     """The ECU answered 01 to a write (§3)."""
 
-    what = Text("The ECU refused the write", "Блок отверг запись")
-    advice = Text(
+    what: ClassVar[Text] = Text("The ECU refused the write", "Блок отверг запись")
+    advice: Text = Text(
         "This unit does not allow this cell or parameter to be written; nothing was changed.",
         "Этот блок не разрешает запись этой ячейки или параметра; ничего не изменено.",
     )
@@ -204,15 +210,15 @@ class WriteRefused(EcuRefused):
 class NotSupported(EcuRefused):
     """Unknown command or parameter: silence, or 01 where that can't be data (D10)."""
 
-    what = Text("This ECU does not know {command}", "Этот блок не знает {command}")
-    advice = Text("Not every unit has every command.", "Не каждый блок знает все команды.")
+    what: ClassVar[Text] = Text("This ECU does not know {command}", "Этот блок не знает {command}")
+    advice: Text = Text("Not every unit has every command.", "Не каждый блок знает все команды.")
 
 
 class ListLost(NotSupported):
     """The unit refused to give its list (63), which was set before (§3)."""
 
-    what = Text("The unit has no list now", "Сейчас в блоке нет списка")
-    advice = Text(
+    what: ClassVar[Text] = Text("The unit has no list now", "Сейчас в блоке нет списка")
+    advice: Text = Text(
         "A unit forgets its list when its supply goes off: set the list again.",
         "При отключении питания блок забывает список: задайте его заново.",
     )
@@ -221,11 +227,11 @@ class ListLost(NotSupported):
 class ReadBackDiffers(EcuRefused):
     """The write was accepted, but another value was read back."""
 
-    what = Text(
+    what: ClassVar[Text] = Text(
         "{name}: {wanted} was written, {got} was read back",
         "{name}: записано {wanted}, прочитано {got}",
     )
-    advice = Text(
+    advice: Text = Text(
         "The cell may be read-only, or the unit's program changes it; read it again before you "
         "rely on it.",
         "Возможно, ячейка доступна только для чтения или её меняет программа блока; прочтите её "
@@ -236,8 +242,8 @@ class ReadBackDiffers(EcuRefused):
 class NotConfirmed(MikasError):
     """A change that was not approved; nothing was sent."""
 
-    what = Text(
+    what: ClassVar[Text] = Text(
         "Not confirmed, nothing was changed: {change}",
         "Не подтверждено, ничего не изменено: {change}",
     )
-    advice = Text("{how}", "{how}")
+    advice: Text = Text("{how}", "{how}")

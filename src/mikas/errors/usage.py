@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
-from typing import cast
+from typing import ClassVar, cast
 
 from mikas.cleaning import public_url
 from mikas.errors.base import MikasError, reason_at
@@ -19,7 +19,7 @@ from mikas.i18n import Text
 class UsageError(MikasError, ValueError):
     """Wrong use of a command or function; nothing was sent."""
 
-    what = Text("{problem}", "{problem}")
+    what: ClassVar[Text] = Text("{problem}", "{problem}")
 
 
 def usage_error(en: str, ru: str) -> UsageError:
@@ -46,8 +46,8 @@ def unusable_file(file: Path, error: OSError) -> UsageError:
 class UnknownParameter(UsageError):
     """No parameter has this name or code. `suggestions`: the nearest names, best first."""
 
-    what = Text("There is no parameter “{name}”", "Нет параметра «{name}»")
-    advice = Text(
+    what: ClassVar[Text] = Text("There is no parameter “{name}”", "Нет параметра «{name}»")
+    advice: Text = Text(
         "{nearest}A raw code is written 0x1A, or 0x3F:2 for two bytes.",
         "{nearest}Код без имени пишется 0x1A, двухбайтовый 0x3F:2.",
     )
@@ -55,7 +55,7 @@ class UnknownParameter(UsageError):
     def __init__(self, name: str, suggestions: Sequence[str] = ()) -> None:
         self.name = name
         """The name as it was given."""
-        self.suggestions = tuple(suggestions)
+        self.suggestions: tuple[str, ...] = tuple(suggestions)
         """The nearest names, best first."""
         listed = ", ".join(self.suggestions)
         nearest = Text(f"Did you mean {listed}? ", f"Может быть, {listed}? ")
@@ -78,21 +78,21 @@ class NeedsSamples(UsageError):
 class NoList(UsageError):
     """The parameters of the unit's list are unknown: mikas has not set it, or it was lost."""
 
-    what = Text(
+    what: ClassVar[Text] = Text(
         "It is not known which parameters the unit's list has",
         "Неизвестно, какие параметры в списке блока",
     )
-    advice = Text("set_list() comes first.", "Сначала нужен set_list().")
+    advice: Text = Text("set_list() comes first.", "Сначала нужен set_list().")
 
 
 class AddressOutOfRange(UsageError):
     """The address, or the last one of a range, lies outside the memory space."""
 
-    what = Text(
+    what: ClassVar[Text] = Text(
         "{space} has addresses 0 to {last:#06x}; {count} byte(s) from {address:#x} exceed them",
         "Адреса {space} — от 0 до {last:#06x}; байты с {address:#x} (всего {count}) выходят за них",
     )
-    advice = Text(
+    advice: Text = Text(
         "Nothing was sent. Correct the address or the count.",
         "Ничего не послано. Исправьте адрес или число байтов.",
     )
@@ -101,17 +101,19 @@ class AddressOutOfRange(UsageError):
 class ValueDoesNotFit(UsageError):
     """The value can't be represented in the raw bytes of the parameter or the cell."""
 
-    what = Text(
+    what: ClassVar[Text] = Text(
         "{value} does not fit {name}: {allowed}", "{value} не подходит для {name}: {allowed}"
     )
-    advice = Text("Nothing was written.", "Ничего не записано.")
+    advice: Text = Text("Nothing was written.", "Ничего не записано.")
 
 
 class BadPortUrl(UsageError):
     """Invalid port URL, or an invalid option in it."""
 
-    what = Text("Invalid port “{url}”: {problem}", "Неверный порт «{url}»: {problem}")
-    advice = Text(
+    what: ClassVar[Text] = Text(
+        "Invalid port “{url}”: {problem}", "Неверный порт «{url}»: {problem}"
+    )
+    advice: Text = Text(
         "Ports look like /dev/ttyUSB0, COM3, socket://host:port, rfc2217://host:port, sim: or "
         "replay:FILE.",
         "Порты пишутся так: /dev/ttyUSB0, COM3, socket://host:port, rfc2217://host:port, sim:, "
@@ -122,92 +124,99 @@ class BadPortUrl(UsageError):
 class CatalogError(UsageError):
     """A catalog file is wrong. `file`, `line` (1-based; 0: the file as a whole), `problem`."""
 
-    what = Text("{place}: {problem}", "{place}: {problem}")
-    advice = Text(
+    what: ClassVar[Text] = Text("{place}: {problem}", "{place}: {problem}")
+    advice: Text = Text(
         "The file was not used; nothing else changed.",
         "Файл не использован; больше ничего не изменилось.",
     )
 
     def __init__(self, file: str, line: int, problem: Text) -> None:
-        self.file, self.line, self.problem = file, line, problem
-        """What is wrong."""
-        """From 1; 0: the file as a whole."""
+        self.file: str = file
         """The file."""
+        self.line: int = line
+        """From 1; 0: the file as a whole."""
+        self.problem: Text = problem
+        """What is wrong."""
         super().__init__(place=f"{file}:{line}" if line else file, problem=problem)
 
 
 class FormulaError(UsageError):
     """A formula is wrong. `span`: the first and the next character of the wrong part; None: all."""
 
-    what = Text("{problem}", "{problem}")
+    what: ClassVar[Text] = Text("{problem}", "{problem}")
 
     def __init__(self, problem: Text, span: tuple[int, int] | None = None) -> None:
-        self.problem, self.span = problem, span
-        """The first and the next character of the wrong part; None: all."""
+        self.problem: Text = problem
         """What is wrong."""
+        self.span: tuple[int, int] | None = span
+        """The first and the next character of the wrong part; None: all."""
         super().__init__(problem=problem)
 
 
 class CaptureError(UsageError):
     """A capture can't be read or written. `offset`: where in the file, if known."""
 
-    what = Text("{file}: {problem}", "{file}: {problem}")
+    what: ClassVar[Text] = Text("{file}: {problem}", "{file}: {problem}")
 
     def __init__(self, file: str, problem: Text, offset: int | None = None) -> None:
-        self.file, self.problem, self.offset = file, problem, offset
-        """Where in the file; None: unknown."""
-        """What is wrong."""
+        self.file: str = file
         """The file."""
+        self.problem: Text = problem
+        """What is wrong."""
+        self.offset: int | None = offset
+        """Where in the file; None: unknown."""
         super().__init__(file=file, problem=problem)
 
 
 class DiskFull(CaptureError, OSError):
     """There is no room for a capture, or for more of it."""
 
-    number = errno.ENOSPC
+    number: ClassVar[int | None] = errno.ENOSPC
 
-    advice = Text("Make room, then repeat.", "Освободите место и повторите.")
+    advice: Text = Text("Make room, then repeat.", "Освободите место и повторите.")
 
 
 class ExportError(UsageError):
     """An export can't be made: its name, an existing file, or the disk. No partial file stays."""
 
-    what = Text("{file}: {problem}", "{file}: {problem}")
-    advice = Text(
+    what: ClassVar[Text] = Text("{file}: {problem}", "{file}: {problem}")
+    advice: Text = Text(
         "Nothing was written; the recording is untouched.",
         "Ничего не записано; сама запись не тронута.",
     )
 
     def __init__(self, file: str, problem: Text) -> None:
-        self.file, self.problem = file, problem
-        """What is wrong."""
+        self.file: str = file
         """The file."""
+        self.problem: Text = problem
+        """What is wrong."""
         super().__init__(file=file, problem=problem)
 
 
 class FleetError(UsageError):
     """A place of recordings or a dataset can't be used. `place`: its path or URL, no password."""
 
-    what = Text("{place}: {problem}", "{place}: {problem}")
-    advice = Text(
+    what: ClassVar[Text] = Text("{place}: {problem}", "{place}: {problem}")
+    advice: Text = Text(
         "What is in a dataset already stays as it is.", "Всё, что уже есть в наборе, остаётся."
     )
 
     def __init__(self, place: str, problem: Text, advice: Text | None = None) -> None:
         super().__init__(place=place, problem=problem, advice=advice)
-        self.place, self.problem = public_url(place), cast("Text", self.fields["problem"])
-        """What is wrong."""
+        self.place: str = public_url(place)
         """Its path or URL, without a password."""
+        self.problem: Text = cast("Text", self.fields["problem"])
+        """What is wrong."""
 
 
 class JournalError(UsageError):
     """The journal of changes can't be written, so no change is made."""
 
-    what = Text(
+    what: ClassVar[Text] = Text(
         "The journal {file} can't be written: {problem}",
         "Не удаётся записать журнал {file}: {problem}",
     )
-    advice = Text(
+    advice: Text = Text(
         "Changes without a journal entry are not made. Free disk space, correct the folder's "
         "permissions, or name another folder in MIKAS_STATE.",
         "Изменения без записи в журнал не делаются. Освободите место на диске, исправьте права "
@@ -218,11 +227,11 @@ class JournalError(UsageError):
 class MissingExtra(UsageError, ImportError):
     """An optional library is not installed; names the extra that brings it."""
 
-    what = Text(
+    what: ClassVar[Text] = Text(
         "{feature} needs a library that is not installed",
         "Для «{feature}» нужна библиотека, которая не установлена",
     )
-    advice = (
+    advice: Text = (
         Text(
             "This program in one folder was built without it. Install mikas with Python: "
             'pipx install "mikas[{extra}]".',

@@ -87,7 +87,7 @@ class Ledger:
         self.entries: dict[str, LedgerEntry] = {}
         self.refused: dict[str, Text] = {}
         self.away: dict[str, LedgerEntry] = {}
-        self.readings = 0
+        self.readings: int = 0
         self._written: set[str] = set()  # names of own files, which a store may list late
         self._noted: set[str] = set()
         self._replaced: set[str] = set()  # keys of sound entries that others replace

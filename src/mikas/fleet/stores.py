@@ -135,7 +135,7 @@ class DiskStore(Store):
 
     def __init__(self, place: str) -> None:
         super().__init__(place)
-        self.root = as_path(place)
+        self.root: Path = as_path(place)
         try:
             utf_8(self.root)
         except ValueError:
@@ -276,12 +276,15 @@ class DiskStore(Store):
 class UrlStore(Store):
     """A place of fsspec."""
 
+    system: Any  # fsspec carries no types
+    root: str
+
     def __init__(self, place: str) -> None:
         super().__init__(place)
         self.system, self.root = file_system(place)
         protocol = self.system.protocol
         known = {protocol} if isinstance(protocol, str) else set(protocol)
-        self.is_object_store = bool(known & _OBJECT_STORES)
+        self.is_object_store: bool = bool(known & _OBJECT_STORES)
 
     def read(self, name: str, most: int) -> bytes | None:
         with errors_of(self.place), suppress(FileNotFoundError):

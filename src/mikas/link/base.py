@@ -188,13 +188,13 @@ class LinkWrapper(Link):
     def __init__(self, link: Link) -> None:
         self.link = link
         """The inner link."""
-        self.url = link.url
-        self.baud = link.baud
-        self.kind = link.kind
-        self.opened = link.opened
-        self.is_virtual = link.is_virtual
-        self.is_simulated = link.is_simulated
-        self.granularity = link.granularity
+        self.url: str = link.url
+        self.baud: int = link.baud
+        self.kind: PortKind = link.kind
+        self.opened: float = link.opened
+        self.is_virtual: bool = link.is_virtual
+        self.is_simulated: bool = link.is_simulated
+        self.granularity: float = link.granularity
 
     @property
     def description(self) -> str:
@@ -349,7 +349,7 @@ class WallClock:
         date: Callable[[], float] | None = None,
     ) -> None:
         self._steady = steady
-        self.date = date or time.time
+        self.date: Callable[[], float] = date or time.time
         """Returns the computer's date, in UNIX time."""
         self._offset = self.date() - steady()
 

@@ -25,7 +25,7 @@ from typing import TypeAlias
 
 import serial
 
-from mikas.errors import LineError, LinkLost, NoConnection, met_on
+from mikas.errors import LineError, LinkLost, NoConnection, PortKind, met_on
 from mikas.i18n import Text
 from mikas.link.base import (
     AT_ONCE,
@@ -88,7 +88,7 @@ class SerialLink(Link):
         granularity: float = LATENCY_TIMER,
     ) -> None:
         self.url = url
-        self.kind = kind_of(url)
+        self.kind: PortKind = kind_of(url)
         self.baud = baud
         self._about = about
         self._can_break = can_break  # turns false once the system has refused

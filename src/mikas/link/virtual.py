@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import threading
 from math import inf
+from threading import Thread
 from typing import Final
 from weakref import WeakKeyDictionary, ref
 
@@ -31,9 +32,9 @@ class BusLink(Link):
     def __init__(self, bus: Bus, url: str) -> None:
         self.bus = bus
         self.url = url
-        self.baud = bus.ecu.baud
+        self.baud: int = bus.ecu.baud
         latency, stalls = bus.adapter.kind.latency, bus.adapter.stalls
-        self.granularity = latency + (stalls.longest if stalls.every else 0.0)
+        self.granularity: float = latency + (stalls.longest if stalls.every else 0.0)
         self._problem: Text | None = None
         self._gone = threading.Event()  # set with the problem
 
@@ -107,10 +108,10 @@ class Follower:
     """
 
     def __init__(self, bus: Bus) -> None:
-        self.lock = threading.Lock()
+        self.lock: threading.Lock = threading.Lock()
         self.clock: WallClock = AwakeClock()
         self._bus = ref(bus)
-        self.thread = threading.Thread(target=self._run, name="mikas-sim", daemon=True)
+        self.thread: Thread = threading.Thread(target=self._run, name="mikas-sim", daemon=True)
         self.thread.start()
 
     def _run(self) -> None:

@@ -11,7 +11,7 @@ import asyncio
 from collections.abc import AsyncIterator, Callable
 from concurrent.futures import ThreadPoolExecutor
 from functools import wraps
-from typing import ParamSpec, Self, TypeVar
+from typing import Final, ParamSpec, Self, TypeVar
 
 from mikas.client import Ecu
 from mikas.live.session import Session, session
@@ -84,5 +84,5 @@ def _asynchronous(function: Callable[P, Session]) -> Callable[P, AsyncSession]:
     return call
 
 
-async_session = _asynchronous(session)
+async_session: Final = _asynchronous(session)
 """As `session`, for `async with` and `async for`."""

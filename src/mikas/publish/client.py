@@ -101,7 +101,7 @@ class Allowance:
     """The bytes that a broker may still send."""
 
     def __init__(self, now: Callable[[], float] = time.monotonic) -> None:
-        self.exceeded = False
+        self.exceeded: bool = False
         self._now = now
         self._left = float(BURST)
         self._time = now()

@@ -90,10 +90,10 @@ class BrokerConnection:
 
     def __post_init__(self) -> None:
         check_library()
-        self.sent = 0
+        self.sent: int = 0
         """The number of messages that the broker surely has got."""
         self._written = 0  # these, and those that the network may have
-        self.is_connected = False
+        self.is_connected: bool = False
         self._first: Future[None] = Future()  # the first attempt
         self._loop: asyncio.AbstractEventLoop | None = None
         self._wakeup = asyncio.Event()

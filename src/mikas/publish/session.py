@@ -55,7 +55,7 @@ class Publisher:
             Message(self.destination.topics.availability, word, MessageKind.RETAINED)
             for word in (b"online", b"offline")  # this is the last will, too
         )
-        self.connection = BrokerConnection(
+        self.connection: BrokerConnection = BrokerConnection(
             self.destination.broker,
             self._outbox,
             client_id=self.destination.client_id,

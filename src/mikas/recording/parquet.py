@@ -40,7 +40,7 @@ class ParquetTable:
     ) -> None:
         self._channels = channels
         with _disk_errors():
-            self.database = duckdb.connect(
+            self.database: duckdb.DuckDBPyConnection = duckdb.connect(
                 utf_8(folder / "rows.db"),
                 config={
                     "memory_limit": _MEMORY,

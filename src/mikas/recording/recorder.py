@@ -98,7 +98,7 @@ class Recorder:
         self._lock = threading.RLock()
         self._open: _Open | None = None
         self._time: float | None = None  # the latest of a byte or an event, on the link's clock
-        self.later = 0.0
+        self.later: float = 0.0
         """The seconds that the date is later than the link's clock, as far as it was set since."""
 
     # For its users

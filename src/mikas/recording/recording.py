@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Iterator
 from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING, Literal, get_args
 
 from mikas.catalog import Catalog
@@ -18,7 +19,7 @@ from mikas.options import check_choice
 from mikas.recording.annotations.events import RecordedUnit, catalogs_of, events_of, first_unit
 from mikas.recording.capture.notes import Note
 from mikas.recording.capture.reader import Problem, Source
-from mikas.recording.table.channels import Rows, all_channels, calendar, is_recorded, named
+from mikas.recording.table.channels import Channel, Rows, all_channels, calendar, is_recorded, named
 from mikas.sampling.events import Event, MethodChosen
 
 if TYPE_CHECKING:
@@ -60,9 +61,9 @@ class Recording:
             names = (names,)
         wanted = [named(catalog, name) for name in names]
         Converter(catalog, interpretation, ())  # raises, before the file is read
-        self.raw = raw or RawRecording(path, catalog.size_of, last_car=last_car)
+        self.raw: RawRecording = raw or RawRecording(path, catalog.size_of, last_car=last_car)
         """The bytes and exchanges of the file."""
-        self.path = self.raw.path
+        self.path: Path = self.raw.path
         """The file."""
         self.catalog = catalog
         """The definitions that decode it."""
@@ -71,10 +72,12 @@ class Recording:
         self._converter = Converter(catalog, interpretation, self.raw.codes)
         recorded = {channel.name: channel for channel in self._converter.channels}
         known = all_channels(recorded, catalog, wanted)
-        self.channels = tuple(known[name] for name in dict.fromkeys(wanted or known))
+        self.channels: tuple[Channel, ...] = tuple(
+            known[name] for name in dict.fromkeys(wanted or known)
+        )
         """The columns, in their order."""
         self._derived = [each.name for each in self.channels if each.name in catalog.derived]
-        self.absent = tuple(
+        self.absent: tuple[str, ...] = tuple(
             each.name for each in self.channels if not is_recorded(each.name, catalog, recorded)
         )
         """The wanted channels that the file lacks."""

@@ -73,24 +73,26 @@ class SearchCondition:
     """
 
     def __init__(self, catalog: Catalog, expression: str) -> None:
-        self.expression = " ".join(expression.split())
+        self.expression: str = " ".join(expression.split())
         try:
             parsed = parse(self.expression, {}, catalog.channel_of)
         except UsageError as error:
             raise usage_error(
                 f"The condition {error.reason.en}", f"Условие: {error.reason.ru}"
             ) from error
-        self.inputs = tuple(catalog.channel(name).name for name in parsed.inputs)
-        self.peak_of, self.is_lowest = _first_comparison(parsed.text)
+        self.inputs: tuple[str, ...] = tuple(catalog.channel(name).name for name in parsed.inputs)
+        peak_of, is_lowest = _first_comparison(parsed.text)
+        self.peak_of: str = peak_of
+        self.is_lowest: bool = is_lowest
         formulas = {_CONDITION: parsed.text}
         if self.peak_of:
             formulas[_PEAK] = self.peak_of
         derived = {name: _channel(name, formula) for name, formula in formulas.items()}
-        self.catalog = replace(catalog, derived={**catalog.derived, **derived})
-        self.names = tuple(derived)
-        self.requires = self.catalog.required_by(self.names)
+        self.catalog: Catalog = replace(catalog, derived={**catalog.derived, **derived})
+        self.names: tuple[str, ...] = tuple(derived)
+        self.requires: tuple[str, ...] = self.catalog.required_by(self.names)
         steps = in_order(self.catalog.derived, self.names)
-        self.cost = sum(each.calculation().cost for each in steps)
+        self.cost: int = sum(each.calculation().cost for each in steps)
 
     def find(self, stretches: Iterable[Rows]) -> SearchResult:
         """Return the hits in rows with the columns `names`, in their order."""

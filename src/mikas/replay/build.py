@@ -91,13 +91,13 @@ class ReplayBuilder:
     """Follows one capture, stretch by stretch. `shift`: from the current one's times to these."""
 
     def __init__(self, catalog: Catalog) -> None:
-        self.data = ReplayData()
-        self.outages = Outages()
-        self.shift = 0.0
+        self.data: ReplayData = ReplayData()
+        self.outages: Outages = Outages()
+        self.shift: float = 0.0
         self._latest = self._began = 0.0  # the last packet, and the begin of the recording
         self._recording: int | None = None
-        self.behaviour = EcuBehaviour()
-        self.contents = Contents(self.data, catalog, self.behaviour)
+        self.behaviour: EcuBehaviour = EcuBehaviour()
+        self.contents: Contents = Contents(self.data, catalog, self.behaviour)
         self._ports: dict[Source, RecordedPort] = {}  # of the current recording
         self._echoes = self._requests = 0
 

@@ -51,9 +51,9 @@ class ReplayCar:
         loop: bool = False,
     ) -> None:
         self.recorded = recorded
-        self.codes = tuple(recorded.places)
+        self.codes: tuple[int, ...] = tuple(recorded.places)
         self.loop = loop
-        self.speed = speed
+        self.speed: float = speed
         self._catalog = catalog
         self._waiting = True
         self._now = 0.0

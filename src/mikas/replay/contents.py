@@ -76,8 +76,8 @@ class RecordedPort:
 
     def __init__(self, contents: Contents, bodies: list[bytes]) -> None:
         self.contents = contents
-        self.classifier = ResponseClassifier(contents.layouts)
-        self.refusals = RefusalColumns(bodies, self._decide)
+        self.classifier: ResponseClassifier = ResponseClassifier(contents.layouts)
+        self.refusals: RefusalColumns = RefusalColumns(bodies, self._decide)
         self.request: Request | None = None
         self.previous: Request | None = None
         self.waiting: dict[int, Data] = {}
@@ -99,7 +99,7 @@ class Contents:
         self._catalog = catalog
         self.behaviour = behaviour
         self._sizes: dict[int, int] = {}  # of codes that the catalog lacks
-        self.layouts = Layouts(self._size_of)
+        self.layouts: Layouts = Layouts(self._size_of)
         self._series: dict[tuple[tuple[int, int, int], ...], Series] = {}
         self._commands: dict[bytes, c.Command[Any]] = {}
         self._versions: Counter[int] = Counter()

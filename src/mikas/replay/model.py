@@ -25,7 +25,7 @@ class ChangingValue(Generic[T]):
     """A value that changes seldom, with the times of its changes."""
 
     def __init__(self) -> None:
-        self.times = array("d")
+        self.times: array[float] = array("d")
         self.values: list[T] = []
 
     def add(self, time: float, value: T) -> None:
@@ -48,8 +48,8 @@ class Series:
 
     def __init__(self, layout: Layout) -> None:
         self.layout = layout
-        self.size = layout.length
-        self.times = array("d")
+        self.size: int = layout.length
+        self.times: array[float] = array("d")
         self._bodies = bytearray()
 
     @property

@@ -66,7 +66,9 @@ class Alarms:
 
     def __init__(self, catalog: Catalog) -> None:
         channels = catalog.channels.values()
-        self.states = {each.name: AlarmState(each) for each in channels if each.alarm_limits}
+        self.states: dict[str, AlarmState] = {
+            each.name: AlarmState(each) for each in channels if each.alarm_limits
+        }
         """The state of each channel that has limits, by name."""
 
     def update(self, values: Mapping[str, Value], time: float) -> list[AlarmChanged]:

@@ -50,20 +50,20 @@ class SamplingSession:
     ) -> None:
         self.unit: UnitIdentity | None = None
         """The unit found last, on any connection: `before` of the next acquisition."""
-        self.unit_port = ""
+        self.unit_port: str = ""
         """The URL at which that unit was found."""
-        self.samples = 0
+        self.samples: int = 0
         """Of the present connection, or the last one."""
         self.wants_faults: Callable[[], bool] = lambda: True
         """Whether the stored faults are read when they may have changed."""
         self.record = record
         """To be set before the first event."""
-        self.later = 0.0
+        self.later: float = 0.0
         """The seconds that the date is later than the link's clock, as far as it was set since."""
         self._acquisition: Acquisition | None = None
         self._answers = False  # a unit, on the present connection
         self._on_faults = on_faults or self._keep
-        self.faults = FaultWatch(in_streams)
+        self.faults: FaultWatch = FaultWatch(in_streams)
         """Knows the readings that it did not make by `know`, in the sampling thread."""
         self._made: deque[events.Event] = deque()  # by jobs, to be yielded
         self._dates = DateWatch()

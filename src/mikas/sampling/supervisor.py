@@ -279,7 +279,7 @@ class FirstValues:
 
     def __init__(self, context: SamplingContext, ecu: Ecu, *, works: bool) -> None:
         request = context.request
-        self.plan = Plan(request.selection.parameters, max_list=context.knowledge.max_list)
+        self.plan: Plan = Plan(request.selection.parameters, max_list=context.knowledge.max_list)
         self._context = context
         self._ecu = ecu
         self._works = works and request.method in (None, "batch") and not ecu.limits_cache.any_saved

@@ -85,13 +85,13 @@ class Line:
         self.echo = True  # set by the handshake
         self.raw_checksum = raw_checksum
         self.strict = strict
-        self.sent_until = -inf  # when the last byte of the latest request was sent
+        self.sent_until: float = -inf  # when the last byte of the latest request was sent
         # When the echo had arrived; an adapter may generate it before the bytes are sent.
-        self.echo_heard = -inf
+        self.echo_heard: float = -inf
         # Responses for which the other end may be an emulator that answers sooner than a wire
         # carries the request.
         self._at_once = 0
-        self.silences = 0  # how often two requests in a row got no byte: the unit was off
+        self.silences: int = 0  # how often two requests in a row got no byte: the unit was off
         self._unanswered = 0  # requests in a row
         self.noise = 0  # bare terminators around responses, which are skipped (D5)
         self.suspension: ReadingSuspended | None = None

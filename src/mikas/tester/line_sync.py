@@ -40,11 +40,11 @@ class LineSync:
 
     def __init__(self, line: Line) -> None:
         self.line = line
-        self.lost = False
-        self.found_again = 0  # resynchronizations (D13)
-        self.breaks = 0  # without which a stream would not have ended (D12)
+        self.lost: bool = False
+        self.found_again: int = 0  # resynchronizations (D13)
+        self.breaks: int = 0  # without which a stream would not have ended (D12)
         # A stream may be running: its pause looks like a quiet line, its response like one to `01`.
-        self.streaming = False
+        self.streaming: bool = False
         self._awaited = True  # the latest request's response may still arrive
 
     def mark_lost(self, error: BaseException | None = None) -> None:

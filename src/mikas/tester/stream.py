@@ -56,9 +56,9 @@ class Stream:
         on_error: Callable[[LineError], None],
     ) -> None:
         self.command = command
-        self.running = True
+        self.running: bool = True
         by_strokes = isinstance(command, c.StreamAtStroke)
-        self.silence = _STANDING_ENGINE if by_strokes else line.timing.response_timeout
+        self.silence: float = _STANDING_ENGINE if by_strokes else line.timing.response_timeout
         self._line = line
         self._end = end
         self._on_error = on_error

@@ -67,9 +67,9 @@ class Tester:
         self.retries = retries
         self.version_code: int | None = None
         self._asked_for_words = False
-        self.statistics = Statistics()
-        self.line = Line(link, timing or Timing(), raw_checksum=raw_checksum, strict=strict)
-        self.sync = LineSync(self.line)
+        self.statistics: Statistics = Statistics()
+        self.line: Line = Line(link, timing or Timing(), raw_checksum=raw_checksum, strict=strict)
+        self.sync: LineSync = LineSync(self.line)
         self._lock = threading.Lock()
         self._stream: Stream | None = None
         self._stream_thread: int | None = None

@@ -45,7 +45,7 @@ class Stalls:
     def __init__(self, every: float = 0.0, longest: float = 0.18, *, seed: int = 0) -> None:
         self.every = every
         self.longest = longest
-        self.total = 0.0
+        self.total: float = 0.0
         """Seconds of all stalls so far."""
         self._random = Random(seed)
         self._begin = self._end = -inf
@@ -72,7 +72,7 @@ class Adapter:
 
     def __init__(self, kind: AdapterKind, stalls: Stalls | None = None) -> None:
         self.kind = kind
-        self.stalls = stalls or Stalls()
+        self.stalls: Stalls = stalls or Stalls()
         self._pending = bytearray()
         self._ready: deque[tuple[float, bytes]] = deque()
         self._tick_at = inf  # when the latency timer expires, if bytes wait
@@ -128,7 +128,7 @@ class Transmitter:
         self.byte_time = byte_time
         self.queue: deque[_Byte] = deque()
         self.last: _Byte | None = None
-        self.free_at = -inf
+        self.free_at: float = -inf
 
     def transmit(self, data: bytes, start: float) -> None:
         start = max(start, self.free_at)
@@ -180,12 +180,12 @@ class Bus:
         stalls: Stalls | None = None,
     ) -> None:
         self.ecu = ecu
-        self.byte_time = 10 / ecu.baud
-        self.fault_injector = fault_injector or FaultInjector()
-        self.adapter = Adapter(adapter or AdapterKind(), stalls)
-        self.bytes_carried = 0
-        self.tester = Transmitter(self.byte_time)
-        self.unit = Transmitter(self.byte_time)
+        self.byte_time: float = 10 / ecu.baud
+        self.fault_injector: FaultInjector = fault_injector or FaultInjector()
+        self.adapter: Adapter = Adapter(adapter or AdapterKind(), stalls)
+        self.bytes_carried: int = 0
+        self.tester: Transmitter = Transmitter(self.byte_time)
+        self.unit: Transmitter = Transmitter(self.byte_time)
         self._break_end = -inf
         self._at = -inf  # time of the latest event
         self._next = self._next_on_wire()  # cached: read several times a byte

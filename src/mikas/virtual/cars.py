@@ -31,7 +31,7 @@ class EngineCar:
         start: float = 0.0,
     ) -> None:
         self.engine = engine
-        self.faults = list(dict.fromkeys([*sorted(engine.scenario.faults), *faults]))
+        self.faults: list[int] = list(dict.fromkeys([*sorted(engine.scenario.faults), *faults]))
         self._start = start
         self._latest = -inf  # when the engine's state was last used
         self._pinned = pinned(catalog, engine.scenario.raw, engine.scenario.values)
@@ -40,7 +40,7 @@ class EngineCar:
         self._encoders = {code: encoder for code, encoder in encoders.items() if encoder}
         self._sizes = {code: size for code, size in catalog.codes if code in self._encoders}
         self._sizes |= {code: len(datum) for code, datum in self._pinned.items()}
-        self.codes = tuple(self._sizes)
+        self.codes: tuple[int, ...] = tuple(self._sizes)
 
     def _from_engine(self, parameters: tuple[Parameter, ...]) -> Encoder | None:
         """Return the encoder of the datum that `parameters` share; None: the model lacks it."""

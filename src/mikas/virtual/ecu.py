@@ -56,7 +56,7 @@ class VirtualEcu:
         self._free_at = -inf  # when its own last byte has left
         self._stream: Stream | None = None
         self._due = inf  # the stream's next response; infinity: the engine stands
-        self.on = True
+        self.on: bool = True
         """Whether the unit had supply at the latest time."""
 
     def receive(self, data: bytes, now: float) -> None:

@@ -60,12 +60,12 @@ class FaultInjector:
         seed: int = 0,
         late_by: float = LATE_BY,
     ) -> None:
-        self.rates = dict(rates or {})
+        self.rates: dict[LineFault, float] = dict(rates or {})
         self.late_by = late_by
-        self.count = 0
+        self.count: int = 0
         self._random = Random(seed)
         self.queued: deque[LineFault | None] = deque()
-        self.spoils_next_echo = False
+        self.spoils_next_echo: bool = False
 
     def next(self, *faults: LineFault | None) -> None:
         """Queue faults for the next responses, in order; None: no fault."""

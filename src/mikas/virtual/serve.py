@@ -141,7 +141,7 @@ class PtyPort(ServedBus):
         # The slave stays open here, so that the port remains when a tester closes it.
         tty.setraw(self._slave)
         os.set_blocking(self._master, False)
-        self.url = os.ttyname(self._slave)
+        self.url: str = os.ttyname(self._slave)
         self._resume()
         self.advance()
 

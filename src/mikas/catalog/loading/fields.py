@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
 from functools import cache
-from typing import Any, TypeAlias, TypeVar, get_type_hints
+from typing import Any, Final, TypeAlias, TypeVar, get_type_hints
 
 from mikas.catalog.limits import LIMITS, Confidence, Level
 from mikas.catalog.loading.source import CatalogFile, KeyPath
@@ -157,9 +157,9 @@ def between(low: float, high: float) -> Reader:
     )
 
 
-nonzero = checked(rational, bool, "must not be 0", "не может быть 0")
-positive = checked(number, lambda it: it > 0, "must be above 0", "должно быть больше 0")
-scale_ends = checked(
+nonzero: Final = checked(rational, bool, "must not be 0", "не может быть 0")
+positive: Final = checked(number, lambda it: it > 0, "must be above 0", "должно быть больше 0")
+scale_ends: Final = checked(
     span, lambda it: it[0] != it[1], "must have two different ends", "концы должны различаться"
 )
 

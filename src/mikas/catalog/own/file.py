@@ -56,7 +56,8 @@ class OwnCatalog:
     """The file `path`, which need not exist, below `more` files. One change at a time."""
 
     def __init__(self, path: Path, more: Sequence[Path] = ()) -> None:
-        self.path, self._more = path, tuple(more)
+        self.path: Path = path
+        self._more = tuple(more)
 
     def load(self) -> Loaded:
         """Return the catalog of all files. Raises `CatalogError` for one of `more`."""

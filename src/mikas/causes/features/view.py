@@ -32,12 +32,12 @@ class View:
 
     def __init__(self, drive: DriveByRegime) -> None:
         self.drive = drive
-        self.times = drive.samples.times
+        self.times: Column = drive.samples.times
         warm, mild = self._late(drive.at(Regime.WARM_IDLE)), self._late(drive.at(Regime.MILD_IDLE))
-        self.warm = self._standing(self._settled(warm))
-        self.cold = self._standing(self._settled(drive.at(Regime.COLD_IDLE)))
-        self.idle = self._standing(self._settled(sorted([*warm, *mild])))
-        self.load = drive.at(Regime.PART_LOAD, Regime.FULL_LOAD)
+        self.warm: list[int] = self._standing(self._settled(warm))
+        self.cold: list[int] = self._standing(self._settled(drive.at(Regime.COLD_IDLE)))
+        self.idle: list[int] = self._standing(self._settled(sorted([*warm, *mild])))
+        self.load: list[int] = drive.at(Regime.PART_LOAD, Regime.FULL_LOAD)
         self._expected: dict[int, float] | None = None
 
     def column(self, name: str) -> Column | None:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 from mikas.cli.click_extensions import LocalizedGroup
 from mikas.cli.commands import home
 
-list = LocalizedGroup(  # noqa: A001  (the command's name)
+list: Final = LocalizedGroup(  # noqa: A001  (the command's name)
     "list",
     en="The list in the unit: `set` chooses its parameters, `read` reads all of them by one short "
     "request. The unit forgets it when its supply goes off.",
@@ -20,7 +22,7 @@ list = LocalizedGroup(  # noqa: A001  (the command's name)
     },
 )
 
-mem = LocalizedGroup(
+mem: Final = LocalizedGroup(
     "mem",
     en="The unit's memory: RAM, XRAM, CODE and SFR. Not every unit allows reading; these commands "
     "have not been tried on all units.",
@@ -50,7 +52,7 @@ mem = LocalizedGroup(
     },
 )
 
-fleet = LocalizedGroup(
+fleet: Final = LocalizedGroup(
     "fleet",
     en="Any number of recordings as one dataset of Parquet files, which also pandas, polars, "
     "DuckDB and Spark read: add recordings, ask by SQL, compare the cars in a report.",

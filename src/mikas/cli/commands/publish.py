@@ -6,7 +6,7 @@ import signal
 import threading
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from mikas.cli.click_extensions import command, flag_field, grouped, option_field, optional_field
 from mikas.cli.context import CommandContext
@@ -87,7 +87,7 @@ class PublishOptions:
     )
 
 
-publish_options = grouped(PublishOptions)
+publish_options: Final = grouped(PublishOptions)
 
 
 @command(

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import click
 
@@ -87,5 +87,5 @@ class BrokerOptions:
         return Destination(broker, topics, self.client_id or topics.identifier, patient)
 
 
-broker_options = grouped(BrokerOptions, click.argument("address", metavar="mqtt://HOST"))
+broker_options: Final = grouped(BrokerOptions, click.argument("address", metavar="mqtt://HOST"))
 """The address of the broker and its options."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from mikas import unkept
 from mikas.cli.click_extensions import grouped, option_field, optional_field
@@ -89,5 +89,5 @@ class CarOptions:
         return note
 
 
-car_options = grouped(CarOptions)
+car_options: Final = grouped(CarOptions)
 """The options that `log` and `report` share."""

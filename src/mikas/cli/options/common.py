@@ -28,7 +28,7 @@ class LocalizedOption(click.Option):
             kwargs |= {"type": OneOf(words), "metavar": f"[{'|'.join(words)}]"}
         kwargs.setdefault("metavar", METAVARS.get(kwargs.get("type")))
         super().__init__(*args, **kwargs)
-        self.text = Text(en, ru)
+        self.text: Text = Text(en, ru)
 
     def get_help_record(self, ctx: click.Context) -> tuple[str, str] | None:
         record = super().get_help_record(ctx)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Final
 
 from mikas.cli.click_extensions import flag_field, grouped, optional_field
 from mikas.cli.options.parameter_types import existing_file, whole
@@ -90,5 +91,5 @@ class DashboardOptions:
             )
 
 
-dashboard_options = grouped(DashboardOptions)
+dashboard_options: Final = grouped(DashboardOptions)
 """The options that `dash` and `demo` share."""

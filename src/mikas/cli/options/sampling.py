@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Final
 
 import click
 
@@ -71,7 +72,7 @@ class SamplingOptions:
         return replace(self, count=most if self.count is None else min(most, self.count))
 
 
-sampling_options = grouped(
+sampling_options: Final = grouped(
     SamplingOptions,
     click.argument("names", metavar="[NAME[/N]]...", nargs=-1, shell_complete=channel_names),
     RELEARN,

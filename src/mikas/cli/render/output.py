@@ -119,7 +119,7 @@ class StatusLine:
     def __init__(self, output: Output, text: Callable[[], str]) -> None:
         self._output = output
         self._text = text
-        self.live = sys.stderr.isatty()
+        self.live: bool = sys.stderr.isatty()
         self._drawn: float | None = None
         self._before = ""
         self._writing = threading.RLock()

@@ -26,7 +26,7 @@ class PublishingReport:
 
     def __init__(self, output: Output, run: SamplingRun, url: str, base: str) -> None:
         self.publisher: Publisher | None = None
-        self.progress = StatusLine(output, self._status)
+        self.progress: StatusLine = StatusLine(output, self._status)
         self._output = output
         self._run = run
         self._url = url

@@ -44,7 +44,8 @@ class EscapingStream:
         make_safe: Callable[[str], str] = terminal_text,
         hide: Callable[[str], str] = str,
     ) -> None:
-        self.raw, self.hide = raw, hide
+        self.raw: TextIO = raw
+        self.hide: Callable[[str], str] = hide
         self._make_safe = make_safe
 
     def write(self, text: str) -> int:

@@ -166,7 +166,9 @@ class Dump:
         self._ecu = ecu
         self._space = space
         self._file = file
-        self.manifest = Manifest(space.name, first, last, ecu.model.text.en, *identity_of(ecu))
+        self.manifest: Manifest = Manifest(
+            space.name, first, last, ecu.model.text.en, *identity_of(ecu)
+        )
         if os.path.lexists(file) or os.path.lexists(manifest_path(file)):
             if not resume:
                 there = file_error(

@@ -147,9 +147,9 @@ class Restore:
         self._dump = dump
         self._state = beside(dump.path, ".restore.json")
         self.runs: tuple[Run, ...] = ()
-        self.written = 0
+        self.written: int = 0
         self.differences: list[dumps.Difference] = []
-        self.is_interrupted = False
+        self.is_interrupted: bool = False
         if os.path.lexists(self._state) and not resume:
             raise dumps.file_error(
                 dump.path,

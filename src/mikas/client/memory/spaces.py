@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from typing import ClassVar
 
 from mikas import commands as c
 from mikas import errors
@@ -82,7 +83,7 @@ class MemorySpace:
     def __init__(self, name: str, tester: Tester, gate: Gate, cache: LimitsCache) -> None:
         self.name = name
         """ram, xram, code or sfr."""
-        self.last = c.Space(name).last
+        self.last: int = c.Space(name).last
         """The highest address."""
         self._commands = _SPACES[name]
         self._tester = tester
@@ -293,7 +294,12 @@ def _in_hex(data: bytes) -> Text:
 class Memory:
     """`memory.ram`, `.xram`, `.code`, `.sfr`; or by name, `memory["ram"]`."""
 
-    NAMES = tuple(_SPACES)
+    ram: MemorySpace
+    xram: MemorySpace
+    code: MemorySpace
+    sfr: MemorySpace
+
+    NAMES: ClassVar[tuple[str, ...]] = tuple(_SPACES)
     """The names of the four spaces."""
 
     def __init__(self, tester: Tester, gate: Gate, cache: LimitsCache) -> None:

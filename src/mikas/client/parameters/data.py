@@ -50,7 +50,7 @@ class DataReader:
     def __init__(self, tester: Tester, cache: LimitsCache) -> None:
         self._tester = tester
         self._cache = cache
-        self.requests = _Requests(tester, cache)
+        self.requests: _Requests = _Requests(tester, cache)
         self._silence = SilenceCheck(tester)  # of the present reading
         self._ambiguous: Counter[int] = Counter()  # answers 01 by code: datum or refusal
         self._too_long = 0  # failures in a row of a list length that has worked before
@@ -174,7 +174,7 @@ class _Requests:
     """Sends single requests; keeps the facts about the unit that their responses show."""
 
     def __init__(self, tester: Tester, cache: LimitsCache) -> None:
-        self.longest_list = 1  # that this unit has answered
+        self.longest_list: int = 1  # that this unit has answered
         self.answered: dict[int, Datum] = {}  # codes that have answered with a datum, latest last
         self._tester = tester
         self._cache = cache

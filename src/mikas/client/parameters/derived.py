@@ -94,10 +94,12 @@ class DerivedChannels:
 
     def __init__(self, catalog: Catalog, names: Iterable[str]) -> None:
         names = tuple(dict.fromkeys(names))
-        self.channels = tuple(catalog.derived[name] for name in names)
+        self.channels: tuple[Derived, ...] = tuple(catalog.derived[name] for name in names)
         self._catalog = catalog
         self._steps = _steps(catalog, names)
-        self.totals = {each.name: Integral() for each, _ in self._steps if each.accumulates}
+        self.totals: dict[str, Integral] = {
+            each.name: Integral() for each, _ in self._steps if each.accumulates
+        }
         """That of each accumulating channel, also while it has no value."""
 
     def continue_from(self, before: DerivedChannels, requested: Iterable[str]) -> None:
@@ -182,9 +184,9 @@ class Integral:
     """
 
     def __init__(self) -> None:
-        self.total = 0.0
+        self.total: float = 0.0
         self.since: float | None = None
-        self.gaps = 0
+        self.gaps: int = 0
         self._last: tuple[float, float] | None = None  # time and rate; None after a gap
         self._steps = 0.0, 0.0  # s, the last two, latest second; 0: unknown
 

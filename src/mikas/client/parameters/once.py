@@ -46,7 +46,7 @@ class Once:
         parameters = {each.name: each for each in self._channels if isinstance(each, Parameter)}
         for name in catalog.required_by(each.name for each in self._derived):
             parameters.setdefault(name, catalog.parameter(name))
-        self.parameters = tuple(parameters.values())
+        self.parameters: tuple[Parameter, ...] = tuple(parameters.values())
 
     def values(self, readings: Mapping[str, Reading]) -> dict[str, Reading | DerivedValue]:
         """Return the value of each channel, in the order of the names.

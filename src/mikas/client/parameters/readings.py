@@ -9,6 +9,7 @@ from types import MappingProxyType
 from mikas import errors
 from mikas.catalog import Conversion, Parameter
 from mikas.client.parameters.data import RawDatum, distinct
+from mikas.commands import Datum
 from mikas.i18n import Text, unit_after
 from mikas.tester import StreamItem
 
@@ -79,8 +80,8 @@ class Wanted:
     """
 
     def __init__(self, parameters: Sequence[Parameter], interpretation: str) -> None:
-        self.parameters = tuple(parameters)
-        self.data = distinct(self.parameters)
+        self.parameters: tuple[Parameter, ...] = tuple(parameters)
+        self.data: tuple[Datum, ...] = distinct(self.parameters)
         places = {datum.code: place for place, datum in enumerate(self.data)}
         self._decoded = [
             (each.name, each.code, places[each.code], each, *_conversion(each, interpretation))

@@ -11,7 +11,7 @@ import json
 import os
 from contextlib import suppress
 from pathlib import Path as FilePath
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Final, Literal
 
 from fastapi import APIRouter, Path, Query
 from fastapi.responses import Response
@@ -30,7 +30,7 @@ from mikas.dashboard.security import control
 from mikas.dashboard.session.changes import recording_deletion
 from mikas.files import open_regular
 
-router = APIRouter()
+router: Final = APIRouter()
 
 Space = Literal["ram", "xram", "code", "sfr"]
 NUMBER = r"^(0[xX][0-9A-Fa-f]{1,4}|[0-9]{1,5})$"

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from math import isfinite
-from typing import Annotated, Any
+from typing import Annotated, Any, Final
 
 from fastapi import APIRouter, Query
 from pydantic import BaseModel, Field
@@ -44,7 +44,7 @@ from mikas.i18n import Text
 from mikas.recording.table.channels import Rows
 from mikas.sampling.events import LineState
 
-router = APIRouter(tags=["channels"])
+router: Final = APIRouter(tags=["channels"])
 
 Name = Annotated[str, Field(min_length=1, max_length=40)]
 Finite = Annotated[float, Field(allow_inf_nan=False)]

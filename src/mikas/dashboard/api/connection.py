@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import AsyncIterator
-from typing import Annotated, Literal
+from typing import Annotated, Final, Literal
 
 from fastapi import APIRouter
 from fastapi.responses import Response, StreamingResponse
@@ -39,7 +39,7 @@ from mikas.errors import MikasError
 from mikas.i18n import Text
 from mikas.link.urls import parse
 
-router = APIRouter(tags=["connection"])
+router: Final = APIRouter(tags=["connection"])
 
 _MAX_URL = 500
 _NDJSON = "application/x-ndjson"

@@ -27,6 +27,7 @@ from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.error_responses import status_of
 from mikas.dashboard.errors import BadRequest, NotAllowed, OnlyHere
 from mikas.dashboard.library.folder import RecordingFile
+from mikas.dashboard.library.service import RecordingService
 from mikas.dashboard.security.access import check_from_network
 from mikas.dashboard.security.control import Client
 from mikas.errors import MikasError
@@ -112,8 +113,9 @@ class Requester:
 
     def __init__(self, request: Request, dashboard: TheDashboard) -> None:
         self._request = request
-        self.dashboard, self.library = dashboard, dashboard.library
-        self.address = address_of(request)
+        self.dashboard: TheDashboard = dashboard
+        self.library: RecordingService = dashboard.library
+        self.address: str | None = address_of(request)
 
     async def view(
         self, identity: str, look: Callable[[RecordingFile], T], *, virtual: bool = False

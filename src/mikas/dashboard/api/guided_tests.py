@@ -5,7 +5,7 @@ The page asks for `/tests/run` some times a second; the watched values come with
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Final
 
 from fastapi import APIRouter, Path
 from fastapi.responses import Response
@@ -23,7 +23,7 @@ from mikas.dashboard.session.guided_tests import KeptResult
 from mikas.guided.definition import Certainty, VerdictKind
 from mikas.guided.engine import ProgressPhase
 
-router = APIRouter(prefix="/tests", tags=["tests"])
+router: Final = APIRouter(prefix="/tests", tags=["tests"])
 
 Name = Annotated[str, Path(max_length=80)]
 

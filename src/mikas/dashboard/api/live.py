@@ -47,7 +47,7 @@ _GOING_AWAY, _POLICY_VIOLATION, _INTERNAL_ERROR, _TRY_LATER = 1001, 1008, 1011, 
 Fields = frozenset[str] | None
 _REQUEST: Final = TypeAdapter[PingMessage | FieldsMessage](PingMessage | FieldsMessage)
 
-router = APIRouter()
+router: Final = APIRouter()
 
 
 def dumps(value: object) -> str:
@@ -64,15 +64,15 @@ class Listener:
 
     def __init__(self, client: Client, page: str = "", address: str | None = None) -> None:
         self.client = client
-        self.page = page or secrets.token_hex(8)
+        self.page: str = page or secrets.token_hex(8)
         self.address = address
         self.replaced = False
         self.fields: Fields = None
         self.waiting: deque[str] = deque()
-        self.wake = asyncio.Event()
-        self.dropped = 0
+        self.wake: asyncio.Event = asyncio.Event()
+        self.dropped: int = 0
         self.pong: str | None = None
-        self.state_sent = 0
+        self.state_sent: int = 0
         self._sequence = 0
 
     def offer(self, tail: str) -> None:

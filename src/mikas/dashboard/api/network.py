@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from typing import Final
 
 from fastapi import APIRouter, Request
 from pydantic import BaseModel, Field
@@ -12,7 +13,7 @@ from mikas.dashboard.api.dependencies import LocalClient, TheDashboard
 from mikas.dashboard.api.errors import errors
 from mikas.dashboard.program import Ending, Sharing
 
-router = APIRouter(tags=["about"])
+router: Final = APIRouter(tags=["about"])
 
 
 class NetworkRequest(BaseModel):

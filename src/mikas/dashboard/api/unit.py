@@ -7,7 +7,7 @@ A freeze frame holds the values around the moment at which a fault was stored.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TypeVar
+from typing import Final, TypeVar
 
 from fastapi import APIRouter
 from pydantic import BaseModel, Field
@@ -27,7 +27,7 @@ from mikas.recording.freeze_frames import FreezeFrame, shown_first
 
 T = TypeVar("T")
 
-router = APIRouter(tags=["unit"])
+router: Final = APIRouter(tags=["unit"])
 
 _PROBE = 120.0  # s: each unanswered command takes one
 

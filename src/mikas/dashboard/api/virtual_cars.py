@@ -5,14 +5,14 @@ A car is chosen by its URL, `sim:?scenario=mixed&car=leak:8` (`POST /api/connect
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Final
 
 from fastapi import APIRouter, Query
 from pydantic import BaseModel, Field
 
 from mikas.dashboard.api.errors import TwoTexts, errors, made_of
 
-router = APIRouter(tags=["connection"])
+router: Final = APIRouter(tags=["connection"])
 
 
 class VirtualScenario(BaseModel):

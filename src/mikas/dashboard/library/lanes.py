@@ -219,7 +219,7 @@ class WorkThread(threading.Thread):
 
     def __init__(self, name: str, work: Callable[[], object], outcome: Future[Any]) -> None:
         super().__init__(name=name, daemon=True)
-        self.cancellation = Cancellation()
+        self.cancellation: Cancellation = Cancellation()
         self._work, self._outcome = work, outcome
         self._gate = threading.Lock()
         self._may_interrupt = False

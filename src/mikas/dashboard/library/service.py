@@ -90,7 +90,7 @@ class References:
     """`marks`: the file of the marked names; `folder`: of the virtual car's recordings."""
 
     def __init__(self, marks: Path, folder: Path) -> None:
-        self.file = KeptFile(marks, _MOST_BYTES, _names)
+        self.file: KeptFile[list[str]] = KeptFile(marks, _MOST_BYTES, _names)
         self._folder = folder
         self._changing = threading.Lock()
 
@@ -185,9 +185,9 @@ class RecordingService:
     in_progress: Callable[[], str | None]
 
     def __post_init__(self) -> None:
-        self.views = Lane(VIEWS, on_end=self._tidy_later)
-        self.files = Lane(FILES, on_end=self._tidy_later)
-        self.answers = Lane(ANSWERS, AnswerTookTooLong, self._tidy_later)
+        self.views: Lane = Lane(VIEWS, on_end=self._tidy_later)
+        self.files: Lane = Lane(FILES, on_end=self._tidy_later)
+        self.answers: Lane = Lane(ANSWERS, AnswerTookTooLong, self._tidy_later)
         self._lanes = (self.views, self.files, self.answers)
         self._summaries: dict[str, _Kept] = {}
         self._open = OpenRecordings(self.clock)

@@ -34,7 +34,8 @@ class CatalogInUse:
     def __init__(
         self, own: OwnCatalog, catalog: Catalog, use: Callable[[Catalog, Catalog], None]
     ) -> None:
-        self.own, self.catalog = own, catalog
+        self.own: OwnCatalog = own
+        self.catalog: Catalog = catalog
         self._use = use
         self._lock = threading.Lock()
 

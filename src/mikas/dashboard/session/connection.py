@@ -255,7 +255,7 @@ class SamplingPlanner:
     def __init__(self, connection: Connection, options: ConnectionOptions) -> None:
         self._connection, self._options = connection, options
         self._lock = threading.Lock()
-        self.request = PlanSettings(dict.fromkeys(options.catalog.channels, 1))
+        self.request: PlanSettings = PlanSettings(dict.fromkeys(options.catalog.channels, 1))
 
     def sample(self, request: PlanSettings) -> None:
         """Sample `request` from now on, or from the next connection. Raises `UnknownParameter` …"""

@@ -74,7 +74,7 @@ class History:
         self._seconds = seconds
         self._lock = threading.Lock()
         self._blocks: deque[_Block] = deque()
-        self.count = 0
+        self.count: int = 0
         """The rows that were ever added."""
 
     def add(self, time: float, names: tuple[str, ...], row: Sequence[float]) -> None:

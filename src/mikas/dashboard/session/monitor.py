@@ -59,7 +59,7 @@ class Meters:
     """Rates of the line by the link's clock; the caller holds the monitor's lock."""
 
     def __init__(self) -> None:
-        self.errors = 0
+        self.errors: int = 0
         self._times: deque[float] = deque()
         self._wire: deque[tuple[float, int]] = deque()
         self._errors: deque[float] = deque(maxlen=10_000)
@@ -112,7 +112,7 @@ class ConnectionMonitor:
     """Follows one connection after the other. `lock` guards all of it, the meters too."""
 
     def __init__(self, history: History, session: SamplingSession) -> None:
-        self.lock = threading.RLock()
+        self.lock: threading.RLock = threading.RLock()
         self.history = history
         self.session = session
         self.listened = False
@@ -128,17 +128,17 @@ class ConnectionMonitor:
         with self.lock:
             self.line: events.LineState | None = None
             self.error: MikasError | None = None
-            self.since = time
+            self.since: float = time
             self.unit: events.UnitFound | None = None
             self.method: str | None = None
             self.rates: dict[str, float] = {}
             self.dropped: list[str] = []
             self.alarms: dict[str, events.AlarmChanged] = {}
-            self.alarm_count = 0
+            self.alarm_count: int = 0
             self.latest: dict[str, Reading | DerivedValue] = {}
-            self.injection = InjectionWatch()
+            self.injection: InjectionWatch = InjectionWatch()
             """Whether the unit of this connection controls the ignition alone."""
-            self.meters = Meters()
+            self.meters: Meters = Meters()
             self._awaited = _NOTHING
             self._searched = False  # for a port or a unit, since the last values
             self._errors: deque[tuple[str, float | None, bytes | None]] = deque(maxlen=_ERRORS)

@@ -51,7 +51,7 @@ class StoppablePort:
         self._open_port = open_port
         self.link: Link | None = None
         """The latest link; None: none was opened."""
-        self.stopping = threading.Event()
+        self.stopping: threading.Event = threading.Event()
 
     def open(self, url: str) -> Link:
         """Open the port. Raises `Stopped`."""
@@ -94,13 +94,13 @@ class SamplingThread(threading.Thread):
         moved: bool = False,
     ) -> None:
         super().__init__(name="mikas sampling", daemon=True)
-        self.url = port.url
+        self.url: str = port.url
         self._stoppable = StoppablePort(settings.open_port)
-        self.ended = False
+        self.ended: bool = False
         """Sampling has ended by itself, with `failure` if it was an error."""
         self.failure: MikasError | None = None
         self._on_event, self._on_end = on_event, on_end
-        self.port = ReconnectingPort(
+        self.port: ReconnectingPort = ReconnectingPort(
             port.url,
             find=settings.find,
             open_port=self._stoppable.open,
@@ -116,7 +116,7 @@ class SamplingThread(threading.Thread):
             journal=settings.journal,
             state=settings.units,
         )
-        self.acquisition = Acquisition(
+        self.acquisition: Acquisition = Acquisition(
             self.port,
             options.create_ecu,
             options.catalog,

@@ -53,7 +53,7 @@ class SessionRecorder:
         """The recording that the end of the program ended."""
         self._continues = False  # with the next unit that is found
         self._marked: OrderedDict[float, Path] = OrderedDict()  # markers by time: their files
-        self.recorder = Recorder(
+        self.recorder: Recorder = Recorder(
             interpretation=interpretation,
             on_file=lambda path: self._log(path.name, on=True),
             car=self._car_note,

@@ -52,7 +52,7 @@ def source(
 
 def _part(name: str) -> tuple[str, str]:
     """Return the docstring and the rest of a part, without its imports of other parts."""
-    text = files(__package__).joinpath("parts", f"{name}.py").read_text("utf-8")
+    text = files(__package__).joinpath("_parts", f"{name}.py").read_text("utf-8")
     document = _DOCUMENT.match(text)
     assert document
     return document[1], _IMPORT.sub("", text[document.end() :])

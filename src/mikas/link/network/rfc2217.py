@@ -140,7 +140,7 @@ class Rfc2217Port(RawTcpPort):
 
     def __init__(self, settings: LineSettings, *, patience: float) -> None:
         super().__init__(patience=patience)
-        self.can_break = False
+        self.can_break: bool = False
         self._settings = settings
         self._decoder = TelnetDecoder(_COM_PORT)
         self._binary = True  # of the bytes that are sent

@@ -69,10 +69,11 @@ class RawTcpPort:
     _socket: socket.socket
 
     def __init__(self, *, patience: float) -> None:
-        self.first = self.last = b""
-        self.number = 0
+        self.first: bytes = b""
+        self.last: bytes = b""
+        self.number: int = 0
         self._patience = patience
-        self.ended_there = False
+        self.ended_there: bool = False
 
     def open(self, place: Place) -> None:
         """Connect."""

@@ -71,8 +71,8 @@ class TelnetDecoder:
     """
 
     def __init__(self, option: int) -> None:
-        self.spoken = False
-        self.doubles_ff = True
+        self.spoken: bool = False
+        self.doubles_ff: bool = True
         self._option = option
         self._state = _State.DATA
         self._verb = Verb.DONT

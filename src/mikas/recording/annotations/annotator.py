@@ -40,8 +40,8 @@ class SessionAnnotator:
         self._began = -inf  # of this recording
         self._values: float | None = None  # the latest in it
         self._gap: events.Gap | None = None  # the present one
-        self.samples = 0
-        self.gaps = 0
+        self.samples: int = 0
+        self.gaps: int = 0
 
     def head(self, time: float) -> Iterator[Note]:
         """Yield the first notes of a new recording, as of `time`; restart counting."""

@@ -91,7 +91,7 @@ class CaptureReader:
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
-        self.path = Path(path)
+        self.path: Path = Path(path)
         with opened_capture(path):
             pass
 

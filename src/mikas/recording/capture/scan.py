@@ -80,7 +80,7 @@ class Scanner:
 
     def __init__(self, file: BinaryIO, stop: int | None = None) -> None:
         end = file.seek(0, 2)
-        self.size = end if stop is None else min(end, stop)
+        self.size: int = end if stop is None else min(end, stop)
         self._file = file
         self._window = b""
         self._begin = 0  # of the window in the file

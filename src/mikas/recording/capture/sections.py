@@ -8,6 +8,7 @@ from typing import BinaryIO, Final
 
 from mikas.recording.capture import blocks as pcapng
 from mikas.recording.capture.dating import dated_index
+from mikas.recording.capture.notes import FileIndex
 from mikas.recording.capture.reader import Blocks, Packet
 from mikas.recording.capture.scan import scan
 
@@ -23,8 +24,8 @@ class Sections:
 
     def __init__(self, file: BinaryIO) -> None:
         self.file = file
-        self.index = dated_index(file)
-        self.edges = [*self.index.sections, self.index.size]
+        self.index: FileIndex = dated_index(file)
+        self.edges: list[int] = [*self.index.sections, self.index.size]
         self._heads: dict[int, tuple[Blocks, Packet | None]] = {}  # of the latest section
 
     def head(self, section: int) -> tuple[Blocks, Packet | None]:

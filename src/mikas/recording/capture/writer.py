@@ -65,8 +65,8 @@ class CaptureWriter:
         overwrite: bool = False,
         pipe: bool = True,
     ) -> None:
-        self.path = Path(path)
-        self.deleted = False
+        self.path: Path = Path(path)
+        self.deleted: bool = False
         """The file was deleted while it was recorded; its contents are lost."""
         self._interface = pcapng.Interface(name=public_port(url), speed=baud)
         self._interfaces = 0

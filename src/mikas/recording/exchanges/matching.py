@@ -89,14 +89,14 @@ class Matching:
 
     def __init__(self, fitting: Fitting, byte_time: float) -> None:
         self.fitting = fitting
-        self.request = UNKNOWN
-        self.count = 0
+        self.request: SentRequest = UNKNOWN
+        self.count: int = 0
         self.echoes: bool | None = None
-        self.trusted = True
-        self.patience = PATIENCE
+        self.trusted: bool = True
+        self.patience: float = PATIENCE
         self.listed: int | None = None
         self.bodies: list[bytes] = []
-        self.stage = Stage.NONE
+        self.stage: Stage = Stage.NONE
         self._byte_time = byte_time
         self._numbers: dict[bytes, int] = {}
         self.unechoed: deque[bytes] = deque(maxlen=_MOST_UNECHOED)

@@ -86,7 +86,7 @@ class RefusalColumns:
     def __init__(self, bodies: list[bytes], decide: Decide = lambda *_: None) -> None:
         self._bodies = bodies  # of requests, by number; grows
         self._decide = decide
-        self.taken = 0
+        self.taken: int = 0
         self._begun: dict[int, int] = {}  # streams that began with 01: serial, number of that
         self._last_serials: dict[int, int] = {}  # of streams, by the request's number
         self._codes: dict[int, _LoneResponses] = {}

@@ -163,10 +163,10 @@ class PortDecoder:
     """
 
     def __init__(self, source: Source, fitting: Fitting) -> None:
-        self.matching = Matching(fitting, source.byte_time)
+        self.matching: Matching = Matching(fitting, source.byte_time)
         self._source = source
         self._directions = {direction: _Direction(source.byte_time) for direction in Direction}
-        self.sent_last = False
+        self.sent_last: bool = False
 
     def feed(self, packet: Packet) -> Iterator[DecodedFrame | DecodedDamage]:
         """Yield the parts that this packet completes."""

@@ -66,8 +66,8 @@ class FoundExchanges:
         self._first = matching.count
         self.requests: tuple[array[Any], ...] = (array("q"), array("d"), array("q"))
         self.responses: tuple[array[Any], ...] = (array("d"), *(array("q") for _ in range(6)))
-        self.bodies = bytearray()
-        self.echoes = 0
+        self.bodies: bytearray = bytearray()
+        self.echoes: int = 0
         self._damaged = array("q")
         self._raw_checksum = False
 
@@ -120,7 +120,7 @@ class TurnMatcher:
         self._source = source
         self._fitting = fitting
         self._port = PortDecoder(source, fitting)
-        self.matching = self._port.matching
+        self.matching: Matching = self._port.matching
         self._last: float | None = None
 
     def go_on(self, stream: bytes) -> None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from datetime import datetime
 from importlib.metadata import version
 from itertools import chain, islice
 from operator import attrgetter
@@ -55,18 +56,20 @@ class Sheet:
         dialect: Dialect,
     ) -> None:
         events = list(events)
-        self.channels = tuple(channels)
-        self.rows = 0
+        self.channels: tuple[Channel, ...] = tuple(channels)
+        self.rows: int = 0
         pieces = (self._columns(each) for each in with_gaps(rows, events) if len(each.times))
         first = list(islice(pieces, 1))
         self._pieces = chain(first, pieces)
         begins = [float(first[0][0][0])] if first else map(_begin, events)
         zero = min(begins, default=None)
-        self.zero = zero or 0.0
-        self.started = None if zero is None else calendar(zero)
+        self.zero: float = zero or 0.0
+        self.started: datetime | None = None if zero is None else calendar(zero)
         moments = _moments(events, self.zero)
-        self.moments = tuple(sorted(moments, key=attrgetter("time")))
-        self.about = {without(title): without(text) for title, text in about.items()}
+        self.moments: tuple[Moment, ...] = tuple(sorted(moments, key=attrgetter("time")))
+        self.about: dict[str, str] = {
+            without(title): without(text) for title, text in about.items()
+        }
         self.language = language
         self.dialect = dialect
 

@@ -51,7 +51,7 @@ class Converter:
                     )
                 )
                 self._by_code.setdefault(each.code, []).append((each.name, conversion))
-        self.channels = tuple(channels)
+        self.channels: tuple[Channel, ...] = tuple(channels)
 
     def stretches(
         self,

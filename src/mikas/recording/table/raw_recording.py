@@ -118,10 +118,10 @@ class RawRecording:
         *,
         last_car: bool = False,
     ) -> None:
-        self.path = Path(path)
+        self.path: Path = Path(path)
         self.notes: list[Note] = []
         self.problems: list[Problem] = []
-        self.problem_count = 0
+        self.problem_count: int = 0
         self._sources: list[Source] = []  # in the order of their first packets
         self.spans: dict[int, tuple[float, float]] = {}
         self.ports: set[Source] = set()

@@ -103,7 +103,7 @@ class BlockTimes:
     """
 
     def __init__(self, times: Column, began: float) -> None:
-        self.is_inside = times >= began
+        self.is_inside: NDArray[np.bool_] = times >= began
         self.since: Column = np.maximum(times - began, 0.0)
         self._runs: dict[float, tuple[NDArray[np.intp], NDArray[np.intp]]] = {}
 
@@ -123,7 +123,7 @@ class Envelope:
     """
 
     def __init__(self) -> None:
-        self.width = _FIRST_WIDTH
+        self.width: float = _FIRST_WIDTH
         self.least: Column = np.full(COLUMNS, np.nan)
         self.most: Column = np.full(COLUMNS, np.nan)
 

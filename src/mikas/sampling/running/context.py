@@ -46,21 +46,21 @@ class SamplingContext:
     strict: bool
 
     def __post_init__(self) -> None:
-        self.latest = self.request
+        self.latest: SamplingRequest = self.request
         """The latest request, by any thread."""
         self.first: frozenset[str] = frozenset()
         """The parameters that come first (`Plan.preferring`); set by any thread."""
         self.plan: Plan | None = None
         """The plan reported last; None before the first."""
-        self.is_reported = False
+        self.is_reported: bool = False
         """Whether `plan` is reported for the request."""
-        self.stopped = False
+        self.stopped: bool = False
         self.relearn = False
-        self.has_sampled = False
+        self.has_sampled: bool = False
         self.unended: LineNotQuiet | None = None
         """The error of a stream that the unit did not end (D12), until the next plan."""
-        self.identity_check = IdentityCheck()
-        self.knowledge = MethodKnowledge()
+        self.identity_check: IdentityCheck = IdentityCheck()
+        self.knowledge: MethodKnowledge = MethodKnowledge()
         self.refused: set[Datum] = set()
         self.dropped: set[str] = set()
         """Names reported as refused."""
@@ -68,7 +68,7 @@ class SamplingContext:
         """Names of parameters that the unit has answered."""
         self.answered: frozenset[Datum] = frozenset()
         """The data of a trial that the unit has answered as a whole: they need no other trial."""
-        self.due = -inf
+        self.due: float = -inf
         """The beginning of the next cycle, with a rate or in a cycle without requests."""
         self.pending_alarms: deque[AlarmChanged] = deque()
         """Those of the latest sample that are still to be yielded."""

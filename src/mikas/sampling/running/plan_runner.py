@@ -10,7 +10,7 @@ from typing import NamedTuple
 from mikas import errors
 from mikas.catalog import Parameter
 from mikas.client import Ecu, Reading
-from mikas.client.parameters.polling import STREAMS, Turn, create_poller
+from mikas.client.parameters.polling import STREAMS, Poller, Turn, create_poller
 from mikas.commands import Datum
 from mikas.sampling.events import CycleFailed, Event
 from mikas.sampling.plan import Plan, datum_of
@@ -37,11 +37,11 @@ class PlanCycles:
 
     def __init__(self, ecu: Ecu, plan: Plan, identity_check: IdentityCheck) -> None:
         self.ecu = ecu
-        self.plan = plan
+        self.plan: Plan = plan
         self._identity_check = identity_check
         self._parameters = _parameters_of(plan)
         self._streams = plan.method in STREAMS
-        self.poller = create_poller(ecu.parameters, plan.method, self._named(plan.fast))
+        self.poller: Poller = create_poller(ecu.parameters, plan.method, self._named(plan.fast))
         self._cycles: dict[int, _Turns] = {}  # by number within the plan's period
         if plan.method == "list":
             ecu.forget_list()  # the unit may have lost its supply since

@@ -39,7 +39,7 @@ class UnsupportedParameters:
     def __init__(self, context: SamplingContext) -> None:
         self._context = context
         self._retried: SamplingRequest | None = None
-        self.dropped = DroppedParameters(context.refused)
+        self.dropped: DroppedParameters = DroppedParameters(context.refused)
         self._again = False  # a dropped parameter has answered: its limit is to be forgotten
 
     def supported_plan(self, ecu: Ecu) -> Generator[Event, None, Plan | None]:

@@ -129,7 +129,7 @@ class Engine:
     ) -> None:
         self.scenario = scenario
         self.faults: Collection[int] = set(faults)
-        self.time = 0.0
+        self.time: float = 0.0
         self._applied = frozenset(self.faults)
         lost = LostSignals.by(self._applied)
         self._plant = plant_at_start(scenario, seed, lost)

@@ -71,22 +71,24 @@ class Plant:
         self._condition = condition
         self._timeline = timeline
         self._noise = noise_table(seed)
-        self.heat = Heat(start, condition)
-        self.board = Board(start, condition)
-        self.vehicle = Vehicle(
+        self.heat: Heat = Heat(start, condition)
+        self.board: Board = Board(start, condition)
+        self.vehicle: Vehicle = Vehicle(
             (timeline.at(0.0).speed or 0.0) / 3.6, start.running, condition.throttle_stops
         )
         shown = start.coolant + condition.coolant_sensor
-        self.program = Program(NOTHING, shown, self.heat.intake_air, condition)
+        self.program: Program = Program(NOTHING, shown, self.heat.intake_air, condition)
         self._signals = Signals(shown, self.heat.intake_air)
         self._viscosity = ph.VISCOSITY(start.coolant)
-        self._burning = self.key = start.running
+        self._burning = start.running
+        self.key: bool = start.running
         self._fuel = 0.0  # mg a stroke, really injected
         self._burnt = 1.0  # λ
-        self.crank = 850 * TO_RADIANS if start.running else 0.0  # rad/s
-        self.manifold = 0.35 if start.running else 1.0  # pressure against outside
-        self.cycles = self.fuel_used = 0.0
-        self.step_number = 0
+        self.crank: float = 850 * TO_RADIANS if start.running else 0.0  # rad/s
+        self.manifold: float = 0.35 if start.running else 1.0  # pressure against outside
+        self.cycles: float = 0.0
+        self.fuel_used: float = 0.0
+        self.step_number: int = 0
         if start.running:
             self._settle(range(-SETTLING, -BEGINNING))
 

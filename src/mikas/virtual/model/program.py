@@ -46,9 +46,9 @@ class Phase:
 
     def __init__(self, coolant: float, intake_air: float, idle_target: float = 0.0) -> None:
         self._idle_target = idle_target  # rpm above the table
-        self.coolant_at_start = coolant
-        self.air_at_start = intake_air
-        self.running = False
+        self.coolant_at_start: float = coolant
+        self.air_at_start: float = intake_air
+        self.running: bool = False
         self.turned = self.run_time = self.after_start = 0.0
         self._read_tables(coolant)
 
@@ -100,8 +100,8 @@ class IdleControl:
 
     def __init__(self, phase: Phase, valve: float, sticks: float = 0.0) -> None:
         self._sticks = sticks  # steps; the valve moves only when it is further off
-        self.idle = False
-        self.air_set = phase.start_air
+        self.idle: bool = False
+        self.air_set: float = phase.start_air
         self.valve_set = self.valve = valve
         self._speed_trim = self._air_trim = 0.0
 
@@ -156,10 +156,10 @@ class MixtureControl:
     )  # fmt: skip
 
     def __init__(self, phase: Phase) -> None:
-        self.mixture = phase.cranking_mixture
-        self.trim = 0.0
+        self.mixture: float = phase.cranking_mixture
+        self.trim: float = 0.0
         self.fuel = self.injection = 0.0
-        self.full_power = False
+        self.full_power: bool = False
         self._exhaust = 1.0  # λ at the probe, delayed and averaged
         self._tip_in = self._last_throttle = self._last_rpm = 0.0
         self._overrun = self._limited = False

@@ -33,9 +33,9 @@ class Heat:
 
     def __init__(self, start: Start, condition: Condition) -> None:
         self._condition = condition
-        self.ambient = start.ambient
-        self.coolant = start.coolant
-        self.intake_air = self._steady_air(14.0, 0.0) if start.running else start.ambient
+        self.ambient: float = start.ambient
+        self.coolant: float = start.coolant
+        self.intake_air: float = self._steady_air(14.0, 0.0) if start.running else start.ambient
 
     def step(self, fuel: float, air: float, speed: float, seconds: float, *, fan: bool) -> None:
         """Advance by `seconds` with `fuel` in l/h, `air` in kg/h, `speed` in m/s."""
@@ -70,7 +70,7 @@ class Board:
         self._rest -= EMPTYING * start.discharged
         self._deficit = 0.0 if start.running else 1.0  # Ah to recharge
         self._deficit += start.discharged
-        self.voltage = 14.0 if start.running else self._rest
+        self.voltage: float = 14.0 if start.running else self._rest
 
     def step(
         self, rpm: float, consumers: float, *, key: bool, starter: bool, burning: bool, fan: bool

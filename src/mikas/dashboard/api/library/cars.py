@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict, replace
+from typing import Final
 
 from fastapi import APIRouter
 from fastapi.responses import Response
@@ -20,7 +21,7 @@ from mikas.i18n import Text
 from mikas.recording.annotations.events import RecordedUnit, car_note
 from mikas.recording.capture.writer import append_note
 
-router = APIRouter(tags=["recordings"])
+router: Final = APIRouter(tags=["recordings"])
 
 _UNKEPT = Text(
     "The car's details can't be saved ({place}: {why}): they stay until this program ends.",

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import time
 from itertools import islice
-from typing import Annotated, Literal
+from typing import Annotated, Final, Literal
 
 from fastapi import APIRouter, Body, Depends, Path, Query
 from fastapi.responses import Response
@@ -24,7 +24,7 @@ from mikas.dashboard.error_responses import ErrorBody, body_of
 from mikas.dashboard.library.folder import opened
 from mikas.dashboard.session.dump_jobs import DumpJob
 
-router = APIRouter(tags=["dumps"])
+router: Final = APIRouter(tags=["dumps"])
 
 _MAX_SHOWN = 1000
 

@@ -7,6 +7,8 @@ those of the virtual car, which are part of the program.
 
 from __future__ import annotations
 
+from typing import Final
+
 from fastapi import APIRouter
 from pydantic import BaseModel, Field
 
@@ -22,7 +24,7 @@ from mikas.recording.capture.reader import CaptureReader
 from mikas.recording.capture.writer import append_note
 from mikas.sampling.events import Marker
 
-router = APIRouter(tags=["recordings"])
+router: Final = APIRouter(tags=["recordings"])
 
 _MOST = 200
 _SLACK = 1.0  # s that a moment may lie outside of the first and last row

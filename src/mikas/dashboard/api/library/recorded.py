@@ -7,7 +7,7 @@ as a report does, so it is work in the lane of files. Nothing is kept.
 from __future__ import annotations
 
 from math import inf
-from typing import Annotated
+from typing import Annotated, Final
 
 from fastapi import APIRouter, Path
 from fastapi.responses import Response
@@ -26,7 +26,7 @@ from mikas.recording.freeze_frames import first_seen
 from mikas.recording.recorded_faults import RecordedFaults, faults_in
 from mikas.recording.recording import Recording
 
-router = APIRouter(tags=["recordings"])
+router: Final = APIRouter(tags=["recordings"])
 
 
 class RecordedFault(StoredFault):

@@ -7,7 +7,7 @@ read in the lane of views: a report or an export that takes long holds up none o
 from __future__ import annotations
 
 from collections.abc import Collection
-from typing import Annotated, Any
+from typing import Annotated, Any, Final
 
 from fastapi import APIRouter, Query
 from fastapi.responses import JSONResponse, Response
@@ -42,7 +42,7 @@ from mikas.recording.summary import Summary
 from mikas.sampling.events import Marker, MethodChosen
 from mikas.virtual import VIRTUAL_PASSPORT
 
-router = APIRouter(tags=["recordings"])
+router: Final = APIRouter(tags=["recordings"])
 
 
 class StartRecordingRequest(BaseModel):

@@ -6,6 +6,8 @@ and its rows are read like any other.
 
 from __future__ import annotations
 
+from typing import Final
+
 from fastapi import APIRouter
 from fastapi.responses import Response
 from pydantic import BaseModel
@@ -15,7 +17,7 @@ from mikas.dashboard.api.errors import TwoTexts, errors, two
 from mikas.dashboard.library.folder import RecordingFile
 from mikas.dashboard.library.service import DRIVES, VIRTUAL, RecordingService
 
-router = APIRouter(tags=["recordings"])
+router: Final = APIRouter(tags=["recordings"])
 
 
 class VirtualReferenceInfo(BaseModel):

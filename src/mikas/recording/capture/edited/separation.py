@@ -47,7 +47,7 @@ class MergeSearch:
     """Finds out, from what `marked` yields of a capture, whether it is a merged one."""
 
     def __init__(self) -> None:
-        self.found = False
+        self.found: bool = False
         """A section so far has several ports, or units that are not one."""
         self._ports, self._units = _Ports(), UnitChange()
 

@@ -61,7 +61,7 @@ class UnitChange:
     """
 
     def __init__(self) -> None:
-        self.is_another = False
+        self.is_another: bool = False
         self._known: tuple[object, ...] = ()
 
     def add(self, note: Note) -> None:

@@ -80,7 +80,7 @@ class BulkDecoder:
         if limit < 1:
             raise ValueError("limit must be at least 1 byte")
         self.limit = limit
-        self.offset = 0
+        self.offset: int = 0
         self._carry: Bytes = _NOTHING
         self._overflowed = False
 

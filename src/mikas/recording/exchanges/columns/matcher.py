@@ -55,7 +55,7 @@ class ColumnarMatcher:
     """The exchanges of one port of one recording."""
 
     def __init__(self, source: Source, fitting: Fitting) -> None:
-        self.matching = Matching(fitting, source.byte_time)
+        self.matching: Matching = Matching(fitting, source.byte_time)
         self._source = source
         self._sent = PacketStream(source.byte_time)
         self._received = PacketStream(source.byte_time)

@@ -69,7 +69,7 @@ class Window:
         file.seek(offset)
         self.offset = offset
         self.order = order
-        self.buffer = np.frombuffer(read_whole(file, size), np.uint8)
+        self.buffer: Bytes = np.frombuffer(read_whole(file, size), np.uint8)
         self.words = self.buffer[: self.buffer.size & -4].view(order + "u4")
         found = (self.words[:-1] == pcapng.ENHANCED).nonzero()[0]
         totals = self.words[found + 1].astype(np.int64)
