@@ -55,6 +55,7 @@ def test_connect_takes_the_same_settings_and_raises_the_same():
 @pytest.mark.parametrize("is_done", [False, True], ids=["meanwhile", "just done"])
 def test_a_cancelled_connect_leaves_no_port_open(monkeypatch, is_done):
     opened, begun, go = [], threading.Event(), threading.Event()
+    others = set(threading.enumerate())  # a worker of another test may just be ending
 
     def slow(url):
         opened.append(open_link(url))
@@ -68,7 +69,8 @@ def test_a_cancelled_connect_leaves_no_port_open(monkeypatch, is_done):
         connecting = asyncio.create_task(AsyncEcu.connect(SIM))
         while not begun.is_set():
             await asyncio.sleep(0)
-        worker = next(it for it in threading.enumerate() if it.name.startswith("mikas"))
+        new = set(threading.enumerate()) - others
+        worker = next(it for it in new if it.name.startswith("mikas"))
         if is_done:
             go.set()
             worker.join(0.05)  # the loop does not run meanwhile
