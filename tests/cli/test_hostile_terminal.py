@@ -89,6 +89,7 @@ LINES = [
     ("publish", "mqtt://h", "--user", "u", "--password-file", f"n{ESC}"),
     ("--version",), ("--help",), ("read", "--help"), ("wireshark",), ("sigrok",),
     ("sigrok", "-o", f"d{ESC}"), ("sigrok", "-o", NAME), ("help", ESC), ("help", "mem", ESC),
+    ("completion", ESC), ("completion", "bash"),
 ]  # fmt: skip
 IN_JSON = [
     ("info",), ("params",), ("read", "EVIL"), ("faults",), ("scan",), ("decode", NAME), (ESC,),

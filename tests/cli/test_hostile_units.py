@@ -86,6 +86,7 @@ CASES = {
 WITHOUT_A_UNIT = {
     "ports", "params", "decode", "export", "find", "split", "wireshark", "sigrok", "fleet", "sim",
     "demo", "mem diff", "help",
+    "completion",
 }  # fmt: skip
 APART = {"dash", "publish"}  # below
 

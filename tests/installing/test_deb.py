@@ -127,6 +127,10 @@ def test_it_is_installed_works_and_is_removed(on_a_copy):
     cd /usr/share/icons/hicolor
     for size in 16 22 24 32 48 64 128 256 512; do test -f ${size}x$size/apps/mikas.png; done
     test -f scalable/apps/mikas.svg
+    grep -q 'complete .* mikas' /usr/share/bash-completion/completions/mikas
+    grep -q '^#compdef mikas' /usr/share/zsh/vendor-completions/_mikas
+    grep -q 'complete --command mikas' /usr/share/fish/vendor_completions.d/mikas.fish
+    _MIKAS_COMPLETE=bash_complete COMP_LINE='mikas wat' mikas | grep -q 'watch'
     gunzip -c /usr/share/man/man1/mikas.1.gz | grep -q '^.SH NAME'
     gunzip -c /usr/share/man/ru/man1/mikas.1.gz | grep -q 'НАЗВАНИЕ'
     rm -r /root/rules /root/.[a-z]* 2>/dev/null || true

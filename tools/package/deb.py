@@ -4,6 +4,7 @@
     /usr/lib/udev/rules.d             the text of `mikas ports --install-rules`
     /usr/share/applications, icons    what menus show
     /usr/share/metainfo               what software centres show (AppStream)
+    /usr/share/bash-completion, zsh, fish    completion by the Tab key
 
 It has no maintainer scripts: udev sees its rules, and triggers of Debian's packages see the rest.
 """
@@ -20,6 +21,7 @@ from email.utils import format_datetime
 from pathlib import Path
 from typing import Final
 
+from mikas.cli.completion import script
 from mikas.link import udev_rules
 from tools.package import manual, program
 from tools.package.project import BUILD, DIST, HERE, ICONS, ROOT, project, time_of_source, version
@@ -66,6 +68,11 @@ mikas ({version}) unstable; urgency=medium
 
  -- {maintainer}  {date}
 """
+_COMPLETION: Final = {
+    "bash": "bash-completion/completions/mikas",
+    "zsh": "zsh/vendor-completions/_mikas",
+    "fish": "fish/vendor_completions.d/mikas.fish",
+}
 _COMPONENT: Final = "io.github.mikas_diagnostics.mikas"
 _RELEASE = re.compile(r"(a|b|rc|\.dev)(\d+)$")
 
@@ -127,6 +134,8 @@ def _fill(tree: Path) -> None:
     _copy(ICONS / "mikas.svg", "usr/share/icons/hicolor/scalable/apps/mikas.svg")
     _write("usr/share/man/man1/mikas.1.gz", manual.page("en"))
     _write("usr/share/man/ru/man1/mikas.1.gz", manual.page("ru"))
+    for shell, name in _COMPLETION.items():
+        _write(f"usr/share/{name}", script(shell))
     _write("usr/share/lintian/overrides/mikas", (HERE / "linux/lintian").read_text("utf-8"))
     _write("usr/share/doc/mikas/copyright", _copyright())
     _write("usr/share/doc/mikas/changelog.gz", _changelog())

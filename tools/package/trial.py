@@ -73,6 +73,7 @@ class Trial:
         self._holds("Диагностика блоков" in self.run("--help", "--lang", "ru"), "--help --lang ru")
         self._holds(len(self.answer("params")["parameters"]) > 20, "params")
         self._holds(isinstance(self.answer("ports")["ports"], list), "ports")
+        self._holds("complete" in self.run("completion", "bash"), "completion")
         for decoder in ("wireshark", "sigrok"):
             self._holds("CREADP" in self.answer(decoder)["text"], decoder)
         value = self.answer("read", "TWAT", *_CAR)["readings"]["TWAT"]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import field, fields
 from functools import wraps
@@ -12,9 +12,10 @@ from typing import Any, Final, TypeVar, cast
 
 import click
 
+from mikas.cli.completion.values import Offers, files
 from mikas.cli.language import localized, tr
 from mikas.cli.options.common import CommonOption, LocalizedOption, common_options
-from mikas.cli.options.parameter_types import any_file
+from mikas.cli.options.parameter_types import OFFERED, any_file
 from mikas.cli.render.help_formatter import HelpContext, HelpFormatter
 from mikas.cli.render.terminal import write_error
 from mikas.i18n import Text
@@ -30,6 +31,12 @@ _OPTION: Final = "option"  # key of a field's metadata
 def option(*names: str, en: str, ru: str, **settings: Any) -> Callable[[F], F]:
     """`click.option` with its help in both languages."""
     return click.option(*names, cls=LocalizedOption, en=en, ru=ru, **settings)
+
+
+def argument(name: str, metavar: str, **settings: Any) -> Callable[[F], F]:
+    """`click.argument`; a file is completed as one."""
+    settings.setdefault("shell_complete", OFFERED.get(settings.get("type")))
+    return click.argument(name, metavar=metavar, **settings)
 
 
 def option_field(default: T, name: str, *, en: str, ru: str, **settings: Any) -> T:
@@ -80,12 +87,14 @@ def flag(*names: str, en: str, ru: str) -> Callable[[F], F]:
 def output_option(
     metavar: str = "OUT",
     *,
+    endings: Sequence[str] = (),
     required: bool = True,
     en: str = "output file; required",
     ru: str = "выходной файл; обязательно",
 ) -> Callable[[F], F]:
-    """`option` of the file that the command writes."""
-    return option("-o", "--out", required=required, type=any_file, metavar=metavar, en=en, ru=ru)
+    """`option` of the file that the command writes; `endings`: of such files."""
+    settings = {"required": required, "metavar": metavar, "shell_complete": files(*endings)}
+    return option("-o", "--out", type=any_file, en=en, ru=ru, **settings)
 
 
 YES = flag("--yes", en="do not ask", ru="не спрашивать")
@@ -118,6 +127,8 @@ class LocalizedCommand(click.Command):
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         allow_more = ctx.allow_extra_args
         ctx.allow_extra_args = True  # surplus words are reported below
+        if ctx.resilient_parsing:  # a shell completes the line
+            return super().parse_args(ctx, self._without_open_end(args, ctx))
         given = [*args]  # click empties the list
         try:
             rest = super().parse_args(ctx, args)
@@ -133,6 +144,15 @@ class LocalizedCommand(click.Command):
             )
         return rest
 
+    def _without_open_end(self, args: list[str], ctx: click.Context) -> list[str]:
+        """Return `args` without an option at the end whose value is still to come.
+
+        It would keep click from reading the others.
+        """
+        options = (it for it in self.get_params(ctx) if isinstance(it, click.Option))
+        open_ones = {opt for it in options if not it.is_flag and not it.count for opt in it.opts}
+        return args[:-1] if args and args[-1] in open_ones else args
+
     def _unknown_option(
         self, name: str, given: list[str], ctx: click.Context
     ) -> click.NoSuchOption:
@@ -146,6 +166,22 @@ class LocalizedCommand(click.Command):
                 break
         near = nearest(f"--{name.lstrip('-')}", long, 2) if len(name) > 2 else ()
         return click.NoSuchOption(name, possibilities=near, ctx=ctx)
+
+    def shell_complete(self, ctx: click.Context, incomplete: str) -> Offers:
+        """Offer the options that begin so and may still come, with their texts."""
+        from click.shell_completion import CompletionItem
+
+        if incomplete and not incomplete.startswith("-"):
+            return []
+        given = click.core.ParameterSource.COMMANDLINE
+        return [
+            CompletionItem(name, help=_line_of(it))
+            for it in self.get_params(ctx)
+            if isinstance(it, click.Option)
+            and (it.multiple or it.count or ctx.get_parameter_source(it.name or "") is not given)
+            for name in (*it.opts, *it.secondary_opts)
+            if name.startswith(incomplete)
+        ]
 
     def get_help_option(self, ctx: click.Context) -> click.Option | None:
         option = super().get_help_option(ctx)
@@ -185,6 +221,11 @@ class LocalizedCommand(click.Command):
                     cast("HelpFormatter", formatter).write_example(example)
 
 
+def _line_of(option: click.Option) -> str:
+    """Return the text of an option, which is that of its help."""
+    return localized(option.text) if isinstance(option, LocalizedOption) else option.help or ""
+
+
 class LocalizedGroup(LocalizedCommand, click.Group):
     """A group whose commands are import paths until they are called.
 
@@ -210,6 +251,21 @@ class LocalizedGroup(LocalizedCommand, click.Group):
             raise click.UsageError(self._unknown(cmd_name, ctx), ctx)
         command: click.Command = getattr(import_module(self.homes[cmd_name][0]), cmd_name)
         return command
+
+    def shell_complete(self, ctx: click.Context, incomplete: str) -> Offers:
+        return self.offers(incomplete) + (
+            LocalizedCommand.shell_complete(self, ctx, incomplete) if incomplete else []
+        )
+
+    def offers(self, incomplete: str) -> Offers:
+        """Offer the commands that begin so, with their lines."""
+        from click.shell_completion import CompletionItem
+
+        return [
+            CompletionItem(name, help=localized(text))
+            for name, (_, text) in self.homes.items()
+            if name.startswith(incomplete)
+        ]
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         if (

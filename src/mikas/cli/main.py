@@ -32,7 +32,7 @@ _OBJECTS_BEFORE_COLLECTION = 50_000
 
 
 def _version(ctx: click.Context, _: click.Parameter, value: bool) -> None:
-    if value:
+    if value and not ctx.resilient_parsing:
         import mikas
 
         terminal.write_out(f"mikas {mikas.__version__}\n")

@@ -137,6 +137,7 @@ def lines(folder: str, prefix: str) -> list[list[str]]:
         *(["export", "-o", at(f"e.{kind}"), "--", drive] for kind in ("csv", "mf4", "parquet")),
         ["find", "--", drive, "FREQ>0"], ["split", "--", at("2.pcapng")],
         ["report", "-o", at("r.html"), "--", drive], ["causes", "--", drive],
+        ["help", "read"], ["completion", "bash"],
         ["wireshark"], ["wireshark", "--install"], ["sigrok"], ["sigrok", "--install"],
         ["fleet", "add", "--to", dataset, "--workers", "1", "--", drive],
         ["fleet", "sql", "--", dataset, "SELECT count(*) FROM samples"],

@@ -107,6 +107,11 @@ COMMANDS: dict[str, tuple[str, Text]] = {
     "help": home(
         "help", "the help of a command: mikas help read", "справка по команде: mikas help read"
     ),
+    "completion": home(
+        "completion",
+        "completion of commands by the shell's Tab key",
+        "дополнение команд в оболочке клавишей Tab",
+    ),
 }
 TITLES: dict[str, Text] = {
     "demo": Text("First steps", "С чего начать"),

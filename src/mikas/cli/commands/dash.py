@@ -12,6 +12,7 @@ from urllib.parse import urlencode
 
 from mikas.cli.advice import ADVICE
 from mikas.cli.click_extensions import command, flag, option
+from mikas.cli.completion.values import cars, fault_codes, scenarios
 from mikas.cli.context import CommandContext
 from mikas.cli.desktop import FLAG, open_page
 from mikas.cli.language import localized, requested_language, tr
@@ -79,12 +80,14 @@ def dash(context: CommandContext, options: DashboardOptions, *, desktop: bool) -
     "--scenario",
     default="cold-start",
     metavar="NAME|FILE",
+    shell_complete=scenarios,
     en="driving scenario (cold-start)",
     ru="сценарий поездки (cold-start)",
 )
 @option(
     "--car",
     metavar="LIST",
+    shell_complete=cars,
     en="a car with defects: leak:8,battery, or blind:4711 (mikas sim --help)",
     ru="машина с неисправностями: leak:8,battery или blind:4711 (mikas sim --help)",
 )
@@ -100,6 +103,7 @@ def dash(context: CommandContext, options: DashboardOptions, *, desktop: bool) -
     "--faults",
     default=_FAULTS,
     metavar="LIST",
+    shell_complete=fault_codes,
     en=f"stored faults, e.g. 13,53 ({_FAULTS})",
     ru=f"ошибки в памяти: 13,53 ({_FAULTS})",
 )

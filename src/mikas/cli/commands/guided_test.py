@@ -6,10 +6,9 @@ from contextlib import ExitStack, closing
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-import click
-
 from mikas.catalog.conversion import NO_TEXT
-from mikas.cli.click_extensions import command, option
+from mikas.cli.click_extensions import argument, command, option
+from mikas.cli.completion.values import RECORDING, files, guided_tests, steps_of_test
 from mikas.cli.context import CommandContext
 from mikas.cli.language import localized, tr
 from mikas.cli.options.parameter_types import existing_file, positive
@@ -41,17 +40,19 @@ if TYPE_CHECKING:
         "mikas test sensors --recording drive.pcapng",
     ),
 )
-@click.argument("name", metavar="[NAME]", required=False)
+@argument("name", "[NAME]", required=False, shell_complete=guided_tests)
 @option(
     "--skip",
     multiple=True,
     metavar="STEP",
+    shell_complete=steps_of_test,
     en="skip this step (more than once for several); without its numbers nothing is good",
     ru="пропустить этот шаг (можно несколько раз); без его чисел ничего не «в порядке»",
 )
 @option(
     "--recording",
     type=existing_file,
+    shell_complete=files(*RECORDING),
     en="do the test over a recording (needs no port)",
     ru="по записи (порт не нужен)",
 )

@@ -6,10 +6,18 @@ from collections.abc import Sequence
 
 import click
 
-from mikas.cli.click_extensions import LocalizedCommand, LocalizedGroup, command
+from mikas.cli.click_extensions import LocalizedCommand, LocalizedGroup, argument, command
+from mikas.cli.completion.values import Offers
 from mikas.cli.context import CommandContext
 from mikas.cli.language import tr
 from mikas.cli.options.parameter_types import OneOf
+
+
+def _commands(ctx: click.Context, _: click.Parameter, incomplete: str) -> Offers:
+    group = context_of(ctx.find_root(), ctx.params.get("words") or ()).command
+    if not isinstance(group, LocalizedGroup):
+        return []
+    return group.offers(incomplete)
 
 
 @command(
@@ -17,7 +25,7 @@ from mikas.cli.options.parameter_types import OneOf
     ru="Показывает справку по команде COMMAND, как COMMAND --help; без COMMAND — по программе.",
     examples=("mikas help", "mikas help watch", "mikas help mem dump"),
 )
-@click.argument("words", metavar="[COMMAND]...", nargs=-1)
+@argument("words", "[COMMAND]...", nargs=-1, shell_complete=_commands)
 def help(context: CommandContext, words: Sequence[str]) -> None:  # noqa: A001  (the command's name)
     found = context_of(click.get_current_context().find_root(), words)
     text = found.get_help()

@@ -52,6 +52,7 @@ if TYPE_CHECKING:
 )
 @output_option(
     "FILE",
+    endings=["pcapng"],
     en="file to record to; required",
     ru="файл записи; обязательно",
 )

@@ -9,6 +9,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mikas.cli.click_extensions import command, flag, option
+from mikas.cli.completion.values import (
+    RECORDING,
+    cars,
+    fault_codes,
+    files,
+    line_faults,
+    scenarios,
+    unit_settings,
+    words,
+)
 from mikas.cli.context import CommandContext
 from mikas.cli.language import tr
 from mikas.cli.options.parameter_types import any_file
@@ -44,12 +54,14 @@ _LINE_FAULTS = ", ".join(it.value for it in LineFault if it is not LineFault.DAM
 @option(
     "--replay",
     type=any_file,
+    shell_complete=files(*RECORDING),
     en="a recorded unit that answers as it did; options: --set seek=600, speed=2, loop=1",
     ru="записанный блок: отвечает, как в записи; ещё --set seek=600, speed=2, loop=1",
 )
 @option(
     "--tcp",
     metavar="HOST:PORT",
+    shell_complete=words("127.0.0.1:", "0.0.0.0:"),
     en="on TCP instead of a pty (port 0: any)",
     ru="по TCP вместо pty (порт 0: любой)",
 )
@@ -62,22 +74,31 @@ _LINE_FAULTS = ", ".join(it.value for it in LineFault if it is not LineFault.DAM
 @option(
     "--scenario",
     metavar="NAME|FILE",
+    shell_complete=scenarios,
     en="driving scenario (warm-idle)",
     ru="сценарий поездки (warm-idle)",
 )
 @option(
     "--car",
     metavar="LIST",
+    shell_complete=cars,
     en="healthy, defects with amounts (leak:8,battery), or one to find out: blind:4711",
     ru="healthy (исправная), неисправности (leak:8,battery) или загадка: blind:4711",
 )
 @option(
     "--answer",
     metavar="CAR",
+    shell_complete=words("blind:"),
     en="only names the defects of the car: blind:4711",
     ru="только отвечает, что с машиной: blind:4711",
 )
-@option("--faults", metavar="LIST", en="stored faults: 13,53", ru="ошибки в памяти: 13,53")
+@option(
+    "--faults",
+    metavar="LIST",
+    shell_complete=fault_codes,
+    en="stored faults: 13,53",
+    ru="ошибки в памяти: 13,53",
+)
 @flag("--no-echo", en="an adapter without echo", ru="адаптер без эха")
 @option(
     "--baud",
@@ -102,6 +123,7 @@ _LINE_FAULTS = ", ".join(it.value for it in LineFault if it is not LineFault.DAM
     "line_faults",
     multiple=True,
     metavar="KIND=RATE",
+    shell_complete=line_faults,
     en=f"damaged=0.01; also {_LINE_FAULTS}",
     ru=f"damaged=0.01; ещё {_LINE_FAULTS}",
 )
@@ -110,6 +132,7 @@ _LINE_FAULTS = ", ".join(it.value for it in LineFault if it is not LineFault.DAM
     "settings",
     multiple=True,
     metavar="NAME=VALUE",
+    shell_complete=unit_settings,
     en="any other setting, as unknown=01, max_list=8, missing=stream+list, supplied=0",
     ru="любая другая настройка: unknown=01, max_list=8, missing=stream+list, supplied=0",
 )

@@ -9,9 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-import click
-
-from mikas.cli.click_extensions import grouped, optional_field
+from mikas.cli.click_extensions import argument, grouped, optional_field
+from mikas.cli.completion.values import words
 from mikas.cli.options.parameter_types import any_file
 from mikas.i18n import Text
 
@@ -87,5 +86,7 @@ class BrokerOptions:
         return Destination(broker, topics, self.client_id or topics.identifier, patient)
 
 
-broker_options: Final = grouped(BrokerOptions, click.argument("address", metavar="mqtt://HOST"))
+broker_options: Final = grouped(
+    BrokerOptions, argument("address", "mqtt://HOST", shell_complete=words("mqtt://", "mqtts://"))
+)
 """The address of the broker and its options."""

@@ -12,9 +12,10 @@ from typing import Any
 
 import click
 
+from mikas.cli.completion.values import files, ports
 from mikas.cli.config import CHECKSUMS, ECHO, INTERPRETATIONS, LANGUAGES, MAX_RETRIES
 from mikas.cli.language import localized
-from mikas.cli.options.parameter_types import METAVARS, OneOf, any_file, timeout, whole
+from mikas.cli.options.parameter_types import METAVARS, OFFERED, OneOf, any_file, timeout, whole
 from mikas.i18n import Text
 
 
@@ -27,6 +28,7 @@ class LocalizedOption(click.Option):
         if words:
             kwargs |= {"type": OneOf(words), "metavar": f"[{'|'.join(words)}]"}
         kwargs.setdefault("metavar", METAVARS.get(kwargs.get("type")))
+        kwargs.setdefault("shell_complete", OFFERED.get(kwargs.get("type")))
         super().__init__(*args, **kwargs)
         self.text: Text = Text(en, ru)
 
@@ -71,6 +73,7 @@ def common_options() -> list[click.Parameter]:
         CommonOption(
             ["--port"],
             metavar="URL",
+            shell_complete=ports,
             en="/dev/ttyUSB0, COM3, socket://host:port, rfc2217://host:port, sim: (a virtual "
             "ECU), replay:FILE (a recorded one)",
             ru="/dev/ttyUSB0, COM3, socket://host:port, rfc2217://host:port, sim: (виртуальный "
@@ -120,6 +123,7 @@ def common_options() -> list[click.Parameter]:
         CommonOption(
             ["--capture"],
             type=any_file,
+            shell_complete=files("pcapng"),
             en="record everything on the line (.pcapng)",
             ru="записать весь обмен на линии (.pcapng)",
         ),
@@ -133,6 +137,7 @@ def common_options() -> list[click.Parameter]:
             ["--catalog"],
             type=any_file,
             multiple=True,
+            shell_complete=files("toml"),
             en="your own parameters and faults, added to the shipped ones",
             ru="свои параметры и ошибки в дополнение к встроенным",
         ),

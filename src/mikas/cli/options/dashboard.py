@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Final
 
 from mikas.cli.click_extensions import flag_field, grouped, optional_field
+from mikas.cli.completion.values import files, folders
 from mikas.cli.options.parameter_types import existing_file, whole
 from mikas.errors import usage_error
 
@@ -38,12 +39,14 @@ class DashboardOptions:
     tls_cert: Path | None = optional_field(
         "--tls-cert",
         parse=existing_file,
+        shell_complete=files("pem", "crt", "key"),
         en="certificate of your own for the network (PEM); otherwise mikas makes one",
         ru="свой сертификат для доступа из сети (PEM); иначе его сделает mikas",
     )
     tls_key: Path | None = optional_field(
         "--tls-key",
         parse=existing_file,
+        shell_complete=files("pem", "crt", "key"),
         en="its private key (PEM)",
         ru="закрытый ключ к нему (PEM)",
     )
@@ -59,6 +62,7 @@ class DashboardOptions:
         "--record",
         parse=Path,
         metavar="DIR",
+        shell_complete=folders,
         en="folder for recordings and dumps (mikas in your documents)",
         ru="папка для записей и дампов (mikas в «Документах»)",
     )

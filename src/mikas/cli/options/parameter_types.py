@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Final
 
 import click
 
+from mikas.cli.completion.values import Offering, files
 from mikas.cli.config import MAX_TIMEOUT, MIN_TIMEOUT
 from mikas.cli.language import tr
 from mikas.i18n import Text
@@ -210,3 +211,5 @@ METAVARS: Final[dict[object, str]] = {
     any_file: "FILE", existing_file: "FILE", hex_address: "ADDR", timeout: "SECONDS",
 }  # fmt: skip
 """How an option of such a type is shown."""
+OFFERED: Final[dict[object, Offering]] = {any_file: files(), existing_file: files()}
+"""What a shell is offered for a value of such a type."""

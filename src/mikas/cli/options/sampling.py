@@ -9,10 +9,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
-import click
-
-from mikas.cli.click_extensions import grouped, option_field, optional_field
-from mikas.cli.completion import channel_names
+from mikas.cli.click_extensions import argument, grouped, option_field, optional_field
+from mikas.cli.completion.values import channel_names, methods
 from mikas.cli.options.common import RELEARN
 from mikas.cli.options.parameter_types import OneOf, positive, whole
 
@@ -37,6 +35,7 @@ class SamplingOptions:
         "--method",
         type=_method,
         metavar="METHOD",
+        shell_complete=methods,
         en="sampling method: auto (the fastest that works), single, batch, list, stream, stroke0 "
         "… stroke4",
         ru="способ опроса: auto (самый быстрый из работающих), single, batch, list, stream, "
@@ -74,7 +73,7 @@ class SamplingOptions:
 
 sampling_options: Final = grouped(
     SamplingOptions,
-    click.argument("names", metavar="[NAME[/N]]...", nargs=-1, shell_complete=channel_names),
+    argument("names", "[NAME[/N]]...", nargs=-1, shell_complete=channel_names),
     RELEARN,
 )
 """The options that `watch` and `log` share."""

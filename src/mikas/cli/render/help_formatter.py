@@ -16,6 +16,7 @@ import click
 _WIDEST_NAME = 30
 _GAP = 2
 _CONTINUED = " \\"  # as a shell continues a line
+_COMMAND = re.compile("`[^`]{1,40}`")  # it stays on one line
 _SHELL_WORD = re.compile(r"(?:'[^']*'|\"[^\"]*\"|\S)+")
 
 
@@ -68,6 +69,7 @@ def _filled(text: str, width: int, indent: str) -> str:
     """Return `text` in lines of `width`; those after the first begin with `indent`."""
     begin = len(text) - len(text.lstrip())
     joined = text[:begin] + text[begin:].replace(" —", "\0—")  # no line begins with a dash
+    joined = _COMMAND.sub(lambda found: found[0].replace(" ", "\0"), joined)
     lines = wrap(
         joined,
         width,

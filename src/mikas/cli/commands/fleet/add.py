@@ -5,9 +5,8 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING
 
-import click
-
-from mikas.cli.click_extensions import command, flag, option
+from mikas.cli.click_extensions import argument, command, flag, option
+from mikas.cli.completion.values import RECORDING, files, folders, words
 from mikas.cli.context import CommandContext
 from mikas.cli.failures import DONE, USAGE
 from mikas.cli.language import decimal, localized, tr
@@ -39,12 +38,13 @@ MOST_WORKERS = 61  # that a pool may have on Windows
         "mikas fleet add s3://a/in --to s3://a/set --executor dask://10.0.0.1:8786",
     ),
 )
-@click.argument("folders", metavar="FOLDER...", nargs=-1, required=True)
+@argument("folders", "FOLDER...", nargs=-1, required=True, shell_complete=files(*RECORDING))
 @option(
     "--to",
     "dataset",
     required=True,
     metavar="DATASET",
+    shell_complete=folders,
     en="folder or URL of the dataset; made if it is not there; required",
     ru="папка или адрес набора; создаётся, если его нет; обязательно",
 )
@@ -52,6 +52,7 @@ MOST_WORKERS = 61  # that a pool may have on Windows
     "--executor",
     default="processes",
     metavar="processes|dask://HOST[:PORT]",
+    shell_complete=words("processes", "dask://"),
     en="who does the work: processes of this computer, or a Dask cluster (processes)",
     ru="кто выполняет работу: процессы этого компьютера или кластер Dask (processes)",
 )

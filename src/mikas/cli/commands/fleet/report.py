@@ -6,10 +6,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import click
-
-from mikas.cli.click_extensions import OVERWRITE, command, output_option
+from mikas.cli.click_extensions import OVERWRITE, argument, command, output_option
 from mikas.cli.commands.fleet.refused import say_refused
+from mikas.cli.completion.values import folders
 from mikas.cli.context import CommandContext
 from mikas.cli.language import current_language, localized
 from mikas.cli.render.terminal import cell_text
@@ -34,7 +33,7 @@ if TYPE_CHECKING:
         "mikas fleet report dataset -o fleet.html --lang ru",
     ),
 )
-@click.argument("dataset", metavar="DATASET")
+@argument("dataset", "DATASET", shell_complete=folders)
 @output_option(
     required=False,
     en="the page, an .html file",

@@ -13,11 +13,10 @@ from decimal import Decimal
 from itertools import chain, islice
 from typing import TYPE_CHECKING, Any
 
-import click
-
 from mikas.cleaning import spreadsheet_text
-from mikas.cli.click_extensions import command, flag
+from mikas.cli.click_extensions import argument, command, flag
 from mikas.cli.commands.fleet.refused import say_refused
+from mikas.cli.completion.values import folders
 from mikas.cli.context import CommandContext
 from mikas.cli.language import decimal
 
@@ -41,8 +40,8 @@ MOST = 1000
         "mikas fleet sql dataset 'DESCRIBE samples' --json",
     ),
 )
-@click.argument("dataset", metavar="DATASET")
-@click.argument("sql", metavar="SQL")
+@argument("dataset", "DATASET", shell_complete=folders)
+@argument("sql", "SQL")
 @flag(
     "--csv",
     "as_csv",

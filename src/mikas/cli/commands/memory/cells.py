@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-import click
-
-from mikas.cli.click_extensions import SURE, YES, command
+from mikas.cli.click_extensions import SURE, YES, argument, command
 from mikas.cli.context import CommandContext, check_sure
 from mikas.cli.options.common import RELEARN
 from mikas.cli.options.parameter_types import OneOf, hex_address, hex_bytes, size_in_bytes
@@ -23,9 +21,9 @@ SPACE = OneOf(("ram", "xram", "code", "sfr"))
     "code, sfr.",
     examples=("mikas mem read ram 40", "mikas mem read xram 0x1000 64 --json"),
 )
-@click.argument("space", metavar="SPACE", type=SPACE)
-@click.argument("address", metavar="ADDR", type=hex_address)
-@click.argument("count", metavar="[COUNT]", type=size_in_bytes, default="1")
+@argument("space", "SPACE", type=SPACE)
+@argument("address", "ADDR", type=hex_address)
+@argument("count", "[COUNT]", type=size_in_bytes, default="1")
 @RELEARN
 def read(context: CommandContext, space: str, address: int, count: int) -> None:
     check_range(space, address, count)
@@ -45,9 +43,9 @@ def read(context: CommandContext, space: str, address: int, count: int) -> None:
     "CODE блок может перестать работать.",
     examples=("mikas mem write ram 40 0D", "mikas mem write xram 1000 AABB --yes"),
 )
-@click.argument("space", metavar="SPACE", type=SPACE)
-@click.argument("address", metavar="ADDR", type=hex_address)
-@click.argument("data", metavar="HEX", type=hex_bytes)
+@argument("space", "SPACE", type=SPACE)
+@argument("address", "ADDR", type=hex_address)
+@argument("data", "HEX", type=hex_bytes)
 @YES
 @RELEARN
 def write(context: CommandContext, space: str, address: int, data: bytes, *, yes: bool) -> None:
@@ -88,7 +86,7 @@ def write(context: CommandContext, space: str, address: int, data: bytes, *, yes
     "Всегда спрашивает подтверждение; одного --yes недостаточно.",
     examples=("mikas mem goto 8000",),
 )
-@click.argument("address", metavar="ADDR", type=hex_address)
+@argument("address", "ADDR", type=hex_address)
 @YES
 @SURE
 def goto(context: CommandContext, address: int, *, yes: bool, sure: bool) -> None:

@@ -7,9 +7,7 @@ from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
 
-import click
-
-from mikas.cli.click_extensions import YES, command, flag, option, output_option
+from mikas.cli.click_extensions import YES, argument, command, flag, option, output_option
 from mikas.cli.commands.memory.cells import SPACE
 from mikas.cli.context import CommandContext
 from mikas.cli.failures import DONE, REFUSED
@@ -44,7 +42,7 @@ BLOCK = option(
         "mikas mem dump code -o code.bin --resume",
     ),
 )
-@click.argument("space", metavar="SPACE", type=SPACE)
+@argument("space", "SPACE", type=SPACE)
 @output_option(
     "FILE",
     en="the file to write; required",
@@ -147,8 +145,8 @@ def _show_differences(
         "mikas mem restore ram part.bin --ignore-manifest --from 40",
     ),
 )
-@click.argument("space", metavar="SPACE", type=SPACE)
-@click.argument("file", metavar="FILE", type=existing_file)
+@argument("space", "SPACE", type=SPACE)
+@argument("file", "FILE", type=existing_file)
 @flag(
     "--resume",
     en="go on after an interruption",
@@ -251,8 +249,8 @@ def _write_back(context: CommandContext, job: Restore) -> None:
     ru="Сравнивает дамп FILE с памятью блока, начиная с адреса из его описания (иначе --from).",
     examples=("mikas mem verify code code.bin", "mikas mem verify xram part.bin --from 1000"),
 )
-@click.argument("space", metavar="SPACE", type=SPACE)
-@click.argument("file", metavar="FILE", type=existing_file)
+@argument("space", "SPACE", type=SPACE)
+@argument("file", "FILE", type=existing_file)
 @option("--from", "first", type=hex_address, en="first address", ru="первый адрес")
 @BLOCK
 @RELEARN
@@ -279,8 +277,8 @@ def verify(
     ru="Сравнивает два дампа побайтно по адресам из их описаний (иначе с 0). Порт не нужен.",
     examples=("mikas mem diff before.bin after.bin", "mikas mem diff a.bin b.bin --json"),
 )
-@click.argument("a", metavar="FILE", type=existing_file)
-@click.argument("b", metavar="FILE", type=existing_file)
+@argument("a", "FILE", type=existing_file)
+@argument("b", "FILE", type=existing_file)
 def diff(context: CommandContext, a: Path, b: Path) -> None:
     starts = [manifest.first if (manifest := dumps.read_manifest(file)) else 0 for file in (a, b)]
     found = list(dumps.differences(_read(a), starts[0], _read(b), starts[1]))

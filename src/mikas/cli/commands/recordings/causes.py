@@ -6,9 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-import click
-
-from mikas.cli.click_extensions import command, option
+from mikas.cli.click_extensions import argument, command, option
+from mikas.cli.completion.values import RECORDING, files
 from mikas.cli.context import CommandContext
 from mikas.cli.language import capital, localized, tr
 from mikas.cli.options.common import RELEARN
@@ -46,7 +45,7 @@ _SHOWN: Final = 3  # moments of an evidence
         "mikas causes drive.pcapng --json",
     ),
 )
-@click.argument("files", metavar="[FILE]...", nargs=-1, type=existing_file)
+@argument("files", "[FILE]...", nargs=-1, type=existing_file, shell_complete=files(*RECORDING))
 @option(
     "--complaint",
     type=OneOf(COMPLAINTS),

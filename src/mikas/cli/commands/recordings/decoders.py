@@ -13,6 +13,7 @@ from pathlib import Path
 import click
 
 from mikas.cli.click_extensions import command, flag, option
+from mikas.cli.completion.values import folders
 from mikas.cli.context import CommandContext
 from mikas.cli.language import current_language
 from mikas.cli.render import terminal
@@ -106,6 +107,7 @@ def wireshark(context: CommandContext, *, install: bool) -> None:
     "folder",
     type=click.Path(path_type=Path),
     metavar="FOLDER",
+    shell_complete=folders,
     en="write it into another folder of decoders",
     ru="записать в другую папку декодеров",
 )

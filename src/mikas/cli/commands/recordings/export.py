@@ -8,10 +8,8 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import click
-
-from mikas.cli.click_extensions import OVERWRITE, command, option, output_option
-from mikas.cli.completion import channel_names
+from mikas.cli.click_extensions import OVERWRITE, argument, command, option, output_option
+from mikas.cli.completion.values import EXPORTED, RECORDING, channel_names, files
 from mikas.cli.context import CommandContext
 from mikas.cli.language import current_language, localized, tr
 from mikas.cli.options.parameter_types import existing_file
@@ -45,9 +43,9 @@ MOST_PROBLEMS = 20
         "mikas export drive.pcapng -o drive.csv --dialect excel --lang ru",
     ),
 )
-@click.argument("file", metavar="FILE", type=existing_file)
-@click.argument("names", metavar="[NAME]...", nargs=-1, shell_complete=channel_names)
-@output_option()
+@argument("file", "FILE", type=existing_file, shell_complete=files(*RECORDING))
+@argument("names", "[NAME]...", nargs=-1, shell_complete=channel_names)
+@output_option(endings=EXPORTED)
 @option(
     "--dialect",
     words=DIALECTS,
@@ -150,7 +148,7 @@ def _watched(context: CommandContext, stretches: Iterable[Rows]) -> Iterator[Row
     "с причиной и смещением. Обрезанный файл показывается до места обрыва.",
     examples=("mikas decode drive.pcapng", "mikas decode drive.pcapng --json"),
 )
-@click.argument("file", metavar="FILE", type=existing_file)
+@argument("file", "FILE", type=existing_file, shell_complete=files(*RECORDING))
 def decode(context: CommandContext, file: Path) -> None:
     catalog = context.options.catalog
     describer = partial(Describer, catalog, context.options.interpretation)

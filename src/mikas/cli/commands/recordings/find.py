@@ -6,9 +6,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import click
-
-from mikas.cli.click_extensions import command
+from mikas.cli.click_extensions import argument, command
+from mikas.cli.completion.values import RECORDING, channel_names, files
 from mikas.cli.context import CommandContext
 from mikas.cli.language import decimal, tr
 from mikas.cli.options.parameter_types import existing_file
@@ -33,8 +32,8 @@ if TYPE_CHECKING:
         "mikas find drive.pcapng 'TWAT > 100' --json",
     ),
 )
-@click.argument("file", metavar="FILE", type=existing_file)
-@click.argument("expression", metavar="EXPRESSION")
+@argument("file", "FILE", type=existing_file, shell_complete=files(*RECORDING))
+@argument("expression", "EXPRESSION", shell_complete=channel_names)
 def find(context: CommandContext, file: Path, expression: str) -> None:
     from mikas.recording.recording import Recording
     from mikas.recording.search import SearchCondition, search

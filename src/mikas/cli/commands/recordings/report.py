@@ -6,9 +6,8 @@ from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import click
-
-from mikas.cli.click_extensions import OVERWRITE, command, option, output_option
+from mikas.cli.click_extensions import OVERWRITE, argument, command, option, output_option
+from mikas.cli.completion.values import RECORDING, files
 from mikas.cli.context import CommandContext
 from mikas.cli.language import current_language, localized
 from mikas.cli.options.car import CarOptions, car_options
@@ -41,8 +40,8 @@ _SECONDS = 30.0
         "mikas report -o car.html --duration 60 --lang ru",
     ),
 )
-@click.argument("file", metavar="[FILE]", required=False, type=existing_file)
-@output_option()
+@argument("file", "[FILE]", required=False, type=existing_file, shell_complete=files(*RECORDING))
+@output_option(endings=["html"])
 @option(
     "--duration",
     type=positive,

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import click
-
-from mikas.cli.click_extensions import command
+from mikas.cli.click_extensions import argument, command
+from mikas.cli.completion.values import RECORDING, files
 from mikas.cli.context import CommandContext
 from mikas.cli.language import localized
 from mikas.cli.options.parameter_types import existing_file
@@ -20,7 +19,7 @@ from mikas.cli.options.parameter_types import existing_file
     "Сам FILE не меняется.",
     examples=("mikas split merged.pcapng",),
 )
-@click.argument("file", metavar="FILE", type=existing_file)
+@argument("file", "FILE", type=existing_file, shell_complete=files(*RECORDING))
 def split(context: CommandContext, file: Path) -> None:
     from mikas.recording.splitting import cars_in
     from mikas.recording.splitting import split as write

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import click
-
 from mikas.catalog import Confidence, Fault
-from mikas.cli.click_extensions import YES, command
+from mikas.cli.click_extensions import YES, argument, command
 from mikas.cli.context import CommandContext
 from mikas.cli.language import localized, tr
 from mikas.cli.options.parameter_types import OneOf
@@ -20,7 +18,7 @@ from mikas.cli.options.parameter_types import OneOf
     "`faults erase` сбрасывает ошибки и перечитывает память.",
     examples=("mikas faults", "mikas faults erase", "mikas faults erase --yes --json"),
 )
-@click.argument("action", metavar="[erase]", type=OneOf(["erase"]), required=False)
+@argument("action", "[erase]", type=OneOf(["erase"]), required=False)
 @YES
 def faults(context: CommandContext, action: str | None, *, yes: bool) -> None:
     if action == "erase":

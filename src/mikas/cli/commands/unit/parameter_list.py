@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import click
-
-from mikas.cli.click_extensions import YES, command
+from mikas.cli.click_extensions import YES, argument, command
 from mikas.cli.commands.unit.parameters import show_readings
-from mikas.cli.completion import channel_names
+from mikas.cli.completion.values import channel_names
 from mikas.cli.context import CommandContext
 from mikas.cli.language import tr
 from mikas.cli.options.common import RELEARN
@@ -28,7 +26,7 @@ _SET_OR_NAME = Text(
     "меняет, отключение питания отменяет. Имена сохраняются для `mikas list read`.",
     examples=("mikas list set FREQ TWAT INJ", "mikas list set 0x3F:2 --yes --json"),
 )
-@click.argument("names", metavar="NAME...", nargs=-1, required=True, shell_complete=channel_names)
+@argument("names", "NAME...", nargs=-1, required=True, shell_complete=channel_names)
 @RELEARN
 @YES
 def set(context: CommandContext, names: tuple[str, ...], *, yes: bool) -> None:  # noqa: A001  (as above)
@@ -49,7 +47,7 @@ def set(context: CommandContext, names: tuple[str, ...], *, yes: bool) -> None: 
     "не сообщает, какие в нём параметры: для списка другой программы назовите NAME по порядку.",
     examples=("mikas list read", "mikas list read FREQ TWAT INJ --json"),
 )
-@click.argument("names", metavar="[NAME]...", nargs=-1, shell_complete=channel_names)
+@argument("names", "[NAME]...", nargs=-1, shell_complete=channel_names)
 @RELEARN
 def read(context: CommandContext, names: tuple[str, ...]) -> None:
     with context.ecu() as ecu:

@@ -6,11 +6,9 @@ from collections.abc import Mapping
 from functools import partial
 from typing import Any
 
-import click
-
 from mikas.catalog import Catalog, Derived, Parameter
-from mikas.cli.click_extensions import YES, command, option
-from mikas.cli.completion import channel_names
+from mikas.cli.click_extensions import YES, argument, command, option
+from mikas.cli.completion.values import channel_names
 from mikas.cli.context import CommandContext
 from mikas.cli.language import localized, tr
 from mikas.cli.options.common import RELEARN
@@ -109,7 +107,7 @@ def _parameter_json(catalog: Catalog, parameter: Parameter, interpretation: str)
     "пишется 0x1A, двухбайтовый 0x3F:2. Производный канал вычисляется из нужных ему параметров.",
     examples=("mikas read", "mikas read TWAT FREQ FUEL_FLOW", "mikas read 0x3F:2 --json"),
 )
-@click.argument("names", metavar="[NAME]...", nargs=-1, shell_complete=channel_names)
+@argument("names", "[NAME]...", nargs=-1, shell_complete=channel_names)
 @RELEARN
 def read(context: CommandContext, names: tuple[str, ...]) -> None:
     Once(context.options.catalog, names)  # checks, before anything is opened
@@ -170,8 +168,8 @@ def _no_result(value: DerivedValue) -> str:
     examples=("mikas write UOZ 12.5", "mikas write INJ --raw 5802", "mikas write UOZ 12.5 --yes"),
     context_settings={"ignore_unknown_options": True},
 )
-@click.argument("name", metavar="NAME", shell_complete=channel_names)
-@click.argument("value", metavar="[VALUE]", required=False)
+@argument("name", "NAME", shell_complete=channel_names)
+@argument("value", "[VALUE]", required=False)
 @option(
     "--raw",
     type=hex_bytes,

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import click
-
-from mikas.cli.click_extensions import SURE, YES, command
+from mikas.cli.click_extensions import SURE, YES, argument, command
 from mikas.cli.context import CommandContext, check_sure
 from mikas.cli.options.parameter_types import hex_bytes
 from mikas.commands import COMMANDS_BY_CODE, Safety
@@ -25,7 +23,7 @@ from mikas.i18n import Text
         "mikas raw 410080 --yes --i-know-what-this-does",
     ),
 )
-@click.argument("body", metavar="HEX", type=hex_bytes, nargs=1)
+@argument("body", "HEX", type=hex_bytes, nargs=1)
 @YES
 @SURE
 def raw(context: CommandContext, body: bytes, *, yes: bool, sure: bool) -> None:

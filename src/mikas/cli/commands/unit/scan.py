@@ -44,6 +44,7 @@ _CODES = 0x100
     examples=("mikas scan", "mikas scan -o mine.toml", "mikas scan --retries 0 --json"),
 )
 @output_option(
+    endings=["toml"],
     required=False,
     en="write the unknown codes to OUT, a catalog file for --catalog",
     ru="записать неизвестные коды в OUT, файл каталога для --catalog",
