@@ -87,7 +87,8 @@ class Name:
         value = self.value
         assert isinstance(value, type)
         names = (each.__name__ for each in value.__bases__)
-        return tuple(each for each in names if not each.startswith("_") and each not in _PLAIN)
+        hidden = {*_PLAIN, self.name}
+        return tuple(each for each in names if not each.startswith("_") and each not in hidden)
 
     @property
     def definition(self) -> str:
