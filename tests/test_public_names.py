@@ -178,6 +178,7 @@ def test_the_client_exports_exactly_this_list():
         "ConnectionOptions",
         "DerivedValue",
         "Ecu",
+        "EcuRecording",
         "Erased",
         "Info",
         "Limits",

@@ -14,6 +14,7 @@ from mikas.client.parameters.derived import DerivedValue
 from mikas.client.parameters.parameters import WrittenParameter
 from mikas.client.parameters.polling import METHODS, Method
 from mikas.client.parameters.readings import Reading, Sample
+from mikas.client.recorded import EcuRecording
 from mikas.client.scanning import Answer, ScannedCode
 from mikas.client.support import Support
 
@@ -32,6 +33,7 @@ __all__ = [
     "ConnectionOptions",
     "DerivedValue",
     "Ecu",
+    "EcuRecording",
     "Erased",
     "Info",
     "Limits",

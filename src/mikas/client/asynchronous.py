@@ -18,13 +18,14 @@ from typing import Any, Concatenate, Final, Generic, NamedTuple, ParamSpec, Self
 
 from mikas.cancellation import Cancellation
 from mikas.catalog import Catalog, Model
-from mikas.client.connecting import connect
+from mikas.client.connecting import StrPath, connect
 from mikas.client.ecu import Ecu
 from mikas.client.gate import Confirm
 from mikas.client.memory.spaces import Memory, MemorySpace
 from mikas.client.parameters.readings import Reading
 from mikas.client.questions import Questions
-from mikas.errors import LinkClosed
+from mikas.client.recorded import EcuRecording
+from mikas.errors import CaptureError, LinkClosed
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -318,6 +319,20 @@ class AsyncEcu(_Remote[Ecu]):
             await self.run(partial(context.__exit__, type(error), error, error.__traceback__))
             raise
         await self.run(partial(context.__exit__, None, None, None))
+
+    @asynccontextmanager
+    async def record(
+        self,
+        path: StrPath,
+        *,
+        on_failure: Callable[[CaptureError], object] | None = None,
+    ) -> AsyncIterator[EcuRecording]:
+        """As `Ecu.record`, with `async with`; `on_failure` is called in the worker thread."""
+        recording = await self.run(lambda: self.ecu.record(path, on_failure=on_failure))
+        try:
+            yield recording
+        finally:
+            recording.close()
 
     async def close(self) -> None:
         """Close the port and end the worker thread; a second call does nothing.

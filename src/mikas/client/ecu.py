@@ -6,7 +6,8 @@ threads may use one `Ecu`.
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterator, Mapping, Sequence
+import os
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -27,9 +28,11 @@ from mikas.client.parameters.polling import Method, fixed_method
 from mikas.client.parameters.readings import Reading, Sample
 from mikas.client.parameters.unit_list import UnitList
 from mikas.client.parameters.watching import Watcher
+from mikas.client.recorded import EcuRecording, recorded
 from mikas.client.scanning import Scan, ScannedCode
 from mikas.client.support import Support, try_commands
 from mikas.errors import (
+    CaptureError,
     EcuRefused,
     LineError,
     NoResponse,
@@ -352,6 +355,22 @@ class Ecu:
             return self.tester.raw(body)
 
         return self._gate.make(change, act, lambda response: response)
+
+    def record(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        on_failure: Callable[[CaptureError], object] | None = None,
+    ) -> EcuRecording:
+        """Record every exchange to `path` (.pcapng): `with ecu.record("drive.pcapng"): …`.
+
+        The file is as those of `mikas log`, with the unit's identity: its passports are read if
+        they are not known yet. It ends with the `with` statement or by `close`. `on_failure` gets
+        the error of a full disk, and the requests go on unrecorded; without it the error is raised.
+        Set a list (64) while it is recorded: a later `read_list` can't be decoded without.
+        Raises `CaptureError` for a file that exists or can't be made.
+        """
+        return recorded(self, path, on_failure)
 
     def limits(self) -> Limits:
         """Return a copy of the learnt limits. May read the unit's passport and raise its errors."""

@@ -130,6 +130,14 @@ class Recorder:
             self._open = None
             return status
 
+    def discard(self) -> None:
+        """End the recording and delete its file, unless that existed before, as a pipe does."""
+        with self._lock:
+            opened, _ = self._open, self.stop()
+            if opened is not None:
+                with suppress(CaptureError):
+                    opened.writer.discard()
+
     def next_file(self) -> None:
         """Go on in another file, NAME-2.pcapng after NAME.pcapng.
 

@@ -121,7 +121,7 @@ class ConnectionSupervisor:
             unit = unit.filled_from(self._known)
         self._unnamed = None
         self.unit, self.ecu = unit, ecu
-        yield _found(ecu, unit, another=another)
+        yield unit_found(ecu, unit, another=another)
         return ecu
 
     def find_unit_again(
@@ -137,7 +137,7 @@ class ConnectionSupervisor:
         if unit is None or self._is_another(unit):
             return False
         self.unit = unit
-        yield _found(ecu, unit, another=False)
+        yield unit_found(ecu, unit)
         return True
 
     def process(
@@ -304,7 +304,8 @@ class FirstValues:
         return fresh
 
 
-def _found(ecu: Ecu, unit: UnitIdentity, *, another: bool) -> UnitFound:
+def unit_found(ecu: Ecu, unit: UnitIdentity, *, another: bool = False) -> UnitFound:
+    """Return the event of a unit that answers, with all that a recording of it needs."""
     link = ecu.tester.link
     return UnitFound(
         link.now(),

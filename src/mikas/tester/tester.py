@@ -7,7 +7,7 @@ the link has the clock and all waits. Several threads may use one tester; a stre
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, suppress
 from math import ceil, inf
 from typing import Any, TypeVar
@@ -179,6 +179,15 @@ class Tester:
                     stream.close()
         finally:
             self.link.close()
+
+    def wrap_link(self, wrap: Callable[[Link], Link]) -> None:
+        """Pass all bytes from here on through `wrap(link)`; begins between two exchanges.
+
+        Raises `UsageError` if this thread runs a stream.
+        """
+        with self._holding():
+            self._ahead.settle()
+            self.link = self.line.link = wrap(self.link)
 
     def request(self, command: c.Command[T]) -> T:
         """Return the ECU's answer to `command`; repeat a failed exchange if that is safe.

@@ -131,8 +131,15 @@ class CaptureWriter:
 
     def discard_if_empty(self) -> None:
         """Close, and delete the file if nothing was recorded in it and it did not exist before."""
+        if self._end == self._begun_at:
+            self.discard()
+        else:
+            self.close()
+
+    def discard(self) -> None:
+        """Close, and delete the file if it did not exist before."""
         self.close()
-        if self._made and self._end == self._begun_at:
+        if self._made:
             with suppress(OSError):
                 self.path.unlink()
 
