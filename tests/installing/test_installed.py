@@ -55,6 +55,17 @@ def test_both_archives_hold_the_page_and_its_licences():
         assert name.lower() in licences.lower()
 
 
+def test_the_wheel_brings_the_manual_and_the_scripts_of_shells():
+    with zipfile.ZipFile(built("*.whl")) as wheel:
+        shared = {name.partition(".data/data/share/")[2] for name in wheel.namelist()}
+    for name in (
+        "man/man1/mikas.1", "man/man1/mikas-mem-dump.1", "man/ru/man1/mikas-read.1",
+        "bash-completion/completions/mikas", "zsh/site-functions/_mikas",
+        "fish/vendor_completions.d/mikas.fish",
+    ):  # fmt: skip
+        assert name in shared
+
+
 def test_pipx_installs_a_program_that_works_and_removes_it(computer, tools):
     computer.run(tools, "-m", "pipx", "install", "mikas", "--python", tools)
     program = computer.home / ".local" / "bin" / "mikas"

@@ -132,8 +132,8 @@ def _fill(tree: Path) -> None:
     for icon in ICONS.glob("*.png"):
         _copy(icon, f"usr/share/icons/hicolor/{icon.stem}x{icon.stem}/apps/mikas.png")
     _copy(ICONS / "mikas.svg", "usr/share/icons/hicolor/scalable/apps/mikas.svg")
-    _write("usr/share/man/man1/mikas.1.gz", manual.page("en"))
-    _write("usr/share/man/ru/man1/mikas.1.gz", manual.page("ru"))
+    for name, page in manual.files().items():
+        _write(f"usr/share/{name}.gz", page)
     for shell, name in _COMPLETION.items():
         _write(f"usr/share/{name}", script(shell))
     _write("usr/share/lintian/overrides/mikas", (HERE / "linux/lintian").read_text("utf-8"))
