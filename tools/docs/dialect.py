@@ -2,6 +2,7 @@
 
 Python-Markdown wants four spaces for each level of a list, and an empty line before a list or a
 table that follows a paragraph. A fence with more words than the language it takes for a paragraph.
+A heading of a clause has the clause's anchor itself (`slugs`), so the one before it goes.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ import re
 from tools.docs.markdown import Document
 
 _MARKER = re.compile(r" *(?:[-*+]|\d+[.)]) +")
+_CLAUSE = re.compile(r'(#+ )<a id="s[\d-]+"></a>(?=(<a [^>]*></a>)*§)')
 _WIDTH = 4
 _NEEDS_GAP = frozenset({"bullet_list_open", "ordered_list_open", "table_open"})
 
@@ -44,7 +46,8 @@ def rewritten(text: str) -> str:
     for number, line in enumerate(lines):
         if number in gaps and made and made[-1].strip():
             made.append("")
-        made.append(_line(line, depth[number], removed[number], first.get(number)))
+        own = _CLAUSE.sub(r"\1", line)
+        made.append(_line(own, depth[number], removed[number], first.get(number)))
     return "\n".join(made) + "\n"
 
 

@@ -24,6 +24,7 @@ _LINK = re.compile(
 _PICTURE_IN_LINK = re.compile(r"(?P<picture>!)\[[^\]]*\]\((?P<target>[^()\s]+)[^()]*\)")
 _HTML = re.compile(r"<(?P<tag>img|a|source)\b[^>]*?\b(?:src|href|srcset)=\"(?P<target>[^\"]+)\"")
 _ANCHOR = re.compile(r"<a\s+(?:id|name)=\"([^\"]+)\"")
+_CLAUSE = re.compile(r"§(\d+(?:\.\d+)*) ")
 _MARKUP = re.compile(r"[*`]|!?\[([^\]]*)\]\([^)]*\)|<[^>]+>")
 
 
@@ -157,12 +158,16 @@ def slug_of(words: str) -> str:
 
 
 def slugs() -> Callable[[str, str], str]:
-    """Return `slug_of` as Python-Markdown calls it, so that anchors are those of GitHub."""
+    """Return `slug_of` as Python-Markdown calls it, so that anchors are those of GitHub.
+
+    A clause of the protocol gets its own anchor, `s2-1`: that of its permanent link.
+    """
     return _slug_of_toc
 
 
 def _slug_of_toc(words: str, _: str) -> str:
-    return slug_of(words)
+    clause = _CLAUSE.match(words)
+    return "s" + clause[1].replace(".", "-") if clause else slug_of(words)
 
 
 def with_targets(document: Document, targets: dict[int, str]) -> str:

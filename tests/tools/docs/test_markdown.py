@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from tools.docs.dialect import rewritten
-from tools.docs.markdown import Document, slug_of, with_targets
+from tools.docs.markdown import Document, slug_of, slugs, with_targets
 
 PAGE = """\
 # One
@@ -87,3 +87,12 @@ def test_only_the_targets_that_are_given_change():
 )
 def test_lists_tables_and_code_in_the_dialect_of_python_markdown(text, in_the_dialect):
     assert rewritten(text) == in_the_dialect + "\n"
+
+
+def test_a_clause_has_its_own_anchor_on_the_site_and_that_of_its_words_on_github():
+    heading = '## <a id="s4-2"></a><a id="errata"></a>§4.2 Errata'
+    assert rewritten(heading) == '## <a id="errata"></a>§4.2 Errata\n'
+    assert rewritten('## <a id="changes"></a>Changes').startswith('## <a id="changes">')
+    assert slugs()("§4.2 Errata", "-") == "s4-2"
+    assert slugs()("Of §4.2", "-") == slug_of("Of §4.2") == "of-42"
+    assert {"s4-2", "errata", "42-errata"} == Document(heading).anchors

@@ -19,9 +19,11 @@ _ROOTS = (
 )
 _PATH = re.compile(rf"`((?:{_ROOTS})[^`\s]*)`")
 _NAME = re.compile(r"\bmikas(?:\.[A-Za-z_]\w*)+")
-# The group of entry points; udev's 70-mikas.rules; Wireshark's plugin; programs of Windows and
-# macOS.
-_OTHER_NAMES = frozenset({"mikas.app", "mikas.exe", "mikas.links", "mikas.rules", "mikas.lua"})
+# The group of entry points; udev's 70-mikas.rules; Wireshark's plugin; fish's completion; programs
+# of Windows and macOS.
+_OTHER_NAMES = frozenset(
+    {"mikas.app", "mikas.exe", "mikas.fish", "mikas.links", "mikas.rules", "mikas.lua"}
+)
 _RELEASED = re.compile(r"\bmikas[-_](\d+\.\d+\.\d+(?:(?:a|b|rc)\d+)?)")
 _WIRESHARK = "src/mikas/dissectors/wireshark"
 _PLACEHOLDER = re.compile(r"[A-Z]{3,}|…")  # web/src/screens/NAME/Screen.svelte
