@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 import mikas
-from mikas.client.parameters.polling import Method
+from mikas.client.parameters.polling import FixedMethod
 from mikas.i18n import Text
 from mikas.link.base import Direction
 from mikas.recording import CaptureWriter, Coalescer
@@ -36,7 +36,7 @@ def recorded(
     hours: float = 10.0,
     *,
     lap: float = 300.0,
-    method: Method = "list",
+    method: FixedMethod = "list",
     start: float = START,
 ) -> Path:
     """Writes the recording; returns its path. `lap`: seconds of driving that are repeated;
@@ -70,7 +70,7 @@ def recorded(
 
 
 def _session(
-    path: Path, seconds: float, method: Method, start: float
+    path: Path, seconds: float, method: FixedMethod, start: float
 ) -> tuple[bytes, list[pcapng.EnhancedPacket]]:
     """The head of the file, and the packets of the steady part of the session."""
     alarms: list[Note] = []
@@ -121,7 +121,7 @@ class _Shifted(CaptureWriter):
         super().note(Note(note.kind, note.time + self._start, note.data))
 
 
-def _packets(data: bytes, method: Method) -> list[pcapng.EnhancedPacket]:
+def _packets(data: bytes, method: FixedMethod) -> list[pcapng.EnhancedPacket]:
     blocks = []
     at = 0
     while at < len(data):

@@ -15,7 +15,7 @@ from typing import Final, NamedTuple, cast
 
 from mikas.catalog import shipped
 from mikas.client import Ecu
-from mikas.client.parameters.polling import Method
+from mikas.client.parameters.polling import FixedMethod
 from mikas.commands import Datum
 from mikas.errors import MikasError
 from mikas.link.base import CaptureTee, Direction
@@ -30,13 +30,20 @@ from mikas.virtual.fault_injector import FaultInjector, LineFault
 from mikas.virtual.responder import Answer, Identity, Responder
 
 CATALOG: Final = shipped()
-METHODS: Final[tuple[Method, ...]] = ("single", "batch", "list", "stream", "stroke0", "stroke3")
+METHODS: Final[tuple[FixedMethod, ...]] = (
+    "single",
+    "batch",
+    "list",
+    "stream",
+    "stroke0",
+    "stroke3",
+)
 _NAMES: Final = tuple(p.name for p in CATALOG.parameters)
 _SIZES: Final = dict(CATALOG.codes)
 _RPM: Final = 3000.0
 _CYCLE: Final = 120 / _RPM
 
-Plan = tuple[tuple[Method, tuple[str, ...], int], ...]
+Plan = tuple[tuple[FixedMethod, tuple[str, ...], int], ...]
 """In order: the method, the names of the parameters, the number of readings."""
 
 
@@ -187,7 +194,7 @@ def session(
 def drawn(random: Random) -> Session:
     """Record a session that `random` decides on: one to four methods, mostly on a sound line."""
     few = tuple(random.sample(_NAMES, random.choice((1, 2, 3, 5))))
-    plan: list[tuple[Method, tuple[str, ...], int]] = []
+    plan: list[tuple[FixedMethod, tuple[str, ...], int]] = []
     for _ in range(random.choice((1, 2, 3, 4))):
         names = random.choice((few, _alike(random, few), tuple(random.sample(_NAMES, 3))))
         plan.append((random.choice(METHODS), names, random.choice((1, 2, 4))))

@@ -8,8 +8,9 @@ from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from mikas.client import METHODS, AsyncEcu, Ecu
+from mikas.client import AsyncEcu, Ecu
 from mikas.client.limits import LimitsStore
+from mikas.client.parameters.polling import FIXED_METHODS as METHODS
 from mikas.link.virtual import VirtualLink
 from mikas.tester import Tester
 from mikas.virtual.bus import Bus

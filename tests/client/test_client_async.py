@@ -10,7 +10,8 @@ import pytest
 from client_harness import bench, by_worker, ecu_on
 
 from mikas import errors
-from mikas.client import METHODS, AsyncEcu, AsyncMemorySpace, Ecu, MemorySpace
+from mikas.client import AsyncEcu, AsyncMemorySpace, Ecu, MemorySpace
+from mikas.client.parameters.polling import FIXED_METHODS as METHODS
 from mikas.link import open_link
 from virtual_harness import DATA
 
@@ -32,7 +33,13 @@ def test_every_public_name_of_ecu_is_there():
 
 def test_async_methods_delegate_and_have_the_same_documentation():
     for there, here in ((Ecu, AsyncEcu), (MemorySpace, AsyncMemorySpace)):
-        for name in public(there) & public(here) - {"close", "stream", "model", "version_code"}:
+        for name in public(there) & public(here) - {
+            "close",
+            "record",
+            "stream",
+            "model",
+            "version_code",
+        }:
             delegated = inspect.getattr_static(here, name, None)
             if delegated is not None:
                 assert delegated.__wrapped__ is inspect.getattr_static(there, name)

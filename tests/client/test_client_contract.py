@@ -9,7 +9,7 @@ import pytest
 from client_harness import bench, by_worker, ecu_on
 
 from mikas import errors
-from mikas.client import METHODS
+from mikas.client.parameters.polling import FIXED_METHODS as METHODS
 from mikas.virtual.memory import pattern
 from virtual_harness import DATA, FAULTS
 

@@ -9,7 +9,7 @@ import threading
 import pytest
 from client_harness import bench, ecu_on, lines
 
-from mikas.client import Change
+from mikas.client import Change, Ecu, connect
 from mikas.commands import COMMANDS_BY_CODE, Safety
 from mikas.errors import (
     JournalError,
@@ -40,6 +40,11 @@ CHANGES = {
     "raw code": lambda ecu: ecu.raw(b"\x16\x00\x80\x01"),
     "raw unknown": lambda ecu: ecu.raw(b"\x99"),
 }
+WORDS = {
+    "erase": "erase_faults", "parameter": "write_parameter", "list": "set_list", "ram": "RAM",
+    "xram": "XRAM", "code": "CODE", "sfr": "SFR", "goto": "goto", "raw": "`raw` bodies",
+}  # fmt: skip
+"""How the documentation of `Ecu` names them, by the first word of their names."""
 DANGEROUS = {"code", "code block", "goto", "raw goto", "raw code"}
 
 
@@ -80,6 +85,11 @@ class TestTheGate:
         else:
             CHANGES[name](ecu)
             assert changing(it) != []
+
+    def test_what_passes_without_a_confirmation_is_said_by_the_unit_and_connect(self, name):
+        made, refused = Ecu.__doc__.split("Refused without it")
+        assert WORDS[name.split()[0]] in (refused if name in DANGEROUS else made)
+        assert "writes to CODE and `goto` (41), which are refused" in connect.__doc__
 
     def test_yes_is_journalled_before_and_after(self, name, tmp_path):
         observed = []

@@ -7,7 +7,7 @@ from itertools import islice, pairwise
 import pytest
 from client_harness import ASKED, STROKES, bench, ecu_on
 
-from mikas.client import METHODS
+from mikas.client.parameters.polling import FIXED_METHODS as METHODS
 from mikas.errors import EchoOnly, LinkLost, UnknownParameter, UsageError
 from mikas.virtual.fault_injector import LineFault
 from virtual_harness import DATA, TableCar
@@ -178,13 +178,20 @@ def test_bad_settings_are_an_error_at_once(settings):
     assert it.requests() == []
 
 
+def test_auto_is_the_sessions_choice_and_is_refused_with_what_to_use():
+    it = bench()
+    with pytest.raises(UsageError, match=r"mikas\.session.*batch"):
+        ecu_on(it).watch("TWAT", method="auto")
+    assert it.requests() == []
+
+
 def test_each_method_sends_its_own_requests():
     def heard(method):
         it = bench()
         list(ecu_on(it).watch("TWAT", "FREQ", method=method, count=2))
         return [body.hex() for body in it.requests() if body != b"\x01"]
 
-    assert heard("auto") == heard("batch") == ["611a29"] * 2
+    assert heard("batch") == ["611a29"] * 2
     assert heard("single") == ["611a", "6129"] * 2
     assert heard("list") == ["641a29", "63", "63"]
     assert heard("stream") == ["711a29"]

@@ -56,12 +56,12 @@ class TestRefused:
             next(ecu.watch(method="list"))
 
     def test_a_unit_without_61_can_not_be_watched(self, unknown):
-        for method in ("auto", "single"):
+        for method in ("batch", "single"):
             ecu = ecu_on(bench(missing="61", unknown=unknown))
             with pytest.raises(NotSupported):
                 next(ecu.watch("TWAT", method=method))
 
-    @pytest.mark.parametrize("method", ["auto", "batch", "single"])
+    @pytest.mark.parametrize("method", ["batch", "single"])
     def test_all_parameters_refused_is_an_error_not_an_empty_log(self, unknown, method):
         data = {code: raw for code, raw in DATA.items() if code not in (0x42, 0x72)}
         ecu = ecu_on(bench(data, unknown=unknown))
@@ -70,7 +70,7 @@ class TestRefused:
             with pytest.raises(NotSupported, match="RCOK"):
                 list(ecu.watch("RCOK", "MINERR", method=method, count=3))
 
-    @pytest.mark.parametrize("method", ["auto", "batch", "single"])
+    @pytest.mark.parametrize("method", ["batch", "single"])
     def test_some_parameters_refused_are_missing(self, unknown, method):
         data = {code: raw for code, raw in DATA.items() if code != 0x42}
         it = bench(data, unknown=unknown)

@@ -20,8 +20,8 @@ from dissectors.levels_rig import BITS, FORMATS, Tap, signals
 from dissectors.sigrok_rig import installed, sigrok_cli
 from mikas import commands as c
 from mikas.cli.main import run as mikas
-from mikas.client import METHODS
 from mikas.client.connecting import ConnectionOptions
+from mikas.client.parameters.polling import FIXED_METHODS as METHODS
 from mikas.errors import MikasError
 from mikas.framing import encode
 from mikas.link import CaptureTee, open_link

@@ -176,6 +176,9 @@ def connect(
     `catalogs`: the user's own files. `sink`: records all bytes on the wire; if it fails,
     `on_sink_failure` gets its exception and the session goes on unrecorded; None: the exception is
     raised, and by each later request again.
+
+    `confirm`: asked before each change of the unit; True makes it, False raises `NotConfirmed`.
+    Without it every change is made at once but writes to CODE and `goto` (41), which are refused.
     The other options: `ConnectionOptions`. Raises `UsageError` for an invalid option before the
     port is opened, then `NoConnection` or a `LineError`.
     """

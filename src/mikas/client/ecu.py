@@ -24,7 +24,7 @@ from mikas.client.memory.spaces import Memory
 from mikas.client.parameters.data import COMMON, DataReader
 from mikas.client.parameters.derived import DerivedValue
 from mikas.client.parameters.parameters import Parameters, WrittenParameter
-from mikas.client.parameters.polling import Method, fixed_method
+from mikas.client.parameters.polling import FixedMethod, named_method
 from mikas.client.parameters.readings import Reading, Sample
 from mikas.client.parameters.unit_list import UnitList
 from mikas.client.parameters.watching import Watcher
@@ -87,6 +87,12 @@ class Ecu:
 
     `timeout` of a method: the seconds that the whole call may last; `DeadlinePassed` then ends it
     between two requests. None: as long as it takes. The time-out of one request is `connect`'s.
+
+    Changes pass the gate: `connect(confirm=…)` is asked before each, and answers True or False.
+    Without `confirm` they are made at once: `write_parameter`, `erase_faults`, `set_list`, writes
+    to RAM, XRAM and SFR, and `raw` bodies of such commands or of unknown ones. Refused without it,
+    by `NotConfirmed`, are those that may leave the unit unable to run: writes to CODE, `goto`, and
+    `raw` bodies of either. Reading asks only where it sets the list: `watch` by method list.
 
     The sampler works with its parts: `tester`, `parameters`, `passports`, `limits_cache`.
     """
@@ -188,7 +194,7 @@ class Ecu:
     def watch(
         self,
         *names: str,
-        method: Method = "auto",
+        method: FixedMethod = "batch",
         rate: float | None = None,
         count: int | None = None,
     ) -> Generator[Sample, None, None]:
@@ -198,13 +204,13 @@ class Ecu:
         `LinkLost`, `UnknownParameter`, and `EcuRefused` if the unit refuses the method or every
         parameter.
 
-        auto, batch: few requests (61), which change nothing in the unit and leave the line free
-        between cycles; single: one request a parameter; list: 64 and 63, which change the unit's
-        list; stream: 71; stroke0 … stroke4: 7F … 83. A stream occupies the line until the generator
-        is closed or has yielded `count` samples. `mikas.sampling` measures the fastest method.
+        batch: few requests (61), which change nothing in the unit and leave the line free between
+        cycles; single: one request a parameter; list: 64 and 63, which change the unit's list;
+        stream: 71; stroke0 … stroke4: 7F … 83. A stream occupies the line until the generator is
+        closed or has yielded `count` samples. `mikas.session` finds the fastest that works, waits
+        for a lost adapter and computes derived channels.
         """
-        fixed = fixed_method(method) or "batch"
-        return Watcher(self.parameters, names, fixed, rate).samples(count)
+        return Watcher(self.parameters, names, named_method(method), rate).samples(count)
 
     @contextmanager
     def stream(

@@ -30,7 +30,7 @@ FixedMethod = Literal[
     "single", "batch", "list", "stream", "stroke0", "stroke1", "stroke2", "stroke3", "stroke4"
 ]
 Method = Literal["auto", FixedMethod]
-"""How `watch` reads: by itself (auto), or by one of the methods."""
+"""How a session samples: by the fastest method that works (auto), or by this one."""
 
 FIXED_METHODS: tuple[FixedMethod, ...] = get_args(FixedMethod)
 METHODS: tuple[Method, ...] = get_args(Method)
@@ -54,6 +54,19 @@ def fixed_method(method: str) -> FixedMethod | None:
     """Return `method`, None for auto. Raises `UsageError` for any other text."""
     check_choice("method", method, METHODS)
     return next((known for known in FIXED_METHODS if known == method), None)
+
+
+def named_method(method: str) -> FixedMethod:
+    """Return the method. Raises `UsageError`, also for auto, which only a session can choose."""
+    if method == "auto":
+        raise errors.usage_error(
+            "auto is the fastest method that works, which mikas.session() measures; watch takes "
+            f"one of {', '.join(FIXED_METHODS)}",
+            "auto — самый быстрый из работающих способов, его находит mikas.session(); у watch "
+            f"способ один из: {', '.join(FIXED_METHODS)}",
+        )
+    check_choice("method", method, FIXED_METHODS)
+    return next(known for known in FIXED_METHODS if known == method)
 
 
 def check_rate(rate: float | None) -> None:
