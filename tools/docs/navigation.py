@@ -50,6 +50,8 @@ NAVIGATION: tuple[Entry | Section, ...] = (
             _page("how-to/wiring.md", "Wire the cable", "Подключить кабель"),
             _page("how-to/install.md", "Install", "Установить"),
             _page("how-to/terminal.md", "Begin in a terminal", "Начать в терминале"),
+            _page("how-to/library.md", "The library", "Библиотека"),
+            _page("how-to/coming-from.md", "Coming from python-can …", "После python-can …"),
             _page("how-to/wireshark.md", "Wireshark", "Wireshark"),
             _page("how-to/sigrok.md", "sigrok and PulseView", "sigrok и PulseView"),
             _page("how-to/notebooks.md", "Notebooks", "Блокноты Jupyter"),

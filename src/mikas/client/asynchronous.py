@@ -220,16 +220,19 @@ class AsyncMemory:
     """`memory.ram`, `.xram`, `.code`, `.sfr`; or by name, `memory["ram"]`."""
 
     ram: AsyncMemorySpace
+    """Internal RAM."""
     xram: AsyncMemorySpace
+    """External RAM."""
     code: AsyncMemorySpace
+    """Program memory."""
     sfr: AsyncMemorySpace
+    """Special function registers."""
 
     def __init__(self, ecu: AsyncEcu, sync: Memory) -> None:
         self._sync = sync
         self.ram, self.xram, self.code, self.sfr = (
             AsyncMemorySpace(ecu, sync[name]) for name in Memory.NAMES
         )
-        """The four spaces."""
 
     def __getitem__(self, name: str) -> AsyncMemorySpace:
         space: AsyncMemorySpace = getattr(self, self._sync[name].name)

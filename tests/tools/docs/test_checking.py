@@ -83,6 +83,10 @@ ENGLISH = """\
 $ mikas read  # all of them
 TWAT
 ```
+```python
+b.read("A")  # once
+print("no answer", b.text.en)
+```
 ## More
 """
 RUSSIAN = """\
@@ -91,6 +95,10 @@ RUSSIAN = """\
 ```console
 $ mikas read --lang ru  # все
 ТОЖ
+```
+```python
+b.read("A")  # раз
+print("нет ответа", b.text.ru)
 ```
 ## Ещё
 """
@@ -118,6 +126,8 @@ def translated(repository, russian):
         (("## Ещё", "### Ещё"), ["headings"]),
         (("mikas read", "mikas info"), ["code"]),
         (("```console", "```text"), ["code"]),
+        (('b.read("A")  # раз', 'b.read("B")'), ["code"]),
+        (("нет ответа", "другой текст"), []),
         (("p.png", "q.png"), ["pictures"]),
         (("#второй", "#первый"), ["links"]),
         (("[а](other.md#второй) ", ""), ["links"]),

@@ -6,6 +6,7 @@ order. So a change of one that was forgotten in the other is found.
 
 from __future__ import annotations
 
+import ast
 import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
@@ -15,7 +16,7 @@ from urllib.parse import unquote
 from tools.docs.checking.finding import Finding
 from tools.docs.checking.sessions import commands_of
 from tools.docs.generated.writing import of_the_site
-from tools.docs.markdown import Document, Link
+from tools.docs.markdown import Code, Document, Link
 from tools.docs.navigation import entries
 from tools.docs.pages import DOCS, ROOT, RUSSIAN, document, files, led_to, path_of
 from tools.docs.waiting import AWAITED, UNTRANSLATED
@@ -66,11 +67,34 @@ def translated(english: PurePosixPath, russian: PurePosixPath) -> Iterator[Findi
 
 
 def _code(page: Document) -> list[object]:
-    """Return each block's language, and the commands of a session; their output is translated."""
-    return [
-        (code.language, *commands_of(code.text)) if code.language == "console" else code.language
-        for code in page.code
-    ]
+    """Return each block's language with what is not translated in it.
+
+    Of a session that are the commands, not their output; of Python all but comments, texts and the
+    language of a `Text`.
+    """
+    return [_untranslated(code) for code in page.code]
+
+
+def _untranslated(code: Code) -> object:
+    if code.language == "console":
+        return (code.language, *commands_of(code.text))
+    if code.language == "python":
+        return (code.language, _without_texts(code.text))
+    return code.language
+
+
+def _without_texts(text: str) -> str:
+    """Return Python without comments, and without texts that may be translated: with a space."""
+    try:
+        tree = ast.parse(text)
+    except SyntaxError:
+        return text  # its own check says so
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and " " in node.value:
+            node.value = "…"
+        elif isinstance(node, ast.Attribute) and node.attr == "ru":
+            node.attr = "en"
+    return ast.unparse(tree)
 
 
 def _places(file: PurePosixPath, *, pictures: bool) -> list[str]:

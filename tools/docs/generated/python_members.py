@@ -248,7 +248,10 @@ def _fields_in(owner: type) -> dict[str, tuple[str, str]]:
                 if each.annotation
             }
             for name, (annotation, doc) in _documented(node.body, "self").items():
-                found.setdefault(name, (annotation or of_arguments.get(name, ""), doc))
+                known, said_there = found.get(name, ("", ""))
+                found[name] = (
+                    known or annotation or of_arguments.get(name, ""), said_there or doc
+                )  # fmt: skip
     said = _said_of(inspect.cleandoc(owner.__doc__ or ""))
     return {
         name: (annotation, doc or said.get(name, "")) for name, (annotation, doc) in found.items()

@@ -295,9 +295,13 @@ class Memory:
     """`memory.ram`, `.xram`, `.code`, `.sfr`; or by name, `memory["ram"]`."""
 
     ram: MemorySpace
+    """Internal RAM."""
     xram: MemorySpace
+    """External RAM."""
     code: MemorySpace
+    """Program memory."""
     sfr: MemorySpace
+    """Special function registers."""
 
     NAMES: ClassVar[tuple[str, ...]] = tuple(_SPACES)
     """The names of the four spaces."""
@@ -306,7 +310,6 @@ class Memory:
         self.ram, self.xram, self.code, self.sfr = (
             MemorySpace(name, tester, gate, cache) for name in _SPACES
         )
-        """The four spaces."""
 
     def __getitem__(self, name: str) -> MemorySpace:
         if name not in _SPACES:
