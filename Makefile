@@ -110,6 +110,7 @@ check: .venv/with-check web/node_modules/installed build/docs/index.html ## lint
 	$(venv_python) -m ruff check .
 	$(venv_python) -m ruff format --check .
 	$(venv_python) -m mypy
+	@$(venv_python) -m tools.public_types
 	.venv/bin/lint-imports
 	$(venv_python) tools/generate_types.py --check
 	@$(venv_python) -m towncrier build --draft --version next >/dev/null

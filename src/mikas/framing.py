@@ -124,7 +124,7 @@ class Decoder:
             raise ValueError("limit must be at least 1 byte")
         self.limit = limit
         self.strict = strict
-        self.noise = 0
+        self.noise: int = 0
         """The bare terminators that were skipped (D5)."""
         self._buffer = bytearray()
         self._searched = 0  # no terminator before this index: feeding single bytes stays linear

@@ -219,7 +219,7 @@ class NotConnected(ApiRefusal, status=503):
 class InternalError(ApiRefusal, status=500):
     """A bug in mikas. `url`: the port's, whose password no text may have."""
 
-    more_fields = frozenset({"url"})
+    more_fields: ClassVar[frozenset[str]] = frozenset({"url"})
 
     what: ClassVar[Text] = Text(
         "Internal error in mikas ({kind})", "Внутренняя ошибка mikas ({kind})"

@@ -14,7 +14,7 @@ from mikas.i18n import Text
 class NoConnection(MikasError, ConnectionError):
     """No port, no adapter or no ECU. `url`: the port's, also where no text has it."""
 
-    more_fields = frozenset({"url"})
+    more_fields: ClassVar[frozenset[str]] = frozenset({"url"})
 
 
 class PortNotFound(NoConnection, FileNotFoundError):

@@ -65,11 +65,11 @@ class UnknownParameter(UsageError):
 class NeedsSamples(UsageError):
     """A derived channel can't be read once: `total`, one that it needs, adds up over time."""
 
-    what = Text(
+    what: ClassVar[Text] = Text(
         "A single reading can't give {name}: {total} is added up from sample to sample",
         "Одно чтение не даёт {name}: {total} накапливается от опроса к опросу",
     )
-    advice = Text(
+    advice: Text = Text(
         "Sample it for a while: a session adds it up.",
         "Опрашивайте его какое-то время: опрос его накопит.",
     )

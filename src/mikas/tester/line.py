@@ -93,7 +93,7 @@ class Line:
         self._at_once = 0
         self.silences: int = 0  # how often two requests in a row got no byte: the unit was off
         self._unanswered = 0  # requests in a row
-        self.noise = 0  # bare terminators around responses, which are skipped (D5)
+        self.noise: int = 0  # bare terminators around responses, which are skipped (D5)
         self.suspension: ReadingSuspended | None = None
         """The latest time without reading that is still to be reported; no short one."""
         self._ahead = _NOTHING  # received together with the end of an echo

@@ -62,7 +62,7 @@ class Tester:
         raw_checksum: bool = False,
         strict: bool = False,
     ) -> None:
-        self.link = link
+        self.link: Link = link
         self.echo = echo
         self.retries = retries
         self.version_code: int | None = None

@@ -165,7 +165,7 @@ class OneOf(_WordType):
     name = "word"
 
     def __init__(self, words: Iterable[str]) -> None:
-        self.words = tuple(words)
+        self.words: tuple[str, ...] = tuple(words)
 
     def convert(self, value: str, param: object, ctx: object) -> str:  # noqa: ARG002  (click's)
         if value.lower() in self.words:
