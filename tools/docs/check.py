@@ -13,7 +13,7 @@ from functools import partial
 from pathlib import Path, PurePosixPath
 
 from tools.docs.__main__ import BUILT
-from tools.docs.checking import built, citations, examples, links, named, structure
+from tools.docs.checking import built, citations, examples, links, named, structure, typed
 from tools.docs.checking.finding import Finding
 from tools.docs.generated.writing import files as generated
 from tools.docs.pages import LANGUAGES, ROOT, files
@@ -33,6 +33,7 @@ def main() -> int:
         side_by_side.submit(examples.recording, drive).result()
         ran = side_by_side.map(partial(examples.findings, drive=drive), documents)
         found: list[Finding] = [*structure.findings(), *stale(), *built.findings(BUILT)]
+        found += typed.findings()
         for file in documents:
             found += [*links.findings(file), *named.findings(file), *citations.findings(file)]
         for each in ran:

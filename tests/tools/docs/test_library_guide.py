@@ -8,7 +8,8 @@ import sys
 from pathlib import PurePosixPath
 
 import pytest
-from tools.docs.checking import examples
+from tools.docs.checking import examples, typed
+from tools.docs.markdown import Document
 from tools.docs.pages import document
 
 PAGES = [
@@ -39,6 +40,16 @@ def test_every_example_runs(page, drive):
     assert len(blocks) >= 5
     assert not any("no-run" in each.info for each in blocks)
     assert examples.findings(file, drive) == []
+
+
+def test_type_checkers_see_its_python_at_the_lines_of_the_page():
+    page = Document("# a\n\n```python\nx = 1\n\ny: str = x\n```\n```toml\n```\n")
+    assert typed.module_of(page).splitlines()[3:6] == ["x = 1", "", "y: str = x"]
+    for name in typed.PAGES:
+        page = document(PurePosixPath(name))
+        module, lines = typed.module_of(page).splitlines(), page.text.splitlines()
+        assert all(here in ("", there) for here, there in zip(module, lines, strict=False))
+        assert sum(map(bool, module)) > 30
 
 
 def test_its_tests_pass(tmp_path):
