@@ -24,11 +24,15 @@ from cli_harness import is_one_short_paragraph, is_russian
         ("mem read rma 0", "Did you mean ram?"),
         ("faults earse", "the only value is erase"),
         ("demo --no-browser --scenario ctiy", "There is no scenario and no file “ctiy”"),
+        ("sim --scenario ctiy", "Did you mean city?"),
+        ("decode drvie.pcapng", "Did you mean drive.pcapng?"),
+        ("mem diff drive.pcapng nowhere/drive.pcapng", "there is no file “nowhere/drive.pcapng”."),
         ("read TWAAT", "Did you mean TWAT"),
         ("read --port smi:", "Did you mean sim:?"),
     ],
 )
-def test_the_nearest_is_named(mikas, line, nearest):
+def test_the_nearest_is_named(mikas, tmp_path, line, nearest):
+    (tmp_path / "drive.pcapng").touch()
     english, russian = mikas(*line.split()), mikas(*line.split(), "--lang", "ru")
     assert (english.status, english.out) == (2, "")
     assert nearest in english.err

@@ -134,7 +134,7 @@ def _failed(error: Exception, argv: list[str], hide: Callable[[str], str]) -> in
             return _failed(unwritten, argv, hide)
     else:
         # A paragraph, whatever lines a file's name has.
-        _print_error(terminal.cell_text(failure.text))
+        _print_error(terminal.cell_text(failure.text), terminal.write_note)
     if desktop.FLAG in argv:
         details = hide(_traceback(error)) if failure.status == BUG else ""
         desktop.show_failure(failure.text, details)
@@ -146,15 +146,19 @@ def _failed(error: Exception, argv: list[str], hide: Callable[[str], str]) -> in
     return failure.status
 
 
+def _write_line(text: str) -> None:
+    terminal.write_error(f"{text}\n")
+
+
 def _traceback(error: Exception) -> str:
     import traceback
 
     return "".join(traceback.format_exception(error)).rstrip("\n")
 
 
-def _print_error(text: str) -> None:
+def _print_error(text: str, write: Callable[[str], None] = _write_line) -> None:
     try:
         terminal.flush_out()
-        terminal.write_error(f"{text}\n")
+        write(text)
     except (BrokenPipeError, terminal.OutputError):
         terminal.discard_output()

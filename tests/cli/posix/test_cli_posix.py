@@ -38,11 +38,11 @@ def start(tmp_path):
     }  # fmt: skip
     running = []
 
-    def started(*argv: str, terminal: str = "xterm", **settings) -> subprocess.Popen:
+    def started(*argv: str, terminal: str = "xterm", more=(), **settings) -> subprocess.Popen:
         process = subprocess.Popen(
             [sys.executable, "-c", "from mikas.cli.main import main; main()", *argv],
             cwd=tmp_path,
-            env=environment | {"TERM": terminal},
+            env=environment | {"TERM": terminal} | dict(more),
             **{"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE,
                "text": True, "encoding": "utf-8", **settings},
         )  # fmt: skip
@@ -366,11 +366,12 @@ def until_it_sleeps(pid: int) -> None:
 
 def test_a_question_at_a_terminal_takes_yes_no_end_and_ctrl_c(start, tmp_path):
     argv = ("write", "UOZ", "10", "--port", "sim:?clock=simulated")
+    state = {"MIKAS_STATE": str(tmp_path / "state/mikas")}  # else a virtual unit has no journal
     for answer, status in (("n\n", 6), ("y\n", 0), ("\x04", 6), ("\x03", 130)):
         with terminal() as (behind, front):
             process = start(
                 *argv, stdin=front, stdout=front, stderr=front, start_new_session=True,
-                preexec_fn=lambda: fcntl.ioctl(0, termios.TIOCSCTTY, 0),
+                more=state, preexec_fn=lambda: fcntl.ioctl(0, termios.TIOCSCTTY, 0),
             )  # fmt: skip
             got = read_until(behind, "Do it? [y/N]")
             assert "10.0 ° crank (14)" in got

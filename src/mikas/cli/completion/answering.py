@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import sys
 from collections.abc import Iterator
 from contextlib import redirect_stderr, suppress
 from io import StringIO
@@ -14,6 +13,7 @@ from click.shell_completion import CompletionItem, ShellComplete, split_arg_stri
 
 from mikas.cli.completion.scripts import script
 from mikas.cli.language import detect_language, set_language
+from mikas.cli.render.terminal import write_machine
 
 VARIABLE: Final = "_MIKAS_COMPLETE"
 
@@ -26,12 +26,15 @@ def is_asked() -> bool:
 def answer(cli: click.Command) -> int:
     """Print what the shell asks for; return the exit status. An error completes nothing."""
     shell, _, action = os.environ[VARIABLE].partition("_")
+    # PowerShell reads UTF-8 here, whatever the console's own encoding is.
+    encoding = "utf-8" if shell == "powershell" else None
     with suppress(Exception), redirect_stderr(StringIO()):
         if action == "source":
-            _write(script(shell), shell)
+            write_machine(script(shell), encoding)
             return 0
         if action == "complete":
-            _write("".join(f"{line}\n" for line in _offers(cli, _words(shell))), shell)
+            offers = "".join(f"{line}\n" for line in _offers(cli, _words(shell)))
+            write_machine(offers, encoding)
             return 0
     return 1
 
@@ -62,13 +65,3 @@ def _line(item: CompletionItem, begin: str) -> str:
     if item.type in ("file", "dir"):  # the value: endings of names; the rest: what is before a name
         return f"{item.type}\t{item.value}\t{begin}{item.begin or ''}"
     return f"{item.type}\t{begin}{item.value}\t{item.help or ''}"
-
-
-def _write(text: str, shell: str) -> None:
-    # PowerShell reads UTF-8 here, whatever the console's own encoding is.
-    settings = {"encoding": "utf-8"} if shell == "powershell" else {}
-    reconfigure = getattr(sys.stdout, "reconfigure", None)
-    if reconfigure is not None:
-        reconfigure(newline="\n", errors="replace", **settings)
-    sys.stdout.write(text)
-    sys.stdout.flush()

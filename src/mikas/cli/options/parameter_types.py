@@ -10,6 +10,7 @@ import os
 import re
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from itertools import islice
 from math import inf, nan
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -28,6 +29,14 @@ if TYPE_CHECKING:
     _WordType = click.ParamType[str, str]
 else:
     _WordType = click.ParamType  # generic since click 8.4
+
+_MOST_FILES: Final = 1000  # among which a misspelt name is looked for
+
+
+def _ended(problem: Text) -> click.BadParameter:
+    """Return the error with `problem` as a whole sentence."""
+    end = "" if problem.en.endswith("?") else "."
+    return _invalid(problem.en + end, problem.ru + end)
 
 
 def _invalid(en: str, ru: str) -> click.BadParameter:
@@ -179,9 +188,7 @@ class OneOf(_WordType):
         problem = Text(
             f"“{value}” is not one of {listed}", f"«{value}» не подходит; можно: {listed}"
         )
-        problem = with_nearest(problem, value, self.words)
-        end = "" if problem.en.endswith("?") else "."
-        raise _invalid(problem.en + end, problem.ru + end)
+        raise _ended(with_nearest(problem, value, self.words))
 
     def shell_complete(self, ctx: object, param: object, incomplete: str) -> list[CompletionItem]:  # noqa: ARG002
         from click.shell_completion import CompletionItem
@@ -203,8 +210,17 @@ def existing_file(text: str) -> Path:
     """Return the path of a file that exists."""
     path = any_file(text)
     if not os.path.exists(path):  # noqa: PTH110  (as above)
-        raise _invalid(f"there is no file “{text}”.", f"файла «{text}» нет.")
+        problem = Text(f"there is no file “{text}”", f"файла «{text}» нет")
+        raise _ended(with_nearest(problem, path.name, _files_beside(path)))
     return path
+
+
+def _files_beside(path: Path) -> list[str]:
+    """Return the names in the folder of `path`, none of one that can't be read."""
+    try:
+        return [it.name for it in islice(os.scandir(path.parent), _MOST_FILES) if it.is_file()]
+    except (OSError, ValueError):
+        return []
 
 
 METAVARS: Final[dict[object, str]] = {

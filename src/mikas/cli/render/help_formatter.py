@@ -8,15 +8,15 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
-from textwrap import wrap
 from typing import Any
 
 import click
 
+from mikas.cli.render.wrapping import filled
+
 _WIDEST_NAME = 30
 _GAP = 2
 _CONTINUED = " \\"  # as a shell continues a line
-_COMMAND = re.compile("`[^`]{1,40}`")  # it stays on one line
 _SHELL_WORD = re.compile(r"(?:'[^']*'|\"[^\"]*\"|\S)+")
 
 
@@ -66,18 +66,7 @@ class HelpFormatter(click.HelpFormatter):
 
 
 def _filled(text: str, width: int, indent: str) -> str:
-    """Return `text` in lines of `width`; those after the first begin with `indent`."""
-    begin = len(text) - len(text.lstrip())
-    joined = text[:begin] + text[begin:].replace(" —", "\0—")  # no line begins with a dash
-    joined = _COMMAND.sub(lambda found: found[0].replace(" ", "\0"), joined)
-    lines = wrap(
-        joined,
-        width,
-        subsequent_indent=indent,
-        break_long_words=False,
-        break_on_hyphens=False,
-    )
-    return "".join(f"{line}\n" for line in lines).replace("\0", " ") or "\n"
+    return "".join(f"{line}\n" for line in filled(text, width, indent)) or "\n"
 
 
 class HelpContext(click.Context):

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any, Literal, Protocol, TextIO, TypeVar
 from mikas.cleaning import terminal_json
 from mikas.cli.language import tr
 from mikas.cli.render import terminal
+from mikas.cli.render.wrapping import filled
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -26,7 +27,6 @@ if TYPE_CHECKING:
 
 SCHEMA = 1
 _PIECE = 1 << 16
-_NARROWEST = 20  # columns that a paragraph is wrapped to
 T = TypeVar("T")
 
 
@@ -65,18 +65,13 @@ class Output:
         `first` stands before its first line, `rest` before each other: as many blanks.
         """
         from shutil import get_terminal_size
-        from textwrap import wrap
 
         if not sys.stdout.isatty():
             self.line(first + text)
             return
-        width = max(_NARROWEST, get_terminal_size().columns)
         indent = " " * len(first) if rest is None else rest
-        lines = wrap(
-            terminal.cell_text(text), width, initial_indent=first, subsequent_indent=indent,
-            break_on_hyphens=False,
-        )  # fmt: skip
-        self.line("\n".join(lines))
+        text = first + terminal.cell_text(text)
+        self.line("\n".join(filled(text, get_terminal_size().columns, indent)))
 
     def result(self, value: Mapping[str, Any], text: str) -> None:
         """Print `value` as JSON, or `text` for people."""
@@ -86,8 +81,8 @@ class Output:
             self.line(text)
 
     def print_note(self, text: str) -> None:
-        """Print one line on stderr, for people."""
-        terminal.write_error(f"{text}\n")
+        """Print a sentence or more on stderr, for people."""
+        terminal.write_note(text)
 
     def detail(self, *words: str) -> None:
         """Print a note that only `-v` shows."""

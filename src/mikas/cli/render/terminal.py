@@ -13,6 +13,7 @@ from __future__ import annotations
 import io
 import os
 import re
+import shutil
 import sys
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
@@ -20,6 +21,7 @@ from pathlib import Path
 from typing import Any, Final, TextIO, cast
 
 from mikas.cleaning import clean_line, terminal_text
+from mikas.cli.render.wrapping import fitted
 
 CLEAR_LINE: Final = "\r\x1b[K"
 
@@ -131,6 +133,13 @@ def write_out(text: str) -> None:
     _write(sys.stdout, text)
 
 
+def write_machine(text: str, encoding: str | None = None) -> None:
+    """Write what a shell reads to stdout: with line feeds alone, in `encoding` or the stream's."""
+    if (reconfigure := getattr(sys.stdout, "reconfigure", None)) is not None:
+        reconfigure(newline="\n", errors="replace", encoding=encoding)
+    write_out(text)
+
+
 def write_error(text: str) -> None:
     """Write `text` to stderr."""
     _write(sys.stderr, text)
@@ -142,11 +151,20 @@ def _write(stream: TextIO, text: str) -> None:
     stream.flush()
 
 
+def write_note(text: str) -> None:
+    """Write a sentence or more to stderr, for a person: on a terminal in lines of whole words."""
+    if sys.stderr.isatty():
+        if isinstance(sys.stderr, EscapingStream):
+            text = sys.stderr.hide(text)  # before a line break divides a secret
+        text = "\n".join(fitted(terminal_text(text), shutil.get_terminal_size().columns))
+    write_error(f"{text}\n")
+
+
 def write_above(text: str) -> None:
     """Write a line to stderr, in the place of a status line, which is drawn again below it."""
     if sys.stderr.isatty():
         redraw("")
-    write_error(f"{text}\n")
+    write_note(text)
 
 
 def redraw(text: str, end: str = "") -> None:

@@ -26,8 +26,9 @@ from mikas.catalog.loading.fields import (
     string,
 )
 from mikas.catalog.loading.source import CatalogFile, read_source
-from mikas.errors import system_error, usage_error
+from mikas.errors import UsageError, system_error
 from mikas.i18n import Text
+from mikas.options import with_nearest
 from mikas.virtual.memory import SIZES
 from mikas.virtual.scenarios import form
 from mikas.virtual.scenarios.timeline import ScenarioTimeline, Track
@@ -162,10 +163,11 @@ def find(name: str) -> Scenario:
     if Path(name).is_file():
         return load(Path(name))
     known = ", ".join(SCENARIOS)
-    absent = usage_error(
+    problem = Text(
         f"there is no scenario and no file “{name}”; scenarios: {known}",
         f"нет ни сценария, ни файла «{name}»; сценарии: {known}",
     )
+    absent = UsageError(problem=with_nearest(problem, name, SCENARIOS))
     raise absent.caused_by(system_error(errno.ENOENT), name)
 
 
