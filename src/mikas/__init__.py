@@ -30,7 +30,8 @@ if TYPE_CHECKING:
     )
     from mikas.errors import MikasError
     from mikas.live.asynchronous import AsyncSession, async_session
-    from mikas.live.session import Session, session
+    from mikas.live.session import Session
+    from mikas.live.starting import session
     from mikas.notebook.recording import Recording
     from mikas.notebook.recording import open as open  # noqa: A004  (read as `mikas.open`)
 
@@ -63,7 +64,7 @@ _MODULES = dict.fromkeys(__all__, "mikas.client") | {
     "Session": "mikas.live.session",
     "AsyncSession": "mikas.live.asynchronous",
     "async_session": "mikas.live.asynchronous",
-    "session": "mikas.live.session",
+    "session": "mikas.live.starting",
     "Parameter": "mikas.catalog",
     "Recording": "mikas.notebook.recording",
     "open": "mikas.notebook.recording",  # not in `__all__`: `import *` would hide the built-in one

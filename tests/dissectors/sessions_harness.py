@@ -21,7 +21,7 @@ from mikas.recording.capture import blocks as pcapng
 from mikas.recording.capture.writer import CaptureWriter
 
 OUTBOUND, INBOUND = pcapng.OUTBOUND, pcapng.INBOUND
-VECTORS = Path(__file__).parents[1] / "vectors"
+VECTORS = Path(__file__).parents[2] / "conformance"
 CODES = (0x1A, 0x29, 0x2C, 0x26, 0x1E, 0x3F, 0x21, 0x40, 0x08, 0x07, 0x39, 0x42, 0x59, 0x1C)
 SIZES = {0x3F: 2, 0x21: 2, 0x40: 2, 0x59: 2}
 

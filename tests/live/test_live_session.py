@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import os
 import queue
 import sys
 from contextlib import suppress
@@ -12,7 +13,15 @@ import pytest
 import mikas
 from mikas import errors
 from mikas.recording.recorder import Recorder
-from mikas.sampling.events import AlarmChanged, Event, Gap, Sampled, StateChanged, UnitFound
+from mikas.sampling.events import (
+    AlarmChanged,
+    Event,
+    FaultReading,
+    Gap,
+    Sampled,
+    StateChanged,
+    UnitFound,
+)
 from mikas.testing.units import VirtualUnit
 
 SIM = "sim:?clock=simulated"
@@ -49,6 +58,25 @@ class TestSamples:
     def test_end_after_a_duration(self, on_unit):
         samples = list(on_unit(["FREQ"], duration=10, method="batch"))
         assert samples[-1].time - samples[0].time == pytest.approx(10, abs=0.5)
+
+    def test_end_after_a_duration_also_while_no_unit_answers(self, on_unit, unit):
+        session = on_unit(["FREQ"], duration=10, method="batch")
+        next(session)
+        unit.turn_key(on=False)
+        events = list(session.events())
+        assert events[-1].time - events[0].time == pytest.approx(10, abs=2)
+        assert session.progress.failed_cycles > 0
+        assert session.line_errors > 0
+
+    def test_of_a_rate_and_a_duration_are_counted_not_waited_for(self, on_unit):
+        assert len(list(on_unit(["FREQ"], rate=2, duration=10))) == 21
+
+    def test_are_counted_with_their_rate(self, on_unit):
+        session = on_unit(["FREQ"], count=50, method="batch")
+        session.run()
+        progress = session.progress
+        assert (progress.samples, progress.failed_cycles) == (50, 0)
+        assert progress.rate == pytest.approx(50 / progress.seconds)
 
     def test_come_at_a_rate_at_most(self, on_unit):
         samples = list(on_unit(["FREQ"], rate=2, count=20))
@@ -136,15 +164,54 @@ class TestEvents:
             assert (b"\x02" in unit.requests) is faults
             unit.forget_requests()
 
+    def test_the_stored_faults_are_events(self, on_unit, unit):
+        unit.faults = [13, 53]
+        session, readings = on_unit(["FREQ"], duration=60, method="batch"), []
+        session.on(FaultReading, lambda reading: readings.append(reading.codes))
+        session.run()
+        assert readings[0] == readings[-1] == (13, 53)
+
 
 class TestRecording:
+    def test_has_the_faults_of_its_end(self, on_unit, unit, tmp_path):
+        path = tmp_path / "drive.pcapng"
+        session = on_unit(["FREQ"], count=200, method="batch", record=path)
+        next(session)
+        unit.faults = [13]
+        session.run()
+        assert mikas.open(path).raw.fault_readings
+        assert max(
+            reading.codes
+            for port in mikas.open(path).raw.fault_readings.values()
+            for reading in port
+        ) == (13,)
+
+    @pytest.mark.parametrize("is_device", [False, pytest.param(True, marks=pytest.mark.posix)])
+    def test_without_an_answer_leaves_no_file_so_that_the_call_works_again(
+        self, on_unit, unit, tmp_path, is_device
+    ):
+        path = tmp_path / "drive.pcapng"
+        if is_device:
+            os.mkfifo(path)
+            reader = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
+        unit.turn_key(on=False)
+        with pytest.raises(errors.NoConnection):
+            on_unit(["FREQ"], record=path).run()
+        assert path.exists() is is_device  # nothing is deleted that was there
+        if is_device:
+            os.close(reader)
+            return
+        unit.turn_key(on=True)
+        assert on_unit(["FREQ"], record=path, count=5).run() == 5
+
     def test_is_of_the_whole_session_with_its_marks(self, on_unit, tmp_path):
         path = tmp_path / "drive.pcapng"
         with on_unit(["FREQ", "TWAT"], count=30, record=str(path)) as session:
             next(session)
             session.mark("here")
             samples = 1 + session.run()
-            assert session.recording.samples == samples
+            assert samples == 30
+            assert session.recording.samples >= samples  # until the last reading of the faults
         recording = mikas.open(path)
         assert {channel.name for channel in recording.channels} == {"FREQ", "TWAT"}
         assert "here" in [getattr(event, "label", None) for event in recording.events]

@@ -13,7 +13,7 @@ from mikas.catalog import shipped
 from mikas.recording.inspect import Describer
 
 EXCHANGES = json.loads(
-    (Path(__file__).parents[1] / "vectors" / "exchanges.json").read_text("utf-8")
+    (Path(__file__).parents[2] / "conformance" / "exchanges.json").read_text("utf-8")
 )
 
 

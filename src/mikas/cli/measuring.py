@@ -46,9 +46,9 @@ def measured_now(
                     raise
                 if stopped is not None:
                     context.say(*stopped)
-            failure = run.recorder.failure
-        if failure is not None:
-            raise failure
+            status = run.end_recording()
+        if status is not None and status.failure is not None:
+            raise status.failure
         yield Recording(path, context.options.catalog), run
 
 

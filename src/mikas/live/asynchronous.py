@@ -14,7 +14,8 @@ from functools import wraps
 from typing import Final, ParamSpec, Self, TypeVar
 
 from mikas.client import Ecu
-from mikas.live.session import Session, session
+from mikas.live.session import Session
+from mikas.live.starting import session
 from mikas.sampling.events import Event, Sampled
 
 P = ParamSpec("P")

@@ -14,22 +14,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import Future
-from contextlib import closing
+from contextlib import closing, suppress
 from math import inf
-from os import PathLike
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self, TypeVar, Unpack
+from typing import TYPE_CHECKING, Any, Self, TypeVar
 
-from mikas.catalog import load
-from mikas.client.connecting import ConnectionKeywords, ConnectionOptions, StrPath, named_port
 from mikas.client.parameters.polling import Method
-from mikas.errors import CaptureError, LinkClosed, RecordingOver, usage_error
-from mikas.link import choose_port, open_link
-from mikas.link.reconnecting import ReconnectingPort
+from mikas.errors import CaptureError, LinkClosed, MikasError, RecordingOver, UsageError
+from mikas.live.progress import Length, Progress
 from mikas.recording.recorder import Recorder, RecordingStatus
-from mikas.recording.table.dataframes import library
 from mikas.sampling.acquisition import Acquisition
-from mikas.sampling.events import Event, Sampled
+from mikas.sampling.events import ClockChanged, CycleFailed, Event, FaultReading, Gap, Sampled
 from mikas.sampling.session import SamplingSession
 
 if TYPE_CHECKING:
@@ -37,56 +31,60 @@ if TYPE_CHECKING:
 
     from mikas.client import Ecu
     from mikas.client.identity import UnitIdentity
-    from mikas.link import Link
 
 E = TypeVar("E", bound=Event)
 T = TypeVar("T")
+_LAST = 1.0  # s of events that the end waits for the last reading of the faults
 
 
 class Session(Iterator[Sampled]):
     """The samples of one run; iterate, and close it, or use it in a `with` statement.
 
-    Iterating ends after `stop`, after `count` samples, after `duration` seconds of samples, and
-    with a recording that is replayed. It raises what prevents the first sample (no port, no unit,
-    a refused method), unless `patient`; later such things are waited for. One thread iterates; any
-    thread may call `stop`, `call`, `mark` and `reconfigure`.
+    Iterating ends after `stop`, after `count` samples, after `duration` seconds from the first
+    values, and with a recording that is replayed. It raises what prevents the first sample (no
+    port, no unit, a refused method), unless `patient`; later such things are waited for. One thread
+    iterates; any thread may call `stop`, `call`, `mark` and `reconfigure`.
     """
 
     def __init__(
         self,
         acquisition: Acquisition,
         recorder: Recorder,
+        sampling: SamplingSession,
+        length: Length,
         *,
-        rate: float | None = None,
-        count: int | None = None,
-        duration: float | None = None,
-        faults: bool = True,
         on_record_failure: Callable[[CaptureError], object] | None = None,
+        keeps_unanswered: bool = False,
     ) -> None:
         self.acquisition = acquisition
-        """The loop that samples, with its plan, catalog and statistics."""
-        self._recorder = recorder
-        self._sampling = SamplingSession(recorder.record_event)
-        self._sampling.wants_faults = lambda: faults
-        recorder.conclude = self._sampling.conclude
-        self._period = 0.75 / rate if rate else 0.0
+        """The loop that connects, plans and samples."""
+        self.recorder = recorder
+        """The recorder of the bytes and events."""
+        self.sampling = sampling
+        """The gaps, fault readings and units that follow from several events."""
+        self.progress = Progress(length)
+        """The counts so far."""
+        self.recording_over: RecordingOver | None = None
+        """The end of the played recording, which ended the iteration; None: it did not."""
+        recorder.conclude = sampling.conclude
+        self._period = _period(length.rate)
         self._due = -inf
-        self._left = inf if count is None else count
-        self._duration = inf if duration is None else duration
-        self._began: float | None = None
         self._on_record_failure = on_record_failure
+        self._keeps_unanswered = keeps_unanswered
         self._reported: CaptureError | None = None
         self._recorded: RecordingStatus | None = None  # of the recording that has ended
         self._listeners: list[tuple[type[Event], Callable[[Any], object]]] = []
         self._source: Generator[Event, None, None] | None = None
         self._ended = False
+        self._ecu: Ecu | None = None
+        self._failed_before = 0  # exchanges, on links that are gone
 
     # What it is doing
 
     @property
     def unit(self) -> UnitIdentity | None:
         """The unit found last: its version code and passports; None before the first."""
-        return self._sampling.unit
+        return self.sampling.unit
 
     @property
     def method(self) -> str | None:
@@ -94,9 +92,19 @@ class Session(Iterator[Sampled]):
         return self.acquisition.method
 
     @property
+    def line_errors(self) -> int:
+        """The number of exchanges that failed on the line."""
+        return self._failed_before + (self._ecu.tester.statistics.failed if self._ecu else 0)
+
+    @property
+    def later(self) -> float:
+        """The seconds that the date is later than the times of the events: it was set since."""
+        return self.sampling.later
+
+    @property
     def recording(self) -> RecordingStatus | None:
         """The recording's progress: its path, bytes, samples, gaps; None without one."""
-        return self._recorder.status or self._recorded
+        return self.recorder.status or self._recorded
 
     # The events
 
@@ -149,12 +157,14 @@ class Session(Iterator[Sampled]):
         The index is the time with its zone (UTC); a value that was not read in a cycle is missing.
         Needs pandas.
         """
+        from mikas.recording.table.dataframes import library  # which imports numpy
+
         found = library("pandas")
         times: list[float] = []
         rows: list[dict[str, float | bool]] = []
 
         def keep(sample: Sampled) -> None:
-            times.append(sample.time + self._sampling.later)
+            times.append(sample.time + self.sampling.later)
             rows.append(sample.values)
 
         remove = self.on(Sampled, keep)
@@ -183,23 +193,41 @@ class Session(Iterator[Sampled]):
 
     def mark(self, label: str = "") -> float | None:
         """Mark this moment in the recording; return its time, None before any byte."""
-        return self._recorder.marker(label=label)
+        return self.recorder.marker(label=label)
 
     def reconfigure(
         self, channels: Iterable[str], method: Method = "auto", rate: float | None = None
     ) -> None:
         """Sample other channels from the next cycle on. Raises as `session` does."""
         self.acquisition.reconfigure(channels, method, rate)
-        self._period = 0.75 / rate if rate else 0.0
+        self._period = _period(rate)
 
     def close(self) -> None:
         """Leave the line quiet, close the port, end the recording; a second call does nothing."""
         self._ended = True
         try:
-            if self._source is not None:
-                self._source.close()
+            self.leave()
         finally:
-            self._recorded = self._recorder.stop() or self._recorded
+            self.end_recording()
+
+    def leave(self) -> None:
+        """Leave the line quiet and close the port; the recording has that, too."""
+        if self._source is not None:
+            self._source.close()
+
+    def end_recording(self) -> RecordingStatus | None:
+        """End the recording; return its progress, None if there was none."""
+        self._recorded = self.recorder.stop() or self._recorded
+        return self._recorded
+
+    def discard_after(self, error: MikasError) -> None:
+        """Delete a recording in which no unit has answered: the same call must work again.
+
+        One that `keeps_unanswered` shows why none did, unless `error` is a wrong use.
+        """
+        keeps = self._keeps_unanswered and not isinstance(error, UsageError)
+        if not self.progress.answered and not keeps:
+            self.recorder.discard()
 
     def __enter__(self) -> Self:
         return self
@@ -215,7 +243,11 @@ class Session(Iterator[Sampled]):
             raise LinkClosed(url=self.acquisition.port.url)
         if self._source is None:
             self._source = self._wanted()
-        event = next(self._source, None)
+        try:
+            event = next(self._source, None)
+        except MikasError as error:
+            self.discard_after(error)
+            raise
         if event is None:
             self.close()
             return None
@@ -226,30 +258,55 @@ class Session(Iterator[Sampled]):
         return event
 
     def _wanted(self) -> Generator[Event, None, None]:
-        if self._left <= 0:
+        """Yield the events until the run is complete; failed cycles of a search are none."""
+        progress = self.progress
+        if progress.is_complete:
             return
-        with closing(self._sampling.run(self.acquisition)) as events:
+        with closing(self.sampling.run(self.acquisition)) as events:
             try:
                 for event in events:
-                    if not isinstance(event, Sampled):
+                    if isinstance(event, FaultReading | Gap | ClockChanged):
                         yield event
-                    elif event.time >= self._due:  # methods are measured at full speed
+                        continue
+                    if isinstance(event, CycleFailed) and progress.is_searching(event):
+                        continue
+                    if isinstance(event, Sampled) and self._period:
+                        if event.time < self._due:  # methods are measured at full speed
+                            continue
                         self._due = event.time + self._period
-                        yield event
-                        if self._is_last(event):
-                            return
-            except RecordingOver:
-                if self._began is None:
+                    self._count(event)
+                    yield event
+                    if progress.is_complete and not self.acquisition.has_more:
+                        yield from self._last_faults(events)
+                        return
+            except RecordingOver as error:
+                if not progress.samples:
                     raise
+                self.recording_over = error
 
-    def _is_last(self, sample: Sampled) -> bool:
-        self._left -= 1
-        self._began = sample.time if self._began is None else self._began
-        is_over = self._left <= 0 or sample.time - self._began >= self._duration
-        return is_over and not self.acquisition.has_more
+    def _last_faults(self, events: Iterator[Event]) -> Iterator[Event]:
+        """Read the faults before the run ends, for a second of events at most."""
+        if not self.progress.samples or (reading := self.sampling.read_now()) is None:
+            return
+        until: float | None = None
+        with suppress(MikasError):
+            for event in events:
+                if isinstance(event, FaultReading):
+                    yield event
+                    continue
+                until = event.time + _LAST if until is None else until
+                if reading.done() or event.time > until:
+                    break
+        yield from self.sampling.readings()
+
+    def _count(self, event: Event) -> None:
+        ecu = self.acquisition.ecu
+        if ecu is not None and ecu is not self._ecu:
+            self._failed_before, self._ecu = self.line_errors, ecu
+        self.progress.follow(event)
 
     def _look_at_recording(self) -> None:
-        failure = self._recorder.failure
+        failure = self.recorder.failure
         if failure is None or failure is self._reported:
             return
         self._reported = failure
@@ -258,59 +315,6 @@ class Session(Iterator[Sampled]):
         self._on_record_failure(failure)
 
 
-def session(
-    url: str | None = None,
-    channels: Iterable[str] = (),
-    *,
-    method: Method = "auto",
-    rate: float | None = None,
-    count: int | None = None,
-    duration: float | None = None,
-    record: StrPath | None = None,
-    on_record_failure: Callable[[CaptureError], object] | None = None,
-    faults: bool = True,
-    patient: bool = False,
-    catalogs: StrPath | Iterable[StrPath] = (),
-    open_port: Callable[[str], Link] = open_link,
-    **options: Unpack[ConnectionKeywords],
-) -> Session:
-    """Prepare a session; its port is opened when it is iterated.
-
-    `url`: as of `connect`. `channels`: names, codes (`0x1A`) and derived channels, each with `/10`
-    for every tenth cycle; none: all parameters. `method`: auto is the fastest that works. `rate`:
-    most samples a second. `record`: the recording's file, which must not exist; if it fails,
-    `on_record_failure` gets the error and sampling goes on, else it is raised. `faults`: read the
-    stored faults from time to time. `patient`: wait for the first port and unit as well.
-    `catalogs`: the user's own files. `open_port`: opens the port, for tests and links of your own.
-    The other `options` are those of `ConnectionOptions`.
-
-    Raises `UsageError` for an invalid option, `UnknownParameter`, `CaptureError` for the file.
-    """
-    files = [catalogs] if isinstance(catalogs, str | PathLike) else catalogs
-    connection = ConnectionOptions(catalog=load(*files), **options)
-    for name, value in (("count", count), ("duration", duration)):
-        if value is not None and not value >= 0:
-            raise usage_error(f"{name} is {value}; at least 0", f"{name}: {value}; не меньше 0")
-    port = url or named_port() or choose_port()
-    recorder = Recorder(interpretation=connection.interpretation)
-    acquisition = Acquisition(
-        ReconnectingPort(port, open_port=open_port, sink=recorder, timeout=connection.timeout),
-        connection.create_ecu,
-        connection.catalog,
-        channels,
-        method=method,
-        rate=rate,
-        strict=not patient,
-    )
-    made = Session(
-        acquisition,
-        recorder,
-        rate=rate,
-        count=count,
-        duration=duration,
-        faults=faults,
-        on_record_failure=on_record_failure,
-    )
-    if record is not None:
-        recorder.start(Path(record), url=port)
-    return made
+def _period(rate: float | None) -> float:
+    """Return the least seconds from one sample to the next: a little less than a period."""
+    return 0.75 / rate if rate else 0.0

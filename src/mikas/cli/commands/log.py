@@ -129,7 +129,7 @@ def _record(context: CommandContext, current: SamplingRun, rotate: Portion | Non
                 progress.draw(event.time)
                 rotation.rotate_after(event)
     finally:
-        status = current.recorder.stop()
+        status = current.end_recording()
         progress.clear()
         if current.answered and status is not None:  # else no ECU ever answered
             output.print_note(f"{_summary(current, status)}{_of_an_export(current)}")

@@ -6,7 +6,7 @@ Nothing heavy is imported here: the port is opened first.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Final
 
 from mikas.cli.click_extensions import argument, grouped, option_field, optional_field
@@ -62,13 +62,6 @@ class SamplingOptions:
         en="stop after this many seconds",
         ru="остановиться через столько секунд",
     )
-
-    def with_count(self) -> SamplingOptions:
-        """Return these with a count, if rate and duration give one: no wait for a late sample."""
-        if self.rate is None or self.duration is None:
-            return self
-        most = int(self.rate * self.duration) + 1
-        return replace(self, count=most if self.count is None else min(most, self.count))
 
 
 sampling_options: Final = grouped(

@@ -1,0 +1,111 @@
+"""`session`: from a port and channels to a `Session`; `prepared`: the same for the commands."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from os import PathLike
+from pathlib import Path
+from typing import Unpack
+
+from mikas.catalog import load
+from mikas.client.connecting import ConnectionKeywords, ConnectionOptions, StrPath, named_port
+from mikas.client.parameters.polling import Method
+from mikas.errors import CaptureError
+from mikas.link import Link, choose_port, open_link
+from mikas.link.reconnecting import ReconnectingPort
+from mikas.live.progress import Length
+from mikas.live.session import Session
+from mikas.recording.recorder import Recorder
+from mikas.sampling.acquisition import Acquisition
+from mikas.sampling.fault_watch import IN_STREAMS
+from mikas.sampling.session import SamplingSession
+
+
+def prepared(
+    port: str,
+    connection: ConnectionOptions,
+    channels: Iterable[str],
+    length: Length,
+    *,
+    method: str = "auto",
+    recorder: Recorder,
+    record: Path | None = None,
+    on_record_failure: Callable[[CaptureError], object] | None = None,
+    keeps_unanswered: bool = False,
+    wants_faults: Callable[[], bool] = lambda: True,
+    in_streams: float | None = IN_STREAMS,
+    patient: bool = False,
+    open_port: Callable[[str], Link] = open_link,
+) -> Session:
+    """Prepare a session with these parts. `in_streams`: as of `FaultWatch`.
+
+    `keeps_unanswered`: a recording in which no unit has answered stays. The others, and what is
+    raised: as of `session`.
+    """
+    acquisition = Acquisition(
+        ReconnectingPort(port, open_port=open_port, sink=recorder, timeout=connection.timeout),
+        connection.create_ecu,
+        connection.catalog,
+        channels,
+        method=method,
+        rate=length.rate,
+        strict=not patient,
+    )
+    sampling = SamplingSession(recorder.record_event, in_streams=in_streams)
+    sampling.wants_faults = wants_faults
+    made = Session(
+        acquisition,
+        recorder,
+        sampling,
+        length,
+        on_record_failure=on_record_failure,
+        keeps_unanswered=keeps_unanswered,
+    )
+    if record is not None:
+        recorder.start(record, url=port)
+    return made
+
+
+def session(
+    url: str | None = None,
+    channels: Iterable[str] = (),
+    *,
+    method: Method = "auto",
+    rate: float | None = None,
+    count: int | None = None,
+    duration: float | None = None,
+    record: StrPath | None = None,
+    on_record_failure: Callable[[CaptureError], object] | None = None,
+    faults: bool = True,
+    patient: bool = False,
+    catalogs: StrPath | Iterable[StrPath] = (),
+    open_port: Callable[[str], Link] = open_link,
+    **options: Unpack[ConnectionKeywords],
+) -> Session:
+    """Prepare a session; its port is opened when it is iterated.
+
+    `url`: as of `connect`. `channels`: names, codes (`0x1A`) and derived channels, each with `/10`
+    for every tenth cycle; none: all parameters. `method`: auto is the fastest that works. `rate`:
+    most samples a second. `record`: the recording's file, which must not exist; if it fails,
+    `on_record_failure` gets the error and sampling goes on, else it is raised. `faults`: read the
+    stored faults from time to time. `patient`: wait for the first port and unit as well.
+    `catalogs`: the user's own files. `open_port`: opens the port, for tests and links of your own.
+    The other `options` are those of `ConnectionOptions`.
+
+    Raises `UsageError` for an invalid option, `UnknownParameter`, `CaptureError` for the file.
+    """
+    files = [catalogs] if isinstance(catalogs, str | PathLike) else catalogs
+    connection = ConnectionOptions(catalog=load(*files), **options)
+    return prepared(
+        url or named_port() or choose_port(),
+        connection,
+        channels,
+        Length(count, duration, rate),
+        method=method,
+        recorder=Recorder(interpretation=connection.interpretation),
+        record=None if record is None else Path(record),
+        on_record_failure=on_record_failure,
+        wants_faults=lambda: faults,
+        patient=patient,
+        open_port=open_port,
+    )
