@@ -29,9 +29,10 @@ EXPECTED = {
     "own_catalog/read_own.py": "TWAT 86 °C danger above 105\nLOAD 3.86 %",
 }
 LINK = "own_link/mikas_trace.py"  # a package, which is installed
+EXPORT = "own_export/mikas_jsonlines.py"  # as well; tests/recording/export/test_own_formats.py
 TESTS = ("test_overheating.py", "socket_link/test_socket_link.py")  # pytest runs them
 MODULES = ("socket_link/socket_link.py",)
-ALL = (*EXPECTED, LINK, *TESTS, *MODULES)
+ALL = (*EXPECTED, LINK, EXPORT, *TESTS, *MODULES)
 
 
 @pytest.fixture

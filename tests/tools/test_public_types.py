@@ -21,6 +21,8 @@ PUBLIC_MODULES = [
     "mikas.i18n",
     "mikas.link",
     "mikas.notebook.drawing",
+    "mikas.recording.export",
+    "mikas.recording.export.sheet",
     "mikas.recording.recorder",
     "mikas.recording.table.channels",
     "mikas.sampling.events",

@@ -18,6 +18,7 @@ from functools import cache
 from typing import TYPE_CHECKING, cast
 from urllib.parse import parse_qsl, urlencode, urlsplit
 
+from mikas.distributions import entries_of, loaded
 from mikas.errors import BadPortUrl, PortKind, UsageError
 from mikas.i18n import Text
 from mikas.link.base import Link
@@ -160,11 +161,7 @@ def take_clock(options: dict[str, str]) -> bool:
 @cache
 def registered() -> dict[str, list[EntryPoint]]:
     """Return the entries by scheme; two entries of one scheme are of different distributions."""
-    from importlib.metadata import entry_points  # slow to import: some 20 ms
-
-    found: dict[str, list[EntryPoint]] = {}
-    for entry in entry_points(group=GROUP):
-        found.setdefault(entry.name.lower(), []).append(entry)
+    found = entries_of(GROUP)
     if "sim" not in found:  # what works everywhere
         raise UsageError(
             problem=Text(
@@ -181,35 +178,7 @@ def registered() -> dict[str, list[EntryPoint]]:
 
 def opener_of(scheme: str) -> Opener:
     """Return the opener of a registered scheme. Raises `UsageError` if it can't be loaded."""
-    entries = registered()[scheme]
-    if len(entries) > 1:
-        names = _distributions(entries)
-        raise UsageError(
-            problem=Text(
-                f"more than one distribution brings {scheme}: {names}",
-                f"{scheme}: есть сразу в нескольких пакетах: {names}",
-            ),
-            advice=Text("Uninstall all but one of them.", "Удалите все, кроме одного."),
-        )
-    try:
-        return cast("Opener", entries[0].load())
-    except Exception as error:  # another distribution's code may raise anything
-        names, why = _distributions(entries), f"{type(error).__name__}: {error}"
-        raise UsageError(
-            problem=Text(
-                f"{scheme}: of the distribution {names} can't be loaded ({why})",
-                f"{scheme}: из пакета {names} не загружается ({why})",
-            ),
-            advice=Text(
-                "Update, repair or uninstall that distribution.",
-                "Обновите, исправьте или удалите этот пакет.",
-            ),
-        ) from error
-
-
-def _distributions(entries: list[EntryPoint]) -> str:
-    found = [entry.dist for entry in entries if entry.dist]
-    return ", ".join(sorted(f"{dist.name} {dist.version}" for dist in found))
+    return cast("Opener", loaded(scheme, registered()[scheme]))
 
 
 def _options(url: str, query: str) -> dict[str, str]:

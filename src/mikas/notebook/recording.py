@@ -15,12 +15,13 @@ import os
 from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, Self
+from typing import TYPE_CHECKING, Any, Final, Literal, Self
 
 from mikas.catalog import Catalog, Interpretation, load
 from mikas.cleaning import clean_line
 from mikas.errors import MikasError, library, reason_of, usage_error
 from mikas.i18n import Text
+from mikas.options import check_choice
 from mikas.recording import recording
 from mikas.recording.table.channels import with_gaps
 
@@ -32,6 +33,10 @@ if TYPE_CHECKING:
     from mikas.notebook.overview import Overview
     from mikas.notebook.picture import Moment
     from mikas.notebook.wording import Wording
+    from mikas.recording.export import Result
+
+DialectName = Literal["plain", "excel"]
+"""The form of a CSV: commas and decimal points, or for an Excel with a decimal comma."""
 
 _FEWEST: Final = 10  # points of a line
 
@@ -154,6 +159,35 @@ class Recording(recording.Recording):
         except (MikasError, OSError) as error:
             text = error.text if isinstance(error, MikasError) else reason_of(error)
             return layout_of_error(clean_line(self.path.name), clean_line(text.to(self.language)))
+
+    def export(
+        self,
+        out: str | os.PathLike[str],
+        *,
+        format: str | None = None,  # noqa: A002  (as the command's option)
+        dialect: DialectName = "plain",
+        overwrite: bool = False,
+    ) -> Result:
+        """Write it to `out` for another program, as `mikas export` does; return what was written.
+
+        `format`: csv, mf4, parquet, msl, mlg, or one that another distribution brings; by default
+        that of `out`'s suffix. `dialect`: of a CSV, excel has decimal commas. Raises `ExportError`
+        (unknown format, the file exists and `overwrite` is false), `MissingExtra`.
+        """
+        from mikas.recording.export import DIALECTS, export
+
+        check_choice("dialect", dialect, DIALECTS)
+        return export(
+            Path(out),
+            self.channels,
+            self.rows(),
+            events=self.events,
+            about=self.about,
+            language=self.language,
+            dialect=DIALECTS[dialect],
+            overwrite=overwrite,
+            format_name=format,
+        )
 
     def plot(
         self,

@@ -109,6 +109,19 @@ PAGES = (
         ("Channel", "Rows"),
     ),
     Module(
+        "mikas.recording.export",
+        Text("A recording as a file for other programs.", "Запись как файл для других программ."),
+        ("export", "formats", "Result", "Dialect"),
+    ),
+    Module(
+        "mikas.recording.export.sheet",
+        Text(
+            "What a format of your own gets to write.",
+            "То, что получает для записи ваш собственный формат.",
+        ),
+        ("Sheet", "Moment"),
+    ),
+    Module(
         "mikas.notebook.drawing",
         Text("What `Recording.plot` returns.", "То, что возвращает `Recording.plot`."),
         ("Plot",),

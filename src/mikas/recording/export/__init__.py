@@ -1,6 +1,16 @@
 """Recordings as files for other programs, a module a format (docs/reference/exports.md)."""
 
 from mikas.recording.export.dialects import DIALECTS, EXCEL, PLAIN, Dialect
-from mikas.recording.export.exporting import SUFFIXES, Result, export
+from mikas.recording.export.exporting import SUFFIXES, Result, Writer, export, formats
 
-__all__ = ["DIALECTS", "EXCEL", "PLAIN", "SUFFIXES", "Dialect", "Result", "export"]
+__all__ = [
+    "DIALECTS",
+    "EXCEL",
+    "PLAIN",
+    "SUFFIXES",
+    "Dialect",
+    "Result",
+    "Writer",
+    "export",
+    "formats",
+]

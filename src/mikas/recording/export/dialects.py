@@ -5,11 +5,14 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Dialect:
-    """`mark`: begin the file with a byte order mark, by which Excel recognises UTF-8."""
+    """A form of CSV."""
 
     separator: str = ","
+    """Between two cells."""
     decimal: str = "."
+    """The decimal sign."""
     mark: bool = False
+    """Begin the file with a byte order mark, by which Excel recognises UTF-8."""
 
 
 # For RomRaider's readers of logs, LibreOffice, pandas and an English Excel. These readers expect

@@ -1,5 +1,8 @@
 """Write a table to a file in the format of its suffix, or, in CSV, of a dialect.
 
+Other distributions bring formats through the entry-point group `mikas.exports`: an entry's name is
+the suffix without its dot, its object the `Writer`.
+
 The file is written as `OUT.part` and renamed when it is complete and on the disk. After an error
 the part is removed; only a killed program leaves it. Rows are read and written in batches, so ten
 hours need no more memory than one.
@@ -8,14 +11,16 @@ hours need no more memory than one.
 from __future__ import annotations
 
 import errno
+import inspect
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Final, NamedTuple, cast
 
+from mikas.distributions import entries_of, loaded, unfit
 from mikas.errors import (
     ExportError,
     MikasError,
@@ -25,23 +30,37 @@ from mikas.errors import (
 )
 from mikas.files import beside
 from mikas.i18n import Language, Text
+from mikas.options import with_nearest
 from mikas.recording.export.dialects import PLAIN, Dialect
 from mikas.recording.table.channels import Channel, Rows
 
 if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
+
+    from mikas.recording.export.sheet import Sheet
     from mikas.sampling.events import Event
 
 TIME = "time"  # a column of every format; no channel may have this name
 
 
+Writer = Callable[[Path, "Sheet"], object]
+"""Writes the whole sheet to the path: of an empty file, which then becomes OUT."""
+
+
 class Format(NamedTuple):
-    """A format's name, its module here, and the library that the extra `mikas[extra]` installs."""
+    """A format's name, its module here, and the library that the extra `mikas[extra]` installs.
+
+    `entries`: what brings it instead, if another distribution does.
+    """
 
     name: str
-    module: str
+    module: str = ""
     extra: str = ""
     library: str = ""
+    entries: tuple[EntryPoint, ...] = ()
 
+
+GROUP: Final = "mikas.exports"
 
 _FORMATS = {
     ".csv": Format("CSV", "csv"),
@@ -54,11 +73,37 @@ _FORMATS = {
 SUFFIXES = tuple(_FORMATS)
 
 
-def format_of(out: Path) -> Format:
-    """Return the format of the suffix. Raises `ExportError` for an unknown suffix."""
-    if found := _FORMATS.get(out.suffix.lower()):
-        return found
-    known = " ".join(SUFFIXES)
+def formats() -> tuple[str, ...]:
+    """Return the names of all formats, `csv` first, those of other distributions last."""
+    own = [suffix[1:] for suffix in SUFFIXES]
+    return (*own, *sorted(entries_of(GROUP).keys() - set(own)))
+
+
+def format_of(out: Path, name: str | None = None) -> Format:
+    """Return the format `name`, or that of the suffix. Raises `ExportError` for an unknown one."""
+    wanted = (out.suffix[1:] if name is None else name.removeprefix(".")).lower()
+    brought = entries_of(GROUP).get(wanted, [])
+    own = _FORMATS.get(f".{wanted}")
+    if own is None and brought:
+        return Format(wanted, entries=tuple(brought))
+    if own is not None:
+        if brought:
+            raise unfit(wanted, brought, _TAKEN)
+        return own
+    if name is not None:
+        known = ", ".join(formats())
+        raise ExportError(
+            str(out),
+            with_nearest(
+                Text(
+                    f"there is no format “{name}”; there are: {known}",
+                    f"формата «{name}» нет; есть: {known}",
+                ),
+                wanted,
+                formats(),
+            ),
+        )
+    known = " ".join(f".{each}" for each in formats())
     problem = Text(
         f"the suffix must be one of {known}: it selects the format",
         f"формат определяется расширением: {known}",
@@ -72,13 +117,38 @@ def require_library(wanted: Format) -> None:
         library(wanted.library, feature=wanted.name, extra=wanted.extra)
 
 
+def _writer_of(wanted: Format) -> Writer:
+    """Return what writes the format. Raises `UsageError` for another distribution's that can't."""
+    if not wanted.entries:
+        return cast("Writer", import_module(f"mikas.recording.export.{wanted.module}").write)
+    found = loaded(wanted.name, wanted.entries)
+    try:
+        inspect.signature(cast("Writer", found)).bind("path", "sheet")
+    except (TypeError, ValueError) as error:
+        raise unfit(wanted.name, wanted.entries, _not_a_writer(error)) from error
+    write = cast("Writer", found)
+
+    def guarded(part: Path, sheet: Sheet) -> None:
+        try:
+            write(part, sheet)
+        except (MikasError, OSError):
+            raise
+        except Exception as error:  # another distribution's code may raise anything
+            raise unfit(wanted.name, wanted.entries, _failed(error)) from error
+
+    return guarded
+
+
 @dataclass(frozen=True, slots=True)
 class Result:
-    """The number of rows written, their channels, the file."""
+    """What an export has written."""
 
     rows: int
+    """The number of rows."""
     channels: tuple[str, ...]
+    """The names of the columns."""
     out: Path
+    """The file."""
 
 
 def export(
@@ -91,8 +161,9 @@ def export(
     language: Language = "en",
     dialect: Dialect = PLAIN,
     overwrite: bool = False,
+    format_name: str | None = None,
 ) -> Result:
-    """Write `rows` to `out`, in the format of its suffix.
+    """Write `rows` to `out`, in the format of its suffix or in that of `format_name`.
 
     Times count from the first row; its date is known if the link's clock counts from 1970.
     `about`: facts of the recording (unit, passport, catalog), by title.
@@ -102,15 +173,16 @@ def export(
     `dialect`: of a CSV.
     A channel that a stretch lacks is missing in its rows.
 
-    Raises `ExportError` (unknown suffix, OUT exists, can't be written) or `MissingExtra`.
+    Raises `ExportError` (unknown format, OUT exists, can't be written), `MissingExtra`, or
+    `UsageError` for a format of another distribution that does not work.
     """
-    wanted = format_of(out)
+    wanted = format_of(out, format_name)
     _check(out, channels, overwrite=overwrite)
     require_library(wanted)
+    write = _writer_of(wanted)
     from mikas.recording.export.sheet import Sheet
 
     sheet = Sheet(channels, rows, events, about or {}, language=language, dialect=dialect)
-    write = import_module(f"mikas.recording.export.{wanted.module}").write
     write_whole(out, lambda part: write(part, sheet), overwrite=overwrite)
     return Result(sheet.rows, tuple(channel.name for channel in channels), out)
 
@@ -158,6 +230,24 @@ def write_whole(out: Path, write: Callable[[Path], object], *, overwrite: bool) 
         problem = Text("can't be written: {why}", "не удаётся записать: {why}")
         failed = ExportError(str(out), problem.filled(why=reason_of(error)))
         raise failed.caused_by(error, out) from error
+
+
+_TAKEN: Final = Text(
+    "has the name of a format that mikas writes itself",
+    "называется так же, как формат самой программы",
+)
+
+
+def _not_a_writer(error: Exception) -> Text:
+    return Text(
+        f"is not a function of a path and a sheet ({error})",
+        f"не функция с аргументами path и sheet ({error})",
+    )
+
+
+def _failed(error: Exception) -> Text:
+    why = f"{type(error).__name__}: {error}"
+    return Text(f"could not write the file ({why})", f"не записал файл ({why})")
 
 
 _NO_CHANNELS = Text(

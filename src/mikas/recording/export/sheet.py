@@ -40,9 +40,8 @@ def _joined(pieces: list[list[Column]]) -> list[Column]:
 class Sheet:
     """All input of a writer; the parameters are those of `export`.
 
-    `about` has no line breaks. `moments`: in the order of their times. `rows`: how many were
-    yielded. Only the first rows are read at once, for the time of the beginning, `zero`; the writer
-    reads the others.
+    Only the first rows are read at once, for the time of the beginning, `zero`; the writer reads
+    the others.
     """
 
     def __init__(
@@ -57,21 +56,29 @@ class Sheet:
     ) -> None:
         events = list(events)
         self.channels: tuple[Channel, ...] = tuple(channels)
+        """The columns but the time."""
         self.rows: int = 0
+        """How many rows were yielded."""
         pieces = (self._columns(each) for each in with_gaps(rows, events) if len(each.times))
         first = list(islice(pieces, 1))
         self._pieces = chain(first, pieces)
         begins = [float(first[0][0][0])] if first else map(_begin, events)
         zero = min(begins, default=None)
         self.zero: float = zero or 0.0
+        """The time of the first row, on the link's clock."""
         self.started: datetime | None = None if zero is None else calendar(zero)
+        """The date of the first row; None: the clock does not count from 1970."""
         moments = _moments(events, self.zero)
         self.moments: tuple[Moment, ...] = tuple(sorted(moments, key=attrgetter("time")))
+        """Markers, notes, gaps and alarms, in the order of their times."""
         self.about: dict[str, str] = {
             without(title): without(text) for title, text in about.items()
         }
+        """Facts of the recording by title, each on one line."""
         self.language = language
+        """The language of what is in one language."""
         self.dialect = dialect
+        """The form of a CSV."""
 
     def batches(self) -> Iterator[tuple[Column, list[Column]]]:
         """Yield (times from `zero`, the channels' values in their order), once; never empty."""
@@ -128,17 +135,20 @@ _NO_REASON = Text("nothing came", "ничего не пришло")
 
 @dataclass(frozen=True, slots=True)
 class Moment:
-    """`kind`: marker, note, gap or alarm. `ended`: of a gap, None if it lasted to the end.
-
-    `facts`: an alarm's fields by name, for programs. `brief`: an alarm in few letters; or empty.
-    """
+    """An event of the recording, for the formats that have a place for it."""
 
     kind: str
+    """marker, note, gap or alarm."""
     time: float
+    """Seconds from the first row."""
     text: Text
+    """What people read."""
     ended: float | None = None
+    """The end of a gap; None: it lasted to the end."""
     facts: dict[str, Any] = field(default_factory=dict)
+    """An alarm's fields by name, for programs."""
     brief: str = ""
+    """An alarm in few letters; or empty."""
 
     def as_json(self) -> dict[str, Any]:
         """Return the moment as in a file's metadata."""

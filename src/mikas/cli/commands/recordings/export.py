@@ -15,7 +15,7 @@ from mikas.cli.language import current_language, localized, tr
 from mikas.cli.options.parameter_types import existing_file
 from mikas.errors import usage_error
 from mikas.i18n import plural
-from mikas.recording.export import DIALECTS
+from mikas.recording.export import DIALECTS, formats
 
 if TYPE_CHECKING:
     from mikas.recording.recording import Recording
@@ -52,6 +52,13 @@ MOST_PROBLEMS = 20
     en="form of a .csv: commas (plain), or for an Excel with a decimal comma (excel)",
     ru="вид файла .csv: через запятую (plain) или для таблиц с десятичной запятой (excel)",
 )
+@option(
+    "--format",
+    "format_name",
+    metavar="NAME",
+    en=f"the format, whatever OUT's suffix: {', '.join(formats())}",
+    ru=f"формат, каким бы ни было расширение OUT: {', '.join(formats())}",
+)
 @OVERWRITE
 def export(
     context: CommandContext,
@@ -59,13 +66,14 @@ def export(
     names: tuple[str, ...],
     out: Path,
     dialect: str | None,
+    format_name: str | None,
     overwrite: bool,
 ) -> None:
     from mikas.recording.export import PLAIN
     from mikas.recording.export import export as write
     from mikas.recording.recording import Recording
 
-    _check(file, out, dialect)
+    _check(file, out, dialect, format_name)
     recording = Recording(file, context.options.catalog, context.options.interpretation, names)
     _tell_problems(context, recording)
     if recording.absent:
@@ -80,6 +88,7 @@ def export(
         language=current_language(),
         dialect=DIALECTS[dialect] if dialect else PLAIN,
         overwrite=overwrite,
+        format_name=format_name,
     )
     count = len(result.channels)
     if context.output.json:
@@ -91,8 +100,10 @@ def export(
         )
 
 
-def _check(file: Path, out: Path, dialect: str | None) -> None:
+def _check(file: Path, out: Path, dialect: str | None, format_name: str | None) -> None:
     """Raise for errors that can be found before reading ten hours."""
+    from mikas.recording.export.exporting import format_of
+
     same = False
     with suppress(OSError):  # OUT is absent or not readable: reported when it is written
         same = out.samefile(file)
@@ -101,7 +112,7 @@ def _check(file: Path, out: Path, dialect: str | None) -> None:
             f"“{out}” is the recording itself; give the table another name",
             f"«{out}» — это сама запись; дайте таблице другое имя",
         )
-    if dialect and out.suffix.lower() != ".csv":
+    if dialect and format_of(out, format_name).module != "csv":
         raise usage_error(
             f"--dialect is for .csv files only; {out} is not one",
             f"Ключ --dialect действует только для .csv, а {out} — другой файл",

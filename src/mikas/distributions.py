@@ -1,0 +1,68 @@
+"""What other installed distributions bring: entry points of the groups `mikas.links` and so on.
+
+Nothing is imported before it is used, and what is wrong with one entry does not concern the others.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from mikas.errors import UsageError
+from mikas.i18n import Text
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
+
+
+def entries_of(group: str) -> dict[str, list[EntryPoint]]:
+    """Return the entries by name in lower case; two of one name are of different distributions."""
+    from importlib.metadata import entry_points  # slow to import: some 20 ms
+
+    found: dict[str, list[EntryPoint]] = {}
+    for entry in entry_points(group=group):
+        found.setdefault(entry.name.lower(), []).append(entry)
+    return found
+
+
+def loaded(name: str, entries: Sequence[EntryPoint]) -> object:
+    """Return the object of the entry `name`. Raises `UsageError` for several, or if it fails."""
+    if len(entries) > 1:
+        names = distributions_of(entries)
+        raise UsageError(
+            problem=Text(
+                f"more than one distribution brings {name}: {names}",
+                f"{name}: есть сразу в нескольких пакетах: {names}",
+            ),
+            advice=Text("Uninstall all but one of them.", "Удалите все, кроме одного."),
+        )
+    try:
+        found: object = entries[0].load()
+    except Exception as error:  # another distribution's code may raise anything
+        raise unfit(name, entries, _cannot_be_loaded(error)) from error
+    return found
+
+
+def unfit(name: str, entries: Sequence[EntryPoint], why: Text) -> UsageError:
+    """Return the error for an entry that can't be used, with the distribution that brings it."""
+    names = distributions_of(entries)
+    return UsageError(
+        problem=Text(
+            f"{name}: of the distribution {names} {why.en}", f"{name}: из пакета {names} {why.ru}"
+        ),
+        advice=Text(
+            "Update, repair or uninstall that distribution.",
+            "Обновите, исправьте или удалите этот пакет.",
+        ),
+    )
+
+
+def distributions_of(entries: Sequence[EntryPoint]) -> str:
+    """Return the names and versions of the distributions that bring the entries."""
+    found = [entry.dist for entry in entries if entry.dist]
+    return ", ".join(sorted(f"{dist.name} {dist.version}" for dist in found))
+
+
+def _cannot_be_loaded(error: Exception) -> Text:
+    why = f"{type(error).__name__}: {error}"
+    return Text(f"can't be loaded ({why})", f"не загружается ({why})")
