@@ -12,7 +12,7 @@ PORTS = sys.argv[1:] or ["sim:?clock=simulated&model=5.4", "sim:?clock=simulated
 
 async def mean_speed(port: str) -> float:
     """Return the mean engine speed of 50 cycles; the event loop runs on meanwhile."""
-    async with await mikas.AsyncEcu.connect(port) as ecu:
+    async with mikas.AsyncEcu.connect(port) as ecu:
         print(f"{port}: {ecu.model.text.en}")
         speeds = [
             sample.readings["FREQ"].value

@@ -227,3 +227,16 @@ def test_the_loop_goes_on_during_a_request():
             assert statistics.requests == 20
 
     asyncio.run(play())
+
+
+def test_connecting_may_be_entered_at_once():
+    async def main():
+        async with AsyncEcu.connect(SIM) as ecu:
+            assert (await ecu.read("TWAT"))["TWAT"].value == 86
+        with pytest.raises(errors.LinkClosed):
+            await ecu.read("TWAT")
+        with pytest.raises(errors.UsageError):
+            async with AsyncEcu.connect(SIM, echo="maybe"):
+                pytest.fail("it is not entered")
+
+    asyncio.run(main())

@@ -114,3 +114,9 @@ def test_after_close_nothing_speaks_of_plugs(url):
             use()
         assert "USB" not in str(caught.value)
         assert caught.value.errno in (None, errno.EBADF)
+
+
+@pytest.mark.parametrize("link", ["sim:", object()])
+def test_what_is_no_link_is_a_type_error(link):
+    with pytest.raises(TypeError, match=r"An address comes first: connect\(address\)"):
+        mikas.connect(link=link)

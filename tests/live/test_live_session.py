@@ -349,3 +349,10 @@ def test_a_client_without_a_session_does_not_load_it():
     code = "import sys, mikas; mikas.connect; print('mikas.live' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "False"
+
+
+def test_one_channel_may_be_a_text():
+    with mikas.session("sim:?clock=simulated", "FREQ", count=1) as session:
+        assert next(session).values == {"FREQ": 840}
+        with pytest.raises(TypeError, match=r"a class of mikas.sampling.events.*not 'sample'"):
+            session.on("sample", print)

@@ -164,3 +164,21 @@ def test_the_package_has_what_a_test_needs():
     assert dir(mikas.testing) == mikas.testing.__all__
     with pytest.raises(AttributeError, match="nonsense"):
         _ = mikas.testing.nonsense
+
+
+def test_what_can_not_be_set_is_refused_with_a_word(unit):
+    for act, words in (
+        (lambda: unit.set("FUEL_FLOW", 1), "FUEL_FLOW is computed: set what .* FUEL_STROKE"),
+        (lambda: setattr(unit, "faults", [17, 300]), "0 to 255, not 300"),
+        (lambda: unit.next_responses("vanished"), "allowed: lost, late"),
+    ):
+        with pytest.raises(UsageError, match=words):
+            act()
+
+
+def test_a_fault_may_be_given_by_its_value(unit):
+    with unit.connect(retries=0) as ecu:
+        ecu.read("TWAT")
+        unit.next_responses("lost")
+        with pytest.raises(LineError):
+            ecu.read("TWAT")

@@ -9,12 +9,12 @@ from __future__ import annotations
 
 import asyncio
 import re
-from collections.abc import AsyncIterator, Callable, Coroutine, Iterator
+from collections.abc import AsyncIterator, Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import asynccontextmanager, suppress
 from functools import partial, update_wrapper, wraps
 from inspect import signature
-from typing import Any, Concatenate, Final, Generic, NamedTuple, ParamSpec, Self, TypeVar, cast
+from typing import Concatenate, Final, Generic, NamedTuple, ParamSpec, Self, TypeVar, cast
 
 from mikas.cancellation import Cancellation
 from mikas.catalog import Catalog, Model
@@ -22,6 +22,7 @@ from mikas.client.connecting import StrPath, connect
 from mikas.client.ecu import Ecu
 from mikas.client.gate import Confirm
 from mikas.client.memory.spaces import Memory, MemorySpace
+from mikas.client.opening import Opening
 from mikas.client.parameters.readings import Reading
 from mikas.client.questions import Questions
 from mikas.client.recorded import EcuRecording
@@ -78,16 +79,14 @@ def _returning(call: Callable[P, R], form: str) -> Callable[P, R]:
 
 
 class _Connect(Generic[P]):
-    """`connect`, awaited: the same options and errors."""
+    """`connect`, awaited or entered by `async with`: the same options and errors."""
 
     def __init__(self, function: Callable[P, Ecu]) -> None:
         self._function = function
         self.__doc__ = function.__doc__
 
-    def __get__(
-        self, instance: object, owner: type[AsyncEcu]
-    ) -> Callable[P, Coroutine[Any, Any, AsyncEcu]]:
-        async def call(*args: P.args, **kwargs: P.kwargs) -> AsyncEcu:
+    def __get__(self, instance: object, owner: type[AsyncEcu]) -> Callable[P, Opening[AsyncEcu]]:
+        async def opened(*args: P.args, **kwargs: P.kwargs) -> AsyncEcu:
             worker, questions = _Worker(), Questions(asyncio.get_running_loop())
             if kwargs.get("confirm") is not None:
                 kwargs["confirm"] = questions.asking(cast("Confirm", kwargs["confirm"]))
@@ -98,6 +97,9 @@ class _Connect(Generic[P]):
                 opening.future.add_done_callback(_close)  # it may open the unit all the same
                 worker.end()
                 raise
+
+        def call(*args: P.args, **kwargs: P.kwargs) -> Opening[AsyncEcu]:
+            return Opening(opened(*args, **kwargs))
 
         update_wrapper(call, self._function)
         return _returning(call, "AsyncEcu")
@@ -240,8 +242,9 @@ class AsyncMemory:
 
 
 class AsyncEcu(_Remote[Ecu]):
-    """`async with await AsyncEcu.connect("sim:") as ecu: print(await ecu.read("TWAT"))`.
+    """`async with AsyncEcu.connect("sim:") as ecu: print(await ecu.read("TWAT"))`.
 
+    `await AsyncEcu.connect("sim:")` is one to be closed by `close`.
     `AsyncEcu(ecu)` takes an open `Ecu`. `ecu.ecu` is that; `run` calls what has no method here.
     `confirm` of `connect` may be a coroutine function; the event loop answers the gate by it.
     """

@@ -26,6 +26,7 @@ EchoSetting = Literal["auto", "on", "off"]
 
 STATE_VARIABLE = "MIKAS_STATE"
 PORT_VARIABLE = "MIKAS_PORT"
+_OF_A_LINK = ("write", "read", "now", "send_break", "close")
 _SHORTEST = 0.001  # s; a shorter time-out would end before an adapter hands over its first byte
 
 
@@ -195,6 +196,12 @@ def connect(
         raw_checksum=raw_checksum,
         strict=strict,
     )
+    lacking = [name for name in _OF_A_LINK if not callable(getattr(link, name, None))]
+    if link is not None and lacking:
+        raise TypeError(
+            f"link is an open link, as mikas.link.Link; {link!r} has no {', '.join(lacking)}(). "
+            "An address comes first: connect(address)"
+        )
     if link is not None and url is not None:
         raise usage_error(
             "connect() takes a url or a link, not both",
@@ -234,7 +241,7 @@ def open_ecu(
     """As `connect`, with the options as one value."""
     if port is None:
         port = named_port() or choose_port()
-    link: Link = open_link(port) if isinstance(port, str) else port
+    link = open_link(port) if isinstance(port, str) else port
     if sink is not None:
         link = CaptureTee(link, sink, on_failure=on_sink_failure)
     try:

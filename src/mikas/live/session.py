@@ -126,8 +126,11 @@ class Session(Iterator[Sampled]):
     def on(self, kind: type[E], listener: Callable[[E], object]) -> Callable[[], None]:
         """Call `listener` with each event of this class, or of one below it; return its removal.
 
-        `session.on(Sampled, queue.put)` feeds a queue. What a listener raises ends the iteration.
+        `session.on(Sampled, queue.put)` feeds a queue; the classes are those of
+        `mikas.sampling.events`. What a listener raises ends the iteration.
         """
+        if not (isinstance(kind, type) and issubclass(kind, Event)):
+            raise TypeError(f"a class of mikas.sampling.events, such as Sampled, not {kind!r}")
         entry = (kind, listener)
         self._listeners.append(entry)
 
@@ -196,10 +199,10 @@ class Session(Iterator[Sampled]):
         return self.recorder.marker(label=label)
 
     def reconfigure(
-        self, channels: Iterable[str], method: Method = "auto", rate: float | None = None
+        self, channels: str | Iterable[str], method: Method = "auto", rate: float | None = None
     ) -> None:
         """Sample other channels from the next cycle on. Raises as `session` does."""
-        self.acquisition.reconfigure(channels, method, rate)
+        self.acquisition.reconfigure(listed(channels), method, rate)
         self._period = _period(rate)
 
     def close(self) -> None:
@@ -318,3 +321,8 @@ class Session(Iterator[Sampled]):
 def _period(rate: float | None) -> float:
     """Return the least seconds from one sample to the next: a little less than a period."""
     return 0.75 / rate if rate else 0.0
+
+
+def listed(channels: str | Iterable[str]) -> Iterable[str]:
+    """Return the channels; a text is one, not its letters."""
+    return [channels] if isinstance(channels, str) else channels

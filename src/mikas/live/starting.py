@@ -14,7 +14,7 @@ from mikas.errors import CaptureError
 from mikas.link import Link, choose_port, open_link
 from mikas.link.reconnecting import ReconnectingPort
 from mikas.live.progress import Length
-from mikas.live.session import Session
+from mikas.live.session import Session, listed
 from mikas.recording.recorder import Recorder
 from mikas.sampling.acquisition import Acquisition
 from mikas.sampling.fault_watch import IN_STREAMS
@@ -68,7 +68,7 @@ def prepared(
 
 def session(
     url: str | None = None,
-    channels: Iterable[str] = (),
+    channels: str | Iterable[str] = (),
     *,
     method: Method = "auto",
     rate: float | None = None,
@@ -85,10 +85,11 @@ def session(
     """Prepare a session; its port is opened when it is iterated.
 
     `url`: as of `connect`. `channels`: names, codes (`0x1A`) and derived channels, each with `/10`
-    for every tenth cycle; none: all parameters. `method`: auto is the fastest that works. `rate`:
-    most samples a second. `record`: the recording's file, which must not exist; if it fails,
-    `on_record_failure` gets the error and sampling goes on, else it is raised. `faults`: read the
-    stored faults from time to time. `patient`: wait for the first port and unit as well.
+    for every tenth cycle; none: all parameters. The parameters that a derived channel needs are
+    sampled with it. `method`: auto is the fastest that works. `rate`: most samples a second.
+    `record`: the recording's file, which must not exist; if it fails, `on_record_failure` gets the
+    error and sampling goes on, else it is raised. `faults`: read the stored faults from time to
+    time. `patient`: wait for the first port and unit as well.
     `catalogs`: the user's own files. `open_port`: opens the port, for tests and links of your own.
     The other `options` are those of `ConnectionOptions`.
 
@@ -99,7 +100,7 @@ def session(
     return prepared(
         url or named_port() or choose_port(),
         connection,
-        channels,
+        listed(channels),
         Length(count, duration, rate),
         method=method,
         recorder=Recorder(interpretation=connection.interpretation),

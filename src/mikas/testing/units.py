@@ -18,6 +18,7 @@ from mikas.client.ecu import Ecu
 from mikas.errors import usage_error
 from mikas.link import Link
 from mikas.link.virtual import VirtualLink
+from mikas.options import check_choice
 from mikas.virtual.build import build_bus
 from mikas.virtual.bus import Bus
 from mikas.virtual.ecu import EcuEvent
@@ -112,6 +113,11 @@ class VirtualUnit:
 
     @faults.setter
     def faults(self, codes: list[int]) -> None:
+        if wrong := [code for code in codes if code not in range(256)]:
+            raise usage_error(
+                f"a fault has a number of 0 to 255, not {wrong[0]!r}",
+                f"номер ошибки — от 0 до 255, а не {wrong[0]!r}",
+            )
         self._car.faults = codes
 
     def connect(self, **options: Any) -> Ecu:
@@ -129,7 +135,16 @@ class VirtualUnit:
         return self._link
 
     def set(self, name: str, value: float | bool) -> None:
-        """Let a parameter have this value. Raises `UnknownParameter`, `ValueDoesNotFit`."""
+        """Let a parameter have this value. Raises `UnknownParameter`, `ValueDoesNotFit`.
+
+        A derived channel follows from its parameters: a `UsageError`.
+        """
+        if channel := shipped().derived.get(shipped().channel_of(name)):
+            inputs = ", ".join(channel.inputs)
+            raise usage_error(
+                f"{channel.name} is computed: set what it is computed from, {inputs}",
+                f"{channel.name} вычисляется: задайте то, из чего, — {inputs}",
+            )
         parameter = shipped().parameter(name)
         if parameter.is_flag:
             mask = parameter.conversion.mask or 0
@@ -142,13 +157,19 @@ class VirtualUnit:
         """Let a parameter have the engine's value again."""
         self._car.data.pop(shipped().parameter(name).code, None)
 
-    def next_responses(self, *faults: LineFault | None) -> None:
+    def next_responses(self, *faults: LineFault | str | None) -> None:
         """Let the next responses have these faults, in their order; None: that one has none.
 
         After a failed exchange the tester asks the unit for its identity, which takes a response
-        of these too.
+        of these too. A fault may be given by its value, `"lost"`.
         """
-        self.bus.fault_injector.next(*faults)
+        known = [each.value for each in LineFault]
+        for each in faults:
+            if isinstance(each, str):
+                check_choice("fault", each, known)
+        self.bus.fault_injector.next(
+            *(None if each is None else LineFault(each) for each in faults)
+        )
 
     def pass_time(self, seconds: float) -> None:
         """Let time pass without a request."""
