@@ -19,7 +19,7 @@ _ROOTS = (
 )
 _PATH = re.compile(rf"`((?:{_ROOTS})[^`\s]*)`")
 _NAME = re.compile(r"\bmikas(?:\.[A-Za-z_]\w*)+")
-# The group of entry points; udev's 70-mikas.rules; Wireshark's plugin; fish's completion; programs
+# The groups of entry points; udev's 70-mikas.rules; Wireshark's plugin; fish's completion; programs
 # of Windows and macOS.
 _OTHER_NAMES = frozenset(
     {"mikas.app", "mikas.exe", "mikas.fish", "mikas.links", "mikas.rules", "mikas.lua"}
