@@ -7,6 +7,7 @@ import os
 import queue
 import sys
 from contextlib import suppress
+from functools import partial
 
 import pytest
 
@@ -305,6 +306,42 @@ class TestAsync:
             return samples
 
         assert len(asyncio.run(scene())) == 10
+
+    def test_a_run_feeds_listeners_a_queue_and_a_recording(self, unit, tmp_path):
+        path = tmp_path / "drive.pcapng"
+
+        async def scene():
+            taken, loop = asyncio.Queue(), asyncio.get_running_loop()
+            async with mikas.async_session(
+                SIM, ["FREQ"], open_port=lambda _: unit.link(), method="batch", count=20,
+                record=path,
+            ) as session:  # fmt: skip
+                session.on(Sampled, partial(loop.call_soon_threadsafe, taken.put_nowait))
+                first = await anext(session)
+                assert session.mark("here") is not None
+                assert await session.run() == 19
+            return first, [taken.get_nowait() for _ in range(taken.qsize())]
+
+        first, taken = asyncio.run(scene())
+        assert (taken[0], len(taken)) == (first, 20)
+        assert "here" in [getattr(event, "label", None) for event in mikas.open(path).events]
+
+    def test_a_cancelled_run_stops(self, unit):
+        async def scene():
+            async with mikas.async_session(
+                SIM, ["FREQ"], open_port=lambda _: unit.link(), method="batch"
+            ) as session:
+                running, begun = asyncio.ensure_future(session.run()), asyncio.Event()
+                loop = asyncio.get_running_loop()
+                session.on(Sampled, lambda _: loop.call_soon_threadsafe(begun.set))
+                await begun.wait()
+                running.cancel()
+                with pytest.raises(asyncio.CancelledError):
+                    await running
+
+        asyncio.run(scene())
+        with unit.connect() as ecu:
+            assert ecu.read("TWAT")
 
     def test_a_cancelled_wait_loses_no_sample(self, unit):
         async def scene():

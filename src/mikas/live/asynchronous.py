@@ -8,15 +8,19 @@ async with mikas.async_session("sim:", channels=["FREQ"]) as session:
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from functools import wraps
-from typing import Final, ParamSpec, Self, TypeVar
+from typing import TYPE_CHECKING, Final, ParamSpec, Self, TypeVar
 
 from mikas.client import Ecu
+from mikas.client.parameters.polling import Method
 from mikas.live.session import Session
 from mikas.live.starting import session
 from mikas.sampling.events import Event, Sampled
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 P = ParamSpec("P")
 E = TypeVar("E", bound=Event)
@@ -49,6 +53,35 @@ class AsyncSession(AsyncIterator[Sampled]):
         while (event := await self._following()) is not None:
             yield event
 
+    async def run(self, duration: float | None = None) -> int:
+        """As `Session.run`: sample for the listeners and the recording."""
+        return await self._worked(lambda: self.session.run(duration))
+
+    async def to_pandas(self, duration: float | None = None) -> pd.DataFrame:
+        """As `Session.to_pandas`."""
+        return await self._worked(lambda: self.session.to_pandas(duration))
+
+    def on(self, kind: type[E], listener: Callable[[E], object]) -> Callable[[], None]:
+        """As `Session.on`; the listener is called in the worker thread.
+
+        For an `asyncio.Queue`: `partial(loop.call_soon_threadsafe, queue.put_nowait)`.
+        """
+        return self.session.on(kind, listener)
+
+    def mark(self, label: str = "") -> float | None:
+        """As `Session.mark`."""
+        return self.session.mark(label)
+
+    def reconfigure(
+        self, channels: Iterable[str], method: Method = "auto", rate: float | None = None
+    ) -> None:
+        """As `Session.reconfigure`."""
+        self.session.reconfigure(channels, method, rate)
+
+    def stop(self) -> None:
+        """As `Session.stop`."""
+        self.session.stop()
+
     async def call(self, job: Callable[[Ecu], T]) -> T:
         """Run `job(ecu)` between two cycles and return its result, while another task iterates."""
         return await asyncio.wrap_future(self.session.call(job))
@@ -61,6 +94,15 @@ class AsyncSession(AsyncIterator[Sampled]):
         loop = asyncio.get_running_loop()
         await loop.run_in_executor(self._worker, self.session.close)
         self._worker.shutdown(wait=False)
+
+    async def _worked(self, work: Callable[[], T]) -> T:
+        """Run `work` in the worker thread; a task that is cancelled stops the session."""
+        loop = asyncio.get_running_loop()
+        try:
+            return await loop.run_in_executor(self._worker, work)
+        except asyncio.CancelledError:
+            self.session.stop()
+            raise
 
     async def _following(self) -> Event | None:
         if self._next is None:
