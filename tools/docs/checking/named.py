@@ -22,7 +22,15 @@ _NAME = re.compile(r"\bmikas(?:\.[A-Za-z_]\w*)+")
 # The groups of entry points; udev's 70-mikas.rules; Wireshark's plugin; fish's completion; programs
 # of Windows and macOS.
 _OTHER_NAMES = frozenset(
-    {"mikas.app", "mikas.exe", "mikas.fish", "mikas.links", "mikas.rules", "mikas.lua"}
+    {
+        "mikas.app",
+        "mikas.exe",
+        "mikas.exports",
+        "mikas.fish",
+        "mikas.links",
+        "mikas.rules",
+        "mikas.lua",
+    }
 )
 _RELEASED = re.compile(r"\bmikas[-_](\d+\.\d+\.\d+(?:(?:a|b|rc)\d+)?)")
 _WIRESHARK = "src/mikas/dissectors/wireshark"
