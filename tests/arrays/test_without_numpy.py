@@ -21,7 +21,7 @@ CHOSEN = (
     "recording/test_search.py",
     "recording/test_window.py",
     "report/test_warm_idle.py",
-    "sampling/test_derived.py",
+    "client/test_derived.py",
 )
 OF_NUMPY = "a_column_is_its_numbers or of_a_long_file"  # they are written in more of numpy
 

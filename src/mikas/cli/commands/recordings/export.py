@@ -57,7 +57,7 @@ MOST_PROBLEMS = 20
     "format_name",
     metavar="NAME",
     en=f"the format, whatever OUT's suffix: {', '.join(formats())}",
-    ru=f"формат, каким бы ни было расширение OUT: {', '.join(formats())}",
+    ru=f"формат, каким бы ни было расширение OUT; есть: {', '.join(formats())}",
 )
 @OVERWRITE
 def export(
