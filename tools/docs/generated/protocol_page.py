@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import NamedTuple
 
 from mikas.catalog import Catalog, Conversion
@@ -17,15 +17,13 @@ from mikas.dissectors.tables import tables_of
 from mikas.framing import encode
 from mikas.i18n import Language, Text
 from tools.docs.generated.bodies import Meanings, number_of, with_unit
+from tools.docs.generated.places import filled
 from tools.docs.generated.tables import code, table
 from tools.docs.pages import DOCS, ROOT, RUSSIAN
 
 MADE = "⚙"
 STROKES = range(5)
 
-_PLACE = re.compile(
-    r"(<!-- made by python -m tools\.docs\.generated: (\w+) -->\n).*?(<!-- end -->)", re.DOTALL
-)
 _FAMILIES: tuple[tuple[Text, bytes], ...] = (
     (Text("Availability, faults and their erasure", "Доступность, ошибки и их сброс"), b"\x01\x02"),
     (Text("RAM", "RAM"), b"\x11\x12\x21\x22"),
@@ -64,14 +62,11 @@ class Exchange(NamedTuple):
 def protocol(catalog: Catalog, language: Language) -> str:
     """Return the page with its tables as the vectors and the catalog have them now."""
     file = ROOT / (RUSSIAN if language == "ru" else DOCS) / "protocol.md"
-    made: dict[str, Callable[[Catalog, Language], str]] = {
-        "commands": commands,
-        "parameters": parameters,
+    made = {
+        "commands": lambda: commands(catalog, language),
+        "parameters": lambda: parameters(catalog, language),
     }
-    return _PLACE.sub(
-        lambda place: f"{place[1]}\n{made[place[2]](catalog, language)}\n{place[3]}",
-        file.read_text("utf-8"),
-    )
+    return filled(file.read_text("utf-8"), made)
 
 
 def commands(catalog: Catalog, language: Language) -> str:

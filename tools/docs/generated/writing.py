@@ -16,6 +16,7 @@ from tools.docs.generated import (
     command_pages,
     frames,
     help_pages,
+    install_page,
     protocol_page,
     python_pages,
 )
@@ -27,6 +28,7 @@ _PAGES: dict[str, Callable[[Catalog, Language], str]] = {
     "reference/channels.md": catalog_pages.channels,
     "reference/causes.md": causes_page.causes,
     "reference/commands.md": command_pages.commands,
+    "how-to/install.md": install_page.install,
     "protocol.md": protocol_page.protocol,
 }
 
