@@ -49,7 +49,7 @@ def public_names() -> frozenset[str]:
 
 def completeness(symbols: Iterable[Mapping[str, Any]], public: Collection[str]) -> Completeness:
     """Return what pyright's `symbols` say of all exported names, and of the `public` ones."""
-    exported = [each for each in symbols if each["isExported"]]
+    exported = [each for each in symbols if each["isExported"] and _is_shipped(each["name"])]
     unknown = [each["name"] for each in exported if not _is_known(each)]
     share = 1 - len(unknown) / len(exported) if exported else 0.0
     return Completeness(share, tuple(sorted(name for name in unknown if _is_of(name, public))))
@@ -58,10 +58,17 @@ def completeness(symbols: Iterable[Mapping[str, Any]], public: Collection[str]) 
 def causes(symbols: Iterable[Mapping[str, Any]]) -> Iterator[str]:
     """Yield the names that are unknown by themselves, not by what they are made of."""
     for symbol in symbols:
+        if not _is_shipped(symbol["name"]):
+            continue
         for each in symbol["diagnostics"]:
             if "partially unknown" not in each["message"] and not _is_known(symbol):
                 yield f"{symbol['name']}: {' '.join(each['message'].split())}"
                 break
+
+
+def _is_shipped(name: str) -> bool:
+    """Return whether the wheel has it: the page without installation has a room of its own."""
+    return not name.startswith("mikas.browser.")
 
 
 def _is_known(symbol: Mapping[str, Any]) -> bool:

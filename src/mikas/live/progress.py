@@ -47,13 +47,13 @@ class Progress:
 
     def __init__(self, length: Length) -> None:
         self._length = length
-        self.samples = 0
+        self.samples: int = 0
         """The samples so far."""
-        self.failed_cycles = 0
+        self.failed_cycles: int = 0
         """The cycles so far that gave no sample."""
-        self.seconds = 0.0
+        self.seconds: float = 0.0
         """The time from the first values to the latest event."""
-        self.answered = False
+        self.answered: bool = False
         """Whether a unit has answered."""
         self._began: float | None = None
         self._identified = False

@@ -62,7 +62,7 @@ class Session(Iterator[Sampled]):
         """The recorder of the bytes and events."""
         self.sampling = sampling
         """The gaps, fault readings and units that follow from several events."""
-        self.progress = Progress(length)
+        self.progress: Progress = Progress(length)
         """The counts so far."""
         self.recording_over: RecordingOver | None = None
         """The end of the played recording, which ended the iteration; None: it did not."""
