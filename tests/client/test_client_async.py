@@ -75,6 +75,7 @@ def test_a_cancelled_connect_leaves_no_port_open(monkeypatch, is_done):
     async def scene():
         connecting = asyncio.create_task(AsyncEcu.connect(SIM))
         while not begun.is_set():
+            assert not connecting.done(), connecting
             await asyncio.sleep(0)
         new = set(threading.enumerate()) - others
         worker = next(it for it in new if it.name.startswith("mikas"))
