@@ -123,7 +123,7 @@ def test_another_service_is_named_with_its_words_and_what_to_set(name):
     talk, remedy, words = SERVICES[name]
     with served(talk) as place:
         error = failure(f"socket://{place}")
-    assert type(error) is OtherService
+    assert isinstance(error, OtherService)
     assert remedy in error.advice.en
     assert words in error.reason.en
     assert error.advice.ru != error.advice.en
@@ -143,7 +143,7 @@ def waits_for_a_line(client: socket.socket) -> None:
 def test_a_web_server_that_waits_for_a_line_is_named(scheme):
     with served(waits_for_a_line) as place:
         error = failure(f"{scheme}://{place}")
-    assert type(error) is OtherService
+    assert isinstance(error, OtherService)
     assert "HTTP" in error.reason.en
 
 
@@ -155,7 +155,7 @@ def test_what_answers_in_words_is_another_program():
 
     with served(redis) as place:
         error = failure(f"socket://{place}")
-    assert type(error) is OtherService
+    assert isinstance(error, OtherService)
     assert "another program (it says “-ERR unknown command”)" in error.reason.en
 
 
@@ -176,7 +176,8 @@ def test_words_with_other_bytes_are_no_esphome():
     greeting = b"J\0\0\0\x0a8.0.36\0\x08\0\xff\xff"
     with served(says(greeting, then=b"\x1c\0\0\1\xff#08S01Bad handshake")) as place:
         error = failure(f"socket://{place}")
-    assert type(error) is LinkLost
+    assert isinstance(error, LinkLost)
+    assert not isinstance(error, OtherService)
     assert "8.0.36" in error.reason.en
     assert "\ufffd\ufffd" not in error.reason.en
 
@@ -187,7 +188,7 @@ def test_through_rfc2217_too(name):
     talk, remedy, _ = SERVICES[name]
     with served(talk) as place:
         error = failure(f"rfc2217://{place}")
-    assert type(error) is OtherService
+    assert isinstance(error, OtherService)
     assert remedy in error.advice.en
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mikas.cli.click_extensions import OVERWRITE, argument, command, option, output_option
-from mikas.cli.completion.values import EXPORTED, RECORDING, channel_names, files
+from mikas.cli.completion.values import EXPORTED, RECORDING, channel_names, files, words
 from mikas.cli.context import CommandContext
 from mikas.cli.language import current_language, localized, tr
 from mikas.cli.options.parameter_types import existing_file
@@ -56,6 +56,7 @@ MOST_PROBLEMS = 20
     "--format",
     "format_name",
     metavar="NAME",
+    shell_complete=words(*formats()),
     en=f"the format, whatever OUT's suffix: {', '.join(formats())}",
     ru=f"формат, каким бы ни было расширение OUT; есть: {', '.join(formats())}",
 )
