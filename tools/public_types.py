@@ -14,6 +14,7 @@ import subprocess
 import sys
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Final
 
 from tools.docs.generated.python_pages import PAGES
@@ -89,17 +90,23 @@ def main() -> int:
         print(f"{pyright} is missing: npm --prefix web ci")
         return 2
     arguments = ["--ignoreexternal", "--verifytypes", "mikas", "--outputjson"]
+    # Not by --pythonpath: with it pyright finds no py.typed of what is installed as editable.
+    own = Path(sys.executable).parent
     done = subprocess.run(
-        [pyright, "--pythonpath", sys.executable, *arguments],
+        [pyright, *arguments],
         capture_output=True,
         text=True,
         check=False,
         cwd=ROOT,
+        env={**os.environ, "PATH": f"{own}{os.pathsep}{os.environ.get('PATH', '')}"},
     )
     try:
         symbols = json.loads(done.stdout)["typeCompleteness"]["symbols"]
     except (ValueError, KeyError):
         print(done.stdout, done.stderr, "pyright did not say what it found")
+        return 2
+    if not symbols:
+        print(done.stdout, done.stderr, "pyright has found no names")
         return 2
     found = completeness(symbols, public_names())
     print(f"types known: {found.share:.1%} of all names, at least {LEAST:.0%}")
