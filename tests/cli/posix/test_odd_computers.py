@@ -319,8 +319,10 @@ def test_what_can_not_be_kept_is_said_once(name, folder, drive, disk, run):
 @ROOT_ONLY
 def test_the_library_reads_and_writes_without_a_home(folder):
     line = (
-        "import mikas, pathlib\n"
-        "with mikas.connect('sim:?clock=simulated', confirm=lambda _: True) as ecu:\n"
+        "import mikas, mikas.link\n"
+        "link = mikas.link.open_link('sim:?clock=simulated')\n"
+        "link.is_virtual = False  # a virtual unit has no journal\n"
+        "with mikas.connect(link=link, confirm=lambda _: True) as ecu:\n"
         "    print(*ecu.read('TWAT'), ecu.faults())\n"
         "    try:\n"
         "        ecu.write_parameter('UOZ', 5)\n"
