@@ -282,17 +282,15 @@ class UrlStore(Store):
     def __init__(self, place: str) -> None:
         super().__init__(place)
         self.system, self.root = file_system(place)
-        protocol = self.system.protocol
-        known = {protocol} if isinstance(protocol, str) else set(protocol)
-        self.is_object_store: bool = bool(known & _OBJECT_STORES)
+        names = self.system.protocol
+        names = (names,) if isinstance(names, str) else names
+        self.is_object_store: bool = not _OBJECT_STORES.isdisjoint(names)
 
     def read(self, name: str, most: int) -> bytes | None:
         with errors_of(self.place), suppress(FileNotFoundError):
             self.system.invalidate_cache()
-            path = self._at(name)
-            _size_of(info_of(self.system, path), most)
-            data: bytes = self.system.cat_file(path)
-            return data
+            _size_of(info_of(self.system, self._at(name)), most)
+            return bytes(self.system.cat_file(self._at(name)))
         return None
 
     def write(self, name: str, data: bytes) -> None:
@@ -333,11 +331,10 @@ class UrlStore(Store):
                 else:
                     paths.append(self._at(f"{folder}/{name}"))
             for path, data in (self.system.cat(paths, on_error="return") if paths else {}).items():
-                if isinstance(data, Exception):
-                    if not isinstance(data, FileNotFoundError):
-                        raise data
-                else:
+                if not isinstance(data, Exception):
                     found.add(PurePosixPath(path).name, data)
+                elif not isinstance(data, FileNotFoundError):
+                    raise data
         return found
 
     def sizes(self, names: Iterable[str], most: int) -> Mapping[str, int | Text]:

@@ -2,21 +2,29 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from enum import Enum
-from math import inf
+from math import ceil, inf
 
 from mikas.errors import (
+    AnswersLate,
     EchoDiffers,
     EchoOnly,
     EchoTwice,
+    LineError,
+    LinkLost,
     NoEcho,
     NoResponse,
     NotAKLineAdapter,
+    PortKind,
+    ReadingSuspended,
     SyncLost,
     WrongEchoSetting,
 )
 from mikas.framing import TERMINATOR, Damage, Frame, encode
 from mikas.i18n import Text
+from mikas.link import Link
+from mikas.link.base import EMPTY_LINES, TEXT_ANSWER
 from mikas.tester.exchange import Reply
 from mikas.tester.line import Line
 from mikas.tester.line_sync import AVAILABILITY, LineSync, no_ecu_error
@@ -118,7 +126,7 @@ def _send_availability(line: Line) -> tuple[bytes, bytes]:
     return request, bytes(received)
 
 
-def late_answer(line: Line, sync: LineSync) -> float | None:
+def _late_answer(line: Line, sync: LineSync) -> float | None:
     """Return the seconds from `01` to its only response if that comes after the time-out (D14).
 
     For a handshake that failed because responses did not fit their requests. None: not so.
@@ -158,3 +166,29 @@ def refuse_elm(received: bytes) -> None:
     text = received.replace(encode(AVAILABILITY), b"").lstrip(b"\x01\xff")
     if _ELM_TEXT.issuperset(text) and (b"?" in text or b">" in text):
         raise NotAKLineAdapter(received=received)
+
+
+def ask_for_words(link: Link) -> None:
+    """Send empty lines into a network: a server that waits for a line (HTTP) answers by text."""
+    if link.kind is PortKind.NETWORK:
+        with suppress(LinkLost, ReadingSuspended):
+            link.write(EMPTY_LINES)
+            link.read(link.now() + TEXT_ANSWER)
+
+
+def refuse_late_answer(line: Line, sync: LineSync, error: LineError) -> None:
+    """Raise `AnswersLate` if the handshake ended with `error` as the response comes too late."""
+    if not isinstance(error, SyncLost):
+        return
+    seconds = None
+    with suppress(LineError):
+        seconds = _late_answer(line, sync)
+    if seconds is not None:
+        raise AnswersLate(
+            seconds=seconds,
+            limit=line.timing.response_timeout,
+            wanted=ceil(2.4 * seconds) / 2,
+            request=error.request,
+            received=error.received,
+            time=line.link.now(),
+        ) from error

@@ -9,31 +9,26 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, suppress
-from math import ceil, inf
+from math import inf
 from typing import Any, TypeVar
 
 from mikas import commands as c
 from mikas.errors import (
-    AnswersLate,
     EcuRefused,
     LineError,
-    LinkLost,
     MikasError,
     NoConnection,
     NoEcho,
     NoResponse,
     NotSupported,
-    PortKind,
     ReadingSuspended,
-    SyncLost,
     errors_met_on,
     usage_error,
 )
 from mikas.link import Link
-from mikas.link.base import EMPTY_LINES, TEXT_ANSWER
-from mikas.tester.ending import Ending
+from mikas.tester.call_ends import CallEnds
 from mikas.tester.exchange import Reply, Statistics, Timing
-from mikas.tester.handshake import Echo, handshake, late_answer, refuse_elm
+from mikas.tester.handshake import Echo, ask_for_words, handshake, refuse_elm, refuse_late_answer
 from mikas.tester.line import Line
 from mikas.tester.line_sync import LineSync, RequestAhead
 from mikas.tester.stream import Stream
@@ -66,7 +61,7 @@ class Tester:
         self.echo = echo
         self.retries = retries
         self.version_code: int | None = None
-        self._asked_for_words = False
+        self._may_ask_for_words = True  # once, of an unknown other end
         self.statistics: Statistics = Statistics()
         self.line: Line = Line(link, timing or Timing(), raw_checksum=raw_checksum, strict=strict)
         self.sync: LineSync = LineSync(self.line)
@@ -74,7 +69,7 @@ class Tester:
         self._stream: Stream | None = None
         self._stream_thread: int | None = None
         self._ahead = RequestAhead(self.sync, self.statistics)
-        self._ending = Ending(link)
+        self._ends = CallEnds(link)
         self._known: set[int] = set()  # command codes that this unit has answered
 
     def connect(self, *, listening_since: float = inf) -> int:
@@ -90,7 +85,7 @@ class Tester:
             self._ahead.forget()
             for attempt in range(self.retries + 1):
                 self.sync.mark_lost()
-                self._ending.check()
+                self._ends.check()
                 try:
                     self.version_code = handshake(
                         self.line,
@@ -104,10 +99,11 @@ class Tester:
                     self.statistics.fail(error)
                     refuse_elm(error.received or b"")
                     if attempt == self.retries:
-                        self._check_time_out(error)
+                        refuse_late_answer(self.line, self.sync, error)
                         raise
             self.sync.keep()
             assert self.version_code is not None
+            self._may_ask_for_words = False
             self._known.update(c.Availability.CODES)
             return self.version_code
 
@@ -117,54 +113,28 @@ class Tester:
         try:
             yield
         except (LineError, NoConnection) as error:
-            if isinstance(error, NoEcho):
-                self._ask_for_words()
+            if isinstance(error, NoEcho) and self._may_ask_for_words:
+                self._may_ask_for_words = False
+                ask_for_words(self.link)
             explained = self.link.explained(error)
             if explained is error:
                 raise
             raise explained from error
 
-    def _ask_for_words(self) -> None:
-        """Send empty lines into a network, once: a server that waits for a line (HTTP) answers."""
-        known = self._asked_for_words or self.version_code is not None
-        if known or self.link.kind is not PortKind.NETWORK:
-            return
-        self._asked_for_words = True
-        with suppress(LinkLost, ReadingSuspended):
-            self.link.write(EMPTY_LINES)
-            self.link.read(self.link.now() + TEXT_ANSWER)
-
-    def _check_time_out(self, error: LineError) -> None:
-        """After `error` of the handshake: raise `AnswersLate` if the response comes too late."""
-        if not isinstance(error, SyncLost):
-            return
-        seconds = None
-        with suppress(LineError):
-            seconds = late_answer(self.line, self.sync)
-        if seconds is not None:
-            raise AnswersLate(
-                seconds=seconds,
-                limit=self.line.timing.response_timeout,
-                wanted=ceil(2.4 * seconds) / 2,
-                request=error.request,
-                received=error.received,
-                time=self.link.now(),
-            ) from error
-
     def within(self, seconds: float | None) -> AbstractContextManager[None]:
         """Let the exchanges that this thread makes inside end once `seconds` have passed.
 
-        An exchange that has begun is ended first, so the line stays in step; the next one raises
+        An exchange under way is ended first, so the line stays in step; the next one raises
         `DeadlinePassed`. None: without a deadline.
         """
-        return self._ending.within(seconds)
+        return self._ends.within(seconds)
 
     def end_calls(self) -> None:
         """Let the calls of other threads end before their next exchange, with `LinkClosed`.
 
         Only `close` may follow.
         """
-        self._ending.closed = True
+        self._ends.closed = True
 
     def close(self) -> None:
         """End a running stream and close the link; a second call does nothing.
@@ -256,7 +226,7 @@ class Tester:
     def _attempts(
         self, command: c.Command[T], retries: int, failed: list[LineError]
     ) -> tuple[T, Reply]:
-        self._ending.check()
+        self._ends.check()
         attempts = 1 + (retries if command.repeatable else 0)
         if command.code not in self._known:
             attempts = min(attempts, _ATTEMPTS_AT_UNKNOWN)
@@ -272,7 +242,7 @@ class Tester:
                 moved = isinstance(error, ReadingSuspended) and not error.is_short
                 if not attempts or moved:  # perhaps another unit
                     raise self._verdict(command, error) from error
-                self._ending.check()
+                self._ends.check()
                 self.statistics.repeated += 1
 
     def _once(self, command: c.Command[T], wire: bytes | None) -> tuple[T, Reply]:
@@ -318,7 +288,7 @@ class Tester:
         The answer is ignored. Raises `NoEcho` or `EchoDiffers`.
         """
         with self._holding():
-            self._ending.check()
+            self._ends.check()
             self._ensure_in_sync()
             self.sync.mark_lost()
             began = self.link.now()
@@ -335,7 +305,7 @@ class Tester:
         Raises `NoEcho` or a `LineError` for a damaged or doubled response.
         """
         with self._holding():
-            self._ending.check()
+            self._ends.check()
             self._ensure_in_sync()
             self.statistics.requests += 1
             self.sync.mark_lost()
@@ -357,7 +327,7 @@ class Tester:
         self._lock.acquire()
         try:
             with errors_met_on(self.link.kind):
-                self._ending.check()
+                self._ends.check()
                 self._ensure_in_sync()
                 self.statistics.requests += 1
                 self.sync.mark_lost()
@@ -394,7 +364,7 @@ class Tester:
         Bytes without a request that arrive meanwhile require a resynchronization.
         """
         while (now := self.link.now()) < until:
-            self._ending.check()
+            self._ends.check()
             with self._holding():
                 self._ahead.settle()
                 try:

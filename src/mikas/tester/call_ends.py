@@ -1,6 +1,6 @@
 """When a call is to end before its work is done: a deadline, a cancellation, a closed connection.
 
-All three are looked at between two exchanges only. An exchange that has begun is ended first: the
+All three are looked at between two exchanges only. An exchange under way is ended first: the
 response that is due would else pass for the next one's (D13).
 """
 
@@ -24,7 +24,7 @@ class _Deadline(NamedTuple):
     seconds: float
 
 
-class Ending:
+class CallEnds:
     """The deadlines of one tester's calls, by thread, and whether it is closed."""
 
     def __init__(self, link: Link) -> None:
