@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Check a codec of the Mikas K-Line protocol (docs/protocol.md, §2), in any language.
+"""Check a codec of the Mikas K-Line protocol (docs/protocol.md, §2, §4), in any language.
 
     python3 conformance/run.py ./my_codec
     python3 conformance/run.py python3 my_codec.py
@@ -10,10 +10,12 @@ output (and flushes it); bytes are in hex, with blanks between:
     encode 61 40             61 40 00 5F 0D              the message of this body
     encode-raw C0            C0 40 0D                    the same with its checksum not stuffed (D3)
     decode 01 FF | 0D 0A     frame 01 ; left 0A          the contents of these chunks, in order
+    value INJ 6A 02          4.944                       the value of a parameter's bytes
 
 Each `decode` begins with an empty decoder. Its answer has `frame BODY` (`frame` alone: an empty
 body), `damaged BYTES` (the bytes before the 0D), and at last `left BYTES`, if the decoder still
 holds some. A bare 0D is not mentioned (D5). Without any event the answer is an empty line.
+A value is a number, or `yes` or `no` for a flag; a codec of messages alone answers `?`.
 
 Needs Python 3.8 or newer and nothing else; it knows no codec of its own. It ends with 0 if all is
 right, with 1 and a line for each mistake if not, with 2 if the program can't be run.
@@ -36,6 +38,15 @@ PATIENCE = 10.0  # s for an answer
 MOST_SHOWN = 20  # mistakes
 BODIES = 400  # made by chance
 LONGEST = 300  # bytes of such a body
+NEAR = 0.0005  # of a value: three decimals suffice
+END = 150  # characters of a long line that are shown, at both ends
+UNKNOWN = "?"  # the answer of a codec of messages alone, asked for a value
+# The longest ones that a unit or a tester sends (§2.4), with all stuffed that can be.
+LONGEST_MESSAGES = (
+    ("26 with 255 data", b"\x26\x0d\x0d\xff" + b"\x0d" * 255),
+    ("02 with 255 faults", b"\xff" + b"\x0d\xe0" * 255),
+    ("255 data of two bytes", b"\x40" * 510),
+)
 
 
 class Stopped(Exception):
@@ -105,13 +116,45 @@ def checks(chance: random.Random) -> Iterator[tuple[str, str, str]]:
             if each[end] is not None:
                 yield each["why"], f"encode {each[end]}", each[f"{end}_wire"]
                 yield each["why"], f"decode {each[f'{end}_wire']}", frames(each[end])
+    for why, body in LONGEST_MESSAGES:
+        yield from round_trip(why, body, chance)
     for _ in range(BODIES):
-        body = made(chance)
-        shown = body.hex(" ").upper()
-        wire = message(body)
-        yield "a body made by chance", f"encode {shown}", wire.hex(" ").upper()
-        pieces = wire.hex(" ").upper().split()
-        yield "a body made by chance", f"decode {chunked(pieces, chance)}", frames(shown)
+        yield from round_trip("a body made by chance", made(chance), chance)
+    for each in vectors("values"):
+        why = f"{each['parameter']}: {each['why']}"
+        yield why, f"value {each['parameter']} {each['raw']}", shown(each["value"])
+
+
+def round_trip(why: str, body: bytes, chance: random.Random) -> Iterator[tuple[str, str, str]]:
+    """Yield the questions of a body that no vector has, both ways."""
+    pieces = message(body).hex(" ").upper()
+    yield why, f"encode {body.hex(' ').upper()}", pieces
+    yield why, f"decode {chunked(pieces.split(), chance)}", frames(body.hex(" ").upper())
+
+
+def shown(value: float) -> str:
+    """Return the answer for a value of a vector."""
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    return repr(value)
+
+
+def is_right(line: str, answer: str, right: str) -> bool:
+    """Return whether an answer is the right one; a value may be rounded."""
+    right = " ".join(right.upper().split())
+    if answer == right or not line.startswith("value "):
+        return answer == right
+    try:
+        return abs(float(answer) - float(right)) <= NEAR
+    except ValueError:
+        return False
+
+
+def shortened(text: str) -> str:
+    """Return a text that fits a screen: its ends, and how many words it has."""
+    if len(text) <= 2 * END:
+        return text
+    return f"{text[:END]} … {text[-END:]} ({len(text.split())} words)"
 
 
 def frames(body: str) -> str:
@@ -170,14 +213,21 @@ def main(arguments: list[str] | None = None) -> int:
     except OSError as error:
         print(f"{given.command[0]} can't be run: {error.strerror}", file=sys.stderr)
         return 2
-    asked, wrong = 0, []
+    asked, wrong, values = 0, [], True
     try:
         for why, line, right in checks(random.Random(given.seed)):
-            asked += 1
+            is_value = line.startswith("value ")
+            if is_value and not values:
+                continue
             answer = codec.ask(line)
-            if answer != " ".join(right.upper().split()):
-                said = f"  asked:    {line}\n  answered: {answer}\n  right:    {right}"
-                wrong.append(f"{why}\n{said}")
+            if is_value and answer == UNKNOWN:
+                values = False
+                continue
+            asked += 1
+            if not is_right(line, answer, right):
+                said = {"asked:   ": line, "answered:": answer, "right:   ": right}
+                lines = [f"  {word} {shortened(text)}" for word, text in said.items()]
+                wrong.append("\n".join([why, *lines]))
     except Stopped as error:
         wrong.append(f"The codec ended, or was silent for {PATIENCE:g} s: {error}")
     finally:
@@ -186,6 +236,8 @@ def main(arguments: list[str] | None = None) -> int:
         print(each)
     if len(wrong) > MOST_SHOWN:
         print(f"… and {len(wrong) - MOST_SHOWN} more")
+    if not values:
+        print("The codec gives no values: not checked")
     print(f"{asked} questions, {len(wrong)} wrong")
     return 1 if wrong else 0
 

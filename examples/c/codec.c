@@ -1,5 +1,6 @@
 /* The codec as a program: conformance/run.py describes its lines. */
 #include "mikas_frames.h"
+#include "mikas_values.h"
 
 #include <ctype.h>
 #include <stdio.h>
@@ -52,6 +53,25 @@ static void decode(const char *text)
     }
 }
 
+static void print_value(const char *text)
+{
+    char name[16];
+    uint8_t datum[2];
+    int length = 0, count = 0;
+    const struct mikas_parameter *parameter = NULL;
+    if (sscanf(text, "%15s%n", name, &length) == 1)
+        parameter = mikas_parameter(name);
+    text += length;
+    while (count < 2 && hex_byte(&text, &datum[count]))
+        count++;
+    if (!parameter || count != mikas_size(parameter))
+        putchar('?');
+    else if (parameter->kind == MIKAS_FLAG)
+        fputs(mikas_value(parameter, datum) != 0 ? "yes" : "no", stdout);
+    else
+        printf("%.9g", mikas_value(parameter, datum));
+}
+
 int main(void)
 {
     static char line[LONGEST_LINE];
@@ -63,6 +83,10 @@ int main(void)
         size_t count = 0;
         if (word == 6 && !strncmp(line, "decode", 6)) {
             decode(text);
+        } else if (word == 5 && !strncmp(line, "value", 5)) {
+            print_value(text);
+        } else if (word < 6 || strncmp(line, "encode", 6)) {
+            putchar('?');
         } else {
             int raw = word == 10 && !strncmp(line, "encode-raw", 10);
             while (hex_byte(&text, &body[count]))

@@ -1,10 +1,11 @@
 /* Messages of the Mikas 5.4 and 7.1 units (docs/protocol.md, §2) in C99, without a library.
  *
- * Made from that page alone. mikas_frames.c is the codec, codec.c the program that
- * conformance/run.py asks:
+ * Made from that page alone. mikas_frames.c is the codec, mikas_values.c has the values of the
+ * parameters (§4), codec.c is the program that conformance/run.py asks:
  *
- *     cc -std=c99 -Wall -Wextra -O2 -o codec examples/c/codec.c examples/c/mikas_frames.c
- *     python3 conformance/run.py ./codec
+ *     cd examples/c
+ *     cc -std=c99 -Wall -Wextra -O2 -o codec codec.c mikas_frames.c mikas_values.c
+ *     python3 ../../conformance/run.py ./codec
  */
 #ifndef MIKAS_FRAMES_H
 #define MIKAS_FRAMES_H

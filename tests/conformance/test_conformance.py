@@ -13,6 +13,8 @@ from pathlib import Path
 import jsonschema
 import pytest
 
+from mikas.catalog import shipped
+
 ROOT = Path(__file__).parents[2]
 FOLDER = ROOT / "conformance"
 CODEC = [sys.executable, str(Path(__file__).parent / "mikas_codec.py")]
@@ -39,27 +41,29 @@ def checked(runner, capfd):
 
 def test_the_codec_of_mikas_passes(checked):
     status, said = checked(*CODEC)
-    assert (status, said.splitlines()[-1]) == (0, "1268 questions, 0 wrong")
-    assert "1,268 questions" in (FOLDER / "README.md").read_text("utf-8")
+    assert (status, said.splitlines()[-1]) == (0, "1384 questions, 0 wrong")
+    assert "1,384 questions" in (FOLDER / "README.md").read_text("utf-8")
 
 
 @pytest.mark.skipif(
     COMPILER is None and not os.environ.get("MIKAS_REQUIRE_CC"), reason="no C compiler here"
 )
 def test_the_codec_in_c_passes(checked, tmp_path):
-    sources = [ROOT / "examples" / "c" / name for name in ("codec.c", "mikas_frames.c")]
+    sources = sorted((ROOT / "examples" / "c").glob("*.c"))
     strict = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-O2"]
     program = tmp_path / "codec"
     subprocess.run([COMPILER, *strict, "-o", program, *sources], check=True)
     status, said = checked(program)
     assert status == 0, said
+    assert "values" not in said
 
 
 @pytest.mark.parametrize(
     "mistake",
     [
         "unstuffed-checksum", "stuffed-always", "no-stuffing", "wrong-sum", "cuts-at-0d",
-        "forgets-chunks", "hides-damage", "hides-rest", "ends",
+        "forgets-chunks", "hides-damage", "hides-rest", "ends", "short-buffer",
+        "hides-waiting-0d", "escapes-again", "high-byte-first", "decimal-mask", "literal",
     ],
 )  # fmt: skip
 def test_each_wrong_codec_is_found(checked, mistake):
@@ -67,6 +71,20 @@ def test_each_wrong_codec_is_found(checked, mistake):
     assert status == 1
     assert not said.endswith(" 0 wrong\n")
     assert "asked:" in said or "The codec ended" in said
+    assert max(len(line) for line in said.splitlines()) < 400
+
+
+def test_a_codec_of_messages_alone_passes_and_that_is_said(checked):
+    status, said = checked(*CODEC, "messages-alone")
+    assert (status, said.splitlines()) == (
+        0, ["The codec gives no values: not checked", "1324 questions, 0 wrong"]
+    )  # fmt: skip
+
+
+def test_the_values_are_of_every_parameter_of_section_4():
+    vectors = json.loads((FOLDER / "values.json").read_text("utf-8"))
+    known = {each.name: each.code for each in shipped().parameters if each.source == "§4"}
+    assert {each["parameter"]: int(each["code"], 16) for each in vectors} == known
 
 
 def test_a_silent_codec_is_given_up(checked, runner, monkeypatch):
@@ -79,7 +97,7 @@ def test_a_missing_program_is_said(checked):
     assert checked("./no-such-codec")[0] == 2
 
 
-@pytest.mark.parametrize("name", ["frames", "streams", "exchanges"])
+@pytest.mark.parametrize("name", ["frames", "streams", "exchanges", "values"])
 def test_the_vectors_fit_their_schema(name):
     schema = json.loads((FOLDER / "schema.json").read_text("utf-8"))
     vectors = json.loads((FOLDER / f"{name}.json").read_text("utf-8"))
