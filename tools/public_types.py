@@ -7,21 +7,15 @@ which takes each name without an underscore for public, counts them too.
 
 from __future__ import annotations
 
-import json
-import os
-import shutil
-import subprocess
 import sys
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Final
 
 from tools.docs.generated.python_pages import PAGES
-from tools.docs.pages import ROOT
+from tools.pyright import PyrightFailed, report
 
 LEAST: Final = 0.98
-_PYRIGHT: Final = ROOT / "web/node_modules/.bin/pyright"  # locked there, with its checksum
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,28 +79,17 @@ def _is_of(name: str, public: Collection[str]) -> bool:
 
 def main() -> int:
     """Measure and print; return the exit status."""
-    pyright = os.environ.get("PYRIGHT") or str(_PYRIGHT)
-    if not shutil.which(pyright):
-        print(f"{pyright} is missing: npm --prefix web ci")
-        return 2
-    arguments = ["--ignoreexternal", "--verifytypes", "mikas", "--outputjson"]
-    # Not by --pythonpath: with it pyright finds no py.typed of what is installed as editable.
-    own = Path(sys.executable).parent
-    done = subprocess.run(
-        [pyright, *arguments],
-        capture_output=True,
-        text=True,
-        check=False,
-        cwd=ROOT,
-        env={**os.environ, "PATH": f"{own}{os.pathsep}{os.environ.get('PATH', '')}"},
-    )
     try:
-        symbols = json.loads(done.stdout)["typeCompleteness"]["symbols"]
-    except (ValueError, KeyError):
-        print(done.stdout, done.stderr, "pyright did not say what it found")
+        found_all = report("--ignoreexternal", "--verifytypes", "mikas")
+        symbols = found_all["typeCompleteness"]["symbols"]
+    except PyrightFailed as error:
+        print(error)
+        return 2
+    except KeyError:
+        print(f"pyright did not say what it found: {found_all}")
         return 2
     if not symbols:
-        print(done.stdout, done.stderr, "pyright has found no names")
+        print("pyright has found no names")
         return 2
     found = completeness(symbols, public_names())
     print(f"types known: {found.share:.1%} of all names, at least {LEAST:.0%}")

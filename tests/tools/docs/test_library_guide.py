@@ -52,6 +52,21 @@ def test_type_checkers_see_its_python_at_the_lines_of_the_page():
         assert sum(map(bool, module)) > 20
 
 
+def test_a_type_checker_that_is_missing_is_a_finding(monkeypatch):
+    monkeypatch.setenv("PYRIGHT", "no-such-pyright")
+    monkeypatch.setattr(typed, "_by_mypy", lambda files, modules: iter(()))
+    (found,) = typed.findings()
+    assert "no-such-pyright is missing: npm" in found.text
+
+
+def test_a_type_checker_that_gives_no_report_is_a_finding(monkeypatch):
+    monkeypatch.setenv("PYRIGHT", sys.executable)  # it knows no --outputjson
+    monkeypatch.setattr(sys, "executable", "false")
+    found = list(typed.findings())
+    assert len(found) == 2
+    assert all("its types were not checked" in each.text for each in found)
+
+
 def test_its_tests_pass(tmp_path):
     (block,) = (
         each.text

@@ -6,7 +6,6 @@ mypy checks examples/ with all else (pyproject.toml).
 
 from __future__ import annotations
 
-import json
 import re
 import subprocess
 import sys
@@ -17,15 +16,15 @@ from pathlib import Path, PurePosixPath
 from tools.docs.checking.finding import Finding
 from tools.docs.markdown import Document
 from tools.docs.pages import ROOT, document
+from tools.pyright import PyrightFailed, report
 
 PAGES = ("docs/how-to/library.md", "docs/how-to/coming-from.md")
 EXAMPLES = "examples"
-PYRIGHT = ROOT / "web/node_modules/.bin/pyright"
 _ERROR = re.compile(r"(?P<file>[^:]+\.py):(?P<line>\d+): error: (?P<text>.*)")
 
 
 def findings(pages: tuple[str, ...] = PAGES) -> Iterator[Finding]:
-    """Yield what the type checkers say. pyright is that of `make check`."""
+    """Yield what both type checkers say; a checker that can't say anything is a finding too."""
     with tempfile.TemporaryDirectory() as folder:
         modules = {}
         for number, page in enumerate(pages):
@@ -33,12 +32,11 @@ def findings(pages: tuple[str, ...] = PAGES) -> Iterator[Finding]:
             module.write_text(module_of(document(PurePosixPath(page))), "utf-8")
             modules[module.name] = PurePosixPath(page)
         files = [str(Path(folder) / name) for name in modules]
-        for line in _printed(sys.executable, "-m", "mypy", "--strict", *files).splitlines():
-            if match := _ERROR.match(line):
-                page_of = modules[Path(match["file"]).name]
-                yield Finding(page_of, int(match["line"]), match["text"])
-        if PYRIGHT.exists():
+        yield from _by_mypy(files, modules)
+        try:
             yield from _by_pyright(files, modules)
+        except PyrightFailed as error:
+            yield Finding(PurePosixPath(pages[0]), 1, f"its types were not checked: {error}")
 
 
 def module_of(page: Document) -> str:
@@ -51,21 +49,25 @@ def module_of(page: Document) -> str:
     return "\n".join(lines) + "\n"
 
 
+def _by_mypy(files: list[str], modules: dict[str, PurePosixPath]) -> Iterator[Finding]:
+    done = subprocess.run(
+        [sys.executable, "-m", "mypy", "--strict", *files],
+        cwd=ROOT, capture_output=True, encoding="utf-8", check=False,
+    )  # fmt: skip
+    found = [match for line in done.stdout.splitlines() if (match := _ERROR.match(line))]
+    for match in found:
+        page = modules.get(Path(match["file"]).name, PurePosixPath(match["file"]))
+        yield Finding(page, int(match["line"]), match["text"])
+    if done.returncode and not found:
+        said = " ".join((done.stdout + done.stderr).split())
+        yield Finding(modules[Path(files[0]).name], 1, f"its types were not checked: {said}")
+
+
 def _by_pyright(files: list[str], modules: dict[str, PurePosixPath]) -> Iterator[Finding]:
-    printed = _printed(
-        str(PYRIGHT), "--outputjson", "--pythonpath", sys.executable, *files, EXAMPLES
-    )
-    for each in json.loads(printed)["generalDiagnostics"]:
+    for each in report(*files, EXAMPLES)["generalDiagnostics"]:
         if each["severity"] == "error":
             file = Path(each["file"])
             place = modules.get(file.name)
             if place is None:
                 place = PurePosixPath(file.relative_to(ROOT).as_posix())
             yield Finding(place, each["range"]["start"]["line"] + 1, each["message"])
-
-
-def _printed(*command: str) -> str:
-    done = subprocess.run(
-        command, cwd=ROOT, stdout=subprocess.PIPE, encoding="utf-8", check=False
-    )  # fmt: skip
-    return done.stdout
