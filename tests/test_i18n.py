@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from mikas.client.ecu import erasing
+from mikas.client.erasing import erasing
 from mikas.client.memory.spaces import writing
 from mikas.i18n import Text, byte_count, unit_after
 

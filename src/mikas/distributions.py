@@ -1,6 +1,6 @@
 """What other installed distributions bring: entry points of the groups `mikas.links` and so on.
 
-Nothing is imported before it is used, and what is wrong with one entry does not concern the others.
+Nothing is imported before it is used, and a fault of one entry does not concern the others.
 """
 
 from __future__ import annotations

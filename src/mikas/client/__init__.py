@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mikas.client.connecting import ConnectionOptions, connect
-from mikas.client.ecu import Ecu, Erased
+from mikas.client.ecu import Ecu
+from mikas.client.erasing import Erased
 from mikas.client.gate import Change, Confirm
 from mikas.client.identity import Info, Passport
 from mikas.client.limits import Limits

@@ -7,16 +7,16 @@ threads may use one `Ecu`.
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Final, Self
+from typing import Self
 
 from mikas import commands as c
 from mikas.catalog import Catalog, Fault, Model
 from mikas.catalog.model import check_interpretation
 from mikas.cleaning import public_port
+from mikas.client.erasing import Erased, erase
 from mikas.client.gate import Change, Confirm, Gate, journal_hex
 from mikas.client.identity import Info, Passport, PassportReader, count_parameters
 from mikas.client.limits import Limits, LimitsCache, LimitsStore, MethodTiming
@@ -35,51 +35,13 @@ from mikas.errors import (
     CaptureError,
     EcuRefused,
     LineError,
-    NoResponse,
-    NotSupported,
     UnknownParameter,
     usage_error,
 )
-from mikas.i18n import Text, counted, joined
+from mikas.i18n import Text
 from mikas.tester import Tester
 
 _SPEED = "FREQ"
-
-
-@dataclass(frozen=True, slots=True)
-class Erased:
-    """The faults that were stored before an erase, and those stored after it."""
-
-    before: tuple[Fault, ...]
-    """The faults before the erase."""
-    after: tuple[Fault, ...]
-    """Those that are stored still."""
-
-
-def erasing(count: int) -> Text:
-    """Return the text for erasing `count` faults."""
-    faults = counted(count, ("stored fault", "stored faults"), ("ошибку", "ошибки", "ошибок"))
-    return Text("erase {faults}", "сбросить {faults}").filled(faults=faults)
-
-
-NO_FAULTS: Final = Text("no faults", "ошибок нет")
-
-
-def engine_runs(rpm: float) -> Text:
-    """Return the warning before faults are erased with the engine running."""
-    return Text(
-        f"The engine is running ({rpm:.0f} rpm). Stop it, switch the ignition on, and erase then.",
-        f"Двигатель работает ({rpm:.0f} об/мин). Заглушите его, включите зажигание и только потом "
-        "сбрасывайте.",
-    )
-
-
-def _in_words(fault: Fault) -> Text:
-    return fault.text if fault.text.en else Text(f"fault {fault.code}", f"ошибка {fault.code}")
-
-
-def _codes(faults: Sequence[Fault]) -> bytes:
-    return bytes(fault.code for fault in faults)
 
 
 class Ecu:
@@ -299,28 +261,7 @@ class Ecu:
         Where changes are confirmed, the confirmation says that the engine is running.
         """
         with self.tester.within(timeout):
-            return self._erase()
-
-    def _erase(self) -> Erased:
-        before = self.faults()
-        old = joined(", ", map(_in_words, before)) if before else NO_FAULTS
-        change = Change.by(
-            c.WriteParameter, erasing(len(before)), _codes(before), b"", old=old, new=NO_FAULTS
-        )
-        if self._gate.asks and (rpm := self.engine_speed()):
-            change = replace(change, warning=engine_runs(rpm))
-
-        def act() -> Erased:
-            try:
-                self.tester.in_a_row(*c.ERASE_FAULTS)
-            except (NoResponse, NotSupported) as error:
-                if error.received:
-                    raise
-                # Perhaps only an answer was lost; erasing twice has the same effect.
-                self.tester.in_a_row(*c.ERASE_FAULTS)
-            return Erased(before, self.faults())
-
-        return self._gate.make(change, act, lambda erased: _codes(erased.after))
+            return erase(self.tester, self._gate, self.faults, self.engine_speed)
 
     def goto(self, address: int, *, timeout: float | None = None) -> bytes:
         """Make the ECU jump to `address` (41), the most dangerous command; return its response.

@@ -42,7 +42,7 @@ class Length:
         return min(most, int(self.rate * self.duration) + 1)
 
 
-class Progress:
+class RunProgress:
     """The counts of one run, by its events."""
 
     def __init__(self, length: Length) -> None:

@@ -104,7 +104,7 @@ class LineRecording(EcuRecording):
         return self._tee
 
     def _leave(self) -> None:
-        """Take the tee out of the chain of links; what is on the line just now may be cut."""
+        """Take the tee out of the chain of links; a message on the line just now may be cut."""
         tester, tee = self._ecu.tester, self._tee
         if tee is None:
             return

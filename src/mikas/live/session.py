@@ -7,7 +7,7 @@
 
 A lost adapter or unit is waited for and found again, the fastest method that works is chosen, the
 derived channels, alarms and gaps are computed, the stored faults are watched. Whoever iterates
-drives it: the listeners are called in that thread, and no other thread is begun.
+drives it: the listeners are called in that thread, and no other thread starts.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, Self, TypeVar
 
 from mikas.client.parameters.polling import Method
 from mikas.errors import CaptureError, LinkClosed, MikasError, RecordingOver, UsageError
-from mikas.live.progress import Length, Progress
+from mikas.live.progress import Length, RunProgress
 from mikas.recording.recorder import Recorder, RecordingStatus
 from mikas.sampling.acquisition import Acquisition
 from mikas.sampling.events import ClockChanged, CycleFailed, Event, FaultReading, Gap, Sampled
@@ -62,7 +62,7 @@ class Session(Iterator[Sampled]):
         """The recorder of the bytes and events."""
         self.sampling = sampling
         """The gaps, fault readings and units that follow from several events."""
-        self.progress: Progress = Progress(length)
+        self.progress: RunProgress = RunProgress(length)
         """The counts so far."""
         self.recording_over: RecordingOver | None = None
         """The end of the played recording, which ended the iteration; None: it did not."""

@@ -39,8 +39,8 @@ def prepared(
 ) -> Session:
     """Prepare a session with these parts. `in_streams`: as of `FaultWatch`.
 
-    `keeps_unanswered`: a recording in which no unit has answered stays. The others, and what is
-    raised: as of `session`.
+    `keeps_unanswered`: a recording in which no unit has answered stays. The other
+    arguments and the errors: as of `session`.
     """
     acquisition = Acquisition(
         ReconnectingPort(port, open_port=open_port, sink=recorder, timeout=connection.timeout),

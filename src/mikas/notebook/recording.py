@@ -106,7 +106,7 @@ class Recording(recording.Recording):
         return count, max(times) - min(times) if times else 0.0
 
     def close(self) -> None:
-        """Free the memory that the rows take; what is read of them later is a `UsageError`."""
+        """Free the memory that the rows take; reading them later is a `UsageError`."""
         self.raw.close()
         self.__dict__.pop("_windows", None)
 

@@ -178,7 +178,7 @@ class VirtualUnit:
         self._link.gather(self.now + seconds)
 
     def turn_key(self, *, on: bool) -> None:
-        """Switch the unit's supply; off, it answers nothing and forgets what is volatile."""
+        """Switch the unit's supply; off, it answers nothing and forgets all that is volatile."""
         self._car.on = on
         self.bus.ecu.transmit(self.now)
 
@@ -187,7 +187,7 @@ class VirtualUnit:
         self._link.unplug()
 
     def forget_requests(self) -> None:
-        """Begin `requests` anew."""
+        """Empty `requests`; the next ones are listed again."""
         self._events.clear()
 
     def __enter__(self) -> Self:

@@ -15,7 +15,7 @@ from functools import partial
 
 from mikas.catalog import Parameter
 from mikas.client import Ecu, Reading
-from mikas.client.ecu import engine_runs, erasing
+from mikas.client.erasing import engine_runs, erasing
 from mikas.client.gate import journal_hex
 from mikas.client.memory.spaces import writing
 from mikas.client.parameters.parameters import KEEPING_UNKNOWN, datum_to_write
