@@ -275,7 +275,7 @@ class TestTheList:
         ecu.set_list(*names)
         ecu.read_list()
         it.power_cycle(ecu)
-        with pytest.raises(ListLost, match="forgets its list when its supply goes off"):
+        with pytest.raises(ListLost, match="may forget its list when its supply goes off"):
             ecu.read_list()
         with pytest.raises(NoList, match="set_list"):
             ecu.read_list()

@@ -33,9 +33,9 @@ class Safety(IntEnum):
     READ = 0
     """Changes nothing."""
     REVERSIBLE = 1
-    """A power cycle undoes it."""
+    """Taken to end with a power cycle; the source does not say."""
     LASTING = 2
-    """May outlive a power cycle."""
+    """May outlive a power cycle; the source does not say."""
     DANGEROUS = 3
     """Writes to CODE, and GOTO: the unit may be left unable to run."""
 

@@ -219,8 +219,8 @@ class ListLost(NotSupported):
 
     what: ClassVar[Text] = Text("The unit has no list now", "Сейчас в блоке нет списка")
     advice: Text = Text(
-        "A unit forgets its list when its supply goes off: set the list again.",
-        "При отключении питания блок забывает список: задайте его заново.",
+        "A unit may forget its list when its supply goes off: set the list again.",
+        "При отключении питания блок может забыть список: задайте его заново.",
     )
 
 

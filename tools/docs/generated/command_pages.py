@@ -12,8 +12,8 @@ from tools.docs.generated.tables import code, page, table
 
 _SAFETY = {
     Safety.READ: Text("reads", "чтение"),
-    Safety.REVERSIBLE: Text("until the ignition is off", "до выключения зажигания"),
-    Safety.LASTING: Text("may stay", "может остаться"),
+    Safety.REVERSIBLE: Text("changes, reversible", "меняет, обратимо"),
+    Safety.LASTING: Text("changes, may stay", "меняет, может остаться"),
     Safety.DANGEROUS: Text("**dangerous**", "**опасно**"),
 }
 _PARTS = {

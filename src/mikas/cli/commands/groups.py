@@ -10,9 +10,9 @@ from mikas.cli.commands import home
 list: Final = LocalizedGroup(  # noqa: A001  (the command's name)
     "list",
     en="The list in the unit: `set` chooses its parameters, `read` reads all of them by one short "
-    "request. The unit forgets it when its supply goes off.",
+    "request. The unit may forget it when its supply goes off.",
     ru="Список в самом блоке: `set` задаёт его параметры, `read` читает их все одним коротким "
-    "запросом. При отключении питания блок его забывает.",
+    "запросом. При отключении питания блок может его забыть.",
     examples=("mikas list set FREQ TWAT INJ", "mikas list read"),
     homes={
         "set": home(

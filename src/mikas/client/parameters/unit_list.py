@@ -53,8 +53,9 @@ _UNKEPT = Text(
     "списка их придётся назвать.",
 )
 _PERHAPS_LOST = Text(
-    "A unit forgets its list when its supply goes off: set the list again. Else the line is bad.",
-    "При отключении питания блок забывает список: задайте его заново. Иначе плохая связь.",
+    "A unit may forget its list when its supply goes off: set the list again. "
+    "Else the line is bad.",
+    "При отключении питания блок может забыть список: задайте его заново. Иначе плохая связь.",
 )
 
 
