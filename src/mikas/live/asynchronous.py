@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Final, ParamSpec, Self, TypeVar
 
 from mikas.client import Ecu
 from mikas.client.parameters.polling import Method
+from mikas.errors import LinkClosed
 from mikas.live.session import Session
 from mikas.live.starting import session
 from mikas.sampling.events import Event, Sampled
@@ -38,6 +39,7 @@ class AsyncSession(AsyncIterator[Sampled]):
         """The `Session` that the worker thread iterates."""
         self._worker = ThreadPoolExecutor(1, thread_name_prefix="mikas-session")
         self._next: asyncio.Future[Event | None] | None = None
+        self._closing: asyncio.Future[None] | None = None
 
     async def __anext__(self) -> Sampled:
         """Return the next sample. Raises as `Session` does."""
@@ -91,26 +93,37 @@ class AsyncSession(AsyncIterator[Sampled]):
         self.session.stop()
         if self._next is not None:
             await asyncio.wait([self._next])
-        loop = asyncio.get_running_loop()
-        await loop.run_in_executor(self._worker, self.session.close)
-        self._worker.shutdown(wait=False)
+        if self._closing is None:
+            self._closing = self._begun(self.session.close)
+            self._worker.shutdown(wait=False)
+        if not self._closing.done():
+            await asyncio.shield(self._closing)
 
     async def _worked(self, work: Callable[[], T]) -> T:
         """Run `work` in the worker thread; a task that is cancelled stops the session."""
-        loop = asyncio.get_running_loop()
         try:
-            return await loop.run_in_executor(self._worker, work)
+            return await self._begun(work)
         except asyncio.CancelledError:
             self.session.stop()
             raise
 
     async def _following(self) -> Event | None:
         if self._next is None:
-            loop = asyncio.get_running_loop()
-            self._next = loop.run_in_executor(self._worker, self.session.following)
-        event = await asyncio.shield(self._next)
-        self._next = None
-        return event
+            self._next = self._begun(self.session.following)
+        awaited: asyncio.Future[Event | None] | None = self._next
+        try:
+            return await asyncio.shield(self._next)
+        except asyncio.CancelledError:
+            awaited = None  # for the next one that waits
+            raise
+        finally:
+            if self._next is awaited:
+                self._next = None
+
+    def _begun(self, work: Callable[[], T]) -> asyncio.Future[T]:
+        if self._closing is not None:
+            raise LinkClosed(url=self.session.acquisition.port.url)
+        return asyncio.get_running_loop().run_in_executor(self._worker, work)
 
     async def __aenter__(self) -> Self:
         return self

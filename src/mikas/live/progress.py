@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import inf
 
-from mikas.errors import EngineStopped, usage_error
+from mikas.errors import EngineStopped
+from mikas.options import check_number
 from mikas.sampling.events import CycleFailed, Event, LineState, Sampled, StateChanged, UnitFound
 
 _SEARCH = 3  # failed cycles at the start that are no news: another method may follow
@@ -29,9 +30,10 @@ class Length:
     cycles: bool = False
 
     def __post_init__(self) -> None:
-        for name, value in (("count", self.count), ("duration", self.duration)):
-            if value is not None and not value >= 0:
-                raise usage_error(f"{name} is {value}; at least 0", f"{name}: {value}; не меньше 0")
+        if self.count is not None:
+            check_number("count", self.count, lowest=0, whole=True)
+        if self.duration is not None:
+            check_number("duration", self.duration, lowest=0)
 
     @property
     def most(self) -> float:

@@ -31,8 +31,8 @@ class LineRecording(EcuRecording):
 
     `on_failure` gets the error of a file that can't be written any more, and the unit's requests go
     on unrecorded; without it the error is raised by the request that meets it, and by each later
-    one. Raises `CaptureError` if the file exists or can't be made, and what reading the passports
-    raises: a session reads them once, and the file has them.
+    one, or by `close`. Raises `CaptureError` if the file exists or can't be made, and what reading
+    the passports raises: a session reads them once, and the file has them.
     """
 
     def __init__(
@@ -87,16 +87,24 @@ class LineRecording(EcuRecording):
         if self._status is None:
             self._leave()
             self._status = self._recorder.stop()
+            self._report(self.failure)
 
     def record(self, direction: Direction, data: builtins.bytes, time: float) -> None:
         """Take bytes that passed on the wire; of `mikas.link.base.Sink`."""
         self._recorder.record(direction, data, time)
         failure = self._recorder.failure
+        if failure is not None and self._on_failure is None:
+            self._reported = failure
+            raise failure
+        self._report(failure)
+
+    def _report(self, failure: CaptureError | None) -> None:
+        """Raise a failure or hand it over, once."""
         if failure is None or failure is self._reported:
             return
+        self._reported = failure
         if self._on_failure is None:
             raise failure
-        self._reported = failure
         self._on_failure(failure)
 
     def _teed(self, link: Link) -> CaptureTee:

@@ -131,6 +131,8 @@ class Session(Iterator[Sampled]):
         """
         if not (isinstance(kind, type) and issubclass(kind, Event)):
             raise TypeError(f"a class of mikas.sampling.events, such as Sampled, not {kind!r}")
+        if not callable(listener):
+            raise TypeError(f"a function of one event, not {listener!r}")
         entry = (kind, listener)
         self._listeners.append(entry)
 
@@ -206,17 +208,22 @@ class Session(Iterator[Sampled]):
         self._period = _period(rate)
 
     def close(self) -> None:
-        """Leave the line quiet, close the port, end the recording; a second call does nothing."""
+        """Leave the line quiet, close the port, end the recording; a second call does nothing.
+
+        Raises `CaptureError` if the end of the recording can't be written, see `session`.
+        """
         self._ended = True
         try:
             self.leave()
         finally:
             self.end_recording()
+        self._look_at_recording()
 
     def leave(self) -> None:
         """Leave the line quiet and close the port; the recording has that, too."""
         if self._source is not None:
             self._source.close()
+        self.acquisition.refuse_jobs()
 
     def end_recording(self) -> RecordingStatus | None:
         """End the recording; return its progress, None if there was none."""
@@ -310,6 +317,8 @@ class Session(Iterator[Sampled]):
 
     def _look_at_recording(self) -> None:
         failure = self.recorder.failure
+        if failure is None and self._recorded is not None:
+            failure = self._recorded.failure
         if failure is None or failure is self._reported:
             return
         self._reported = failure

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from os import PathLike
 from pathlib import Path
-from typing import Unpack
+from typing import Final, Unpack
 
 from mikas.catalog import load
 from mikas.client.connecting import ConnectionKeywords, ConnectionOptions, StrPath, named_port
@@ -19,6 +19,8 @@ from mikas.recording.recorder import Recorder
 from mikas.sampling.acquisition import Acquisition
 from mikas.sampling.fault_watch import IN_STREAMS
 from mikas.sampling.session import SamplingSession
+
+_OWN: Final = "own-link"  # the name of a port that `open_port` opens, in messages
 
 
 def prepared(
@@ -66,6 +68,11 @@ def prepared(
     return made
 
 
+def _port(open_port: Callable[[str], Link]) -> str:
+    """Return the port that the user has set, else the only one; `open_port` may need none."""
+    return named_port() or (choose_port() if open_port is open_link else _OWN)
+
+
 def session(
     url: str | None = None,
     channels: str | Iterable[str] = (),
@@ -89,16 +96,21 @@ def session(
     sampled with it. `method`: auto is the fastest that works. `rate`: most samples a second.
     `record`: the recording's file, which must not exist; if it fails, `on_record_failure` gets the
     error and sampling goes on, else it is raised. `faults`: read the stored faults from time to
-    time. `patient`: wait for the first port and unit as well.
-    `catalogs`: the user's own files. `open_port`: opens the port, for tests and links of your own.
-    The other `options` are those of `ConnectionOptions`.
+    time. `patient`: wait for the first port and unit as well. `catalogs`: the user's own files.
+    `open_port`: opens the port, for tests and links of your own; it gets `url`, and is called again
+    after a loss. The other `options` are those of `ConnectionOptions`.
 
     Raises `UsageError` for an invalid option, `UnknownParameter`, `CaptureError` for the file.
     """
+    if not isinstance(url, str | None):
+        raise TypeError(
+            f"url is the address of a port, not {url!r}. A link of your own is opened by "
+            "open_port=lambda url: …, also again after a loss"
+        )
     files = [catalogs] if isinstance(catalogs, str | PathLike) else catalogs
     connection = ConnectionOptions(catalog=load(*files), **options)
     return prepared(
-        url or named_port() or choose_port(),
+        _port(open_port) if url is None else url,
         connection,
         listed(channels),
         Length(count, duration, rate),

@@ -184,6 +184,10 @@ class Acquisition:
         """End `run` within two seconds, also while it waits for an adapter."""
         self._context.stopped = True
 
+    def refuse_jobs(self) -> None:
+        """Fail the jobs that wait, and all until the next `run`, with `LinkLost`."""
+        self._context.jobs.close()
+
     # The loop
 
     def run(self) -> Generator[Event, None, None]:

@@ -50,9 +50,10 @@ class JobQueue:
             self._over = None
 
     def close(self, error: BaseException | None = None) -> None:
-        """Fail the waiting jobs and all later ones, with `error` or `LinkLost`."""
+        """Fail the waiting jobs and all later ones, with `error`, that of before, or `LinkLost`."""
         with self._lock:
-            self._over = error or LinkLost(url=self._url, problem=_ENDED, advice=_BEGIN_AGAIN)
+            ended = self._over or LinkLost(url=self._url, problem=_ENDED, advice=_BEGIN_AGAIN)
+            self._over = error or ended
         self.fail(self._over)
 
     def fail(self, error: BaseException) -> None:
