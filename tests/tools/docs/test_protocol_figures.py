@@ -13,6 +13,8 @@ from mikas.client.limits import STARTING_LIST
 from mikas.commands import LARGEST_BLOCK
 from mikas.framing import Decoder, encode
 from mikas.tester import Timing
+from mikas.tester.line_sync import _BREAK, _INTERRUPTIONS
+from mikas.tester.stream import _STANDING_ENGINE
 from mikas.virtual.quirks import EcuQuirks
 
 BYTE = 10 / 9600  # s, §1
@@ -52,6 +54,28 @@ def test_the_settings_of_this_product_are_those_of_the_code(language):
         f"{STARTING_LIST} ", f"{LARGEST_BLOCK} ", f"{Decoder().limit} ",
     ):  # fmt: skip
         assert re.search(rf"(?<![\d.]){re.escape(figure)}", said), figure
+
+
+@pytest.mark.parametrize(
+    ("language", "said"),
+    [
+        ("en", "`01` is tried {count} times, then a break of {brk:g} ms"),
+        ("ru", "`01` посылается до {count} раз, затем break на {brk:g} мс"),
+    ],
+)
+def test_how_a_stream_is_ended(language, said):
+    count = {"en": {6: "six"}, "ru": {6: "шести"}}[language][_INTERRUPTIONS]
+    assert said.format(count=count, brk=1000 * _BREAK) in settings(language)
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_the_strokes_of_an_engine(language):
+    page = written(language).partition('<a id="d15"></a>')[2].partition('<a id="d16"></a>')[0]
+    for rpm, figure in ((850, "7.1"), (5200, "43")):  # a response in two turns
+        assert f"{rpm / 2 / 60:.2g}" == figure
+        assert re.search(rf"\b{rpm}\b.*?(?<![\d.]){re.escape(figure)}(?![\d])", page, re.DOTALL)
+    second = {"en": "s", "ru": "с"}[language]
+    assert re.search(rf" {_STANDING_ENGINE:g} {second}\b", page)
 
 
 @pytest.mark.parametrize("language", LANGUAGES)
