@@ -9,7 +9,7 @@ from pathlib import PurePosixPath
 import pytest
 
 import mikas
-from mikas.errors import BadPortUrl, LinkClosed
+from mikas.errors import BadPortUrl, LinkClosed, UsageError
 from mikas.recording import CaptureWriter
 from mikas.virtual.build import SETTINGS
 
@@ -120,3 +120,32 @@ def test_after_close_nothing_speaks_of_plugs(url):
 def test_what_is_no_link_is_a_type_error(link):
     with pytest.raises(TypeError, match=r"An address comes first: connect\(address\)"):
         mikas.connect(link=link)
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda ecu: ecu.raw("01"),
+        lambda ecu: ecu.raw([1]),
+        lambda ecu: ecu.write_parameter("UOZ", raw="19"),
+        lambda ecu: ecu.memory.ram.write(0x40, "FF"),
+        lambda ecu: ecu.memory.ram.write(0x40, b"\x01"),
+        lambda ecu: ecu.memory.ram.write_block(0x40, "0102"),
+        lambda ecu: ecu.memory.ram.write_block(0x40, [1, 2]),
+        lambda ecu: ecu.memory.ram.read("40"),
+        lambda ecu: ecu.memory.code.read_block(0.5, 1),
+        lambda ecu: ecu.goto("8000"),
+    ],
+)
+def test_a_wrong_type_is_a_usage_error_before_a_byte_is_sent(call):
+    with mikas.connect(SIM, confirm=lambda change: True) as ecu:
+        before = ecu.tester.statistics.requests
+        with pytest.raises(UsageError, match=r"needed, (as|such as) .* not"):
+            call(ecu)
+        assert ecu.tester.statistics.requests == before
+
+
+def test_any_kind_of_bytes_is_sent():
+    with mikas.connect(SIM) as ecu:
+        assert ecu.raw(bytearray(b"\x01")) == ecu.raw(memoryview(b"\x01")) == b"\x0a"
+        assert ecu.memory.ram.write_block(0x40, bytearray(b"\x05")).after == b"\x05"

@@ -6,11 +6,12 @@ import pytest
 
 from mikas import commands as c
 from mikas.cleaning import clean_line
-from mikas.commands.base import lengths_in_words
+from mikas.commands.base import check_bytes, lengths_in_words
 from mikas.commands.unit import version_of, version_text
 from mikas.errors import (
     AddressOutOfRange,
     NotSupported,
+    UsageError,
     ValueDoesNotFit,
     WriteRefused,
     WrongAddress,
@@ -284,3 +285,24 @@ def test_a_version_code_has_one_form_in_every_json(code):
 def test_another_length_is_no_version_code(other):
     assert version_of(other) is None
     assert version_text(None) is None
+
+
+@pytest.mark.parametrize("other", ["80", b"\x80", None, 1.0, [128]])
+def test_an_address_and_a_byte_are_whole_numbers(other):
+    for make in (
+        lambda: c.ReadRamByte(other), lambda: c.ReadCodeBlock(0x8000, other),
+        lambda: c.WriteRamByte(0x40, other),
+    ):  # fmt: skip
+        with pytest.raises(UsageError, match="a whole number is needed, such as 128 or 0x80, not"):
+            make()
+
+
+@pytest.mark.parametrize("data", [b"\x01", bytearray(b"\x01"), memoryview(b"\x01")])
+def test_bytes_have_three_kinds(data):
+    check_bytes(data)
+
+
+@pytest.mark.parametrize("other", ["61 1A", [0x61], 0x61, None])
+def test_a_text_or_a_list_is_not_bytes(other):
+    with pytest.raises(UsageError, match="bytes are needed, as "):
+        check_bytes(other)

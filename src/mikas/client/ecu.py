@@ -31,6 +31,7 @@ from mikas.client.parameters.watching import Watcher
 from mikas.client.recorded import EcuRecording, recorded
 from mikas.client.scanning import Scan, ScannedCode
 from mikas.client.support import Support, try_commands
+from mikas.commands.base import check_bytes
 from mikas.errors import (
     CaptureError,
     EcuRefused,
@@ -280,10 +281,11 @@ class Ecu:
         Unless the command is known to be harmless, it passes the gate. Raises `NotConfirmed`,
         `NoEcho`, or a `LineError` for a damaged or doubled response.
         """
+        check_bytes(body)
         if not body:
             raise usage_error("there is nothing to send", "нечего посылать")
         with self.tester.within(timeout):
-            return self._raw(body)
+            return self._raw(bytes(body))
 
     def _raw(self, body: bytes) -> bytes | None:
         command = c.COMMANDS_BY_CODE.get(body[0])

@@ -221,15 +221,38 @@ def lengths_in_words(lengths: Sequence[int]) -> str:
 
 
 def check_range(space: str, address: int, count: int = 1) -> None:
-    """Raise `AddressOutOfRange` unless `count` bytes at `address` lie within this `Space`."""
+    """Raise `AddressOutOfRange` unless `count` bytes at `address` lie within this `Space`.
+
+    `UsageError`: one of them is no whole number.
+    """
+    for number in (address, count):
+        _check_whole(number)
     last = Space(space).last
     if address < 0 or count < 1 or address + count - 1 > last:
         raise errors.AddressOutOfRange(space=space, last=last, address=address, count=count)
 
 
 def check_byte(name: str, value: int) -> None:
-    """Raise `ValueDoesNotFit` unless `value` is a byte."""
+    """Raise `ValueDoesNotFit` unless `value` is a byte, `UsageError` if it is no whole number."""
+    _check_whole(value)
     if not 0 <= value <= 0xFF:
         raise errors.ValueDoesNotFit(
             value=value, name=name, allowed=Text("a byte is 0 to 255", "байт — от 0 до 255")
+        )
+
+
+def check_bytes(data: bytes) -> None:
+    """Raise `UsageError` unless `data` is bytes."""
+    if not isinstance(data, bytes | bytearray | memoryview):
+        raise errors.usage_error(
+            f"bytes are needed, as bytes.fromhex('61 1A') makes them, not {data!r}",
+            f"нужны байты, как их даёт bytes.fromhex('61 1A'), а не {data!r}",
+        )
+
+
+def _check_whole(number: int) -> None:
+    if not hasattr(number, "__index__"):
+        raise errors.usage_error(
+            f"a whole number is needed, such as 128 or 0x80, not {number!r}",
+            f"нужно целое число, например 128 или 0x80, а не {number!r}",
         )

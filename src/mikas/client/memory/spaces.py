@@ -14,7 +14,7 @@ from mikas import errors
 from mikas.client.gate import Change, Gate
 from mikas.client.limits import LimitsCache
 from mikas.client.memory.writing import Attempts, SpaceWriter
-from mikas.commands.base import check_byte, check_range
+from mikas.commands.base import check_byte, check_bytes, check_range
 from mikas.commands.memory import ByteCommand, ReadBlock, WriteBlock, WriteByte
 from mikas.i18n import Text, byte_count
 from mikas.tester import Tester
@@ -200,8 +200,9 @@ class MemorySpace:
         Raises `AddressOutOfRange`, `NotConfirmed`, `WriteRefused`, `NotSupported`,
         `ReadBackDiffers`.
         """
+        check_bytes(data)
         with self._tester.within(timeout):
-            return self._write(address, data)
+            return self._write(address, bytes(data))
 
     def write_runs(self, runs: Sequence[Run], what: Text) -> Iterator[Written]:
         """Confirm `what` once, then write `runs` one by one; yield each with the bytes read back.

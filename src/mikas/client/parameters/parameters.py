@@ -16,6 +16,7 @@ from mikas.client.parameters.derived import DerivedValue
 from mikas.client.parameters.once import Once, check_names
 from mikas.client.parameters.readings import Reading, Wanted, decode
 from mikas.client.parameters.unit_list import UnitList, list_of
+from mikas.commands.base import check_bytes
 from mikas.i18n import Text, byte_count
 from mikas.tester import Tester
 
@@ -178,6 +179,7 @@ def datum_to_write(
     if raw is None:
         assert value is not None
         return parameter.encode(value, interpretation)
+    check_bytes(raw)
     if len(raw) != parameter.size:
         raise errors.ValueDoesNotFit(
             value=raw.hex().upper(),
