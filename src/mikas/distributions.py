@@ -38,9 +38,14 @@ def loaded(name: str, entries: Sequence[EntryPoint]) -> object:
         )
     try:
         found: object = entries[0].load()
-    except Exception as error:  # another distribution's code may raise anything
+    except (Exception, SystemExit) as error:  # another distribution's code may raise anything
         raise unfit(name, entries, _cannot_be_loaded(error)) from error
     return found
+
+
+def is_of_mikas(entries: Sequence[EntryPoint]) -> bool:
+    """Whether mikas itself brings the entries."""
+    return all(entry.value.startswith("mikas.") for entry in entries)
 
 
 def unfit(name: str, entries: Sequence[EntryPoint], why: Text) -> UsageError:
@@ -63,6 +68,6 @@ def distributions_of(entries: Sequence[EntryPoint]) -> str:
     return ", ".join(sorted(f"{dist.name} {dist.version}" for dist in found))
 
 
-def _cannot_be_loaded(error: Exception) -> Text:
+def _cannot_be_loaded(error: BaseException) -> Text:
     why = f"{type(error).__name__}: {error}"
     return Text(f"can't be loaded ({why})", f"не загружается ({why})")

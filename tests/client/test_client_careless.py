@@ -116,9 +116,27 @@ def test_after_close_nothing_speaks_of_plugs(url):
         assert caught.value.errno in (None, errno.EBADF)
 
 
-@pytest.mark.parametrize("link", ["sim:", object()])
-def test_what_is_no_link_is_a_type_error(link):
-    with pytest.raises(TypeError, match=r"An address comes first: connect\(address\)"):
+class HalfALink:
+    """It has what is sent and read, and nothing else of the interface."""
+
+    url = "half:"
+
+    def write(self, data):
+        pass
+
+    read = now = send_break = close = write
+
+
+@pytest.mark.parametrize(
+    ("link", "why"),
+    [
+        ("sim:", r"an address comes first: connect\('sim:'\)"),
+        (object(), r"has no url, baud, byte_time, can_break …"),
+        (HalfALink(), r"derived from mikas.link.Link; .* has no baud"),
+    ],
+)
+def test_what_is_no_link_is_a_type_error(link, why):
+    with pytest.raises(TypeError, match=why):
         mikas.connect(link=link)
 
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import errno
 import subprocess
 import sys
 from contextlib import suppress
+from functools import cache
 from string import ascii_lowercase
 
 import pytest
@@ -12,21 +14,41 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from link_rig import installed, registered
-from mikas.errors import BadPortUrl, UsageError
-from mikas.link import open_link, urls
+from mikas.errors import BadPortUrl, PortFailed, UsageError
+from mikas.link import LinkWrapper, open_link, urls
 from mikas.link.urls import PortUrl, parse
 from mikas.options import check_names
 
 calls = []
 
 
-class OpenLink:
-    is_virtual = True
+class OpenLink(LinkWrapper):
+    pass
+
+
+@cache
+def wire():
+    return open_link("sim:?clock=simulated")
 
 
 def opener(url, options):
     calls.append((url, options))
-    return OpenLink()
+    return OpenLink(wire())
+
+
+def raising(url, options):
+    raise ZeroDivisionError("of a stranger")
+
+
+def refusing(url, options):
+    raise PermissionError(errno.EACCES, "denied")
+
+
+def opening_nothing(url, options):
+    return None
+
+
+NO_FUNCTION = 5
 
 
 @pytest.mark.parametrize(
@@ -144,11 +166,16 @@ class TestDistributions:
             ("no_such_module:opener", "ModuleNotFoundError: No module named 'no_such_module'"),
             ("own_broken:missing", "AttributeError"),
             ("own_failing:opener", "ZeroDivisionError"),
+            ("own_exiting:opener", "SystemExit: 3"),
+            (f"{__name__}:raising", "could not open the port (ZeroDivisionError: of a stranger)"),
+            (f"{__name__}:opening_nothing", "opened no link: None has no url, baud"),
+            (f"{__name__}:NO_FUNCTION", "is not a function of an address and its options"),
         ],
     )
-    def test_a_link_that_cannot_be_loaded_names_its_distribution(self, tmp_path, place, why):
+    def test_a_link_that_does_not_work_names_its_distribution(self, tmp_path, place, why):
         (tmp_path / "own_broken.py").write_text("")
         (tmp_path / "own_failing.py").write_text("1 / 0")
+        (tmp_path / "own_exiting.py").write_text("raise SystemExit(3)")
         with installed(tmp_path, "own-broken", {"broken": place}):
             with pytest.raises(UsageError, match=r"of the distribution own-broken 1\.0") as caught:
                 open_link("broken:x")
@@ -156,6 +183,12 @@ class TestDistributions:
             assert "own-broken 1.0" in caught.value.text.ru
             with open_link("sim:?clock=simulated") as link:  # others are not concerned
                 assert link.now() == 0.0
+
+    def test_an_error_of_the_system_is_a_port_that_did_not_open(self, tmp_path):
+        with installed(tmp_path, "own-link", {"mine": f"{__name__}:refusing"}):
+            with pytest.raises(PortFailed, match="mine:x could not be opened") as caught:
+                open_link("mine:x")
+            assert caught.value.errno == errno.EACCES
 
     def test_an_incomplete_installation_says_so(self, monkeypatch):
         monkeypatch.setattr("importlib.metadata.entry_points", lambda **_: ())

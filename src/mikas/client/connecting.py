@@ -17,6 +17,7 @@ from mikas.client.gate import Confirm
 from mikas.client.limits import LimitsStore
 from mikas.errors import usage_error
 from mikas.link import CaptureTee, Link, Sink, choose_port, open_link
+from mikas.link.interface import check_link
 from mikas.options import check_choice, check_number
 from mikas.tester import Echo, Tester, Timing
 
@@ -26,7 +27,6 @@ EchoSetting = Literal["auto", "on", "off"]
 
 STATE_VARIABLE = "MIKAS_STATE"
 PORT_VARIABLE = "MIKAS_PORT"
-_OF_A_LINK = ("write", "read", "now", "send_break", "close")
 _SHORTEST = 0.001  # s; a shorter time-out would end before an adapter hands over its first byte
 
 
@@ -196,12 +196,10 @@ def connect(
         raw_checksum=raw_checksum,
         strict=strict,
     )
-    lacking = [name for name in _OF_A_LINK if not callable(getattr(link, name, None))]
-    if link is not None and lacking:
-        raise TypeError(
-            f"link is an open link, as mikas.link.Link; {link!r} has no {', '.join(lacking)}(). "
-            "An address comes first: connect(address)"
-        )
+    if isinstance(link, str):
+        raise TypeError(f"link is an open link; an address comes first: connect({link!r})")
+    if link is not None:
+        check_link(link, "link")
     if link is not None and url is not None:
         raise usage_error(
             "connect() takes a url or a link, not both",
@@ -242,6 +240,7 @@ def open_ecu(
     if port is None:
         port = named_port() or choose_port()
     link = open_link(port) if isinstance(port, str) else port
+    check_link(link, "what connect() gets")
     if sink is not None:
         link = CaptureTee(link, sink, on_failure=on_sink_failure)
     try:

@@ -23,6 +23,7 @@ from mikas.errors import AnotherAdapter, PortKind, PortNotFound
 from mikas.i18n import Text
 from mikas.link.base import CaptureTee, Chunk, Link, LinkWrapper, Sink, WallClock, WireCount
 from mikas.link.identity import KnownAdapter, identity_of, is_same
+from mikas.link.interface import check_link
 from mikas.link.network.silence import SilenceGuard
 from mikas.link.ports import Port, find_ports, listed, named
 from mikas.link.suspension import LATE_IN_PROGRAM, SuspensionGuard
@@ -69,6 +70,7 @@ class ReconnectingPort:
         Raises `NoConnection`: `AnotherAdapter` if its name or its kind is another's.
         """
         link = self._open_adapter() if parse(self.url).is_adapter else self.open_port(self.url)
+        check_link(link, "what open_port returns")
         if link.kind is PortKind.NETWORK:
             link = SilenceGuard(link, timeout=self.timeout)
         if not link.is_simulated:

@@ -18,11 +18,12 @@ from functools import cache
 from typing import TYPE_CHECKING, cast
 from urllib.parse import parse_qsl, urlencode, urlsplit
 
-from mikas.distributions import entries_of, loaded
-from mikas.errors import BadPortUrl, PortKind, UsageError
+from mikas.distributions import entries_of, is_of_mikas, loaded, unfit
+from mikas.errors import BadPortUrl, MikasError, PortFailed, PortKind, UsageError, reason_of
 from mikas.i18n import Text
 from mikas.link.base import Link
 from mikas.link.flood import FloodGuard
+from mikas.link.interface import lacking
 from mikas.link.suspension import SuspensionGuard
 from mikas.options import OptionParser, nearest, with_nearest
 
@@ -44,6 +45,10 @@ _IN_A_BROWSER = Text(
     "replay:FILE.",
     "Странице доступны только кабели, выбранные в списке браузера: нажмите «Выбрать кабель…». "
     "Порты здесь пишутся так: webserial:0403:6001 (USB-номера кабеля), sim:, replay:FILE.",
+)
+_NO_OPENER = Text(
+    "is not a function of an address and its options",
+    "не функция от адреса и его параметров",
 )
 _SCHEME = re.compile(r"([A-Za-z][A-Za-z0-9+.-]+):")  # two letters at least: C: is a drive
 
@@ -82,14 +87,8 @@ def open_link(url: str, /, **options: str | float) -> Link:
     parsed = parse(url)
     if parsed.scheme not in registered():  # a name without scheme
         raise bad_port_url(url, _NO_NAME)
-    opener = opener_of(parsed.scheme)
-    try:
-        link = opener(url, parsed.options)
-        return link if link.is_virtual else FloodGuard(SuspensionGuard(link))
-    except UsageError as error:
-        if error.kind is not UsageError:
-            raise
-        raise bad_port_url(url, error.reason).caused_by(error) from error
+    link = _opened(url, parsed)
+    return link if link.is_virtual else FloodGuard(SuspensionGuard(link))
 
 
 def parse(url: str) -> PortUrl:
@@ -178,7 +177,43 @@ def registered() -> dict[str, list[EntryPoint]]:
 
 def opener_of(scheme: str) -> Opener:
     """Return the opener of a registered scheme. Raises `UsageError` if it can't be loaded."""
-    return cast("Opener", loaded(scheme, registered()[scheme]))
+    entries = registered()[scheme]
+    opener = loaded(scheme, entries)
+    if not callable(opener):
+        raise unfit(scheme, entries, _NO_OPENER)
+    return cast("Opener", opener)
+
+
+def _opened(url: str, parsed: PortUrl) -> Link:
+    """Return the open link, whatever another distribution's opener does."""
+    opener = opener_of(parsed.scheme)
+    entries = registered()[parsed.scheme]
+    try:
+        link = opener(url, parsed.options)
+    except UsageError as error:
+        if error.kind is not UsageError:
+            raise
+        raise bad_port_url(url, error.reason).caused_by(error) from error
+    except Exception as error:  # another distribution's code may raise anything
+        if isinstance(error, MikasError) or is_of_mikas(entries):
+            raise
+        if isinstance(error, OSError):
+            raise PortFailed(url=url, problem=reason_of(error)).caused_by(error) from error
+        raise unfit(parsed.scheme, entries, _cannot_open(error)) from error
+    if lacks := lacking(link):
+        raise unfit(parsed.scheme, entries, _no_link(link, lacks))
+    return link
+
+
+def _cannot_open(error: Exception) -> Text:
+    why = f"{type(error).__name__}: {error}"
+    return Text(f"could not open the port ({why})", f"не открыл порт ({why})")
+
+
+def _no_link(found: object, lacks: str) -> Text:
+    return Text(
+        f"opened no link: {found!r} has no {lacks}", f"открыл не порт: у {found!r} нет {lacks}"
+    )
 
 
 def _options(url: str, query: str) -> dict[str, str]:
