@@ -167,3 +167,9 @@ def test_any_kind_of_bytes_is_sent():
     with mikas.connect(SIM) as ecu:
         assert ecu.raw(bytearray(b"\x01")) == ecu.raw(memoryview(b"\x01")) == b"\x0a"
         assert ecu.memory.ram.write_block(0x40, bytearray(b"\x05")).after == b"\x05"
+
+
+def test_a_unit_shows_its_model_and_its_port():
+    with mikas.connect(SIM) as ecu:
+        assert repr(ecu) == f"<Ecu Mikas 7.1 on {SIM}>"
+    assert repr(ecu) == f"<Ecu Mikas 7.1 on {SIM}>"

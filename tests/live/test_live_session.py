@@ -78,6 +78,7 @@ class TestSamples:
         progress = session.progress
         assert (progress.samples, progress.failed_cycles) == (50, 0)
         assert progress.rate == pytest.approx(50 / progress.seconds)
+        assert repr(progress).startswith("<RunProgress 50 samples in ")
 
     def test_come_at_a_rate_at_most(self, on_unit):
         samples = list(on_unit(["FREQ"], rate=2, count=20))

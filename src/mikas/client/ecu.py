@@ -339,6 +339,9 @@ class Ecu:
     def _whose(self) -> dict[str, object]:
         return {"port": public_port(self.tester.link.url), "model": self.model.text.en}
 
+    def __repr__(self) -> str:
+        return f"<Ecu {self.model.text.en} on {public_port(self.tester.link.url)}>"
+
     def close(self) -> None:
         """End a running stream and close the port; a second call does nothing."""
         self.tester.close()

@@ -62,6 +62,12 @@ class RunProgress:
         self._works = False  # sampled since the unit was identified
         self._searched = 0  # failed cycles before that
 
+    def __repr__(self) -> str:
+        return (
+            f"<{type(self).__name__} {self.samples} samples in {self.seconds:.1f} s, "
+            f"{self.failed_cycles} failed cycles>"
+        )
+
     @property
     def rate(self) -> float:
         """Samples a second, on average."""
