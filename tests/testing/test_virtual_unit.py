@@ -70,6 +70,18 @@ def test_time_passes_without_a_request(unit):
         unit.pass_time(-1)
 
 
+def test_time_passes_also_without_a_connection(unit):
+    with unit.connect() as ecu:
+        ecu.read("TWAT")
+        unit.unplug()
+        before = unit.now
+        unit.pass_time(60)
+        assert unit.now == before + 60
+    unit.pass_time(60)
+    with unit.connect() as ecu:
+        assert ecu.read("TWAT")["TWAT"].time > before + 120
+
+
 def test_a_cable_is_pulled_out_and_plugged_in(unit):
     with unit.connect() as ecu:
         unit.unplug()
@@ -96,6 +108,8 @@ def test_options_are_those_of_sim():
     with VirtualUnit(model="5.4", faults="17", latency_ms=16) as unit, unit.connect() as ecu:
         assert ecu.version_code == 0x09
         assert [fault.code for fault in ecu.faults()] == [17]
+    with VirtualUnit(seed=12345678.0, supplied=True, late_by=0.1234567) as unit:
+        assert unit.bus.fault_injector.late_by == 0.1234567
     with pytest.raises(UsageError, match="bogus"):
         VirtualUnit(bogus=1)
 
@@ -131,6 +145,14 @@ def test_marked(virtual_ecu):
     assert [fault.code for fault in virtual_ecu.faults()] == [17, 81]
 
 
+@pytest.mark.mikas_car(model="5.4", faults="17")
+class TestClass:
+    @pytest.mark.mikas_car(faults="81")
+    def test_has_the_marks_of_both(self, virtual_ecu):
+        assert virtual_ecu.version_code == 9
+        assert [fault.code for fault in virtual_ecu.faults()] == [81]
+
+
 def test_unplugged(car, virtual_ecu):
     car.unplug()
     with pytest.raises(LinkLost):
@@ -138,15 +160,19 @@ def test_unplugged(car, virtual_ecu):
 """
 
 
+def run_pytest(folder):
+    environment = {**os.environ, "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}
+    return subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", "--strict-markers", "-W", "error",
+         "-p", "mikas.testing.plugin", "-p", "no:cacheprovider", str(folder)],
+        capture_output=True, text=True, env=environment, cwd=folder, check=False,
+    )  # fmt: skip
+
+
 def test_a_strangers_project_gets_the_fixtures(tmp_path):
     (tmp_path / "test_mine.py").write_text(PROJECT)
-    environment = {**os.environ, "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}
-    done = subprocess.run(
-        [sys.executable, "-m", "pytest", "-q", "--strict-markers", "-W", "error",
-         "-p", "mikas.testing.plugin", "-p", "no:cacheprovider", str(tmp_path)],
-        capture_output=True, text=True, env=environment, cwd=tmp_path, check=False,
-    )  # fmt: skip
-    assert "3 passed" in done.stdout, done.stdout + done.stderr
+    done = run_pytest(tmp_path)
+    assert "4 passed" in done.stdout, done.stdout + done.stderr
 
 
 def test_the_plugin_imports_nothing_before_a_test_wants_it():
@@ -168,7 +194,7 @@ def test_the_package_has_what_a_test_needs():
 
 def test_what_can_not_be_set_is_refused_with_a_word(unit):
     for act, words in (
-        (lambda: unit.set("FUEL_FLOW", 1), "FUEL_FLOW is computed: set what .* FUEL_STROKE"),
+        (lambda: unit.set("FUEL_FLOW", 1), "FUEL_FLOW is computed: set what .* FREQ, INJ"),
         (lambda: setattr(unit, "faults", [17, 300]), "0 to 255, not 300"),
         (lambda: unit.next_responses("vanished"), "allowed: lost, late"),
     ):
@@ -182,3 +208,11 @@ def test_a_fault_may_be_given_by_its_value(unit):
         unit.next_responses("lost")
         with pytest.raises(LineError):
             ecu.read("TWAT")
+
+
+def test_a_mark_without_a_name_is_refused(tmp_path):
+    (tmp_path / "test_mine.py").write_text(
+        "import pytest\n\n\n@pytest.mark.mikas_car('city')\ndef test_it(car):\n    pass\n"
+    )
+    done = run_pytest(tmp_path)
+    assert "mikas_car takes options by name, as in mikas_car(scenario='city')" in done.stdout

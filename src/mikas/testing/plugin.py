@@ -28,12 +28,23 @@ def pytest_configure(config: pytest.Config) -> None:
 
 @pytest.fixture
 def car(request: pytest.FixtureRequest) -> Iterator[VirtualUnit]:
-    """A virtual unit of this test's own, by the options of the mark `mikas_car`."""
+    """A virtual unit of this test's own, by the options of the marks `mikas_car`."""
     from mikas.testing.units import VirtualUnit
 
-    mark = request.node.get_closest_marker("mikas_car")
-    with VirtualUnit(**(mark.kwargs if mark else {})) as unit:
+    with VirtualUnit(**_options(request.node)) as unit:
         yield unit
+
+
+def _options(test: pytest.Item) -> dict[str, str | float]:
+    """Return the options of the marks: those of the test come before those of its class."""
+    options: dict[str, str | float] = {}
+    for mark in test.iter_markers("mikas_car"):  # the closest one comes first
+        if mark.args:
+            raise pytest.UsageError(
+                f"mikas_car takes options by name, as in mikas_car(scenario={mark.args[0]!r})"
+            )
+        options = {**mark.kwargs, **options}
+    return options
 
 
 @pytest.fixture

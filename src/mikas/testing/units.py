@@ -19,6 +19,7 @@ from mikas.errors import usage_error
 from mikas.link import Link
 from mikas.link.virtual import VirtualLink
 from mikas.options import check_choice
+from mikas.sampling.plan import select
 from mikas.virtual.build import build_bus
 from mikas.virtual.bus import Bus
 from mikas.virtual.ecu import EcuEvent
@@ -80,6 +81,12 @@ class _SetCar:
         self.car.power_cycle()
 
 
+def _as_text(value: str | float) -> str:
+    """Return the value as in a URL: 1 for True, 7 for 7.0."""
+    is_whole = isinstance(value, bool) or (isinstance(value, float) and value.is_integer())
+    return str(int(value)) if is_whole else str(value)
+
+
 class VirtualUnit:
     """A virtual unit of `sim:` with these options (docs/reference/simulator.md), for one test.
 
@@ -88,8 +95,7 @@ class VirtualUnit:
 
     def __init__(self, **options: str | float) -> None:
         self._events: list[EcuEvent] = []
-        given = {name: f"{value:g}" if isinstance(value, float) else str(value)
-                 for name, value in options.items()}  # fmt: skip
+        given = {name: _as_text(value) for name, value in options.items()}
         self.bus: Bus = build_bus(given, watcher=self._events.append)
         """The wire with the unit, for what has no method here."""
         self._car = _SetCar(self.bus.ecu.responder.car)
@@ -140,7 +146,7 @@ class VirtualUnit:
         A derived channel follows from its parameters: a `UsageError`.
         """
         if channel := shipped().derived.get(shipped().channel_of(name)):
-            inputs = ", ".join(channel.inputs)
+            inputs = ", ".join(each.parameter.name for each in select(shipped(), [name]).parameters)
             raise usage_error(
                 f"{channel.name} is computed: set what it is computed from, {inputs}",
                 f"{channel.name} вычисляется: задайте то, из чего, — {inputs}",
@@ -172,10 +178,10 @@ class VirtualUnit:
         )
 
     def pass_time(self, seconds: float) -> None:
-        """Let time pass without a request."""
+        """Let time pass without a request, also while nothing is connected."""
         if seconds < 0:
             raise usage_error("time does not run back", "время назад не идёт")
-        self._link.gather(self.now + seconds)
+        self._link.pass_time(seconds)
 
     def turn_key(self, *, on: bool) -> None:
         """Switch the unit's supply; off, it answers nothing and forgets all that is volatile."""
