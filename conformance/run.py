@@ -219,11 +219,11 @@ def main(arguments: list[str] | None = None) -> int:
             is_value = line.startswith("value ")
             if is_value and not values:
                 continue
+            asked += 1
             answer = codec.ask(line)
             if is_value and answer == UNKNOWN:
-                values = False
+                asked, values = asked - 1, False
                 continue
-            asked += 1
             if not is_right(line, answer, right):
                 said = {"asked:   ": line, "answered:": answer, "right:   ": right}
                 lines = [f"  {word} {shortened(text)}" for word, text in said.items()]
