@@ -1,7 +1,7 @@
 # Completion of mikas in PowerShell 5.1 or newer. In $PROFILE:
 # mikas completion powershell | Out-String | Invoke-Expression
 
-Register-ArgumentCompleter -Native -CommandName mikas, mikas.exe -ScriptBlock {
+Register-ArgumentCompleter -Native -CommandName 'mikas', 'mikas.exe' -ScriptBlock {
     param($wordToComplete, $commandAst, $cursorPosition)
 
     # The words left of the cursor, without their quotes. PowerShell completes what is behind the
