@@ -26,7 +26,7 @@ def report(*arguments: str) -> dict[str, Any]:
     """Return pyright's report. `PYRIGHT` names another pyright than the locked one."""
     program = os.environ.get("PYRIGHT") or str(_LOCKED)
     # Node and the Python with mikas are both beside this Python. Not by --pythonpath: with it
-    # pyright finds no py.typed of what is installed as editable.
+    # pyright finds no py.typed of an editable installation.
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ.get('PATH', '')}"
     if not shutil.which(program, path=path):
         raise PyrightFailed(f"{program} is missing: npm --prefix web ci")

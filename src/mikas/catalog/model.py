@@ -363,7 +363,7 @@ class Erratum:
     name: str
     """Its name, E1."""
     title: Text
-    """What is doubtful."""
+    """The doubtful place in a few words."""
     reason: Text
     """Why."""
     default: Text

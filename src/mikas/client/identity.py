@@ -102,7 +102,7 @@ class Info:
     """The passports (51–58)."""
     parameter_count: int | None
     echo: bool
-    """Whether the adapter returns what is sent (D1)."""
+    """Whether the adapter returns the sent bytes (D1)."""
     limits: Limits
     """The learnt limits."""
 

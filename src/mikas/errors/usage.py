@@ -136,7 +136,7 @@ class CatalogError(UsageError):
         self.line: int = line
         """From 1; 0: the file as a whole."""
         self.problem: Text = problem
-        """What is wrong."""
+        """The problem."""
         super().__init__(place=f"{file}:{line}" if line else file, problem=problem)
 
 
@@ -147,7 +147,7 @@ class FormulaError(UsageError):
 
     def __init__(self, problem: Text, span: tuple[int, int] | None = None) -> None:
         self.problem: Text = problem
-        """What is wrong."""
+        """The problem."""
         self.span: tuple[int, int] | None = span
         """The first and the next character of the wrong part; None: all."""
         super().__init__(problem=problem)
@@ -162,7 +162,7 @@ class CaptureError(UsageError):
         self.file: str = file
         """The file."""
         self.problem: Text = problem
-        """What is wrong."""
+        """The problem."""
         self.offset: int | None = offset
         """Where in the file; None: unknown."""
         super().__init__(file=file, problem=problem)
@@ -189,7 +189,7 @@ class ExportError(UsageError):
         self.file: str = file
         """The file."""
         self.problem: Text = problem
-        """What is wrong."""
+        """The problem."""
         super().__init__(file=file, problem=problem)
 
 
@@ -206,7 +206,7 @@ class FleetError(UsageError):
         self.place: str = public_url(place)
         """Its path or URL, without a password."""
         self.problem: Text = cast("Text", self.fields["problem"])
-        """What is wrong."""
+        """The problem."""
 
 
 class JournalError(UsageError):

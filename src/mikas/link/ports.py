@@ -49,7 +49,7 @@ class Port:
     chip: str = ""
     """The USB serial chip; empty: unknown."""
     quirks: tuple[Text, ...] = ()
-    """What is known of that chip."""
+    """The facts known of that chip."""
     likely: bool = False
     vid: int | None = None
     """The USB vendor."""

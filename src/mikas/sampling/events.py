@@ -256,7 +256,7 @@ class UnitFound(Event):
     baud: int = field(default=9600, metadata=_NOT_IN_JSON)
     """Bits a second on the line."""
     echo: bool | None = field(default=None, metadata=_NOT_IN_JSON)
-    """Whether the adapter returns what is sent."""
+    """Whether the adapter returns the sent bytes."""
     catalog: str = field(default="", metadata=_NOT_IN_JSON)
     """The version of the catalog that decodes."""
 
@@ -279,7 +279,7 @@ class PlanChanged(Event):
 
     kind = "plan"
     plan: Plan
-    """What is requested from here on."""
+    """The plan from here on."""
     catalog: str = ""
     """The version that decodes; empty: that of the unit's event."""
 

@@ -31,7 +31,7 @@ _ROUNDS = 5  # of D13
 _HASTY_ROUNDS = 2  # of these, before a stream with long pauses is suspected
 _INTERRUPTIONS = 6  # attempts to end a stream before a line break, D12
 _CLEAN_TRIES = 3  # to end a stream cleanly: the first `01` often collides with a response
-_FORGOTTEN = 0.1  # s after which a request is sent anew: its response's time is unknown
+_FORGOTTEN = 0.1  # s after which a request is sent again: its response's time is unknown
 _BREAK = 0.05  # s; much more than the ten bits of a byte
 
 

@@ -95,7 +95,7 @@ PAGES = (
     ),
     Module(
         "mikas.client.identity",
-        Text("What tells units apart.", "Чем различаются блоки."),
+        Text("The identity of a unit.", "Чем различаются блоки."),
         ("UnitIdentity",),
     ),
     Module(
