@@ -8,11 +8,14 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 from mikas.errors import UsageError, reason_of, usage_error
 from mikas.home import config_folder
-from mikas.i18n import Language
+from mikas.i18n import Language, Text
+
+A_PORT: Final = Text('a port in quotes, like "COM3"', 'порт в кавычках: "COM3"')
+"""What the setting `port` has to be."""
 
 
 def config_path() -> Path:

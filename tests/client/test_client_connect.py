@@ -83,6 +83,12 @@ def test_the_port_is_that_of_the_environment_then_of_the_config_file(tmp_path, m
     monkeypatch.delenv("MIKAS_PORT")
     with pytest.raises(errors.UsageError, match="config file"):
         connect()
+    for wrong in ("5", '["sim:"]', "true"):
+        config.write_text(f"port = {wrong}\n")
+        with pytest.raises(
+            errors.UsageError, match=r"config\.toml: port has to be a port in quotes"
+        ):
+            connect()
 
 
 def test_the_unit_is_found_and_ready():

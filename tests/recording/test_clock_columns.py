@@ -96,6 +96,8 @@ def test_a_wrong_zone_or_time_names_what_there_is(recording):
             checked_zone(name)
     with pytest.raises(UsageError, match="elapsed, clock"):
         recording.to_polars(time="wall")
+    with pytest.raises(UsageError, match='Europe/Moscow is of time="clock"'):
+        recording.to_arrow(zone="Europe/Moscow")
 
 
 def test_its_length_is_that_of_its_tables(tmp_path):

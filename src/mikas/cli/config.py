@@ -14,7 +14,7 @@ from typing import Any
 
 from mikas.home import expanded
 from mikas.i18n import Text
-from mikas.preferences import config_path, parsed_config, wrong_config
+from mikas.preferences import A_PORT, config_path, parsed_config, wrong_config
 
 ECHO = ("auto", "on", "off")
 CHECKSUMS = ("stuffed", "raw")
@@ -82,7 +82,7 @@ def _expected(name: str, value: object) -> Text | None:
         return None if value in _WORDS[name] else Text(f"one of {words}", f"одно из {words}")
     if name == "port":
         good = isinstance(value, str) and bool(value.strip())
-        return None if good else Text('a port in quotes, like "COM3"', 'порт в кавычках: "COM3"')
+        return None if good else A_PORT
     if name in ("timeout", "inter_byte"):
         good = isinstance(value, int | float) and MIN_TIMEOUT <= value <= MAX_TIMEOUT
         limits = f"{MIN_TIMEOUT} … {MAX_TIMEOUT}"

@@ -220,9 +220,12 @@ def named_port() -> str:
     """
     if named := os.environ.get(PORT_VARIABLE, "").strip():
         return named
-    from mikas.preferences import config_path, parsed_config
+    from mikas.preferences import A_PORT, config_path, parsed_config, wrong_config
 
-    return str(parsed_config(config_path()).get("port", "")).strip()
+    port = parsed_config(config_path()).get("port", "")
+    if not isinstance(port, str):
+        raise wrong_config(config_path(), f"port has to be {A_PORT.en}", f"port — это {A_PORT.ru}")
+    return port.strip()
 
 
 def _refuse(error: Exception) -> None:

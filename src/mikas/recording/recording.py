@@ -291,7 +291,11 @@ class Recording:
 
         library(name)  # may be missing: before the file is read
         check_choice("time", time, get_args(Clock))
-        checked_zone(zone)
+        if checked_zone(zone) != "UTC" and time != "clock":
+            raise usage_error(
+                f'the zone {zone} is of time="clock"; elapsed seconds have none',
+                f'пояс {zone} нужен для time="clock"; у секунд от начала его нет',
+            )
         none = self._chosen(Rows(np.empty(0), {}))
         rows = joined_rows([none, *with_gaps(self.rows(), self.events)])
         zero = float(rows.times[0]) if rows.times.size else 0.0

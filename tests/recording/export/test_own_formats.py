@@ -175,3 +175,13 @@ def test_the_command_has_the_format_and_its_help_names_it(drive, tmp_path):
         unknown = run("export", str(drive), "-o", "d", "--format", "jsnl")
         assert (unknown.returncode, "Did you mean jsonl?" in unknown.stderr) == (2, True)
     assert (tmp_path / "a.jsonl").read_bytes() == (tmp_path / "b").read_bytes()
+
+
+def test_a_command_beside_the_export_does_not_look_for_them():
+    """The metadata of all distributions are read for a help, a completion or an export only."""
+    code = (
+        "import sys; from mikas.cli.main import run; status = run(['decode', '--help']); "
+        "sys.stderr.write(f\"{status} {'importlib.metadata' in sys.modules}\")"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stderr == "0 False"

@@ -40,9 +40,14 @@ def folders(_: click.Context, __: click.Parameter, ___: str) -> Offers:
 
 def words(*known: str) -> Offering:
     """Return what offers `known`; behind one that ends with a sign, something follows."""
+    return listed(lambda: known)
+
+
+def listed(known: Callable[[], Iterable[str]]) -> Offering:
+    """As `words`, of what `known` returns; it is not called before a shell asks."""
 
     def offer(_: click.Context, __: click.Parameter, incomplete: str) -> Offers:
-        return _begun(dict.fromkeys(known, ""), incomplete)
+        return _begun(dict.fromkeys(known(), ""), incomplete)
 
     return offer
 

@@ -7,7 +7,7 @@ an option of some commands.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import click
@@ -20,17 +20,34 @@ from mikas.i18n import Text
 
 
 class LocalizedOption(click.Option):
-    """An option whose help is in both languages; some types have a metavar."""
+    """An option whose help is in both languages; some types have a metavar.
+
+    `listed`: returns the words for `{listed}` in the help, which is not called before it is shown.
+    """
 
     def __init__(
-        self, *args: Any, en: str, ru: str, words: Iterable[str] = (), **kwargs: Any
+        self,
+        *args: Any,
+        en: str,
+        ru: str,
+        words: Iterable[str] = (),
+        listed: Callable[[], Iterable[str]] | None = None,
+        **kwargs: Any,
     ) -> None:
         if words:
             kwargs |= {"type": OneOf(words), "metavar": f"[{'|'.join(words)}]"}
         kwargs.setdefault("metavar", METAVARS.get(kwargs.get("type")))
         kwargs.setdefault("shell_complete", OFFERED.get(kwargs.get("type")))
         super().__init__(*args, **kwargs)
-        self.text: Text = Text(en, ru)
+        self._text = Text(en, ru)
+        self._listed = listed
+
+    @property
+    def text(self) -> Text:
+        """The help."""
+        if self._listed is None:
+            return self._text
+        return self._text.filled(listed=", ".join(self._listed()))
 
     def get_help_record(self, ctx: click.Context) -> tuple[str, str] | None:
         record = super().get_help_record(ctx)

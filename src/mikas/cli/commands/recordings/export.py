@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mikas.cli.click_extensions import OVERWRITE, argument, command, option, output_option
-from mikas.cli.completion.values import EXPORTED, RECORDING, channel_names, files, words
+from mikas.cli.completion.values import EXPORTED, RECORDING, channel_names, files, listed
 from mikas.cli.context import CommandContext
 from mikas.cli.language import current_language, localized, tr
 from mikas.cli.options.parameter_types import existing_file
@@ -56,9 +56,10 @@ MOST_PROBLEMS = 20
     "--format",
     "format_name",
     metavar="NAME",
-    shell_complete=words(*formats()),
-    en=f"the format, whatever OUT's suffix: {', '.join(formats())}",
-    ru=f"формат, каким бы ни было расширение OUT; есть: {', '.join(formats())}",
+    shell_complete=listed(formats),
+    listed=formats,  # reads the metadata of all distributions
+    en="the format, whatever OUT's suffix: {listed}",
+    ru="формат, каким бы ни было расширение OUT; есть: {listed}",
 )
 @OVERWRITE
 def export(
