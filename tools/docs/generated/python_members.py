@@ -15,6 +15,7 @@ from dataclasses import MISSING, dataclass, fields, is_dataclass
 from enum import Enum
 from functools import cache, cached_property
 from importlib import import_module
+from textwrap import indent
 from types import MappingProxyType
 
 _OURS = "mikas."
@@ -334,12 +335,19 @@ def _definition(value: object, name: str, *, is_class: bool = False, member: obj
             default = f"{' = ' if annotation else '='}{shown(each.default)}"
         parts.append(f"{stars}{each.name}{annotation}{default}")
     returned = signature.return_annotation
-    arrow = "" if is_class or returned is signature.empty else f" -> {_plain(returned)}"
-    word = "class" if is_class else "async def" if _is_awaited(value, member) else "def"
-    line = f"{word} {name}({', '.join(parts)}){arrow}: ..."
+    if is_class:
+        init = _wrapped("def __init__", ["self", *parts], " -> None")
+        return f"class {name}:\n{indent(init, '    ')}"
+    arrow = "" if returned is signature.empty else f" -> {_plain(returned)}"
+    word = "async def" if _is_awaited(value, member) else "def"
+    return _wrapped(f"{word} {name}", parts, arrow)
+
+
+def _wrapped(head: str, parts: list[str], arrow: str) -> str:
+    line = f"{head}({', '.join(parts)}){arrow}: ..."
     if len(line) > 88:
         inside = "".join(f"    {part},\n" for part in parts)
-        line = f"{word} {name}(\n{inside}){arrow}: ..."
+        line = f"{head}(\n{inside}){arrow}: ..."
     return line
 
 
