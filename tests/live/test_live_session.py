@@ -270,15 +270,6 @@ class TestWhatIsRefused:
         assert next(session).values
 
 
-def test_a_table_has_times_and_missing_values(on_unit):
-    pytest.importorskip("pandas")
-    table = on_unit(["FREQ", "TWAT/10", "FUEL_FLOW"], method="batch").to_pandas(5)
-    assert list(table.columns) == ["FREQ", "TWAT", "FUEL_FLOW"]
-    assert str(table.index.tz) == "UTC"
-    assert table["FREQ"].notna().all()
-    assert table["TWAT"].isna().any()
-
-
 def test_jobs_run_between_two_cycles(on_unit):
     session = on_unit(["FREQ"], method="stream")
     next(session)
@@ -321,6 +312,9 @@ class TestAsync:
                 first = await anext(session)
                 assert session.mark("here") is not None
                 assert await session.run() == 19
+                assert session.progress.samples == 20
+                assert (session.method, session.recording.path) == ("batch", path)
+                assert session.unit.version_code == 0x0A
             return first, [taken.get_nowait() for _ in range(taken.qsize())]
 
         first, taken = asyncio.run(scene())

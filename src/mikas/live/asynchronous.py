@@ -23,6 +23,10 @@ from mikas.sampling.events import Event, Sampled
 if TYPE_CHECKING:
     import pandas as pd
 
+    from mikas.client.identity import UnitIdentity
+    from mikas.live.progress import RunProgress
+    from mikas.recording.recorder import RecordingStatus
+
 P = ParamSpec("P")
 E = TypeVar("E", bound=Event)
 T = TypeVar("T")
@@ -40,6 +44,26 @@ class AsyncSession(AsyncIterator[Sampled]):
         self._worker = ThreadPoolExecutor(1, thread_name_prefix="mikas-session")
         self._next: asyncio.Future[Event | None] | None = None
         self._closing: asyncio.Future[None] | None = None
+
+    @property
+    def unit(self) -> UnitIdentity | None:
+        """As `Session.unit`."""
+        return self.session.unit
+
+    @property
+    def method(self) -> str | None:
+        """As `Session.method`."""
+        return self.session.method
+
+    @property
+    def progress(self) -> RunProgress:
+        """As `Session.progress`."""
+        return self.session.progress
+
+    @property
+    def recording(self) -> RecordingStatus | None:
+        """As `Session.recording`."""
+        return self.session.recording
 
     async def __anext__(self) -> Sampled:
         """Return the next sample. Raises as `Session` does."""

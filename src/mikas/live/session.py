@@ -169,7 +169,7 @@ class Session(Iterator[Sampled]):
         rows: list[dict[str, float | bool]] = []
 
         def keep(sample: Sampled) -> None:
-            times.append(sample.time + self.sampling.later)
+            times.append(sample.time)
             rows.append(sample.values)
 
         remove = self.on(Sampled, keep)
@@ -177,7 +177,8 @@ class Session(Iterator[Sampled]):
             self.run(duration)
         finally:
             remove()
-        index = found.to_datetime(times, unit="s", utc=True)
+        later = self.sampling.later  # of all times: also of those before the date was set
+        index = found.to_datetime([time + later for time in times], unit="s", utc=True)
         names = [channel.name for channel in self.acquisition.channels]
         frame: pd.DataFrame = found.DataFrame(rows, index=index, columns=names)
         return frame.rename_axis("time")
