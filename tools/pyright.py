@@ -28,10 +28,11 @@ def report(*arguments: str) -> dict[str, Any]:
     # Node and the Python with mikas are both beside this Python. Not by --pythonpath: with it
     # pyright finds no py.typed of an editable installation.
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ.get('PATH', '')}"
-    if not shutil.which(program, path=path):
+    found = shutil.which(program, path=path)
+    if found is None:
         raise PyrightFailed(f"{program} is missing: npm --prefix web ci")
     done = subprocess.run(
-        [program, "--outputjson", *arguments],
+        [found, "--outputjson", *arguments],
         capture_output=True,
         encoding="utf-8",
         check=False,
@@ -39,7 +40,7 @@ def report(*arguments: str) -> dict[str, Any]:
         env={**os.environ, "PATH": path},
     )
     try:
-        found: dict[str, Any] = json.loads(done.stdout)
+        parsed: dict[str, Any] = json.loads(done.stdout)
     except ValueError:
         raise PyrightFailed(f"pyright gave no report: {done.stdout}{done.stderr}") from None
-    return found
+    return parsed

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import PurePosixPath
@@ -61,7 +62,7 @@ def test_a_type_checker_that_is_missing_is_a_finding(monkeypatch):
 
 def test_a_type_checker_that_gives_no_report_is_a_finding(monkeypatch):
     monkeypatch.setenv("PYRIGHT", sys.executable)  # it knows no --outputjson
-    monkeypatch.setattr(sys, "executable", "false")
+    monkeypatch.setattr(sys, "executable", shutil.which("git"))  # nor -m
     found = list(typed.findings())
     assert len(found) == 2
     assert all("its types were not checked" in each.text for each in found)
