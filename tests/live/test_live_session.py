@@ -69,6 +69,16 @@ class TestSamples:
         assert session.progress.failed_cycles > 0
         assert session.line_errors > 0
 
+    @pytest.mark.parametrize("use", ["run", "to_pandas"])
+    def test_a_run_ends_after_its_duration_also_while_no_unit_answers(self, on_unit, unit, use):
+        if use == "to_pandas":
+            pytest.importorskip("pandas")
+        session = on_unit(["FREQ"], duration=100, method="batch")
+        session.on(Sampled, lambda _: unit.turn_key(on=session.progress.samples < 20))
+        began = next(session).time
+        getattr(session, use)(10)
+        assert 10 <= unit.now - began < 15
+
     def test_of_a_rate_and_a_duration_are_counted_not_waited_for(self, on_unit):
         assert len(list(on_unit(["FREQ"], rate=2, duration=10))) == 21
 

@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any, Self, TypeVar
 from mikas.client.parameters.polling import Method
 from mikas.errors import CaptureError, LinkClosed, MikasError, RecordingOver, UsageError
 from mikas.live.progress import Length, RunProgress
+from mikas.options import check_number
 from mikas.recording.recorder import Recorder, RecordingStatus
 from mikas.sampling.acquisition import Acquisition
 from mikas.sampling.events import ClockChanged, CycleFailed, Event, FaultReading, Gap, Sampled
@@ -145,15 +146,19 @@ class Session(Iterator[Sampled]):
     def run(self, duration: float | None = None) -> int:
         """Sample for the listeners and the recording, for `duration` seconds or to the end.
 
-        Returns the number of samples.
+        The duration counts from the first sample, also while no unit answers. Returns the number
+        of samples.
         """
-        samples, until = 0, None
-        for sample in self:
-            samples += 1
-            if duration is not None:
-                until = sample.time + duration if until is None else until
-                if sample.time >= until:
-                    break
+        if duration is not None:
+            check_number("duration", duration, lowest=0)
+        samples, until = 0, inf
+        for event in self.events():
+            if isinstance(event, Sampled):
+                samples += 1
+                if samples == 1 and duration is not None:
+                    until = event.time + duration
+            if event.time >= until:
+                break
         return samples
 
     def to_pandas(self, duration: float | None = None) -> pd.DataFrame:
