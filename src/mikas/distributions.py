@@ -6,6 +6,7 @@ Nothing is imported before it is used, and a fault of one entry does not concern
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from mikas.errors import UsageError
@@ -20,9 +21,29 @@ def entries_of(group: str) -> dict[str, list[EntryPoint]]:
     from importlib.metadata import entry_points  # slow to import: some 20 ms
 
     found: dict[str, list[EntryPoint]] = {}
-    for entry in entry_points(group=group):
+    try:
+        entries = list(entry_points(group=group))
+    except Exception:  # one distribution's metadata are damaged, whatever it has to do with mikas
+        entries = _readable(group)
+    for entry in entries:
         found.setdefault(entry.name.lower(), []).append(entry)
     return found
+
+
+def _readable(group: str) -> list[EntryPoint]:
+    """Return the entries of the distributions whose metadata can be read, of each name the first.
+
+    That is how `entry_points` chooses.
+    """
+    from importlib.metadata import distributions
+
+    found: dict[str, list[EntryPoint]] = {}
+    for distribution in distributions():
+        with suppress(Exception):
+            name = distribution.name.lower().replace("-", "_")
+            if name not in found:
+                found[name] = [each for each in distribution.entry_points if each.group == group]
+    return [each for entries in found.values() for each in entries]
 
 
 def loaded(name: str, entries: Sequence[EntryPoint]) -> object:

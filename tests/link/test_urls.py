@@ -184,6 +184,18 @@ class TestDistributions:
             with open_link("sim:?clock=simulated") as link:  # others are not concerned
                 assert link.now() == 0.0
 
+    @pytest.mark.parametrize(
+        "entries", [b"[console_scripts]\njust words\n", b"\xff\xfe[mikas.links]\nx = y:z\n"]
+    )
+    def test_a_distribution_with_damaged_metadata_harms_no_other(self, tmp_path, entries):
+        broken = tmp_path / "broken-1.0.dist-info"
+        broken.mkdir()
+        (broken / "METADATA").write_text("Metadata-Version: 2.1\nName: broken\nVersion: 1.0\n")
+        (broken / "entry_points.txt").write_bytes(entries)
+        with installed(tmp_path, "own-link", {"loud": f"{__name__}:opener"}):
+            assert open_link("loud:x")
+            assert len(urls.registered()["sim"]) == 1
+
     def test_an_error_of_the_system_is_a_port_that_did_not_open(self, tmp_path):
         with installed(tmp_path, "own-link", {"mine": f"{__name__}:refusing"}):
             with pytest.raises(PortFailed, match="mine:x could not be opened") as caught:
