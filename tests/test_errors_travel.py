@@ -130,3 +130,14 @@ def test_a_missing_field_is_a_type_error():
 )  # fmt: skip
 def test_silence_is_a_timeout_error_whichever_step_was_silent(kind):
     assert issubclass(kind, TimeoutError)
+
+
+@pytest.mark.parametrize("protocol", range(pickle.HIGHEST_PROTOCOL + 1))
+def test_a_builtin_class_travels_by_every_pickle_protocol(protocol):
+    error = errors.CaptureError("a.pcapng", Text("gone", "нет")).caused_by(FileNotFoundError(2, ""))
+    same(error, pickle.loads(pickle.dumps(error, protocol)))
+
+
+def test_an_import_error_is_no_error_of_the_system():
+    error = errors.MissingExtra(feature="x", extra="y")
+    assert error.caused_by(FileNotFoundError(2, "")).text == error.text

@@ -13,7 +13,7 @@ from types import MappingProxyType
 from typing import ClassVar, Self, TypeVar, cast
 
 from mikas.cleaning import public_port, public_url, without_secrets
-from mikas.errors.os_errors import also, builtin_of, describe, number_of
+from mikas.errors.os_errors import also, builtin_named, builtin_of, describe, number_of
 from mikas.errors.system import REFUSALS
 from mikas.home import NO_HOME, WHY
 from mikas.i18n import Language, Text
@@ -80,8 +80,10 @@ class MikasError(Exception):
         state = {**self.__dict__, "args": self.args}
         if isinstance(self, OSError):
             state |= {name: getattr(self, name) for name in _OF_SYSTEM}
-        is_made = self.kind is not type(self)
-        return _empty, type(self).__bases__ if is_made else (type(self),), state
+        if self.kind is type(self):
+            return _empty, (type(self),), state
+        # By its name: old pickle protocols write a builtin class as one of Python 2.
+        return _empty, (self.kind, type(self).__bases__[1].__name__), state
 
     @property
     def kind(self) -> type[MikasError]:
@@ -164,8 +166,10 @@ class MikasError(Exception):
 _OF_SYSTEM = ("errno", "strerror", "filename", "filename2")
 
 
-def _empty(kind: type[E], builtin: type[OSError] | None = None) -> E:
+def _empty(kind: type[E], builtin: type[OSError] | str | None = None) -> E:
     """Return an error that is filled next, by pickle, copy or `caused_by`."""
+    if isinstance(builtin, str):
+        builtin = builtin_named(builtin)
     made = kind if builtin is None else also(kind, builtin)
     new = OSError.__new__ if issubclass(made, OSError) else Exception.__new__
     return new(made)

@@ -33,8 +33,11 @@ _MADE: Final[dict[tuple[type[Exception], type[OSError]], type[Exception]]] = {}
 
 
 def also(kind: type[X], builtin: type[OSError]) -> type[X]:
-    """Return the class of errors that are both, with the name of `kind`: always the same one."""
-    if issubclass(kind, builtin):
+    """Return the class of errors that are both, with the name of `kind`: always the same one.
+
+    An `ImportError` can't be both.
+    """
+    if issubclass(kind, builtin) or issubclass(kind, ImportError):
         return kind
     if known := _MADE.get((kind, builtin)):
         return cast("type[X]", known)
@@ -59,8 +62,14 @@ def builtin_of(error: OSError) -> type[OSError]:
     number = number_of(error)
     if number is not None:
         return type(OSError(number, ""))
-    kinds = (vars(builtins).get(kind.__name__) for kind in type(error).__mro__)
-    return next(kind for kind in kinds if isinstance(kind, type) and issubclass(kind, OSError))
+    kinds = (builtin_named(kind.__name__) for kind in type(error).__mro__)
+    return next(kind for kind in kinds if kind is not None)
+
+
+def builtin_named(name: str) -> type[OSError] | None:
+    """Return the builtin class of this name; None: there is none, or it is no `OSError`."""
+    kind = vars(builtins).get(name)
+    return kind if isinstance(kind, type) and issubclass(kind, OSError) else None
 
 
 def number_of(error: OSError) -> int | None:
