@@ -13,7 +13,7 @@ from test_client_gate import CHANGES, changing
 import mikas
 from mikas.client import AsyncEcu, Change
 from mikas.commands import Safety
-from mikas.errors import NotConfirmed
+from mikas.errors import DeadlinePassed, NotConfirmed
 from virtual_harness import DATA
 
 SIM = "sim:?clock=simulated"
@@ -47,6 +47,14 @@ def test_a_coroutine_does_not_pass_for_yes(name):
 def test_connect_refuses_an_async_function_before_the_port_is_opened():
     with pytest.raises(TypeError, match="AsyncEcu"):
         mikas.connect("/dev/no-such-port", confirm=never)
+
+
+@pytest.mark.parametrize("confirm", [True, 1, "yes"])
+def test_connect_refuses_what_is_no_function(confirm):
+    with pytest.raises(TypeError, match="confirm is a function"):
+        mikas.connect(SIM, confirm=confirm)
+    with pytest.raises(TypeError, match="confirm is a function"):
+        asyncio.run(AsyncEcu.connect(SIM, confirm=confirm))
 
 
 def changed(confirm):
@@ -96,6 +104,38 @@ class TestAnAsyncConfirm:
 
         with pytest.raises(TypeError, match="'yes'"):
             changed(confirm)
+
+    def test_a_dialog_that_is_cancelled_is_a_no(self):
+        async def confirm(_):
+            raise asyncio.CancelledError
+
+        async def scene():
+            async with AsyncEcu.connect(SIM, confirm=confirm) as ecu:
+                with pytest.raises(NotConfirmed, match="question was cancelled"):
+                    await ecu.memory.code.write(0x8000, 1)
+
+        asyncio.run(scene())
+
+    def test_the_timeout_of_a_call_ends_an_open_question(self):
+        async def scene():
+            ended = asyncio.Event()
+
+            async def confirm(_):
+                link = ecu.ecu.tester.link
+                link.gather(link.now() + 60)  # the person thinks for a minute
+                try:
+                    await asyncio.Event().wait()
+                finally:
+                    ended.set()
+
+            async with AsyncEcu.connect(SIM, confirm=confirm) as ecu:
+                before = await ecu.memory.code.read(0x8000)
+                with pytest.raises(DeadlinePassed):
+                    await ecu.memory.code.write(0x8000, before ^ 0xFF, timeout=30)
+                await ended.wait()
+                assert await ecu.memory.code.read(0x8000) == before
+
+        asyncio.run(scene())
 
     def test_closing_answers_an_open_question_with_no(self):
         async def scene():

@@ -7,11 +7,11 @@ import threading
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
-from client_harness import bench, by_worker, ecu_on, lines
+from client_harness import METHODS, STREAMS, bench, by_worker, ecu_on, lines
 
 from mikas.cancellation import Cancellation, Cancelled
 from mikas.client import AsyncEcu
-from mikas.errors import DeadlinePassed, LinkLost, MikasError, UsageError
+from mikas.errors import DeadlinePassed, LinkClosed, LinkLost, MikasError, UsageError
 from virtual_harness import DATA
 
 ONE_EXCHANGE = 1.0  # s: the longest that may follow a deadline
@@ -214,3 +214,97 @@ def test_close_in_another_thread_ends_a_sync_call():
     at_request(it, 3, ecu.tester.end_calls)
     with pytest.raises(LinkLost, match="is closed"):
         ecu.memory.code.read_block(0, 0x10000)
+
+
+def test_a_cancelled_close_closes_the_port_all_the_same():
+    it = bench()
+
+    async def scene():
+        async with by_worker(it) as ecu:
+            reached, go_on = asyncio.Event(), threading.Event()
+            loop = asyncio.get_running_loop()
+
+            def pause():
+                loop.call_soon_threadsafe(reached.set)
+                assert go_on.wait(30)
+
+            at_request(it, 3, pause)
+            reading = asyncio.ensure_future(ecu.memory.code.read_block(0, 0x10000))
+            await reached.wait()
+            closing = asyncio.ensure_future(ecu.close())
+            await asyncio.sleep(0)
+            closing.cancel()
+            with pytest.raises(asyncio.CancelledError):
+                await closing
+            go_on.set()
+            with pytest.raises(LinkClosed):
+                await reading
+            await ecu.close()  # waits for the first one
+            with pytest.raises(LinkClosed):
+                it.link.write(b"\x01")
+
+    asyncio.run(scene())
+
+
+def test_a_task_that_is_cancelled_again_and_again_ends_its_stream_all_the_same():
+    it = bench()
+
+    async def scene():
+        async with by_worker(it) as ecu:
+
+            async def streaming():
+                async with ecu.stream("FREQ", "TWAT") as stream:
+                    await anext(stream)
+                    begun.set()
+                    async for _ in stream:
+                        pass
+
+            begun = asyncio.Event()
+            task = asyncio.ensure_future(streaming())
+            await begun.wait()
+            while not task.done():
+                task.cancel()
+                await asyncio.sleep(0)
+            assert await ecu.read("TWAT")
+
+    asyncio.run(scene())
+
+
+@pytest.mark.parametrize("method", STREAMS)
+@pytest.mark.parametrize("names", [["FREQ", "TWAT"], ["TWAT"]])
+def test_close_ends_a_stream_within_a_second(method, names):
+    it = bench()
+    ecu = ecu_on(it)
+    samples = ecu.watch(*names, method=method)
+    for _ in range(3):
+        next(samples)
+    began = ecu.tester.link.now()
+    ecu.close()
+    assert ecu.tester.link.now() - began < ONE_EXCHANGE
+    assert [each.kind for each in it.happenings].count("stream-end") == 1
+    with pytest.raises(LinkClosed):
+        next(samples)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_watch_ends_with_the_reason_if_another_thread_closes(method):
+    ecu = ecu_on(bench())
+    samples = ecu.watch("FREQ", "TWAT", method=method)
+    assert next(samples).readings
+    with ThreadPoolExecutor(1) as threads:
+        closing = threads.submit(ecu.close)
+        with pytest.raises(LinkClosed):
+            for _ in samples:
+                pass
+        closing.result()
+
+
+def test_a_stream_ends_with_the_reason_if_another_thread_closes():
+    ecu = ecu_on(bench())
+    with ThreadPoolExecutor(1) as threads, ecu.stream("FREQ") as stream:
+        next(stream)
+        closing = threads.submit(ecu.close)
+        with pytest.raises(LinkClosed):
+            for _ in stream:
+                pass
+    closing.result()

@@ -88,7 +88,7 @@ class _Connect(Generic[P]):
     def __get__(self, instance: object, owner: type[AsyncEcu]) -> Callable[P, Opening[AsyncEcu]]:
         async def opened(*args: P.args, **kwargs: P.kwargs) -> AsyncEcu:
             worker, questions = _Worker(), Questions(asyncio.get_running_loop())
-            if kwargs.get("confirm") is not None:
+            if callable(kwargs.get("confirm")):
                 kwargs["confirm"] = questions.asking(cast("Confirm", kwargs["confirm"]))
             opening = worker.submit(partial(self._function, *args, **kwargs))
             try:
@@ -165,7 +165,7 @@ class AsyncItems(AsyncIterator[R]):
 
     async def aclose(self) -> None:
         """End the iterator and a stream that it runs; a second call does nothing."""
-        await self._ecu.run(self._items.close)
+        await self._ecu._ended(self._items.close)  # noqa: SLF001
 
     def _end(self) -> None:
         # After the worker's current call, before the next one.
@@ -280,7 +280,9 @@ class AsyncEcu(_Remote[Ecu]):
         self._sync = ecu
         self._worker = _worker or _Worker()
         self._questions = _questions
-        self._closed = False
+        if _questions:
+            _questions.check = ecu.tester.ends.check
+        self._closing: asyncio.Future[None] | None = None
 
     @property
     def catalog(self) -> Catalog:
@@ -303,9 +305,7 @@ class AsyncEcu(_Remote[Ecu]):
         Raises the errors of `call`, and `LinkClosed` after `close`. If the task that waits is
         cancelled, `call` ends between two exchanges.
         """
-        if self._closed:
-            raise LinkClosed(url=self.ecu.tester.link.url)
-        return self._worker.awaited(self._worker.submit(call))
+        return self._worker.awaited(self._submitted(call))
 
     def iterate(self, make: Callable[[], Iterator[R]]) -> AsyncItems[R]:
         """Iterate over `make()`, with each item fetched in the worker thread."""
@@ -322,9 +322,9 @@ class AsyncEcu(_Remote[Ecu]):
             yield self.iterate(lambda: readings)
         except BaseException as error:
             # Also if it was cancelled while the worker started the stream.
-            await self.run(partial(context.__exit__, type(error), error, error.__traceback__))
+            await self._ended(partial(context.__exit__, type(error), error, error.__traceback__))
             raise
-        await self.run(partial(context.__exit__, None, None, None))
+        await self._ended(partial(context.__exit__, None, None, None))
 
     @asynccontextmanager
     async def record(
@@ -334,28 +334,40 @@ class AsyncEcu(_Remote[Ecu]):
         on_failure: Callable[[CaptureError], object] | None = None,
     ) -> AsyncIterator[EcuRecording]:
         """As `Ecu.record`, with `async with`; `on_failure` is called in the worker thread."""
-        recording = await self.run(lambda: self.ecu.record(path, on_failure=on_failure))
+        call = self._submitted(lambda: self.ecu.record(path, on_failure=on_failure))
         try:
+            recording = await self._worker.awaited(call)
+        except BaseException:
+            call.future.add_done_callback(_close)  # it may have begun all the same
+            raise
+        with recording:
             yield recording
-        finally:
-            recording.close()
 
     async def close(self) -> None:
         """Close the port and end the worker thread; a second call does nothing.
 
         A call that another task waits for ends with `LinkClosed` before its next exchange, and a
-        question that is not answered yet counts as answered with no.
+        question that is not answered yet counts as answered with no. If the task that waits is
+        cancelled, the port is closed all the same.
         """
-        if not self._closed:
-            self._closed = True
-            self.ecu.tester.end_calls()
+        if self._closing is None:
             if self._questions:
                 self._questions.end()
-            closing = self._worker.submit(self.ecu.close)
-            try:
-                await self._worker.awaited(closing)
-            finally:
-                self._worker.end()
+            self.ecu.tester.end_calls()
+            self._closing = self._worker.awaited(self._worker.submit(self.ecu.close))
+            self._worker.end()
+        await asyncio.shield(self._closing)
+
+    async def _ended(self, call: Callable[[], object]) -> None:
+        """Run what ends a stream, also if the task that waits is cancelled; `close` ends all."""
+        with suppress(LinkClosed):
+            await asyncio.shield(self.run(call))
+
+    def _submitted(self, call: Callable[[], R]) -> _Call[R]:
+        """Return the running `call`. Raises `LinkClosed` after `close`."""
+        if self._closing is not None:
+            raise LinkClosed(url=self.ecu.tester.link.url)
+        return self._worker.submit(call)
 
     def _submit(self, call: Callable[[], object]) -> None:
         with suppress(RuntimeError):  # closed meanwhile, which ended the iterator
@@ -368,6 +380,6 @@ class AsyncEcu(_Remote[Ecu]):
         await self.close()
 
 
-def _close(opening: Future[Ecu]) -> None:
+def _close(opening: Future[Ecu] | Future[EcuRecording]) -> None:
     if not opening.cancelled() and opening.exception() is None:
         opening.result().close()

@@ -79,6 +79,10 @@ class ConnectionOptions:
     def __post_init__(self) -> None:
         if inspect.iscoroutinefunction(self.confirm):
             raise TypeError("confirm is an async function, which only AsyncEcu awaits")
+        if self.confirm is not None and not callable(self.confirm):
+            raise TypeError(
+                f"confirm is a function that returns True or False, not {self.confirm!r}"
+            )
         check_choice("echo", self.echo, [echo.value for echo in Echo])
         check_interpretation(self.interpretation)
         check_number("timeout", self.timeout, lowest=_SHORTEST)

@@ -42,13 +42,20 @@ class EcuRecording(ABC):
 
     @abstractmethod
     def close(self) -> None:
-        """End the recording; the unit stays open. A second call does nothing."""
+        """End the recording; the unit stays open. A second call does nothing.
+
+        Raises `CaptureError`, or calls `on_failure`, if its end can't be written.
+        """
 
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(self, *_: object) -> None:
-        self.close()
+    def __exit__(self, kind: object, *_: object) -> None:
+        try:
+            self.close()
+        except CaptureError:
+            if kind is None:  # else what has ended the work matters more
+                raise
 
 
 class _Maker(Protocol):

@@ -8,6 +8,7 @@ that `01`. It is valid if it is exactly one, with the unit's version code, follo
 
 from __future__ import annotations
 
+from math import inf
 from typing import Any, NamedTuple
 
 from mikas import commands as c
@@ -32,6 +33,7 @@ _HASTY_ROUNDS = 2  # of these, before a stream with long pauses is suspected
 _INTERRUPTIONS = 6  # attempts to end a stream before a line break, D12
 _CLEAN_TRIES = 3  # to end a stream cleanly: the first `01` often collides with a response
 _FORGOTTEN = 0.1  # s after which a request is sent again: its response's time is unknown
+_LEAVING = 0.5  # s of silence after which a stream has ended, on a line that is no longer used
 _BREAK = 0.05  # s; much more than the ten bits of a byte
 
 
@@ -115,26 +117,36 @@ class LineSync:
     def _late_until(self) -> float:
         return self.line.sent_until + (self.line.timing.late if self._awaited else 0.0)
 
-    def end_stream(self, version_code: int, *, by_strokes: bool, bytes_each: int) -> None:
-        """End a stream (D12) and resynchronize. Raises as `resynchronize` does."""
+    def end_stream(
+        self, version_code: int, *, by_strokes: bool, bytes_each: int, leaving: bool = False
+    ) -> None:
+        """End a stream (D12) and resynchronize. Raises as `resynchronize` does.
+
+        `leaving`: nothing is requested any more, so it is not resynchronized, and waits are short.
+        """
         own = bytes([version_code])
         tries = 0 if by_strokes or bytes_each == 1 else _CLEAN_TRIES
         for _ in range(tries):
             if _last_frame(self.interrupt(self.line.idle_time)) == own:
                 # No datum looks so: it was the answer to `01`, and the last response.
                 self.streaming = self._awaited = False
-                self.resynchronize(version_code)
-                return
-        self._silence_for_good(None if bytes_each == 1 else own, by_strokes=by_strokes)
-        self.resynchronize(version_code)
+                break
+        else:
+            unlike = None if bytes_each == 1 else own
+            most = _LEAVING if leaving else inf
+            self._silence_for_good(unlike, by_strokes=by_strokes, most=most)
+        if not leaving:
+            self.resynchronize(version_code)
 
-    def _silence_for_good(self, own: bytes | None = None, *, by_strokes: bool = True) -> None:
+    def _silence_for_good(
+        self, own: bytes | None = None, *, by_strokes: bool = True, most: float = inf
+    ) -> None:
         """End a possible stream with long pauses, or with data like the answer to `01`.
 
-        `own`: that answer, if no datum looks like it.
+        `own`: that answer, if no datum looks like it. `most`: seconds of silence that are enough.
         """
         breaks = self.breaks
-        last = _last_frame(self.interrupt(self.line.timing.late))
+        last = _last_frame(self.interrupt(min(most, self.line.timing.late)))
         if by_strokes and self.breaks == breaks and (own is None or last != own):
             # At a standing engine the unit is silent anyway, and a unit may end a stream only after
             # a break and ignore `01`.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
@@ -20,10 +21,11 @@ from mikas.errors import (
     WrongLength,
     met_on,
 )
-from mikas.framing import Frame
+from mikas.framing import Damage, Frame
 from mikas.tester.line import Line, damaged
 
 _STANDING_ENGINE = 2.0  # s without a stroke (D15): an engine below 60 rpm counts as standing
+_TURN = 0.2  # s of one wait on the line; whoever closes the stream waits so long for its turn
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +55,7 @@ class Stream:
         request: bytes,
         *,
         end: Callable[[], None],
+        check: Callable[[], None],
         on_error: Callable[[LineError], None],
     ) -> None:
         self.command = command
@@ -61,6 +64,8 @@ class Stream:
         self.silence: float = _STANDING_ENGINE if by_strokes else line.timing.response_timeout
         self._line = line
         self._end = end
+        self._check = check
+        self._turn = threading.RLock()  # of the thread that uses the line
         self._on_error = on_error
         self._decoder = line.decoder()
         self._min_length = min(command.response_lengths())
@@ -78,6 +83,7 @@ class Stream:
         `ReadingSuspended`, after which the stream goes on.
         `raise_errors`: also raises the `LineError` of each response that is left out.
         """
+        self._check()
         while self.running:
             while self._items:
                 item = self._items.popleft()
@@ -85,16 +91,10 @@ class Stream:
                     return item
                 if raise_errors:
                     raise item
-            try:
-                events = self._line.next_frame(
-                    self._decoder, deadline, min_length=self._min_length, heard=self._heard
-                )
-            except ReadingSuspended as error:
-                self._decoder, self._heard = self._line.decoder(), self._line.link.now()
-                self._cut = True
-                self._on_error(error)
-                raise
-            if not events:
+            until = min(deadline, self._line.link.now() + _TURN)
+            events = self._events(until)
+            self._check()
+            if not events and until >= deadline:
                 return None
             for event, time in events:
                 self._heard = self._line.link.now()
@@ -103,7 +103,23 @@ class Stream:
                 else:
                     self._leave_out(damaged(self._request, event.data, time, event.reason))
                 self._cut = False
+        self._check()
         return None
+
+    def _events(self, until: float) -> list[tuple[Frame | Damage, float]]:
+        """Return the next events with the times of their first bytes; []: none came, or closed."""
+        with self._turn:
+            if not self.running:
+                return []
+            try:
+                return self._line.next_frame(
+                    self._decoder, until, min_length=self._min_length, heard=self._heard
+                )
+            except ReadingSuspended as error:
+                self._decoder, self._heard = self._line.decoder(), self._line.link.now()
+                self._cut = True
+                self._on_error(error)
+                raise
 
     def _leave_out(self, error: LineError) -> None:
         if self._cut:
@@ -148,6 +164,7 @@ class Stream:
                     return item
                 if self.running:
                     raise self.fallen_silent()
+        self._check()
         raise StopIteration
 
     def fallen_silent(self) -> NoResponse | NotSupported:
@@ -168,9 +185,10 @@ class Stream:
 
         Raises `LineNotQuiet` if the unit does not stop.
         """
-        if self.running:
-            self.running = False
-            self._end()
+        with self._turn:
+            if self.running:
+                self.running = False
+                self._end()
 
     def __enter__(self) -> Self:
         return self

@@ -69,7 +69,7 @@ class Tester:
         self._stream: Stream | None = None
         self._stream_thread: int | None = None
         self._ahead = RequestAhead(self.sync, self.statistics)
-        self._ends = CallEnds(link)
+        self.ends: CallEnds = CallEnds(link)
         self._known: set[int] = set()  # command codes that this unit has answered
 
     def connect(self, *, listening_since: float = inf) -> int:
@@ -85,7 +85,7 @@ class Tester:
             self._ahead.forget()
             for attempt in range(self.retries + 1):
                 self.sync.mark_lost()
-                self._ends.check()
+                self.ends.check()
                 try:
                     self.version_code = handshake(
                         self.line,
@@ -127,14 +127,14 @@ class Tester:
         An exchange under way is ended first, so the line stays in step; the next one raises
         `DeadlinePassed`. None: without a deadline.
         """
-        return self._ends.within(seconds)
+        return self.ends.within(seconds)
 
     def end_calls(self) -> None:
         """Let the calls of other threads end before their next exchange, with `LinkClosed`.
 
         Only `close` may follow.
         """
-        self._ends.closed = True
+        self.ends.closed = True
 
     def close(self) -> None:
         """End a running stream and close the link; a second call does nothing.
@@ -226,7 +226,7 @@ class Tester:
     def _attempts(
         self, command: c.Command[T], retries: int, failed: list[LineError]
     ) -> tuple[T, Reply]:
-        self._ends.check()
+        self.ends.check()
         attempts = 1 + (retries if command.repeatable else 0)
         if command.code not in self._known:
             attempts = min(attempts, _ATTEMPTS_AT_UNKNOWN)
@@ -242,7 +242,7 @@ class Tester:
                 moved = isinstance(error, ReadingSuspended) and not error.is_short
                 if not attempts or moved:  # perhaps another unit
                     raise self._verdict(command, error) from error
-                self._ends.check()
+                self.ends.check()
                 self.statistics.repeated += 1
 
     def _once(self, command: c.Command[T], wire: bytes | None) -> tuple[T, Reply]:
@@ -288,7 +288,7 @@ class Tester:
         The answer is ignored. Raises `NoEcho` or `EchoDiffers`.
         """
         with self._holding():
-            self._ends.check()
+            self.ends.check()
             self._ensure_in_sync()
             self.sync.mark_lost()
             began = self.link.now()
@@ -305,7 +305,7 @@ class Tester:
         Raises `NoEcho` or a `LineError` for a damaged or doubled response.
         """
         with self._holding():
-            self._ends.check()
+            self.ends.check()
             self._ensure_in_sync()
             self.statistics.requests += 1
             self.sync.mark_lost()
@@ -327,7 +327,7 @@ class Tester:
         self._lock.acquire()
         try:
             with errors_met_on(self.link.kind):
-                self._ends.check()
+                self.ends.check()
                 self._ensure_in_sync()
                 self.statistics.requests += 1
                 self.sync.mark_lost()
@@ -335,7 +335,12 @@ class Tester:
                 request = self.line.send(command.body())
                 self.line.await_echo(request)
             stream = Stream(
-                self.line, command, request, end=self._end_stream, on_error=self.statistics.fail
+                self.line,
+                command,
+                request,
+                end=self._end_stream,
+                check=self.ends.check,
+                on_error=self.statistics.fail,
             )
         except BaseException:
             self._lock.release()
@@ -353,6 +358,7 @@ class Tester:
                     self.version_code,
                     by_strokes=isinstance(command, c.StreamAtStroke),
                     bytes_each=command.response_lengths()[0],
+                    leaving=self.ends.closed,
                 )
         finally:
             self._stream = self._stream_thread = None
@@ -364,7 +370,7 @@ class Tester:
         Bytes without a request that arrive meanwhile require a resynchronization.
         """
         while (now := self.link.now()) < until:
-            self._ends.check()
+            self.ends.check()
             with self._holding():
                 self._ahead.settle()
                 try:
