@@ -10,6 +10,8 @@ import mikas
 from mikas import errors
 from mikas.client import AsyncEcu
 from mikas.errors import system_error
+from mikas.i18n import Text
+from mikas.recording import CaptureWriter
 from mikas.recording.capture.reader import CaptureReader
 from mikas.sampling.events import Marker
 from mikas.testing.units import LineFault, VirtualUnit
@@ -25,7 +27,7 @@ def names_in(path):
     return {channel.name for channel in mikas.open(path).channels}
 
 
-def full_disk(file, data):
+def full_disk(*_):
     raise system_error(28)
 
 
@@ -144,6 +146,22 @@ def test_a_full_disk_is_raised_or_called_back(unit, tmp_path, monkeypatch, has_c
         assert isinstance(recording.failure, errors.DiskFull)
         recording.close()
         assert ecu.read("TWAT")
+
+
+def full_at_the_end(writer, close=CaptureWriter.close):
+    close(writer)
+    raise errors.DiskFull(str(writer.path), Text("it is full", "он заполнен"))
+
+
+def test_a_full_disk_does_not_hide_what_has_ended_the_work(unit, tmp_path, monkeypatch):
+    def work(ecu):
+        with ecu.record(tmp_path / "drive.pcapng"):
+            ecu.read("TWAT")
+            monkeypatch.setattr(CaptureWriter, "close", full_at_the_end)
+            raise ZeroDivisionError
+
+    with unit.connect() as ecu, pytest.raises(ZeroDivisionError):
+        work(ecu)
 
 
 def test_a_damaged_response_is_in_the_file_as_it_came(unit, tmp_path):

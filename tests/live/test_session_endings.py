@@ -81,7 +81,7 @@ class TestAJobOfAClosedSession:
         session.close()
         after = session.call(lambda ecu: ecu.faults())
         for future in (before, after):
-            with pytest.raises(errors.LinkLost, match="sampling has ended"):
+            with pytest.raises(errors.LinkClosed, match="is closed"):
                 future.result(timeout=0)
 
     def test_after_a_failed_run_fails_with_its_error(self):

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Final, ParamSpec, Self, TypeVar
 
 from mikas.client import Ecu
 from mikas.client.parameters.polling import Method
-from mikas.errors import LinkClosed
+from mikas.errors import CaptureError, LinkClosed
 from mikas.live.session import Session
 from mikas.live.starting import session
 from mikas.sampling.events import Event, Sampled
@@ -43,6 +43,7 @@ class AsyncSession(AsyncIterator[Sampled]):
         """The `Session` that the worker thread iterates."""
         self._worker = ThreadPoolExecutor(1, thread_name_prefix="mikas-session")
         self._next: asyncio.Future[Event | None] | None = None
+        self._turn = asyncio.Lock()  # of the task that waits for the next event
         self._closing: asyncio.Future[None] | None = None
 
     @property
@@ -109,19 +110,29 @@ class AsyncSession(AsyncIterator[Sampled]):
         self.session.stop()
 
     async def call(self, job: Callable[[Ecu], T]) -> T:
-        """Run `job(ecu)` between two cycles and return its result, while another task iterates."""
-        return await asyncio.wrap_future(self.session.call(job))
+        """Run `job(ecu)` between two cycles and return its result, while another task iterates.
+
+        If the task that waits is cancelled, the job ends between two requests.
+        """
+        future, cancellation = self.session._cancellable(job)  # noqa: SLF001  (its twin)
+        try:
+            return await asyncio.wrap_future(future)
+        except asyncio.CancelledError:
+            cancellation.request()
+            raise
 
     async def close(self) -> None:
-        """As `Session.close`; a second call does nothing."""
+        """As `Session.close`; a second call does nothing.
+
+        If the task that waits is cancelled, the port is closed all the same.
+        """
+        if self._closing is not None:
+            await asyncio.wait([self._closing])
+            return
         self.session.stop()
-        if self._next is not None:
-            await asyncio.wait([self._next])
-        if self._closing is None:
-            self._closing = self._begun(self.session.close)
-            self._worker.shutdown(wait=False)
-        if not self._closing.done():
-            await asyncio.shield(self._closing)
+        self._closing = self._begun(self.session.close)
+        self._worker.shutdown(wait=False)
+        await asyncio.shield(self._closing)
 
     async def _worked(self, work: Callable[[], T]) -> T:
         """Run `work` in the worker thread; a task that is cancelled stops the session."""
@@ -132,17 +143,15 @@ class AsyncSession(AsyncIterator[Sampled]):
             raise
 
     async def _following(self) -> Event | None:
-        if self._next is None:
-            self._next = self._begun(self.session.following)
-        awaited: asyncio.Future[Event | None] | None = self._next
-        try:
-            return await asyncio.shield(self._next)
-        except asyncio.CancelledError:
-            awaited = None  # for the next one that waits
-            raise
-        finally:
-            if self._next is awaited:
+        async with self._turn:
+            following = self._next = self._next or self._begun(self.session.following)
+            try:
+                event = await asyncio.shield(following)
+            except Exception:
                 self._next = None
+                raise
+            self._next = None  # not if it was cancelled: then it is for the next one that waits
+            return event
 
     def _begun(self, work: Callable[[], T]) -> asyncio.Future[T]:
         if self._closing is not None:
@@ -152,8 +161,12 @@ class AsyncSession(AsyncIterator[Sampled]):
     async def __aenter__(self) -> Self:
         return self
 
-    async def __aexit__(self, *_: object) -> None:
-        await self.close()
+    async def __aexit__(self, kind: object, *_: object) -> None:
+        try:
+            await self.close()
+        except CaptureError:
+            if kind is None:  # else what has ended the work matters more
+                raise
 
 
 def _asynchronous(function: Callable[P, Session]) -> Callable[P, AsyncSession]:

@@ -12,12 +12,14 @@ drives it: the listeners are called in that thread, and no other thread starts.
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable, Generator, Iterable, Iterator
-from concurrent.futures import Future
+from concurrent.futures import CancelledError, Future
 from contextlib import closing, suppress
 from math import inf
 from typing import TYPE_CHECKING, Any, Self, TypeVar
 
+from mikas.cancellation import Cancellation, Cancelled
 from mikas.client.parameters.polling import Method
 from mikas.errors import CaptureError, LinkClosed, MikasError, RecordingOver, UsageError
 from mikas.live.progress import Length, RunProgress
@@ -44,7 +46,7 @@ class Session(Iterator[Sampled]):
     Iterating ends after `stop`, after `count` samples, after `duration` seconds from the first
     values, and with a recording that is replayed. It raises what prevents the first sample (no
     port, no unit, a refused method), unless `patient`; later such things are waited for. One thread
-    iterates; any thread may call `stop`, `call`, `mark` and `reconfigure`.
+    iterates; any thread may call `stop`, `close`, `call`, `mark` and `reconfigure`.
     """
 
     def __init__(
@@ -77,6 +79,8 @@ class Session(Iterator[Sampled]):
         self._listeners: list[tuple[type[Event], Callable[[Any], object]]] = []
         self._source: Generator[Event, None, None] | None = None
         self._ended = False
+        self._job: Cancellation | None = None  # that runs now
+        self._turn = threading.RLock()  # of the thread that uses the line
         self._ecu: Ecu | None = None
         self._failed_before = 0  # exchanges, on links that are gone
 
@@ -197,10 +201,26 @@ class Session(Iterator[Sampled]):
     def call(self, job: Callable[[Ecu], T]) -> Future[T]:
         """Run `job(ecu)` between two cycles: `session.call(lambda ecu: ecu.faults()).result()`.
 
-        The thread that iterates runs it, so only another one may wait for the result. As
+        The thread that iterates runs it, so only another one may wait for the result. `close` ends
+        a long one between two requests, with a `CancelledError` of `concurrent.futures`. As
         `Acquisition.call`.
         """
-        return self.acquisition.call(job)
+        return self._cancellable(job)[0]
+
+    def _cancellable(self, job: Callable[[Ecu], T]) -> tuple[Future[T], Cancellation]:
+        """As `call`; return also what ends the job between two requests."""
+        cancellation = Cancellation()
+
+        def run(ecu: Ecu) -> T:
+            self._job = cancellation
+            try:
+                return cancellation.run(lambda: job(ecu))
+            except Cancelled:
+                raise CancelledError from None
+            finally:
+                self._job = None
+
+        return self.acquisition.call(run), cancellation
 
     def mark(self, label: str = "") -> float | None:
         """Mark this moment in the recording; return its time, None before any byte."""
@@ -216,14 +236,22 @@ class Session(Iterator[Sampled]):
     def close(self) -> None:
         """Leave the line quiet, close the port, end the recording; a second call does nothing.
 
-        Raises `CaptureError` if the end of the recording can't be written, see `session`.
+        If another thread iterates, its iteration ends first, within two seconds. Raises
+        `CaptureError` if the end of the recording can't be written, see `session`.
         """
         self._ended = True
-        try:
-            self.leave()
-        finally:
-            self.end_recording()
-        self._look_at_recording()
+        self.stop()
+        if (job := self._job) is not None:
+            job.request()
+        with self._turn:
+            if self.acquisition.ecu is not None:
+                self.acquisition.ecu.tester.end_calls()  # a stream ends the sooner
+            try:
+                self.leave()
+            finally:
+                self.end_recording()
+        if self._recorded is not None:
+            self._report(self._recorded.failure)
 
     def leave(self) -> None:
         """Leave the line quiet and close the port; the recording has that, too."""
@@ -248,8 +276,12 @@ class Session(Iterator[Sampled]):
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(self, *_: object) -> None:
-        self.close()
+    def __exit__(self, kind: object, *_: object) -> None:
+        try:
+            self.close()
+        except CaptureError:
+            if kind is None:  # else what has ended the work matters more
+                raise
 
     # The loop
 
@@ -259,18 +291,19 @@ class Session(Iterator[Sampled]):
             raise LinkClosed(url=self.acquisition.port.url)
         if self._source is None:
             self._source = self._wanted()
-        try:
-            event = next(self._source, None)
-        except MikasError as error:
-            self.discard_after(error)
-            raise
+        with self._turn:
+            try:
+                event = next(self._source, None)
+            except MikasError as error:
+                self.discard_after(error)
+                raise
         if event is None:
             self.close()
             return None
         for kind, listener in tuple(self._listeners):
             if isinstance(event, kind):
                 listener(event)
-        self._look_at_recording()
+        self._report(self.recorder.failure)
         return event
 
     def _wanted(self) -> Generator[Event, None, None]:
@@ -321,10 +354,7 @@ class Session(Iterator[Sampled]):
             self._failed_before, self._ecu = self.line_errors, ecu
         self.progress.follow(event)
 
-    def _look_at_recording(self) -> None:
-        failure = self.recorder.failure
-        if failure is None and self._recorded is not None:
-            failure = self._recorded.failure
+    def _report(self, failure: CaptureError | None) -> None:
         if failure is None or failure is self._reported:
             return
         self._reported = failure

@@ -124,7 +124,7 @@ class Acquisition:
         """Run `job(ecu)` between two cycles; the future has its result or its exception.
 
         Before `run` the job waits. While no ECU answers, it fails within seconds with the
-        `NoConnection` or `LineError` of the next attempt; after the end of `run` with `LinkLost`.
+        `NoConnection` or `LineError` of the next attempt; after the end of `run` with `LinkClosed`.
         No cycle runs during a job: split long work into many jobs.
         """
         return self._context.jobs.submit(job)
@@ -185,7 +185,7 @@ class Acquisition:
         self._context.stopped = True
 
     def refuse_jobs(self) -> None:
-        """Fail the jobs that wait, and all until the next `run`, with `LinkLost`."""
+        """Fail the jobs that wait, and all until the next `run`, with `LinkClosed`."""
         self._context.jobs.close()
 
     # The loop

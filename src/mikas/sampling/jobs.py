@@ -13,11 +13,10 @@ from concurrent.futures import Future
 from typing import Any, TypeVar
 
 from mikas.client import Ecu
-from mikas.errors import LinkLost, NoConnection
+from mikas.errors import LinkClosed, NoConnection
 from mikas.i18n import Text
 
 T = TypeVar("T")
-_ENDED = Text("sampling has ended", "опрос закончен")
 _BEGIN_AGAIN = Text("Start sampling again, then retry.", "Запустите опрос и повторите запрос.")
 _Waiting = tuple[Future[Any], Callable[[Ecu], Any]]
 
@@ -50,9 +49,9 @@ class JobQueue:
             self._over = None
 
     def close(self, error: BaseException | None = None) -> None:
-        """Fail the waiting jobs and all later ones, with `error`, that of before, or `LinkLost`."""
+        """Fail the waiting jobs and all later ones, by `error`, that of before, or `LinkClosed`."""
         with self._lock:
-            ended = self._over or LinkLost(url=self._url, problem=_ENDED, advice=_BEGIN_AGAIN)
+            ended = self._over or LinkClosed(url=self._url, advice=_BEGIN_AGAIN)
             self._over = error or ended
         self.fail(self._over)
 
