@@ -85,13 +85,14 @@ class TestEach:
 def made_in(file):
     """Yield the calls in `file` that make an error by fields, with its class."""
     of_tree = {kind.__name__: kind for kind in KINDS if kind.__init__ is MikasError.__init__}
-    click_s = "import click" in file.read_text("utf-8")  # it has a UsageError of its own
-    for call in ast.walk(ast.parse(file.read_text("utf-8"))):
+    text = file.read_text("utf-8")
+    foreign = "import click" in text or "import pytest" in text  # both have a UsageError
+    for call in ast.walk(ast.parse(text)):
         if isinstance(call, ast.Call) and isinstance(call.func, ast.Name | ast.Attribute):
-            of_click = click_s and isinstance(call.func, ast.Attribute)
+            is_foreign = foreign and isinstance(call.func, ast.Attribute)
             name = call.func.id if isinstance(call.func, ast.Name) else call.func.attr
             given = {keyword.arg for keyword in call.keywords}
-            if name in of_tree and None not in given and not of_click:
+            if name in of_tree and None not in given and not is_foreign:
                 yield of_tree[name], call.lineno, given
 
 
