@@ -74,6 +74,15 @@ class TestARecordingThatCannotEnd:
             recording.close()
 
 
+def test_a_session_that_never_ran_leaves_no_file(tmp_path):
+    """A mistake before the loop, and the same program must work again."""
+    for _ in range(2):
+        session = mikas.session(SIM, ["FREQ"], record=tmp_path / "a.pcapng")
+        with pytest.raises(TypeError), session:
+            session.on("sample", print)
+        assert list(tmp_path.iterdir()) == []
+
+
 class TestAJobOfAClosedSession:
     def test_that_never_ran_fails(self):
         session = mikas.session(SIM, ["FREQ"])

@@ -249,6 +249,8 @@ class Session(Iterator[Sampled]):
             try:
                 self.leave()
             finally:
+                if self._source is None:  # never iterated; the same call must work again
+                    self.recorder.discard()
                 self.end_recording()
         if self._recorded is not None:
             self._report(self._recorded.failure)
