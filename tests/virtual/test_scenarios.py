@@ -68,6 +68,19 @@ def test_a_scenario_is_found_by_name_or_by_file(tmp_path: Path) -> None:
         load(tmp_path / "none.toml")
 
 
+@pytest.mark.parametrize("name", ["", "x" * 300, "a\0b", "no/such.toml"])
+def test_what_names_no_file_is_a_missing_one(name: str) -> None:
+    with pytest.raises(UsageError, match="there is no scenario and no file") as caught:
+        find(name)
+    assert isinstance(caught.value, FileNotFoundError)
+
+
+def test_a_folder_is_said_to_be_one(tmp_path: Path) -> None:
+    with pytest.raises(CatalogError, match="folder") as caught:
+        find(str(tmp_path))
+    assert isinstance(caught.value, IsADirectoryError)
+
+
 def test_a_file_sets_everything_that_it_can_say() -> None:
     own = scenario(
         """

@@ -9,6 +9,7 @@ cells; the virtual unit does.
 from __future__ import annotations
 
 import errno
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -160,7 +161,7 @@ def find(name: str) -> Scenario:
     """
     if name in SCENARIOS:
         return SCENARIOS[name]
-    if Path(name).is_file():
+    if os.path.lexists(name):  # false, too, for what can be no file's name
         return load(Path(name))
     known = ", ".join(SCENARIOS)
     problem = Text(
