@@ -122,3 +122,25 @@ def test_the_async_unit_reads_them_too():
 
     values = asyncio.run(read())
     assert values["FUEL_FLOW"].value == ecu_on(bench()).read("FUEL_FLOW")["FUEL_FLOW"].value
+
+
+@pytest.mark.parametrize(
+    "use",
+    [
+        lambda ecu: next(ecu.watch("FUEL_FLOW")),
+        lambda ecu: ecu.set_list("fuel_flow"),
+        lambda ecu: ecu.write_parameter("FUEL_FLOW", 1),
+    ],
+    ids=["watch", "list", "write"],
+)
+def test_where_only_parameters_are_taken_a_derived_channel_is_said_to_be_one(use):
+    it = bench()
+    with pytest.raises(UnknownParameter, match=r"derived channel, computed from FUEL_STROKE, FREQ"):
+        use(ecu_on(it))
+    assert it.requests() == []
+
+
+def test_one_is_shown_on_a_line():
+    value = ecu_on(bench()).read("FUEL_FLOW")["FUEL_FLOW"]
+    assert repr(value).startswith("<DerivedValue FUEL_FLOW ")
+    assert len(repr(value)) < 100

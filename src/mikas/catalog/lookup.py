@@ -20,6 +20,10 @@ from mikas.options import in_latin, nearest
 
 _RAW_CODE = re.compile(r"0x([0-9a-f]{1,2})(?::([0-9]{1,3}))?", re.IGNORECASE)
 _RAW_SIZES = (1, 2, 3, 4)
+_COMPUTED = Text(
+    "It is a derived channel, computed from {inputs}: read it, or sample it in a session.",
+    "Это производный канал, он вычисляется из {inputs}: прочитайте его (read) или ведите опрос.",
+)
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -101,11 +105,16 @@ class Catalog:
 
         A code is `0x1A`, with 1 to 4 bytes `0x3F:2`.
 
-        A code gives the raw number without unit; its default size is the catalog's, or 1.
-        UnknownParameter (with the nearest names) otherwise.
+        A code gives the raw number without unit; its default size is the catalog's, or 1. Raises
+        `UnknownParameter` (with the nearest names) otherwise, also for a derived channel.
         """
         name = name.strip()
-        return self._by_name.get(self.channel_of(name)) or self._by_code(name, self._by_name)
+        meant = self.channel_of(name)
+        if (computed := self.derived.get(meant)) is not None:
+            error = UnknownParameter(name)
+            error.advice = _COMPUTED.filled(inputs=", ".join(computed.inputs))
+            raise error
+        return self._by_name.get(meant) or self._by_code(name, self._by_name)
 
     def channel(self, name: str) -> Parameter | Derived:
         """As `parameter`, and also return a derived channel by name in any case."""

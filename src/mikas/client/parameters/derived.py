@@ -83,6 +83,11 @@ class DerivedValue:
         number = f"{self.value:.{self.channel.decimals}f}"
         return with_unit(number, self.channel.unit_text)
 
+    def __repr__(self) -> str:
+        """Return it on one line, as of a `Reading`."""
+        inputs = ", ".join(map(str, self.inputs.values()))
+        return f"<DerivedValue {self}: of {inputs}, {self.time:.3f} s>"
+
     def __str__(self) -> str:
         if not self.has_value:
             return f"{self.name} no value"
