@@ -6,6 +6,7 @@ An error names the option, the allowed values and the given value; an unknown na
 from __future__ import annotations
 
 import re
+import sys
 from collections.abc import Collection, Iterable, Mapping
 from contextlib import suppress
 from enum import Enum
@@ -20,6 +21,7 @@ E = TypeVar("E", bound=Enum)
 _SWITCH = {"1": True, "on": True, "yes": True, "true": True,
           "0": False, "off": False, "no": False, "false": False}  # fmt: skip
 _SHORT_LIST = 8  # names; a longer list is left out if one of them is near
+_LARGEST = sys.float_info.max
 _INTEGER = re.compile("[+-]?[0-9]{1,18}")
 
 
@@ -42,9 +44,11 @@ def check_choice(name: str, value: object, allowed: Collection[str]) -> None:
 def check_number(name: str, value: object, *, lowest: float, whole: bool = False) -> None:
     """Raise `UsageError` if `value` is not a finite number of at least `lowest`."""
     kinds = int if whole else (int, float)
-    number = value if isinstance(value, kinds) and not isinstance(value, bool) else nan
-    if not lowest <= number < inf:  # false for nan
-        raise invalid_value(name, value, _range(lowest, inf, whole=whole))
+    is_number = isinstance(value, kinds) and not isinstance(value, bool)
+    number = value if isinstance(value, kinds) and is_number else nan
+    if not lowest <= number <= _LARGEST:  # false for nan
+        shown = value if isinstance(value, int | float) else repr(value)  # np.int64(3), '3'
+        raise invalid_value(name, shown, _range(lowest, inf, whole=whole))
 
 
 def check_names(given: Iterable[str], allowed: Collection[str]) -> None:
