@@ -46,13 +46,13 @@ _METADATA = frozenset({"METADATA", "entry_points.txt"})
 _LINKS = ("sim", "replay")
 _OWN_LINKS = {"webserial": "mikas.browser.web_serial:open_web_serial"}
 # The command line and what it alone calls, the server and its page, what shows and draws the
-# recording of `mikas.open`, links and formats of libraries that are not here, and what computes
-# with arrays of bytes by numpy, in place of which there is a loop.
+# recording of `mikas.open`, links and formats of libraries that are not here, what tests by pytest,
+# and what computes with arrays of bytes by numpy, in place of which there is a loop.
 _NOT_HERE = (
     "cli", "__main__.py", "py.typed", "dashboard/page", "dashboard/running.py",
     "dashboard/server.py", "dissectors", "fleet", "link/failures.py", "link/network.py",
     "link/serial.py", "publish", "recording/export/mdf.py", "recording/export/parquet.py",
-    "recording/parquet.py", "replay/routine.py",
+    "recording/parquet.py", "replay/routine.py", "testing",
     *(f"recording/exchanges/columns/{each}.py" for each in (
         "directions", "frames", "matcher", "packets", "turn_runs",
     )),
