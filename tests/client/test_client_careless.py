@@ -41,6 +41,15 @@ class TestAFailingSink:
                 with pytest.raises(Full):
                     ecu.read("TWAT")
 
+    def test_costs_no_memory_however_often_it_is_met(self):
+        depths = []
+        with mikas.connect(SIM, sink=Sink(40)) as ecu:
+            for _ in range(5):
+                with pytest.raises(Full) as caught:
+                    ecu.memory.code.read_block(0, 0x4000)
+                depths.append(len(caught.traceback))
+        assert depths[-1] == depths[-2] <= depths[0]
+
     def test_while_connecting_leaves_no_port_open(self):
         with pytest.raises(Full):
             mikas.connect(SIM, sink=Sink(1))
