@@ -332,8 +332,7 @@ class Tester:
                 self.statistics.requests += 1
                 self.sync.mark_lost()
                 self.sync.streaming = True
-                request = self.line.send(command.body())
-                self.line.await_echo(request)
+                self.line.await_echo(request := self.line.send(command.body()))
             stream = Stream(
                 self.line,
                 command,

@@ -88,7 +88,7 @@ def write_until_lost(link: Link, data: bytes, between: Callable[[], None] = lamb
 
 @contextmanager
 def lost(doing: str) -> Iterator[list[LinkLost]]:
-    """Fail unless what is inside raises `LinkLost`, which the list has then."""
+    """Fail unless the block raises `LinkLost`; the list has the error then."""
     caught: list[LinkLost] = []
     try:
         yield caught
