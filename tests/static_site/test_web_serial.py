@@ -11,6 +11,8 @@ from zipfile import ZipFile
 import pytest
 from tools.site.packages import own
 
+from mikas import testing
+
 from .computer_rig import CH340, FT232, Computer
 from .wire_rig import Wire
 
@@ -33,8 +35,10 @@ def pack(file: Path) -> None:
             for each in package.rglob("*.py"):
                 archive.write(each, Path(package.name) / each.relative_to(package))
         archive.write(find_spec("py").origin, "py.py")  # pytest's own
-        for each in (HERE.parent / "link" / "contract.py", HERE / "web_serial_in_browser.py"):
-            archive.write(each, each.name)
+        for each in Path(testing.__file__).parent.glob("*.py"):  # which the site does not have
+            archive.write(each, Path("mikas", "testing", each.name))
+        test = HERE / "web_serial_in_browser.py"
+        archive.write(test, test.name)
 
 
 def commands(computer: Computer) -> dict[str, Callable[[bytes], bytes | None]]:

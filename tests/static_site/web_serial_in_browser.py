@@ -10,7 +10,6 @@ import gc
 import io
 from contextlib import redirect_stdout
 
-import contract
 import mikas_host
 import pytest
 from js import XMLHttpRequest
@@ -26,6 +25,7 @@ from mikas.browser.web_serial import find_web_ports  # noqa: E402  (as the progr
 from mikas.errors import BadPortUrl, LinkLost, NoPortGiven, PortFailed, PortNotFound  # noqa: E402
 from mikas.link import open_link  # noqa: E402
 from mikas.link.reconnecting import ReconnectingPort  # noqa: E402
+from mikas.testing.links import FAR, RealTimeContract, Rig  # noqa: E402
 
 FT232, CH340 = "webserial:0403:6001", "webserial:1a86:7523"
 
@@ -63,11 +63,11 @@ def _an_ft232():
     command("plug", FT232)
 
 
-class TestContract(contract.RealTimeContract):
+class TestContract(RealTimeContract):
     @pytest.fixture
     def rig(self):
         with open_link(FT232) as link:
-            yield contract.Rig(link, FarEnd())
+            yield Rig(link, FarEnd())
 
 
 def test_a_port_is_described_by_its_chip():
@@ -133,7 +133,7 @@ def test_an_adapter_that_was_pulled_is_found_again():
     command("plug", FT232, CH340)
     with port.open() as link:
         ask("send", b"\x07")
-        assert link.read(link.now() + contract.FAR).data == b"\x07"
+        assert link.read(link.now() + FAR).data == b"\x07"
 
 
 def test_another_adapter_of_the_kind_is_not_taken_for_the_one_that_was_pulled():
