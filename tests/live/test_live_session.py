@@ -150,14 +150,14 @@ class TestEvents:
 
     def test_stored_faults_are_read_unless_unwanted(self, on_unit, unit):
         for faults in (True, False):
-            with on_unit(["FREQ"], duration=60, method="batch", faults=faults) as session:
+            with on_unit(["FREQ"], duration=60, rate=2, method="batch", faults=faults) as session:
                 session.run()
             assert (b"\x02" in unit.requests) is faults
             unit.forget_requests()
 
     def test_the_stored_faults_are_events(self, on_unit, unit):
         unit.faults = [13, 53]
-        session, readings = on_unit(["FREQ"], duration=60, method="batch"), []
+        session, readings = on_unit(["FREQ"], duration=60, rate=2, method="batch"), []
         session.on(FaultReading, lambda reading: readings.append(reading.codes))
         session.run()
         assert readings[0] == readings[-1] == (13, 53)
