@@ -51,11 +51,19 @@ class EcuRecording(ABC):
         return self
 
     def __exit__(self, kind: object, *_: object) -> None:
-        try:
-            self.close()
-        except CaptureError:
-            if kind is None:  # else what has ended the work matters more
-                raise
+        close_after(kind, self.close)
+
+
+def close_after(error: object, close: Callable[[], None]) -> None:
+    """Close what records, after a block that raised `error` or, None, nothing.
+
+    A `CaptureError` is raised only then: what has ended the work matters more.
+    """
+    try:
+        close()
+    except CaptureError:
+        if error is None:
+            raise
 
 
 class _Maker(Protocol):

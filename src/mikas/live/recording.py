@@ -19,6 +19,7 @@ from mikas.client.identity import UnitIdentity
 from mikas.client.recorded import EcuRecording
 from mikas.errors import CaptureError
 from mikas.link.base import CaptureTee, Direction, Link, LinkWrapper
+from mikas.live.failure_report import FailureReport
 from mikas.recording.recorder import Recorder, RecordingStatus
 from mikas.sampling.supervisor import unit_found
 
@@ -43,9 +44,8 @@ class LineRecording(EcuRecording):
         on_failure: Callable[[CaptureError], object] | None = None,
     ) -> None:
         self._ecu = ecu
-        self._on_failure = on_failure
+        self._failures = FailureReport(on_failure)
         self._recorder = Recorder()
-        self._reported: CaptureError | None = None
         self._status: RecordingStatus | None = None  # of the file that is closed
         self._tee: CaptureTee | None = None
         tester = ecu.tester
@@ -87,25 +87,12 @@ class LineRecording(EcuRecording):
         if self._status is None:
             self._leave()
             self._status = self._recorder.stop()
-            self._report(self.failure)
+            self._failures.report(self.failure)
 
     def record(self, direction: Direction, data: builtins.bytes, time: float) -> None:
         """Take bytes that passed on the wire; of `mikas.link.base.Sink`."""
         self._recorder.record(direction, data, time)
-        failure = self._recorder.failure
-        if failure is not None and self._on_failure is None:
-            self._reported = failure
-            raise failure
-        self._report(failure)
-
-    def _report(self, failure: CaptureError | None) -> None:
-        """Raise a failure or hand it over, once."""
-        if failure is None or failure is self._reported:
-            return
-        self._reported = failure
-        if self._on_failure is None:
-            raise failure
-        self._on_failure(failure)
+        self._failures.report(self._recorder.failure, again=True)
 
     def _teed(self, link: Link) -> CaptureTee:
         self._tee = CaptureTee(link, self, on_failure=_raise)

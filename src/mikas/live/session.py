@@ -21,7 +21,9 @@ from typing import TYPE_CHECKING, Any, Self, TypeVar
 
 from mikas.cancellation import Cancellation, Cancelled
 from mikas.client.parameters.polling import Method
+from mikas.client.recorded import close_after
 from mikas.errors import CaptureError, LinkClosed, MikasError, RecordingOver, UsageError
+from mikas.live.failure_report import FailureReport
 from mikas.live.progress import Length, RunProgress
 from mikas.options import check_number
 from mikas.recording.recorder import Recorder, RecordingStatus
@@ -72,9 +74,8 @@ class Session(Iterator[Sampled]):
         recorder.conclude = sampling.conclude
         self._period = _period(length.rate)
         self._due = -inf
-        self._on_record_failure = on_record_failure
+        self._failures = FailureReport(on_record_failure)
         self._keeps_unanswered = keeps_unanswered
-        self._reported: CaptureError | None = None
         self._recorded: RecordingStatus | None = None  # of the recording that has ended
         self._listeners: list[tuple[type[Event], Callable[[Any], object]]] = []
         self._source: Generator[Event, None, None] | None = None
@@ -253,7 +254,7 @@ class Session(Iterator[Sampled]):
                     self.recorder.discard()
                 self.end_recording()
         if self._recorded is not None:
-            self._report(self._recorded.failure)
+            self._failures.report(self._recorded.failure)
 
     def leave(self) -> None:
         """Leave the line quiet and close the port; the recording has that, too."""
@@ -279,11 +280,7 @@ class Session(Iterator[Sampled]):
         return self
 
     def __exit__(self, kind: object, *_: object) -> None:
-        try:
-            self.close()
-        except CaptureError:
-            if kind is None:  # else what has ended the work matters more
-                raise
+        close_after(kind, self.close)
 
     # The loop
 
@@ -305,7 +302,7 @@ class Session(Iterator[Sampled]):
         for kind, listener in tuple(self._listeners):
             if isinstance(event, kind):
                 listener(event)
-        self._report(self.recorder.failure)
+        self._failures.report(self.recorder.failure)
         return event
 
     def _wanted(self) -> Generator[Event, None, None]:
@@ -355,14 +352,6 @@ class Session(Iterator[Sampled]):
         if ecu is not None and ecu is not self._ecu:
             self._failed_before, self._ecu = self.line_errors, ecu
         self.progress.follow(event)
-
-    def _report(self, failure: CaptureError | None) -> None:
-        if failure is None or failure is self._reported:
-            return
-        self._reported = failure
-        if self._on_record_failure is None:
-            raise failure
-        self._on_record_failure(failure)
 
 
 def _period(rate: float | None) -> float:
