@@ -165,7 +165,7 @@ class AsyncItems(AsyncIterator[R]):
 
     async def aclose(self) -> None:
         """End the iterator and a stream that it runs; a second call does nothing."""
-        await self._ecu._ended(self._items.close)  # noqa: SLF001
+        await self._ecu._ended(self._items.close)  # noqa: SLF001  (as below)
 
     def _end(self) -> None:
         # After the worker's current call, before the next one.

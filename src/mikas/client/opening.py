@@ -28,7 +28,7 @@ class Opening(Coroutine[Any, Any, T], Generic[T]):
         """As of a coroutine."""
         return self._coroutine.send(value)
 
-    def throw(self, *error: Any) -> Any:  # noqa: ANN401
+    def throw(self, *error: Any) -> Any:  # noqa: ANN401  (as `send`)
         """As of a coroutine."""
         return self._coroutine.throw(*error)
 

@@ -315,7 +315,7 @@ class CaptureTee(LinkWrapper):
             self.failure = error
             try:
                 self._on_failure(error)
-            except Exception as refusal:
+            except Exception as refusal:  # any: whoever records decides by it
                 self._refusal = refusal
                 raise
 

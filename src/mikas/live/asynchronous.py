@@ -147,7 +147,7 @@ class AsyncSession(AsyncIterator[Sampled]):
             following = self._next = self._next or self._begun(self.session.following)
             try:
                 event = await asyncio.shield(following)
-            except Exception:
+            except Exception:  # of the line or of a listener; the next one that waits gets no copy
                 self._next = None
                 raise
             self._next = None  # not if it was cancelled: then it is for the next one that waits

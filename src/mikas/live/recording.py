@@ -19,7 +19,7 @@ from mikas.client.identity import UnitIdentity
 from mikas.client.recorded import EcuRecording
 from mikas.errors import CaptureError
 from mikas.link.base import CaptureTee, Direction, Link, LinkWrapper
-from mikas.live.failure_report import FailureReport
+from mikas.live.record_failures import RecordFailures
 from mikas.recording.recorder import Recorder, RecordingStatus
 from mikas.sampling.supervisor import unit_found
 
@@ -44,7 +44,7 @@ class LineRecording(EcuRecording):
         on_failure: Callable[[CaptureError], object] | None = None,
     ) -> None:
         self._ecu = ecu
-        self._failures = FailureReport(on_failure)
+        self._failures = RecordFailures(on_failure)
         self._recorder = Recorder()
         self._status: RecordingStatus | None = None  # of the file that is closed
         self._tee: CaptureTee | None = None

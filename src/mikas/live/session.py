@@ -23,8 +23,8 @@ from mikas.cancellation import Cancellation, Cancelled
 from mikas.client.parameters.polling import Method
 from mikas.client.recorded import close_after
 from mikas.errors import CaptureError, LinkClosed, MikasError, RecordingOver, UsageError
-from mikas.live.failure_report import FailureReport
 from mikas.live.progress import Length, RunProgress
+from mikas.live.record_failures import RecordFailures
 from mikas.options import check_number
 from mikas.recording.recorder import Recorder, RecordingStatus
 from mikas.sampling.acquisition import Acquisition
@@ -74,7 +74,7 @@ class Session(Iterator[Sampled]):
         recorder.conclude = sampling.conclude
         self._period = _period(length.rate)
         self._due = -inf
-        self._failures = FailureReport(on_record_failure)
+        self._failures = RecordFailures(on_record_failure)
         self._keeps_unanswered = keeps_unanswered
         self._recorded: RecordingStatus | None = None  # of the recording that has ended
         self._listeners: list[tuple[type[Event], Callable[[Any], object]]] = []

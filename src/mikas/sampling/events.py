@@ -25,7 +25,7 @@ from mikas.errors import MikasError, PortKind
 from mikas.i18n import Text, joined
 from mikas.sampling.plan import Plan
 from mikas.sampling.states import STATE_TEXTS as STATE_TEXTS  # noqa: PLC0414  (its public place)
-from mikas.sampling.states import LineState as LineState  # noqa: PLC0414
+from mikas.sampling.states import LineState as LineState  # noqa: PLC0414  (so too)
 
 _NO_TEXT: Final = Text("", "")
 _NOT_IN_JSON: Final = {"json": False}

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from mikas.errors import CaptureError
 
 
-class FailureReport:
+class RecordFailures:
     """Calls `on_failure` with the failure of a recording, or raises it where there is none."""
 
     def __init__(self, on_failure: Callable[[CaptureError], object] | None) -> None:
