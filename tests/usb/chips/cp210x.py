@@ -93,6 +93,10 @@ class Cp210x(Device):
         super().__init__(identity, interfaces, [Uart(line, kind.buffer) for line in lines])
         self.ports = [_Port() for _ in range(kind.ports)]
 
+    @property
+    def backlog(self) -> int:
+        return len(self.uart) + len(self.ports[0].waiting)
+
     def _answer(self, setup: Setup, data: bytes) -> bytes | Handshake:
         if setup.name == (0xC0, 0xFF):
             return self._vendor(setup.value)

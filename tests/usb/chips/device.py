@@ -108,6 +108,11 @@ class Device:
         return self.uarts[0]
 
     @property
+    def backlog(self) -> int:
+        """The bytes that wait for the host at the first port."""
+        return len(self.uart)
+
+    @property
     def endpoints(self) -> list[Endpoint]:
         return [each for interface in self.interfaces for each in interface.endpoints]
 
