@@ -14,14 +14,32 @@ from mikas.client.doctor import STEPS, Step, examine
 from mikas.errors import BadPortUrl, PortKind, PortProbed
 from mikas.i18n import Text
 from mikas.link import Link, open_link
+from mikas.link.base import LinkWrapper
 from virtual_harness import DATA
 
 ALL = list(STEPS)
 
 
+class WithChip(LinkWrapper):
+    def __init__(self, link: Link, chip: str) -> None:
+        super().__init__(link)
+        self._chip = chip
+
+    @property
+    def chip(self) -> str:
+        return self._chip
+
+
 class Examined:
-    def __init__(self, settings: str = "", url: str = "", kind: PortKind = PortKind.CABLE) -> None:
-        self.kind = kind
+    def __init__(
+        self,
+        settings: str = "",
+        url: str = "",
+        kind: PortKind = PortKind.CABLE,
+        baud: int = 9600,
+        chip: str = "",
+    ) -> None:
+        self.kind, self.baud, self.chip = kind, baud, chip
         self.links: list[Link] = []
         self.steps = {
             step.name: step
@@ -32,8 +50,8 @@ class Examined:
         }
 
     def _opened(self, url: str) -> Link:
-        self.links.append(open_link(url))
-        self.links[-1].baud = 9600  # so says the port, whatever the wire's pace
+        self.links.append(WithChip(open_link(url), self.chip))
+        self.links[-1].baud = self.baud  # so says the port, whatever the wire's pace
         self.links[-1].kind = self.kind
         return self.links[-1]
 
@@ -113,6 +131,29 @@ def test_a_missing_port_fails_at_the_first_step():
 def test_a_url_that_makes_no_sense_is_the_caller_s_mistake():
     with pytest.raises(BadPortUrl):
         Examined(url="nosuch://x")
+
+
+def test_the_baud_rate_is_measured_by_the_echo_also_where_no_ecu_answers():
+    found = Examined("&lost=1")
+    assert found.names == ["port", "echo", "baud", "ecu"]
+    assert found.steps["baud"].detail.en == "about 9600 bit/s"
+
+
+def test_a_chip_that_made_another_rate_of_the_one_that_was_asked_for_is_named():
+    steps = Examined("&baud=14400&lost=1", baud=10400, chip="CP210x").steps
+    assert steps["baud"].ok is False
+    assert "14400 bit/s instead of 10400: a CP2101, CP2102" in steps["baud"].detail.en
+    assert "вместо 10400: CP2101, CP2102" in steps["baud"].detail.ru
+    for baud, chip in ((9600, "CP210x"), (10400, "FT232R"), (10400, "")):
+        detail = Examined("&baud=14400&lost=1", baud=baud, chip=chip).steps["baud"].detail
+        assert "the other end is set to another baud rate" in detail.en
+
+
+def test_only_a_chip_with_a_latency_timer_is_told_to_lower_it():
+    for chip, has_timer in (("FT232R", True), ("", True), ("CP210x", False), ("CH340", False)):
+        detail = Examined("&latency_ms=16", chip=chip).steps["latency"].detail
+        assert ("latency timer" in detail.en) is has_timer, chip
+        assert "hands bytes over in lumps" in detail.en
 
 
 @pytest.mark.parametrize("milliseconds", [16, 20])

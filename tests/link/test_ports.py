@@ -80,7 +80,7 @@ def test_no_latency_where_the_system_does_not_tell(tmp_path):
         (0x0403, 0xFFFF, "FTDI", "latency timer"),
         (0x1A86, 0x7523, "CH340", "lumps"),
         (0x1A86, 0x55D4, "CH9102", ""),
-        (0x10C4, 0xEA60, "CP210x", ""),
+        (0x10C4, 0xEA60, "CP210x", "10400 becomes 14400"),
         (0x067B, 0x2303, "PL2303", "counterfeit"),
         (0x067B, 0x23A3, "PL2303GC", ""),
     ],

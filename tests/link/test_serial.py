@@ -80,6 +80,15 @@ def test_low_latency_is_set_where_the_driver_agrees(native, monkeypatch, agreed)
     assert link.description == "FT232R USB UART (FTDI)" + ", low latency" * agreed
 
 
+def test_a_chip_without_a_timer_is_not_called_of_low_latency(native, monkeypatch):
+    monkeypatch.setattr(serial_link.serial.Serial, "set_low_latency_mode", lambda port, on: None)
+    adapter = Port("/dev/ttyUSB0", "CP2102 USB to UART Bridge (Silicon Labs)", "CP210x")
+    monkeypatch.setattr(serial_link, "find_ports", lambda: [adapter])
+    link = open_link("/dev/ttyUSB0")
+    assert link.description == "CP2102 USB to UART Bridge (Silicon Labs)"
+    assert link.chip == "CP210x"
+
+
 def test_without_a_low_latency_mode_the_latency_timer_counts(native):
     assert open_link("COM3").granularity == LATENCY_TIMER
 

@@ -121,10 +121,11 @@ class WebSerialLink(Link):
 
     granularity = WEB_SERIAL
 
-    def __init__(self, url: str, port: Opened, *, baud: int, about: str) -> None:
+    def __init__(self, url: str, port: Opened, *, baud: int, about: str, chip: str = "") -> None:
         serial, self._suspend = _host()
         self.url = url
         self.baud = baud
+        self._chip = chip
         self._port = port
         self._clock = serial.now
         self._about = about
@@ -133,6 +134,10 @@ class WebSerialLink(Link):
     @property
     def description(self) -> str:
         return self._about
+
+    @property
+    def chip(self) -> str:
+        return self._chip
 
     def now(self) -> float:
         return self._clock()
@@ -205,7 +210,7 @@ def open_web_serial(url: str, options: dict[str, str]) -> Link:
         if opened.refused == "TimeoutError":
             raise PortFailed(url=url, problem=_HANGS, advice=_UNPLUG)
         raise PortFailed(url=url, problem=Text(opened.message, opened.message))
-    return WebSerialLink(url, opened, baud=baud, about=port.description)
+    return WebSerialLink(url, opened, baud=baud, about=port.description, chip=port.chip)
 
 
 def find_web_ports() -> list[Port]:

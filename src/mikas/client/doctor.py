@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterator
 from dataclasses import dataclass
+from functools import partial
 from statistics import median
 from typing import Final
 
@@ -19,6 +20,7 @@ from mikas.errors import PortKind
 from mikas.framing import encode
 from mikas.i18n import Text
 from mikas.link import Link
+from mikas.link.chips import has_latency_timer, has_usual_rates
 from mikas.link.holders import shared
 from mikas.link.ports import described
 from mikas.link.urls import parse
@@ -60,6 +62,14 @@ _IN_LUMPS: Final = {
         "короткое время сборки пакетов и поставьте его ближе к Wi-Fi",
     ),
 }
+_NO_TIMER = Text(
+    "the adapter hands bytes over in lumps. It works, but slower; this chip has nothing to set, a "
+    "cable with an FT232R is faster",
+    "адаптер отдаёт байты порциями. Работает, но медленнее; у этой микросхемы настроить нечего, "
+    "кабель на FT232R быстрее",
+)
+_QUIET = 0.1  # s without a byte, after which the line is taken for silent
+_USUAL = frozenset((300, 600, 1200, 2400, 4800, 7200, 9600, 14400, 19200, 38400, 57600, 115200))
 _RPM = c.Datum(0x29, 1)
 
 
@@ -100,6 +110,7 @@ def _on_the_line(ecu: Ecu) -> Iterator[Step]:
         tester.connect()
     except errors.EchoOnly as error:
         yield Step("echo", True, _ECHO)
+        yield from _baud_of_echo(tester.link)
         yield _failed("ecu", error)
         return
     except errors.MikasError as error:
@@ -111,8 +122,8 @@ def _on_the_line(ecu: Ecu) -> Iterator[Step]:
     try:
         rate = float(tester.link.baud)
         if tester.line.echo:
-            measured = _measured_baud(tester)
-            yield _baud(measured, tester.link.baud)
+            measured = _measured_baud(tester.time_echo, tester.link)
+            yield _baud(measured, tester.link)
             rate = min(rate, measured) if isinstance(measured, float) else rate
         name = "line"
         answered = yield from _availability(tester, 10 / rate)
@@ -145,7 +156,32 @@ def _failed(name: str, error: errors.MikasError) -> Step:
     return Step(name, False, error.text, error)
 
 
-def _measured_baud(tester: Tester) -> float | Text:
+def _baud_of_echo(link: Link) -> Iterator[Step]:
+    """Measure the baud rate where no ECU answers: a wrong one may be why."""
+    try:
+        measured = _measured_baud(partial(_timed_echo, link), link)
+    except errors.LinkLost:  # the next step says so
+        return
+    yield _baud(measured, link)
+
+
+def _timed_echo(link: Link, body: bytes) -> float:
+    """Return the seconds from the write of `body` to the end of its echo. Raises `EchoDiffers`."""
+    while link.read(link.now() + _QUIET).data:
+        pass
+    wire, heard = encode(body), b""
+    began = link.now()
+    deadline = began + 4 * len(wire) * link.byte_time + 1
+    link.write(wire)
+    while len(heard) < len(wire):
+        chunk = link.read(deadline)
+        heard += chunk.data
+        if not chunk.data or not wire.startswith(heard[: len(wire)]):
+            raise errors.EchoDiffers(request=wire, received=heard, time=link.now())
+    return chunk.time - began
+
+
+def _measured_baud(time_echo: Callable[[bytes], float], link: Link) -> float | Text:
     """Measure the baud rate by the difference of a long and a short request's echo times.
 
     The shortest of several times counts, for a busy computer only adds delays. A text says why
@@ -153,19 +189,20 @@ def _measured_baud(tester: Tester) -> float | Text:
     """
     bodies = [c.ReadParameters((_RPM,) * count).body() for count in (1, _LONG)]
     try:
-        short, long = (min(tester.time_echo(body) for _ in range(_REPETITIONS)) for body in bodies)
+        short, long = (min(time_echo(body) for _ in range(_REPETITIONS)) for body in bodies)
     except errors.LineError:  # the next step rates the line
         return _DAMAGED_ECHO
     rate = 10 * (_LONG - 1) / max(long - short, 1e-6)
     # If the short ones were late, the difference is too small: a slow wire would seem right.
     late = short - 10 * len(encode(bodies[0])) / rate
-    if late >= max(_LATE, tester.link.granularity):
-        return _LATE_ECHO[tester.link.kind]
+    if late >= max(_LATE, link.granularity):
+        return _LATE_ECHO[link.kind]
     return rate
 
 
-def _baud(measured: float | Text, wanted: int) -> Step:
+def _baud(measured: float | Text, link: Link) -> Step:
     """Rate the measured speed."""
+    wanted = link.baud
     if isinstance(measured, Text):
         return Step("baud", None, measured)
     rate = Text(f"about {measured:.0f} bit/s", f"около {measured:.0f} бит/с")
@@ -177,7 +214,16 @@ def _baud(measured: float | Text, wanted: int) -> Step:
             "либо виртуальный. Скорость проверит ответ блока.",
         )
         return Step("baud", None, text)
-    if abs(measured - wanted) > wanted * _TOLERANCE:
+    is_wrong = abs(measured - wanted) > wanted * _TOLERANCE
+    if is_wrong and wanted not in _USUAL and has_usual_rates(link.chip):
+        text = Text(
+            f"{rate.en} instead of {wanted}: a CP2101, CP2102 or CP2103 knows the usual baud rates "
+            "only. Take a cable with another chip for this one, an FT232R or a CH340.",
+            f"{rate.ru} вместо {wanted}: CP2101, CP2102 и CP2103 знают только обычные скорости. "
+            "Для этой возьмите кабель на другой микросхеме: FT232R или CH340.",
+        )
+        return Step("baud", False, text)
+    if is_wrong:
         text = Text(
             f"{rate.en} instead of {wanted}. Likely, in order: the other end is set to another "
             "baud rate; the computer is too busy; the adapter is slow. Correct the baud rate, or "
@@ -208,18 +254,19 @@ def _availability(tester: Tester, byte_time: float) -> Generator[Step, None, boo
         bytes_passed = len(reply.wire) + 3
         delays.append(reply.ended - began - bytes_passed * byte_time)
     if delays:
-        yield _latency(max(0.0, median(delays)), tester.link.kind)
+        yield _latency(max(0.0, median(delays)), tester.link)
     yield _line(len(delays) + len(failed), failed)
     return bool(delays)
 
 
-def _latency(delay: float, kind: PortKind) -> Step:
+def _latency(delay: float, link: Link) -> Step:
     """Rate the time of an answer beyond the wire's: the unit's reaction, the adapter's delay."""
     milliseconds = f"{delay * 1000:.1f}"
     time = Text(f"{milliseconds} ms a request", f"{milliseconds.replace('.', ',')} мс на запрос")
     if delay < _LUMPS:
         return Step("latency", True, time)
-    why = _IN_LUMPS[kind]
+    has_no_timer = link.chip != "" and not has_latency_timer(link.chip)
+    why = _NO_TIMER if has_no_timer else _IN_LUMPS[link.kind]
     text = Text(f"{time.en}: {why.en}", f"{time.ru}: {why.ru}")
     return Step("latency", None, text)
 

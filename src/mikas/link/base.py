@@ -107,6 +107,11 @@ class Link(ABC):
         return self.url
 
     @property
+    def chip(self) -> str:
+        """The adapter's USB serial chip (`FT232R`); empty: unknown."""
+        return ""
+
+    @property
     def byte_time(self) -> float:
         """Seconds that one byte takes on the wire: 1.0417 ms at 9600 baud."""
         return BITS_PER_BYTE / self.baud
@@ -199,6 +204,10 @@ class LinkWrapper(Link):
     @property
     def description(self) -> str:
         return self.link.description
+
+    @property
+    def chip(self) -> str:
+        return self.link.chip
 
     @property
     def can_break(self) -> bool:

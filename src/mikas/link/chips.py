@@ -17,8 +17,16 @@ LATENCY = Text(
     "1 мс, в Windows это делают вручную: Диспетчер устройств, порт, Параметры порта, Дополнительно",
 )
 _LUMPS = Text(
-    "hands over received bytes in lumps of up to 32, so arrival times are coarse",
-    "отдаёт принятое порциями до 32 байт, поэтому время прихода грубое",
+    "with an old driver it hands over received bytes in lumps of 32, with a new one at once; it "
+    "does not report bytes that were damaged on the line",
+    "со старым драйвером отдаёт принятое порциями по 32 байта, с новым — сразу; о байтах, "
+    "испорченных на линии, не сообщает",
+)
+_USUAL_RATES = Text(
+    "a CP2101, CP2102 or CP2103 knows the usual baud rates only: 9600 is exact, 10400 becomes "
+    "14400",
+    "CP2101, CP2102 и CP2103 знают только обычные скорости: 9600 точная, вместо 10400 выходит "
+    "14400",
 )
 _CLONES = Text(
     "cheap cables with it vary: some have a weak K-Line driver or no echo",
@@ -26,9 +34,11 @@ _CLONES = Text(
 )
 _COUNTERFEIT = Text(
     "many are counterfeit, and the maker's newer Windows drivers refuse those (code 10, or “phased "
-    "out”): install an older driver or take another cable",
+    "out”); Linux gives no port to a copy of a version that it does not know: install an older "
+    "driver or take another cable",
     "много подделок, а новые драйверы изготовителя для Windows их не пускают (код 10 или «phased "
-    "out»): поставьте старый драйвер или возьмите другой кабель",
+    "out»); Linux не даёт порта подделке незнакомой версии: поставьте старый драйвер или возьмите "
+    "другой кабель",
 )
 _UNKNOWN = Text(
     "an unknown USB device: possibly an adapter; the connection check shows whether it works",
@@ -36,6 +46,7 @@ _UNKNOWN = Text(
 )
 
 _FTDI, _CH340, _PROLIFIC = (LATENCY,), (_LUMPS, _CLONES), (_COUNTERFEIT,)
+_CP210X = (_USUAL_RATES,)
 
 CHIPS: Final[dict[tuple[int, int], tuple[str, tuple[Text, ...]]]] = {
     (0x0403, 0x6001): ("FT232R", _FTDI),
@@ -51,7 +62,7 @@ CHIPS: Final[dict[tuple[int, int], tuple[str, tuple[Text, ...]]]] = {
     (0x1A86, 0x55D2): ("CH342", ()),
     (0x1A86, 0x55D3): ("CH343", ()),
     (0x1A86, 0x55D4): ("CH9102", ()),
-    (0x10C4, 0xEA60): ("CP210x", ()),
+    (0x10C4, 0xEA60): ("CP210x", _CP210X),
     (0x10C4, 0xEA70): ("CP2105", ()),
     (0x10C4, 0xEA71): ("CP2108", ()),
     (0x067B, 0x2303): ("PL2303", _PROLIFIC),
@@ -75,6 +86,16 @@ def chip_of(vid: int | None, pid: int | None) -> tuple[str, tuple[Text, ...]]:
     if vid is None:
         return "", ()
     return CHIPS.get((vid, pid or 0)) or CHIPS.get((vid, 0)) or ("", (_UNKNOWN,))
+
+
+def has_latency_timer(chip: str) -> bool:
+    """Return whether the chip of this name has a latency timer: FTDI's have."""
+    return any(name == chip and LATENCY in quirks for name, quirks in CHIPS.values())
+
+
+def has_usual_rates(chip: str) -> bool:
+    """Return whether the chip of this name may know the usual baud rates only."""
+    return any(name == chip and _USUAL_RATES in quirks for name, quirks in CHIPS.values())
 
 
 def known_products() -> dict[tuple[int, int], str]:

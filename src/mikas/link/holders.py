@@ -35,6 +35,12 @@ _MODEM_MANAGER, _BRLTTY = "ModemManager", "brltty"
 _PTY_MASTERS = frozenset({"/dev/ptmx", "/dev/pts/ptmx"})  # of a pty, `mikas sim` has both ends
 _UNKNOWN = Text("another program", "другой программой")
 _CLOSE_IT = Text("Close it, then try again.", "Закройте её и повторите.")
+_ANOTHER_CABLE = Text(
+    "Linux refuses copies of this chip of a version that it does not know. Unplug it and plug it "
+    "in again; if it stays so, take a cable with an FT232R, CH340 or CP2102.",
+    "Linux не пускает подделки этой микросхемы незнакомой версии. Отключите адаптер и подключите "
+    "снова; если не поможет, возьмите кабель на FT232R, CH340 или CP2102.",
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,7 +110,10 @@ def adapter_without_port(
             return AdapterTaken(
                 url=url, chip=_CHIPS[ids], holder=_UNKNOWN if holder is None else holder.text
             )
-        return AdapterWithoutDriver(url=url, chip=_CHIPS[ids])
+        chip = _CHIPS[ids]
+        if chip.startswith("PL2303"):
+            return AdapterWithoutDriver(url=url, chip=chip, advice=_ANOTHER_CABLE)
+        return AdapterWithoutDriver(url=url, chip=chip)
     return None
 
 

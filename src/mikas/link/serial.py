@@ -42,6 +42,7 @@ from mikas.link.base import (
     WallClock,
     link_lost,
 )
+from mikas.link.chips import has_latency_timer
 from mikas.link.failures import (
     SYSTEM_ERRORS,
     also_of_system,
@@ -91,6 +92,7 @@ class SerialLink(Link):
         self.kind: PortKind = kind_of(url)
         self.baud = baud
         self._about = about
+        self._chip: str | None = "" if about else None  # None: not looked up
         self._can_break = can_break  # turns false once the system has refused
         self.granularity = granularity
         self.port = port
@@ -102,9 +104,22 @@ class SerialLink(Link):
     @property
     def description(self) -> str:
         """`FT232R USB UART (FTDI), low latency`, or the port's name if nothing else is known."""
-        if not self._about:  # looked up on first use: listing the ports takes time
-            self._about = _described(parse(self.url).address)
-        return f"{self._about}, low latency" if self.granularity <= AT_ONCE else self._about
+        self._look_up()
+        is_lowered = self.granularity <= AT_ONCE and has_latency_timer(self.chip)
+        return f"{self._about}, low latency" if is_lowered else self._about
+
+    @property
+    def chip(self) -> str:
+        self._look_up()
+        return self._chip or ""
+
+    def _look_up(self) -> None:
+        """Look the adapter up on first use: listing the ports takes time."""
+        if self._chip is None:
+            path = parse(self.url).address
+            port = named(path, find_ports())
+            self._about = path if port is None else port.description
+            self._chip = "" if port is None else port.chip
 
     def now(self) -> float:
         return self._clock.now()
@@ -329,8 +344,3 @@ def _ask_low_latency(port: serial.Serial) -> bool:
         ask(True)
         return True
     return False
-
-
-def _described(path: str) -> str:
-    port = named(path, find_ports())
-    return path if port is None else port.description

@@ -148,6 +148,14 @@ def test_an_adapter_that_no_driver_serves_is_an_error_of_its_own(computer):
     assert adapter_without_port("x", (0x0403, 0x6001), usb=computer.usb) is None  # of this kind
 
 
+def test_a_copy_of_a_pl2303_that_linux_refuses_is_to_be_replaced(computer):
+    computer.plug("067b:2303")
+    error = computer.without_port()
+    assert type(error) is AdapterWithoutDriver
+    assert "refuses copies of this chip" in error.text.en
+    assert "подделки" in error.text.ru
+
+
 @pytest.mark.parametrize(
     ("ids", "driver", "port"),
     [("0403:6001", "ftdi_sio", "ttyUSB0"), ("1a86:55d4", "cdc_acm", "tty"), ("046d:c52b", "", "")],
