@@ -241,8 +241,9 @@ def test_importing_the_package_imports_no_back_end():
 def test_an_adapter_has_its_name_among_the_ports_and_others_have_none():
     assert parse("/dev/ttyUSB0?rts=1").name == parse("serial:/dev/ttyUSB0").name == "/dev/ttyUSB0"
     assert PortUrl("webserial", "0403:6001", {"rts": "1"}).name == "webserial:0403:6001"
-    adapters = [PortUrl(scheme, "x", {}).is_adapter for scheme in ("serial", "webserial", "socket")]
-    assert adapters == [True, True, False]
+    schemes = ("serial", "webserial", "webusb", "socket")
+    adapters = [PortUrl(scheme, "x", {}).is_adapter for scheme in schemes]
+    assert adapters == [True, True, True, False]
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,6 @@
-"""Why a port of the browser does not open, in words; the rest is tested in a browser."""
+"""Why a port of the browser does not open, in words, and what its link knows; the rest is tested in
+a browser.
+"""
 
 from __future__ import annotations
 
@@ -9,26 +11,76 @@ import pytest
 from mikas.browser import web_serial
 from mikas.errors import NoConnection, PortFailed
 
-GRANTED = Its(vid=0x0403, pid=0x6001, nth=1)
+FT232 = Its(scheme="webserial", vid=0x0403, pid=0x6001, nth=1)
+IN_PHONE = Its(scheme="webusb", vid=0x0403, pid=0x6001, nth=1)
+CH340 = Its(scheme="webusb", vid=0x1A86, pid=0x7523, nth=2)
+CP2102 = Its(scheme="webusb", vid=0x10C4, pid=0xEA60, nth=1)
+
+
+@pytest.fixture
+def browser(monkeypatch):
+    """Has one port granted, and what comes of opening it."""
+
+    def of(granted, opened):
+        serial = Its(
+            ports=lambda: Its(promise=[granted]), open=lambda *_: Its(promise=opened), now=lambda: 0
+        )
+        monkeypatch.setattr(web_serial, "_chosen", lambda _, ports: ports[0])  # no URL of a desktop
+        monkeypatch.setattr(web_serial, "_host", lambda: (serial, lambda promise: promise))
+
+    return of
 
 
 @pytest.mark.parametrize(
-    ("refused", "error", "words"),
+    ("granted", "refused", "words"),
     [
-        ("NetworkError", PortFailed, ("another tab", "другой вкладке")),
-        ("NetworkError", PortFailed, ("gives no reason", "не сообщил причину")),
-        ("InvalidStateError", PortFailed, ("Reload the page", "Обновите страницу")),
-        ("TimeoutError", PortFailed, ("unplug it and plug it in again", "отключите адаптер")),
-        ("UnknownError", PortFailed, ("the browser's words", "the browser's words")),
+        (FT232, "NetworkError", ("another tab", "другой вкладке")),
+        (FT232, "NetworkError", ("gives no reason", "не сообщил причину")),
+        (FT232, "InvalidStateError", ("Reload the page", "Обновите страницу")),
+        (FT232, "TimeoutError", ("unplug it and plug it in again", "отключите адаптер")),
+        (FT232, "UnknownError", ("14400", "14400")),
+        (IN_PHONE, "NetworkError", ("Not through a hub", "Не через хаб")),
+        (IN_PHONE, "NotFoundError", ("OTG", "OTG")),
+        (IN_PHONE, "SecurityError", ("answer OK when the phone asks", "ответьте «ОК»")),
+        (CH340, "ClaimError", ("the cable's CH340 is in use", "CH340 кабеля занята")),
+        (CH340, "ClaimError", ("A cable with an FT232R will do", "Подойдёт кабель с FT232R")),
+        (CP2102, "RateError", ("CP210x can't do 9600 bit/s: it would make 14400", "14400")),
+        (CP2102, "RateError", ("take a cable with an FT232R or CH340", "возьмите кабель с FT232R")),
+        (CP2102, "NotSupportedError", ("this kind of CP210x is not known", "неизвестна")),
+        (CH340, "ChipError", ("bad copy", "плохая копия")),
     ],
 )
-def test_a_refusal_says_what_to_do(monkeypatch, refused, error, words):
-    opened = Its(refused=refused, message="the browser's words")
-    serial = Its(ports=lambda: Its(promise=[GRANTED]), open=lambda *_: Its(promise=opened))
-    monkeypatch.setattr(web_serial, "_chosen", lambda _, ports: ports[0])  # no URL of a desktop
-    monkeypatch.setattr(web_serial, "_host", lambda: (serial, lambda promise: promise))
+def test_a_refusal_says_what_to_do(browser, granted, refused, words):
+    browser(granted, Its(refused=refused, message="14400"))
     with pytest.raises(NoConnection) as raised:
         web_serial.open_web_serial("webserial:0403:6001", {})
-    assert type(raised.value) is error
+    assert type(raised.value) is PortFailed
     assert words[0] in raised.value.text.en
     assert words[1] in raised.value.text.ru
+
+
+def test_a_chip_that_the_browser_takes_over_needs_no_other_cable(browser):
+    browser(IN_PHONE, Its(refused="ClaimError", message=""))
+    with pytest.raises(PortFailed) as raised:
+        web_serial.open_web_serial("webusb:0403:6001", {})
+    assert "Close other diagnostics apps" in raised.value.text.en
+    assert "will do" not in raised.value.text.en
+
+
+def test_ports_over_webusb_have_a_scheme_of_their_own_and_no_timer_to_lower_by_hand(browser):
+    for granted, url, has_quirk in (
+        (FT232, "webserial:0403:6001", True),
+        (IN_PHONE, "webusb:0403:6001", False),
+        (CH340, "webusb:1a86:7523:2", False),
+    ):
+        browser(granted, None)
+        [port] = web_serial.find_web_ports()
+        timers = ["latency timer" in quirk.en for quirk in port.quirks]
+        assert (port.url, any(timers)) == (url, has_quirk)
+
+
+def test_bytes_come_as_late_as_the_chip_and_the_browser_make_them(browser):
+    for granularity, late in ((0, 0.03), (0.001, 0.015), (0.016, 0.03)):
+        browser(IN_PHONE, Its(granularity=granularity))
+        link = web_serial.open_web_serial("webusb:0403:6001", {})
+        assert link.granularity == pytest.approx(late)

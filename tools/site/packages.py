@@ -44,7 +44,7 @@ _METADATA = frozenset({"METADATA", "entry_points.txt"})
 
 # What works in a browser of pyproject.toml's links, and the link of the site alone.
 _LINKS = ("sim", "replay")
-_OWN_LINKS = {"webserial": "mikas.browser.web_serial:open_web_serial"}
+_OWN_LINKS = dict.fromkeys(("webserial", "webusb"), "mikas.browser.web_serial:open_web_serial")
 # The command line and what it alone calls, the server and its page, what shows and draws the
 # recording of `mikas.open`, links and formats of libraries that are not here, what tests by pytest,
 # and what computes with arrays of bytes by numpy, in place of which there is a loop.

@@ -1,4 +1,4 @@
-"""The link over Web Serial: the adapters that the user has granted to the page (§1).
+"""The link over Web Serial or WebUSB: the adapters that the user has granted to the page (§1).
 
 The ports and their bytes are JavaScript's (`web/src/site/worker/serial.ts`): it stamps each chunk
 when it comes, so that one which is read later has its own time. Here a read suspends its stack
@@ -8,6 +8,9 @@ A port's name is `webserial:0403:6001`, by USB vendor and product; `webserial:04
 second of that kind, `webserial:other` one that is not on USB. `webserial:` is the only one. A
 browser shows neither an adapter's serial number nor its socket. So of two like adapters that were
 both unplugged, the first one plugged in again gets the first name, whichever it is.
+
+On a phone the scheme is `webusb`: the drivers of the chips are the page's own (`web/src/site/usb`),
+so it sets an FTDI's latency timer, knows the rate that a chip makes, and says why it has no cable.
 """
 
 from __future__ import annotations
@@ -17,13 +20,16 @@ from functools import cache
 from importlib import import_module
 from typing import Any, Protocol
 
-from mikas.errors import NoPortGiven, PortFailed, PortNotFound
+from mikas.browser.refusals import WEB_USB, refusal
+from mikas.errors import NoPortGiven, PortNotFound
 from mikas.i18n import Text
 from mikas.link.base import (
     BAUD,
+    BROWSER,
     CLOSED_HERE,
     LONGEST_REQUEST,
     PATIENCE,
+    STALLED,
     TAKES_NO_BYTES,
     UNPLUGGED,
     WEB_SERIAL,
@@ -43,27 +49,7 @@ _CHOOSE = Text(
     "its plug and cable; on Windows its driver may be missing.",
     "Странице не разрешён ни один из подключённых адаптеров. Подключите его, нажмите на экране "
     "«Связь» кнопку «Выбрать кабель…» и укажите его в списке браузера. Адаптера там нет? Проверьте "
-    "разъём и кабель; в Windows может не быть драйвера.",
-)
-_HANGS = Text("the browser neither opens nor closes it", "браузер его не открывает и не закрывает")
-_UNPLUG = Text(
-    "The adapter or its driver hangs: unplug it and plug it in again. If that does not help, close "
-    "all windows of the browser and open this page again.",
-    "Завис адаптер или его драйвер: отключите адаптер и подключите снова. Если не поможет, "
-    "закройте все окна браузера и откройте эту страницу снова.",
-)
-_WITHOUT_REASON = Text("the browser gives no reason", "браузер не сообщил причину")
-_OPEN_HERE = Text("this page has it open already", "он уже открыт этой же страницей")
-_RELOAD = Text("Reload the page, then connect again.", "Обновите страницу и подключитесь снова.")
-_LIKELY = Text(
-    "Likely, in order: another tab or window of this page, another diagnostics program, a terminal "
-    "or ModemManager has it open: close that. On Linux without permission: "
-    "sudo usermod -aG dialout $USER, then log out and in again. If nothing has it open, unplug the "
-    "adapter and plug it in again.",
-    "Скорее всего, по порядку: порт открыт в другой вкладке или в другом окне этой страницы, в "
-    "программе диагностики, в терминале или у ModemManager — закройте их. В Linux без прав: "
-    "sudo usermod -aG dialout $USER, затем выйти из системы и войти снова. Если порт никем не "
-    "открыт, отключите адаптер и подключите снова.",
+    "разъём и кабель; в Windows может не быть драйвера, на телефоне может быть выключен OTG.",
 )
 _LATENCY = Text(
     "hands over received bytes after up to 16 ms (its latency timer), which slows single readings "
@@ -73,7 +59,12 @@ _LATENCY = Text(
     "браузер её уменьшить не может, в Windows можно вручную: Диспетчер устройств, порт, Параметры "
     "порта, Дополнительно",
 )
-_WHY_LOST = {"closed": CLOSED_HERE, "stuck": TAKES_NO_BYTES, "unplugged": UNPLUGGED}
+_WHY_LOST = {
+    "closed": CLOSED_HERE,
+    "stalled": STALLED,
+    "stuck": TAKES_NO_BYTES,
+    "unplugged": UNPLUGGED,
+}
 
 
 class Pending(Protocol):
@@ -85,6 +76,7 @@ class Pending(Protocol):
 class Granted(Protocol):
     """A port that JavaScript knows."""
 
+    scheme: str
     vid: int | None
     pid: int | None
     nth: int
@@ -94,6 +86,7 @@ class Opened(Protocol):
     """An open port, or why it is not open (`refused`, `message`)."""
 
     lost: str
+    granularity: float
     takenAt: float  # noqa: N815  (JavaScript's name)
 
     def arrival(self, deadline: float, /) -> Pending | None: ...
@@ -119,12 +112,20 @@ Suspend = Callable[[Awaitable[Any]], Any]
 class WebSerialLink(Link):
     """A link over the open `port`, which it owns."""
 
-    granularity = WEB_SERIAL
-
-    def __init__(self, url: str, port: Opened, *, baud: int, about: str, chip: str = "") -> None:
+    def __init__(
+        self,
+        url: str,
+        port: Opened,
+        *,
+        baud: int,
+        about: str,
+        chip: str = "",
+        granularity: float = WEB_SERIAL,
+    ) -> None:
         serial, self._suspend = _host()
         self.url = url
         self.baud = baud
+        self.granularity = granularity
         self._chip = chip
         self._port = port
         self._clock = serial.now
@@ -203,14 +204,12 @@ def open_web_serial(url: str, options: dict[str, str]) -> Link:
     serial, suspend = _host()
     opened = suspend(serial.open(granted[port], baud, *lines).promise)
     if hasattr(opened, "refused"):
-        if opened.refused == "NetworkError":
-            raise PortFailed(url=url, problem=_WITHOUT_REASON, advice=_LIKELY)
-        if opened.refused == "InvalidStateError":
-            raise PortFailed(url=url, problem=_OPEN_HERE, advice=_RELOAD)
-        if opened.refused == "TimeoutError":
-            raise PortFailed(url=url, problem=_HANGS, advice=_UNPLUG)
-        raise PortFailed(url=url, problem=Text(opened.message, opened.message))
-    return WebSerialLink(url, opened, baud=baud, about=port.description, chip=port.chip)
+        raise refusal(url, port, baud, opened.refused, opened.message)
+    # A driver of this page says how late its chip is; a browser's own does not.
+    late = opened.granularity + BROWSER if opened.granularity else WEB_SERIAL
+    return WebSerialLink(
+        url, opened, baud=baud, about=port.description, chip=port.chip, granularity=late
+    )
 
 
 def find_web_ports() -> list[Port]:
@@ -234,8 +233,10 @@ def _port(it: Granted) -> Port:
     is_usb = it.vid is not None and it.pid is not None
     kind = f"{it.vid:04x}:{it.pid:04x}" if is_usb else _OTHER
     chip, quirks = chip_of(it.vid, it.pid)
+    if it.scheme == WEB_USB:
+        quirks = tuple(quirk for quirk in quirks if quirk is not LATENCY)
     return Port(
-        url=f"webserial:{kind}" + (f":{it.nth}" if it.nth > 1 else ""),
+        url=f"{it.scheme}:{kind}" + (f":{it.nth}" if it.nth > 1 else ""),
         description=chip or (f"USB {kind}" if is_usb else "serial port"),
         chip=chip,
         quirks=tuple(_LATENCY if quirk is LATENCY else quirk for quirk in quirks),

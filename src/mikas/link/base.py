@@ -29,7 +29,8 @@ BITS_PER_BYTE = 10  # §1: start bit, eight data bits, stop bit
 # s; by so much bytes may come late and together, through (D14):
 AT_ONCE = 0.001  # an adapter without a latency timer, or with one of 1 ms
 LATENCY_TIMER = 0.016  # the FT232's own setting
-WEB_SERIAL = 0.03  # that timer, which a browser can't change, and the browser's own processes
+BROWSER = 0.014  # the processes of a browser
+WEB_SERIAL = LATENCY_TIMER + BROWSER  # over Web Serial a page can't change that timer
 NETWORK = 0.2  # a Wi-Fi bridge
 
 PATIENCE = 2.0  # s; a write may take so much longer than its time on the wire
@@ -42,6 +43,7 @@ TEXT_ANSWER = 0.5  # s that such an answer may take
 CLOSED_HERE = Text("it was closed here", "он закрыт этой программой")
 TAKES_NO_BYTES = Text("it takes no more bytes", "он не принимает байты")
 UNPLUGGED = Text("unplugged, or closed by the other end", "отключён или закрыт другой стороной")
+STALLED = Text("its chip refuses transfers", "его микросхема отказывается передавать")
 
 
 def link_lost(

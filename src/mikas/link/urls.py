@@ -36,15 +36,16 @@ link. A plain `UsageError` that it raises becomes a `BadPortUrl`.
 """
 
 GROUP = "mikas.links"
-_OF_ADAPTERS = ("serial", "webserial")
+_OF_ADAPTERS = ("serial", "webserial", "webusb")
 _OF_NETWORKS = ("socket", "rfc2217")
 _NO_NAME = Text("a browser opens no port by its name", "по такому имени браузер порт не открывает")
 _IN_A_BROWSER = Text(
     "A page reaches only cables that were chosen in the browser's list: press “Choose the cable…”. "
-    "Its ports look like webserial:0403:6001 (the cable's USB vendor and product), sim: or "
-    "replay:FILE.",
+    "Its ports look like webserial:0403:6001 (the cable's USB vendor and product; on a phone "
+    "webusb:0403:6001), sim: or replay:FILE.",
     "Странице доступны только кабели, выбранные в списке браузера: нажмите «Выбрать кабель…». "
-    "Порты здесь пишутся так: webserial:0403:6001 (USB-номера кабеля), sim:, replay:FILE.",
+    "Порты здесь пишутся так: webserial:0403:6001 (USB-номера кабеля; на телефоне "
+    "webusb:0403:6001), sim:, replay:FILE.",
 )
 _NO_OPENER = Text(
     "is not a function of an address and its options",

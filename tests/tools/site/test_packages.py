@@ -41,6 +41,7 @@ def test_it_has_mikas_with_its_data_and_its_links_without_the_command_line():
         "sim = mikas.link.virtual:open_sim",
         "replay = mikas.replay.port:open_replay",
         "webserial = mikas.browser.web_serial:open_web_serial",
+        "webusb = mikas.browser.web_serial:open_web_serial",
     ]
 
 

@@ -6,11 +6,12 @@ import { hindrance } from "./boot/hindrance";
 import { keepsFiles } from "./boot/keepsFiles";
 import { shown } from "./boot/start.svelte";
 import { ProgramEnded, type Port } from "./program/endpoint";
-import type { Role } from "./program/messages";
+import { nameOf, type Role } from "./program/messages";
 import { loadAnew } from "./offline/anew";
 import { installing } from "./offline/installing.svelte";
 import { Program } from "./program/program";
 import { OneTab, type Owner } from "./tabs/oneTab";
+import { accessHere } from "./usb/access";
 import { HANGS } from "./within";
 import workerScript from "./worker/worker.ts?worker&url";
 
@@ -25,10 +26,10 @@ const boot = mount(Boot, { target });
  * A worker has the policy of its own script's headers, which a static host does not send. One whose script is a blob has this page's: no
  * code in it can ask another host, on the first visit either.
  */
-const worker = (name: Role): Port => {
+const worker = (role: Role): Port => {
   const script = `import ${JSON.stringify(new URL(workerScript, location.href).href)}`;
   const url = URL.createObjectURL(new Blob([script], { type: "text/javascript" }));
-  return new Worker(url, { type: "module", name });
+  return new Worker(url, { type: "module", name: nameOf(role, accessHere()) });
 };
 
 let program: Program | null = null;

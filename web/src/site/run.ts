@@ -45,6 +45,9 @@ export function run(program: Program, owner: Owner, target: Element): void {
   owner.refusal = () => (state()?.recording ? "recording" : state()?.line === "sampling" ? "sampling" : null);
   // A recording ends with the tab: ask before.
   window.addEventListener("beforeunload", (event) => state()?.recording && event.preventDefault());
+  // Other pages and programs may have the adapter then; a page that the browser has kept takes it again.
+  window.addEventListener("pagehide", () => program.line.release(true));
+  window.addEventListener("pageshow", ({ persisted }) => persisted && program.line.release(false));
   void storage.look().then(() => storage.kept || (host.words = { ...words, kept: unkept }));
   const usual = live.onfirst;
   live.onfirst = (first) => void (interrupted.began(stores) || usual(first));

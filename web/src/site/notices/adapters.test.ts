@@ -1,4 +1,5 @@
 import { afterEach, expect, it, vi } from "vitest";
+import { ch340, ftdi as ftdiDevice } from "../../../test/scriptedUsb";
 import { followAdapters } from "../worker/adapters";
 import { canChoose, choice, choosePort, findAdapters } from "./adapters.svelte";
 
@@ -21,13 +22,13 @@ class FakeSerial extends EventTarget {
 function page(ports: object[], ...chosen: object[]): FakeSerial {
   const serial = new FakeSerial(ports);
   for (const each of chosen) serial.requestPort.mockResolvedValueOnce(each);
-  vi.stubGlobal("navigator", { serial });
+  vi.stubGlobal("navigator", { serial, userAgent: "X11; Linux x86_64" });
   findAdapters();
   return serial;
 }
 
 afterEach(() => {
-  choice.cancelled = false;
+  choice.cancelled = choice.unknown = false;
 });
 
 it("a port is named by the ids of its chip", async () => {
@@ -74,6 +75,29 @@ it("closing the list without a choice is no error, and is remembered until one i
 });
 
 it("a browser without Web Serial has no list", async () => {
-  vi.stubGlobal("navigator", {});
+  vi.stubGlobal("navigator", { userAgent: "Safari" });
   expect([canChoose(), await choosePort(), choice.cancelled]).toEqual([false, null, false]);
+});
+
+it("on a phone the list is that of WebUSB, whose ports have a scheme of their own", async () => {
+  const [one, other] = [ftdiDevice(), ftdiDevice()];
+  const usb = Object.assign(new EventTarget(), { getDevices: async () => [one, other], requestDevice: vi.fn() });
+  usb.requestDevice
+    .mockResolvedValueOnce(other)
+    .mockRejectedValueOnce(new DOMException("none", "NotFoundError"))
+    .mockResolvedValueOnce(ch340());
+  vi.stubGlobal("navigator", { usb, userAgent: "Mozilla/5.0 (Linux; Android 10; K)" });
+  findAdapters();
+  expect(canChoose()).toBe(true);
+  expect(await choosePort()).toBe("webusb:0403:6001:2");
+  expect([await choosePort(), choice.cancelled, choice.unknown]).toEqual([null, true, false]);
+  expect([await choosePort(), choice.cancelled]).toEqual([null, false]); // pulled again before it was looked for
+});
+
+it("what was chosen may be no serial port", async () => {
+  const requestDevice = vi.fn().mockResolvedValueOnce(Object.assign(ch340(), { productId: 0x5512 }));
+  const usb = Object.assign(new EventTarget(), { getDevices: async () => [], requestDevice });
+  vi.stubGlobal("navigator", { usb, userAgent: "Mozilla/5.0 (Linux; Android 10; K)" });
+  findAdapters();
+  expect([await choosePort(), choice.cancelled, choice.unknown]).toEqual([null, false, true]);
 });

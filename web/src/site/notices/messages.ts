@@ -9,8 +9,8 @@ export const t = dictionary({
   },
   no_serial: { en: "This browser can't use the cable", ru: "Этот браузер не умеет работать с кабелем" },
   no_serial_do: {
-    en: "It has no Web Serial, or it was switched off. On a computer open this page in Chrome, Edge, Opera, Yandex Browser or Firefox (153 or newer). Safari, iPhones and iPads don't have it. Here the virtual car works, and recordings from elsewhere can be opened (Recordings, Add…).",
-    ru: "В нём нет Web Serial, или он выключен. Откройте эту страницу на компьютере в Chrome, Edge, Opera, Яндекс Браузере или Firefox (153 или новее). В Safari, на iPhone и iPad этого нет. Здесь работает виртуальный автомобиль и открываются чужие записи («Записи», «Добавить…»).",
+    en: "It has no Web Serial, or it was switched off. On a computer open this page in Chrome, Edge, Opera, Yandex Browser or Firefox (153 or newer), on an Android phone in Chrome or a browser made of it. Safari, iPhones and iPads don't have it. Here the virtual car works, and recordings from elsewhere can be opened (Recordings, Add…).",
+    ru: "В нём нет Web Serial, или он выключен. Откройте эту страницу на компьютере в Chrome, Edge, Opera, Яндекс Браузере или Firefox (153 или новее), на телефоне с Android — в Chrome или браузере на его основе. В Safari, на iPhone и iPad этого нет. Здесь работает виртуальный автомобиль и открываются чужие записи («Записи», «Добавить…»).",
   },
   no_storage: { en: "This browser keeps no recordings", ru: "Этот браузер не хранит записи" },
   no_storage_do: {
@@ -24,7 +24,15 @@ export const t = dictionary({
     en: "Plug it in, wait for a few seconds, and press “Choose the cable…” again. It is called by its chip: FT232R, USB-SERIAL CH340, CP2102. Try another USB socket, without a hub.",
     ru: "Вставьте его, подождите несколько секунд и снова нажмите «Выбрать кабель…». В списке он назван по микросхеме: FT232R, USB-SERIAL CH340, CP2102. Попробуйте другой разъём USB, без хаба.",
   },
-  not_listed_android: { en: "Android: few phones show USB cables to the browser yet. If the list stays empty, use a computer.", ru: "Android: пока мало телефонов показывают браузеру кабели USB. Если список остаётся пустым, возьмите компьютер." },
+  not_listed_android: {
+    en: "Android: nothing in the list means that the phone sees no cable. Plug the OTG plug in firmly (a plain USB-C cable is no OTG), and see whether the cable's lamp is on. Some phones (Oppo, OnePlus, Realme, vivo) have OTG switched off: Settings, OTG connection; they switch it off again after some minutes. No lamp: the phone gives no power, as some do with little charge or to save energy; charge it, or try another plug. Without a hub: most phones can't feed it.",
+    ru: "Android: пустой список значит, что телефон не видит кабель. Вставьте переходник OTG до упора (обычный шнур USB-C — не OTG) и посмотрите, горит ли лампочка кабеля. На некоторых телефонах (Oppo, OnePlus, Realme, vivo) OTG выключен: «Настройки», «Подключение OTG»; через несколько минут он выключается снова. Лампочка не горит — телефон не даёт питания: так бывает при малом заряде и в режиме экономии; зарядите его или возьмите другой переходник. Без хаба: большинству телефонов его не запитать.",
+  },
+  not_known: { en: "That device is no cable that is known here", ru: "Это устройство — не кабель, который здесь известен" },
+  not_known_do: {
+    en: "Choose the cable itself. A cable has one of these chips: FT232R, CH340, CP2102, PL2303. Known are FTDI, CH340 and CH341 in serial mode, CP210x, PL2303, and devices of the class CDC-ACM.",
+    ru: "Выберите сам кабель. В кабеле стоит одна из микросхем: FT232R, CH340, CP2102, PL2303. Здесь известны FTDI, CH340 и CH341 в режиме порта, CP210x, PL2303 и устройства класса CDC-ACM.",
+  },
   not_listed_windows: {
     en: "Windows: open Device Manager. A yellow mark at “USB Serial”, “USB2.0-Serial” or “FT232R USB UART” means that the driver is missing: FTDI's VCP driver for FT232, WCH's CH341SER for CH340. Windows Update often finds it by itself. Then plug the cable in again.",
     ru: "Windows: откройте «Диспетчер устройств». Жёлтый знак у «USB Serial», «USB2.0-Serial» или «FT232R USB UART» означает, что нет драйвера: для FT232 это VCP от FTDI, для CH340 — CH341SER от WCH. Часто его находит сам Центр обновления Windows. Затем вставьте кабель снова.",

@@ -84,6 +84,11 @@ export class Endpoint {
     );
   }
 
+  /** Let the adapters go while the page is not shown, or have them again. A worker that starts has none yet. */
+  release(gone: boolean): void {
+    if (this.started) this.post({ kind: "release", gone });
+  }
+
   /** End the program at once; what is kept stays kept. */
   terminate(): void {
     this.end("ended by the page");

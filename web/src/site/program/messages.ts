@@ -11,7 +11,9 @@ export type ToWorker =
   /** A WebSocket, on which only the program speaks. */
   | { kind: "open"; id: number; path: string }
   /** To the reader: what the line's worker does now. Sent when it changes, and before the first request. */
-  | ({ kind: "situation" } & Situation);
+  | ({ kind: "situation" } & Situation)
+  /** To the line's worker: the page is not shown any more, so others may have the adapters; or it is shown again. */
+  | { kind: "release"; gone: boolean };
 
 /** `recording`: the name of the file in progress; `catalog`: the version of the catalog in use, which may be kept anew. Null: none, not known. */
 export interface Situation {
@@ -40,3 +42,13 @@ export type Progress = Extract<FromWorker, { kind: "progress" }>;
 
 /** The worker's name says what it does: holds the line and the storage, or only reads recordings. */
 export type Role = "line" | "reader";
+
+/** How the adapters are reached: by Web Serial, by WebUSB, or not at all. The page decides, and its workers learn it by their names. */
+export type Access = "serial" | "usb" | "none";
+
+export const nameOf = (role: Role, access: Access): string => `${role} ${access}`;
+
+export function partsOf(name: string): [Role, Access] {
+  const [role, access] = name.split(" ");
+  return [role === "reader" ? "reader" : "line", access === "serial" || access === "usb" ? access : "none"];
+}

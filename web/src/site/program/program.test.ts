@@ -79,6 +79,17 @@ beforeEach(() => {
   program = new Program(make, Promise.resolve(true));
 });
 
+it("a page that is not shown lets the adapters go, once there is a program", () => {
+  program.line.release(true);
+  line().say({ kind: "ready" });
+  program.line.release(true);
+  program.line.release(false);
+  expect(line().received).toEqual([
+    { kind: "release", gone: true },
+    { kind: "release", gone: false },
+  ]);
+});
+
 describe("a request", () => {
   it("waits for the start, and is answered by a Response", async () => {
     const asked = program.fetch("api/plan?x=%20y", {

@@ -136,6 +136,67 @@ describe("opening", () => {
   });
 });
 
+describe("a port with a driver of this page", () => {
+  const usb = (facts: object) => Object.assign(new FakePort(), { scheme: "webusb", ...facts });
+
+  it("has a scheme of its own, and is numbered among its kind", async () => {
+    const host = hostOf(new FakePort(), usb({}), usb({}));
+    const ports = (await host.ports().promise).map(({ scheme, nth }) => [scheme, nth]);
+    expect(ports).toEqual([
+      ["webserial", 1],
+      ["webusb", 1],
+      ["webusb", 2],
+    ]);
+  });
+
+  it("says how late its chip is; the browser's own does not", async () => {
+    expect([(await opened(usb({ granularity: 0.001 }))).granularity, (await opened()).granularity]).toEqual([0.001, 0]);
+  });
+
+  it("is refused where its chip makes another rate, and closed", async () => {
+    const port = usb({ rate: 14_400.2 });
+    expect(await opened(port)).toEqual({ refused: "RateError", message: "14400" });
+    expect(port.closed).toBe(1);
+    expect((await opened(usb({ rate: 9615 }))).lost).toBe("");
+  });
+
+  it("may take its own time to open: a phone asks its user", async () => {
+    vi.useFakeTimers();
+    const port = usb({ patience: 70_000 });
+    const open = port.open.bind(port);
+    port.open = (options) => new Promise((opened) => setTimeout(() => opened(open(options)), 60_000));
+    const found = opened(port);
+    await vi.advanceTimersByTimeAsync(60_000);
+    expect((await found).lost).toBe("");
+    vi.useRealTimers();
+  });
+
+  it("whose chip refuses transfers is lost for that reason", async () => {
+    const port = usb({});
+    const link = await opened(port);
+    await settled();
+    port.fail("StallError", true);
+    await settled();
+    expect(link.lost).toBe("stalled");
+  });
+});
+
+describe("a page that is not shown any more", () => {
+  it("lets its ports go, and has them again when it is shown", async () => {
+    const [port, other] = [new FakePort(), new FakePort()];
+    const host = hostOf(port, other);
+    const [first, second] = await host.ports().promise;
+    const [link, closed] = [await host.open(first!, 9600, true, false).promise, await host.open(second!, 9600, true, false).promise];
+    (closed as OpenPort).close();
+    host.release(true);
+    expect([(link as OpenPort).lost, (closed as OpenPort).lost]).toEqual(["unplugged", "closed"]);
+    expect([port.closed, await names(host)]).toEqual([1, []]);
+    host.release(false);
+    expect(await names(host)).toHaveLength(2);
+    expect(((await host.open(first!, 9600, true, false).promise) as OpenPort).lost).toBe("");
+  });
+});
+
 describe("a browser that settles nothing, as with a driver that hangs,", () => {
   const never = new Promise<never>(() => undefined);
   beforeEach(() => void vi.useFakeTimers());

@@ -1,6 +1,7 @@
-// The adapters on Web Serial, for Python's link (`mikas.browser.web_serial`). Here runs what can't wait for Python: each chunk is stamped when
+// The adapters on Web Serial, or on WebUSB (`../usb/`), for Python's link (`mikas.browser.web_serial`). Here runs what can't wait for Python: each chunk is stamped when
 // it comes and kept until Python takes it. No promise is rejected: what went wrong is in what it is kept with, or in `lost`.
 import type { Serial, SerialPort } from "./webSerial";
+import { STALLS } from "../usb/session";
 import { HANGS, within } from "../within";
 import { afterOthers } from "./waits";
 
@@ -15,6 +16,9 @@ const RECENTLY = 0.003;
 /** ms in which the browser settles what is asked of a port. A driver that hangs settles nothing, and Python would wait for ever. */
 const PATIENCE = { list: 2000, open: 10_000, signals: 2000, close: 5000 };
 
+/** By so much the rate that a chip makes may differ from the one that was asked for: more, and bytes are damaged. */
+const TOLERANCE = 0.03;
+
 /** Bytes of Python. */
 interface PyBytes {
   toJs(): Uint8Array;
@@ -28,17 +32,25 @@ interface Pending<T> {
 /** A port that the user has granted. The `nth` of its kind keeps this number until it is unplugged, whatever becomes of the others. */
 export interface Granted {
   readonly port: SerialPort;
+  /** The scheme of its name: `webserial` or `webusb`. */
+  readonly scheme: string;
   /** USB vendor and product; undefined: not on USB. */
   readonly vid: number | undefined;
   readonly pid: number | undefined;
   readonly nth: number;
 }
 
-/** Why a port did not open: the name and the message of the browser's error. */
+/** Why a port did not open: the name and the message of the browser's error, or `OTHER_RATE` and the rate. */
 export interface Refusal {
   readonly refused: string;
   readonly message: string;
 }
+
+/** The chip makes another baud rate than was asked for. */
+const OTHER_RATE = "RateError";
+
+/** The scheme of a port that is the browser's own. */
+const WEB_SERIAL = "webserial";
 
 /** Seconds since 1970, of a clock that never runs back. */
 export const now = (): number => (performance.timeOrigin + performance.now()) / 1000;
@@ -46,6 +58,8 @@ export const now = (): number => (performance.timeOrigin + performance.now()) / 
 export class SerialHost {
   private granted: Granted[] = [];
   private readonly closing = new Map<SerialPort, Promise<void>>();
+  private inUse: readonly OpenPort[] = [];
+  private released = false;
 
   constructor(private readonly serial: Serial | undefined) {}
 
@@ -61,7 +75,14 @@ export class SerialHost {
     return { promise: this.opened(port, baudRate, dtr, rts) };
   }
 
+  /** Let all ports go, for the page is not shown any more; or have them again. */
+  release(gone: boolean): void {
+    this.released = gone;
+    for (const port of gone ? this.inUse : []) port.lose(UNPLUGGED);
+  }
+
   private async look(): Promise<Granted[]> {
+    if (this.released) return [];
     const listed = await within(PATIENCE.list, this.serial?.getPorts() ?? Promise.resolve([])).catch(() => null);
     if (listed === null) return this.granted;
     const present = listed.filter((port) => port.connected !== false);
@@ -69,10 +90,12 @@ export class SerialHost {
     for (const port of present) {
       if (this.granted.some((known) => known.port === port)) continue;
       const { usbVendorId: vid, usbProductId: pid } = port.getInfo();
-      const taken = this.granted.filter((known) => known.vid === vid && known.pid === pid).map(({ nth }) => nth);
+      const scheme = port.scheme ?? WEB_SERIAL;
+      const like = this.granted.filter((known) => known.vid === vid && known.pid === pid && known.scheme === scheme);
+      const taken = like.map(({ nth }) => nth);
       let nth = 1;
       while (taken.includes(nth)) nth += 1;
-      this.granted.push({ port, vid, pid, nth });
+      this.granted.push({ port, scheme, vid, pid, nth });
     }
     return this.granted;
   }
@@ -81,7 +104,7 @@ export class SerialHost {
     try {
       await within(PATIENCE.close, this.closing.get(port) ?? Promise.resolve());
       const opened = port.open({ baudRate, bufferSize: BUFFER });
-      await within(PATIENCE.open, opened).catch((error: unknown) => {
+      await within(port.patience ?? PATIENCE.open, opened).catch((error: unknown) => {
         // It may open yet: then nobody has it, and it is closed.
         if (errorOf(error).name === HANGS) this.closing.set(port, closedAfter(opened, port));
         throw error;
@@ -90,9 +113,16 @@ export class SerialHost {
       const { name, message } = errorOf(error);
       return { refused: name, message };
     }
+    const rate = port.rate ?? baudRate;
+    if (Math.abs(rate / baudRate - 1) > TOLERANCE) {
+      this.closing.set(port, port.close());
+      return { refused: OTHER_RATE, message: String(Math.round(rate)) };
+    }
     // Not every adapter has these lines.
     await within(PATIENCE.signals, port.setSignals({ dataTerminalReady: dtr, requestToSend: rts })).catch(() => undefined);
-    return new OpenPort(port, (closed) => this.closing.set(port, closed));
+    const it = new OpenPort(port, (closed) => this.closing.set(port, closed));
+    this.inUse = [...this.inUse.filter(({ lost }) => !lost), it];
+    return it;
   }
 }
 
@@ -100,12 +130,15 @@ export class SerialHost {
 const CLOSED = "closed";
 const STUCK = "stuck";
 const UNPLUGGED = "unplugged";
+const STALLED = "stalled";
 
 export class OpenPort {
   /** Why the port is gone; empty: it is open. */
   lost = "";
   /** When the last byte came of those that `take` returned. */
   takenAt = 0;
+  /** s by which the chip hands bytes over late; 0: the browser does not say. */
+  readonly granularity: number;
 
   private readonly chunks: Uint8Array[] = [];
   private arrivedAt = 0;
@@ -119,6 +152,7 @@ export class OpenPort {
     private readonly port: SerialPort,
     private readonly closes: (closed: Promise<void>) => void,
   ) {
+    this.granularity = port.granularity ?? 0;
     this.writer = port.writable?.getWriter();
     port.addEventListener("disconnect", () => this.lose(UNPLUGGED), { once: true });
     void this.listen();
@@ -223,7 +257,8 @@ export class OpenPort {
     this.lose(reason);
   }
 
-  private lose(why: string): void {
+  /** The port is gone; called by whoever sees it first. */
+  lose(why: string): void {
     if (this.lost) return;
     this.lost = why;
     this.closes(this.closed());
@@ -250,6 +285,7 @@ const errorOf = (error: unknown): Error => (error instanceof Error ? error : new
 
 const reasonOf = (error: unknown): string => {
   const { name, message } = errorOf(error);
+  if (name === STALLS) return STALLED;
   return name === "NetworkError" ? UNPLUGGED : message || name;
 };
 

@@ -1,15 +1,16 @@
 // A worker that runs the program: the line's, which has the cable and writes what is kept, or the reader's. Its name says which.
-import type { FromWorker, Role, ToWorker } from "../program/messages";
+import { partsOf, type FromWorker, type ToWorker } from "../program/messages";
 import { StorageError } from "../storage/errors";
 import { opfsFolder } from "../storage/folder";
 import { inTime } from "../storage/inTime";
 import { Pool } from "../storage/pool";
 import { PoolView } from "../storage/view";
+import { adaptersBy } from "../usb/access";
 import { followAdapters } from "./adapters";
 import { startProgram } from "./program";
 import { startPython } from "./python";
 
-const role: Role = self.name === "reader" ? "reader" : "line";
+const [role, access] = partsOf(self.name);
 const post = (message: FromWorker, transfer: Transferable[] = []): void => self.postMessage(message, { transfer });
 
 async function begin(): Promise<void> {
@@ -18,12 +19,13 @@ async function begin(): Promise<void> {
   // A reader that can read nothing is not worth the start of Python.
   if (role === "reader") await kept;
   const [python, files] = await Promise.all([startPython(progress), kept]);
-  const serial = followAdapters(role === "line" ? navigator.serial : undefined);
+  const serial = followAdapters(role === "line" ? adaptersBy(access) : undefined);
   const take = await startProgram(python, role, files, post, { serial });
   closeTheDoors();
   // One after the other: a request must not overtake the message before it while the view is refreshed.
   let before = Promise.resolve();
   self.onmessage = ({ data }: MessageEvent<ToWorker>) => {
+    if (data.kind === "release") return serial.release(data.gone);
     if (!(files instanceof PoolView)) return take(data);
     const seen = before.then(() => (data.kind === "request" ? files.refresh() : undefined));
     before = seen.catch(() => {}).then(() => take(data)); // a view that can't be refreshed still answers, of what it saw
