@@ -67,16 +67,18 @@ def test_a_chip_that_the_browser_takes_over_needs_no_other_cable(browser):
     assert "will do" not in raised.value.text.en
 
 
-def test_ports_over_webusb_have_a_scheme_of_their_own_and_no_timer_to_lower_by_hand(browser):
-    for granted, url, has_quirk in (
-        (FT232, "webserial:0403:6001", True),
-        (IN_PHONE, "webusb:0403:6001", False),
-        (CH340, "webusb:1a86:7523:2", False),
+def test_ports_over_webusb_have_a_scheme_of_their_own_and_no_quirks_of_systems_drivers(browser):
+    for granted, url, quirks in (
+        (FT232, "webserial:0403:6001", ["latency timer"]),
+        (IN_PHONE, "webusb:0403:6001", []),
+        (CH340, "webusb:1a86:7523:2", ["cheap cables"]),
+        (CP2102, "webusb:10c4:ea60", ["10400 becomes 14400"]),
     ):
         browser(granted, None)
         [port] = web_serial.find_web_ports()
-        timers = ["latency timer" in quirk.en for quirk in port.quirks]
-        assert (port.url, any(timers)) == (url, has_quirk)
+        assert port.url == url
+        assert len(port.quirks) == len(quirks)
+        assert all(words in it.en for words, it in zip(quirks, port.quirks, strict=True))
 
 
 def test_bytes_come_as_late_as_the_chip_and_the_browser_make_them(browser):

@@ -37,7 +37,7 @@ from mikas.link.base import (
     Link,
     link_lost,
 )
-from mikas.link.chips import LATENCY, chip_of
+from mikas.link.chips import LATENCY, OF_DRIVERS, chip_of
 from mikas.link.ports import Port, by_likelihood, listed, named
 from mikas.link.urls import parse
 from mikas.options import OptionParser, check_names
@@ -234,7 +234,7 @@ def _port(it: Granted) -> Port:
     kind = f"{it.vid:04x}:{it.pid:04x}" if is_usb else _OTHER
     chip, quirks = chip_of(it.vid, it.pid)
     if it.scheme == WEB_USB:
-        quirks = tuple(quirk for quirk in quirks if quirk is not LATENCY)
+        quirks = tuple(quirk for quirk in quirks if quirk not in OF_DRIVERS)
     return Port(
         url=f"{it.scheme}:{kind}" + (f":{it.nth}" if it.nth > 1 else ""),
         description=chip or (f"USB {kind}" if is_usb else "serial port"),

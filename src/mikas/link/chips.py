@@ -45,6 +45,9 @@ _UNKNOWN = Text(
     "неизвестное устройство USB: возможно, адаптер; работает ли он, покажет проверка связи",
 )
 
+OF_DRIVERS: Final = (LATENCY, _LUMPS, _COUNTERFEIT)
+"""The quirks of systems' drivers, which a page that drives the chip itself does not have."""
+
 _FTDI, _CH340, _PROLIFIC = (LATENCY,), (_LUMPS, _CLONES), (_COUNTERFEIT,)
 _CP210X = (_USUAL_RATES,)
 
