@@ -38,8 +38,8 @@ export const t = dictionary({
     ru: "Windows: откройте «Диспетчер устройств». Жёлтый знак у «USB Serial», «USB2.0-Serial» или «FT232R USB UART» означает, что нет драйвера: для FT232 это VCP от FTDI, для CH340 — CH341SER от WCH. Часто его находит сам Центр обновления Windows. Затем вставьте кабель снова.",
   },
   not_listed_linux: {
-    en: "Linux: brltty, the program for braille displays, takes CH340 cables on some systems: sudo apt remove brltty, then plug the cable in again. To open the port you have to be in the group dialout: sudo usermod -aG dialout $USER, then log out and in.",
-    ru: "Linux: на некоторых системах кабели CH340 забирает brltty, программа для дисплеев Брайля: sudo apt remove brltty, затем вставьте кабель снова. Чтобы порт открывался, нужна группа dialout: sudo usermod -aG dialout $USER, затем выйти из системы и войти снова.",
+    en: "Linux: brltty, the program for braille displays, takes CH340 cables on some systems: sudo apt remove brltty, then plug the cable in again. To open the port you have to be in the group dialout: sudo usermod -aG dialout $USER, then log out and in. On an Android tablet switch “Desktop site” off in the browser's menu.",
+    ru: "Linux: на некоторых системах кабели CH340 забирает brltty, программа для дисплеев Брайля: sudo apt remove brltty, затем вставьте кабель снова. Чтобы порт открывался, нужна группа dialout: sudo usermod -aG dialout $USER, затем выйти из системы и войти снова. На планшете с Android выключите в меню браузера «Версию для ПК».",
   },
 
   here: { en: "mikas in this browser", ru: "mikas в этом браузере" },

@@ -49,6 +49,9 @@ it("a device that comes or goes is an event, and one that goes is lost", async (
   usb.change("disconnect", device);
   usb.change("disconnect", keyboard());
   expect([seen, port!.connected]).toEqual([["lost", "disconnect"], false]);
+  expect((await serial.getPorts()).map(({ connected }) => connected)).toEqual([false]);
+  usb.change("connect", device);
+  expect((await serial.getPorts()).map(({ connected }) => connected)).toEqual([true]);
   usb.devices = [ftdi()];
   usb.change("connect", usb.devices[0]!);
   expect([seen.at(-1), (await serial.getPorts())[0] === port]).toEqual(["connect", false]);

@@ -10,13 +10,16 @@ export class UsbSerial extends EventTarget implements Serial {
   constructor(private readonly usb: Usb) {
     super();
     usb.addEventListener("connect", (event) => {
-      if (this.deviceOf(event)) this.dispatchEvent(new Event("connect"));
+      const device = this.deviceOf(event);
+      if (!device) return;
+      this.known.delete(device); // a browser may have the same object for it as before
+      this.dispatchEvent(new Event("connect"));
     });
     usb.addEventListener("disconnect", (event) => {
       const device = this.deviceOf(event);
       if (!device) return;
+      // It stays known, and lost: the browser's list may still have it.
       this.portOf(device).unplug();
-      this.known.delete(device);
       this.dispatchEvent(new Event("disconnect"));
     });
   }
