@@ -4,41 +4,22 @@ from __future__ import annotations
 
 import subprocess
 from collections.abc import Callable
-from importlib.util import find_spec
 from pathlib import Path
-from zipfile import ZipFile
 
 import pytest
-from tools.site.packages import own
 
-from mikas import testing
+from packed_program import pack
 
 from .computer_rig import CH340, FT232, Computer
 from .wire_rig import Wire
 
 HERE = Path(__file__).parent
 MODULES = HERE.parents[1] / "web" / "node_modules"
-PYTEST = ("pytest", "_pytest", "iniconfig", "packaging", "pluggy", "pygments")
 RUN = """() => new Promise(resolve => {
   const worker = new Worker("worker.js", { type: "module" })
   worker.onmessage = ({ data }) => resolve(data)
   worker.onerror = ({ message }) => resolve(message)
 })"""
-
-
-def pack(file: Path) -> None:
-    """Write the program, pytest and the tests into an archive for the browser's Python."""
-    with ZipFile(file, "w") as archive:
-        for name, content in own().items():
-            archive.writestr(name, content)
-        for package in (Path(find_spec(name).origin).parent for name in PYTEST):
-            for each in package.rglob("*.py"):
-                archive.write(each, Path(package.name) / each.relative_to(package))
-        archive.write(find_spec("py").origin, "py.py")  # pytest's own
-        for each in Path(testing.__file__).parent.glob("*.py"):  # which the site does not have
-            archive.write(each, Path("mikas", "testing", each.name))
-        test = HERE / "web_serial_in_browser.py"
-        archive.write(test, test.name)
 
 
 def commands(computer: Computer) -> dict[str, Callable[[bytes], bytes | None]]:
@@ -69,7 +50,7 @@ def test_the_tests_of_the_link_pass_in_the_browser(computer, host, visitor, tmp_
     folder.mkdir()
     (folder / "index.html").write_text("<!doctype html><link rel=icon href=data:,>", "ascii")
     (folder / "pyodide").symlink_to(MODULES / "pyodide")
-    pack(folder / "program.zip")
+    pack(folder / "program.zip", HERE / "web_serial_in_browser.py")
     rolldown = [MODULES / ".bin" / "rolldown", HERE / "python_worker.js", "--format", "esm"]
     subprocess.run([*rolldown, "--file", folder / "worker.js"], check=True, capture_output=True)
     asked = commands(computer)

@@ -6,7 +6,7 @@ import os
 
 import pytest
 
-from usb import drivers_rig
+from usb import node_rig
 from usb.book_rig import Far
 from usb.chips.cdc_acm import KINDS as CDC_ACM
 from usb.chips.ch34x import KINDS as CH34X
@@ -27,12 +27,12 @@ pytestmark = pytest.mark.realtime
 
 @pytest.fixture(scope="module")
 def drivers(tmp_path_factory):
-    if reason := drivers_rig.missing():
+    if reason := node_rig.missing():
         if os.environ.get("MIKAS_REQUIRE_NODE"):
             pytest.fail(reason)
         pytest.skip(reason)
-    with drivers_rig.drivers(tmp_path_factory.mktemp("drivers")) as started:
-        yield started
+    with node_rig.started("drivers_in_node.js", tmp_path_factory.mktemp("drivers")) as process:
+        yield node_rig.Drivers(process)
 
 
 @pytest.fixture
@@ -43,7 +43,7 @@ def far():
 def opened(drivers, name, far, **options):
     """Plug a chip in and open it; return the model, the rate and the granularity."""
     device = plugged(name, far, serial="A50285BI")
-    drivers.plug(device)
+    drivers.insert(device)
     rate, granularity = drivers.do("open", options={"baudRate": 9600, "bufferSize": 4096} | options)
     return device, rate, granularity
 
@@ -62,7 +62,7 @@ def family_of(name: str) -> str:
 
 @pytest.mark.parametrize("name", OPENABLE)
 def test_a_chip_has_its_driver_and_carries_bytes_both_ways(drivers, far, name):
-    assert drivers.plug(plugged(name, far)) == family_of(name)
+    assert drivers.insert(plugged(name, far)) == family_of(name)
     device, _, granularity = opened(drivers, name, far)
     assert granularity == (0.016 if name == "FT232AM" else 0.001)
     drivers.do("write", data=list(REQUEST))
@@ -93,7 +93,7 @@ def test_signals_and_a_break_reach_the_wire(drivers, far, name):
     drivers.do("signals", signals={"requestToSend": True})
     assert (device.uart.dtr, device.uart.rts) == (True, True)
     if name in BREAKLESS:
-        with pytest.raises(drivers_rig.Refused, match="ChipError"):
+        with pytest.raises(node_rig.Refused, match="ChipError"):
             drivers.do("signals", signals={"break": True})
     else:
         drivers.do("signals", signals={"break": True})
@@ -113,7 +113,7 @@ def test_signals_and_a_break_reach_the_wire(drivers, far, name):
 def test_other_lines_than_8n1_are_set_or_refused(drivers, far, name):
     options = {"dataBits": 7, "parity": "even", "stopBits": 2}
     if name in {"CH340 old", "CH341 old"}:
-        with pytest.raises(drivers_rig.Refused, match="NotSupportedError"):
+        with pytest.raises(node_rig.Refused, match="NotSupportedError"):
             opened(drivers, name, far, **options)
         return
     device, _, _ = opened(drivers, name, far, **options)
@@ -158,5 +158,5 @@ def test_a_port_that_is_closed_can_be_opened_again(drivers, far):
 
 
 def test_an_unknown_version_of_a_chip_is_refused(drivers, far):
-    with pytest.raises(drivers_rig.Refused, match="NotSupportedError"):
+    with pytest.raises(node_rig.Refused, match="NotSupportedError"):
         opened(drivers, "PL2303 unknown", far)

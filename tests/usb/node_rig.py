@@ -1,4 +1,4 @@
-"""The page's drivers over a model, in Node: no browser, and so no root either.
+"""The page's code over a model, in Node: no browser, and so no root either.
 
 The models are proved by Linux' own drivers, Chromium's WebUSB by `usbfs_rig`; this is the quick
 way, for each kind of each chip.
@@ -24,7 +24,7 @@ from usb.chips.device import BULK, IN, Device, Handshake, Setup
 
 HERE = Path(__file__).parent
 ROLLDOWN = HERE.parents[1] / "web" / "node_modules" / "rolldown" / "bin" / "cli.mjs"
-_UNTIL = 60.0  # s
+UNTIL = 300.0  # s; the start of Python alone takes a minute on a busy computer
 _KINDS = {"standard": 0x00, "class": 0x20, "vendor": 0x40}
 _RECIPIENTS = {"device": 0, "interface": 1, "endpoint": 2}
 
@@ -46,47 +46,46 @@ def _node() -> str | None:
 
 
 @contextmanager
-def drivers(folder: Path) -> Iterator[Drivers]:
-    """Start Node with the drivers, which are bundled into `folder`."""
-    bundle = folder / "drivers.mjs"
-    node, source, pipe = _node(), HERE / "drivers_in_node.js", subprocess.PIPE
-    rolldown = [node, ROLLDOWN, source, "--platform", "node", "--file", bundle]
+def started(script: str, folder: Path, *arguments: str | Path) -> Iterator[subprocess.Popen[bytes]]:
+    """Start Node with a script of this folder, which is bundled into `folder`."""
+    bundle, node, pipe = folder / "bundle.mjs", _node(), subprocess.PIPE
+    rolldown = [node, ROLLDOWN, HERE / script, "--platform", "node", "--file", bundle]
     subprocess.run(rolldown, check=True, capture_output=True)
-    with subprocess.Popen([node, bundle], stdin=pipe, stdout=pipe) as process:
-        yield Drivers(process)
-        process.stdin.close()
+    command = [node, "--experimental-wasm-jspi", bundle, *arguments]
+    with subprocess.Popen(command, stdin=pipe, stdout=pipe) as process:
+        try:
+            yield process
+        finally:
+            process.kill()
 
 
-class Drivers:
-    """A SerialPort of the page, over the model that was plugged in last."""
+class Host:
+    """The USB socket of the page in Node: it serves the page with the model that is plugged in."""
 
     def __init__(self, process: subprocess.Popen[bytes]) -> None:
         self._process = process
-        self._device: Device | None = None
+        self.device: Device | None = None
         self._waiting: list[dict[str, Any]] = []
         self._messages: deque[dict[str, Any]] = deque()
         self._read = b""
-        self._until_done()
 
-    def plug(self, device: Device) -> str:
-        """Plug `device` in; return the family of its driver."""
-        self._device = device
+    def plug(self, device: Device) -> dict[str, Any]:
+        """Plug `device` in; return what WebUSB shows of it."""
+        self.device = device
         self._waiting = []
-        return self.do("plug", facts=_facts(device))
+        return _facts(device)
 
-    def do(self, command: str, **more: Any) -> Any:
-        """Run a command of `drivers_in_node.js` while the model serves it; return its result."""
-        self._say({"command": command, **more})
-        return self._until_done()
+    def pull(self) -> None:
+        """Pull the device out."""
+        self.device = None
+        self.abort()
 
-    def received(self, length: int) -> bytes:
-        return bytes(self.do("received", count=length))
-
-    def _until_done(self) -> Any:
-        end = time.monotonic() + _UNTIL
+    def until_done(self) -> Any:
+        """Serve the page until it says that it is done; return its result."""
+        end = time.monotonic() + UNTIL
         while True:
-            self._give()
-            assert time.monotonic() < end, "the drivers do nothing"
+            self.give()
+            assert time.monotonic() < end, "the page does nothing"
             self._listen()
             while self._messages:
                 message = self._messages.popleft()
@@ -94,37 +93,49 @@ class Drivers:
                     raise Refused(f"{message['failed']}: {message['message']}")
                 if "done" in message:
                     return message["done"]
-                self._serve(message)
+                self.serve(message)
 
     def _listen(self) -> None:
         """Wait for messages of Node, not longer than until the model has something to give."""
         output = self._process.stdout
-        wakes = self._device.wake_at(time.monotonic()) if self._waiting else inf
+        wakes = self.device.wake_at(time.monotonic()) if self.device and self._waiting else inf
         timeout = min(max(0.0, wakes - time.monotonic()), 1.0)
         if self._messages or not select.select([output], [], [], timeout)[0]:
             return
-        *lines, self._read = (self._read + os.read(output.fileno(), 1 << 16)).split(b"\n")
+        data = os.read(output.fileno(), 1 << 16)
+        assert data, "Node has ended"
+        *lines, self._read = (self._read + data).split(b"\n")
         self._messages.extend(map(json.loads, lines))
 
-    def _serve(self, it: dict[str, Any]) -> None:
-        device = self._device
+    def serve(self, it: dict[str, Any]) -> None:
+        """Do what the page asks of its device."""
+        device = self.device
+        if device is None:
+            self.answer(it, error="NotFoundError")
+            return
         match it["what"]:
+            case "open" | "claim":
+                self.answer(it)
             case "in":
                 self._waiting.append(it)
             case "out":
                 stalls = device.out(it["endpoint"], bytes(it["data"])) is Handshake.STALL
                 written = 0 if stalls else len(it["data"])
-                self._answer(it, status="stall" if stalls else "ok", bytesWritten=written)
+                self.answer(it, status="stall" if stalls else "ok", bytesWritten=written)
             case "clear halt":
                 device.clear_halt(it["endpoint"] | (IN if it["direction"] == "in" else 0))
-                self._answer(it)
+                self.answer(it)
             case "close":
-                gone, self._waiting = self._waiting, []
-                self._answer(it)
-                for each in gone:
-                    self._answer(each, error="AbortError")
+                self.answer(it)
+                self.abort()
             case _:
                 self._control(it)
+
+    def abort(self) -> None:
+        """End the transfers that wait."""
+        gone, self._waiting = self._waiting, []
+        for each in gone:
+            self.answer(each, error="AbortError")
 
     def _control(self, it: dict[str, Any]) -> None:
         setup, data = it["setup"], bytes(it.get("data", ()))
@@ -132,34 +143,56 @@ class Drivers:
         kind = _KINDS[setup["requestType"]] | _RECIPIENTS[setup["recipient"]] | is_in << 7
         length = it["length"] if is_in else len(data)
         head = Setup(kind, setup["request"], setup["value"], setup["index"], length)
-        answer = self._device.control(head, data)
+        answer = self.device.control(head, data)
         if answer is Handshake.NAK:
             return
         if answer is Handshake.STALL:
-            self._answer(it, status="stall", bytesWritten=0)
+            self.answer(it, status="stall", bytesWritten=0)
         else:
-            self._answer(it, status="ok", data=list(answer), bytesWritten=len(data))
+            self.answer(it, status="ok", data=list(answer), bytesWritten=len(data))
 
-    def _give(self) -> None:
+    def give(self) -> None:
         """Give the transfers that wait what the model has for them."""
         for it in list(self._waiting):
-            packet = self._device.packet(it["endpoint"] | IN, time.monotonic())
+            if self.device is None:
+                return
+            packet = self.device.packet(it["endpoint"] | IN, time.monotonic())
             if packet is Handshake.NAK:
                 continue
             self._waiting.remove(it)
             if packet is Handshake.STALL:
-                self._answer(it, status="stall")
+                self.answer(it, status="stall")
             elif len(packet) > it["length"]:
-                self._answer(it, status="babble", data=list(packet[: it["length"]]))
+                self.answer(it, status="babble", data=list(packet[: it["length"]]))
             else:
-                self._answer(it, status="ok", data=list(packet))
+                self.answer(it, status="ok", data=list(packet))
 
-    def _answer(self, it: dict[str, Any], **more: Any) -> None:
-        self._say({"answer": it["ask"], **more})
+    def answer(self, it: dict[str, Any], **more: Any) -> None:
+        self.say({"answer": it["ask"], **more})
 
-    def _say(self, message: dict[str, Any]) -> None:
+    def say(self, message: dict[str, Any]) -> None:
         self._process.stdin.write(json.dumps(message).encode() + b"\n")
         self._process.stdin.flush()
+
+
+class Drivers(Host):
+    """A SerialPort of the page, over the model that was plugged in last."""
+
+    def __init__(self, process: subprocess.Popen[bytes]) -> None:
+        super().__init__(process)
+        self.until_done()
+
+    def insert(self, device: Device) -> str:
+        """Plug `device` in; return the family of its driver."""
+        return self.do("plug", facts=self.plug(device))
+
+    def do(self, command: str, **more: Any) -> Any:
+        """Run a command of `drivers_in_node.js` while the model serves it; return its result."""
+        self.say({"command": command, **more})
+        return self.until_done()
+
+    def received(self, length: int) -> bytes:
+        return bytes(self.do("received", count=length))
 
 
 def _facts(device: Device) -> dict[str, Any]:

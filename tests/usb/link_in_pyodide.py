@@ -1,0 +1,124 @@
+"""The contract of links over the page's drivers, run by `link_in_node.js` on the page's Python.
+
+Chips, wires and the hand at the plug are `node_rig.py`'s, asked by `mikas_host.far`.
+"""
+
+from __future__ import annotations
+
+import gc
+import io
+from contextlib import redirect_stdout
+
+import mikas_host
+import pytest
+from pyodide.ffi import run_sync, to_js
+
+from mikas.browser import green_threads
+from mikas.browser.suspension import suspend, yield_turn
+
+gc.disable()  # as `mikas.browser.start`
+green_threads.install(mikas_host, run_sync)
+
+from mikas.browser.web_serial import find_web_ports  # noqa: E402  (as the program: no lock before)
+from mikas.errors import LinkLost, PortFailed, PortNotFound  # noqa: E402
+from mikas.link import open_link  # noqa: E402
+from mikas.link.reconnecting import ReconnectingPort  # noqa: E402
+from mikas.testing.links import FAR, RealTimeContract, Rig  # noqa: E402
+
+CHIPS = {
+    "FT232R": "webusb:0403:6001",
+    "CH340": "webusb:1a86:7523",
+    "CP2102": "webusb:10c4:ea60",
+    "PL2303HX": "webusb:067b:2303",
+    "CH343": "webusb:1a86:55d3",
+}
+FT232R = CHIPS["FT232R"]
+
+
+def ask(what: str, data=""):
+    data = to_js(data) if isinstance(data, bytes) else data
+    return suspend(mikas_host.far.ask(what, data).promise)
+
+
+def plug(chip: str) -> str:
+    """Plug a chip in; return its port once the page has it."""
+    ask("plug", chip)
+    while not (ports := find_web_ports()):
+        yield_turn()
+    return ports[0].url
+
+
+class FarEnd:
+    def send(self, data: bytes) -> None:
+        ask("send", data)
+
+    def received(self, count: int) -> bytes:
+        return bytes(ask("received", str(count)))
+
+    def vanish(self) -> None:
+        ask("pull")
+
+
+@pytest.fixture(autouse=True)
+def _nothing_is_left():
+    yield
+    ask("pull")
+
+
+class TestContract(RealTimeContract):
+    @pytest.fixture(params=CHIPS)
+    def rig(self, request):
+        url = plug(request.param)
+        assert url == CHIPS[request.param]
+        with open_link(url) as link:
+            yield Rig(link, FarEnd())
+
+
+def test_the_timer_of_an_ft232_is_lowered_so_bytes_come_as_late_as_the_browser_makes_them():
+    with open_link(plug("FT232R")) as link:
+        assert link.granularity == pytest.approx(0.015)
+    ask("pull")
+    with open_link(plug("FT232AM")) as link:
+        assert link.granularity == pytest.approx(0.03)
+
+
+def test_a_chip_that_makes_another_rate_is_refused_with_it():
+    url = plug("CP2102")
+    with pytest.raises(PortFailed, match="CP210x can't do 10400 bit/s: it would make 14400"):
+        open_link(f"{url}?baud=10400")
+    with open_link(url) as link:
+        assert link.baud == 9600
+
+
+def test_a_device_that_another_has_is_named_with_the_cable_that_will_do():
+    url = plug("CH340")
+    ask("hold", True)
+    with pytest.raises(PortFailed, match="CH340 is in use") as caught:
+        open_link(url)
+    assert "A cable with an FT232R will do" in str(caught.value)
+    ask("hold", False)
+    with open_link(url):
+        pass
+
+
+def test_an_adapter_that_was_pulled_is_found_again():
+    port = ReconnectingPort(f"{plug('FT232R')}?rts=1", find=find_web_ports)
+    link = port.open()
+    ask("pull")
+    with pytest.raises(LinkLost, match="unplugged"):
+        link.read(link.now() + FAR)
+    with pytest.raises(PortNotFound):
+        port.open()
+    plug("FT232R")
+    with port.open() as link:
+        ask("send", b"\x07")
+        assert link.read(link.now() + FAR).data == b"\x07"
+
+
+def run() -> str:
+    """Run the tests; return pytest's code and, in the next lines, what it says."""
+    said = io.StringIO()
+    with redirect_stdout(said):
+        options = ["-q", "-p", "no:cacheprovider", "-p", "no:faulthandler", "--capture=sys"]
+        code = pytest.main([*options, __file__])
+    return f"{int(code)}\n{said.getvalue()}"
