@@ -11,10 +11,10 @@ import pytest
 from mikas.browser import web_serial
 from mikas.errors import NoConnection, PortFailed
 
-FT232 = Its(scheme="webserial", vid=0x0403, pid=0x6001, nth=1)
-IN_PHONE = Its(scheme="webusb", vid=0x0403, pid=0x6001, nth=1)
-CH340 = Its(scheme="webusb", vid=0x1A86, pid=0x7523, nth=2)
-CP2102 = Its(scheme="webusb", vid=0x10C4, pid=0xEA60, nth=1)
+FT232 = Its(scheme="webserial", vid=0x0403, pid=0x6001, serialNumber="", nth=1)
+IN_PHONE = Its(scheme="webusb", vid=0x0403, pid=0x6001, serialNumber="A10K", nth=1)
+CH340 = Its(scheme="webusb", vid=0x1A86, pid=0x7523, serialNumber="", nth=2)
+CP2102 = Its(scheme="webusb", vid=0x10C4, pid=0xEA60, serialNumber="0001", nth=1)
 
 
 @pytest.fixture
@@ -77,6 +77,7 @@ def test_ports_over_webusb_have_a_scheme_of_their_own_and_no_quirks_of_systems_d
         browser(granted, None)
         [port] = web_serial.find_web_ports()
         assert port.url == url
+        assert port.serial_number == (granted.serialNumber or None)
         assert len(port.quirks) == len(quirks)
         assert all(words in it.en for words, it in zip(quirks, port.quirks, strict=True))
 

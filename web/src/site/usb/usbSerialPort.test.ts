@@ -55,7 +55,7 @@ describe("opening", () => {
     const port = await opened(device);
     expect([device.claimed, device.ahead(), port.rate, port.granularity]).toEqual([[0], 8, 9600, 0.001]);
     expect(port.getInfo()).toEqual({ usbVendorId: 0x0403, usbProductId: 0x6001 });
-    expect([port.scheme, port.connected]).toEqual(["webusb", true]);
+    expect([port.scheme, port.connected, port.serialNumber]).toEqual(["webusb", true, "A1"]);
   });
 
   it("claims both interfaces of CDC-ACM", async () => {

@@ -48,6 +48,10 @@ export class UsbSerialPort extends EventTarget implements SerialPort {
     return this.it?.incoming.readable ?? null;
   }
 
+  get serialNumber(): string {
+    return this.device.serialNumber ?? "";
+  }
+
   getInfo(): { usbVendorId: number; usbProductId: number } {
     return { usbVendorId: this.device.vendorId, usbProductId: this.device.productId };
   }

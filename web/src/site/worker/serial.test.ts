@@ -140,12 +140,12 @@ describe("a port with a driver of this page", () => {
   const usb = (facts: object) => Object.assign(new FakePort(), { scheme: "webusb", ...facts });
 
   it("has a scheme of its own, and is numbered among its kind", async () => {
-    const host = hostOf(new FakePort(), usb({}), usb({}));
-    const ports = (await host.ports().promise).map(({ scheme, nth }) => [scheme, nth]);
+    const host = hostOf(new FakePort(), usb({ serialNumber: "A1" }), usb({ serialNumber: "" }));
+    const ports = (await host.ports().promise).map(({ scheme, nth, serialNumber }) => [scheme, nth, serialNumber]);
     expect(ports).toEqual([
-      ["webserial", 1],
-      ["webusb", 1],
-      ["webusb", 2],
+      ["webserial", 1, ""],
+      ["webusb", 1, "A1"],
+      ["webusb", 2, ""],
     ]);
   });
 

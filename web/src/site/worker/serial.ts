@@ -37,6 +37,8 @@ export interface Granted {
   /** USB vendor and product; undefined: not on USB. */
   readonly vid: number | undefined;
   readonly pid: number | undefined;
+  /** Empty: it has none, or the browser does not say. */
+  readonly serialNumber: string;
   readonly nth: number;
 }
 
@@ -95,7 +97,7 @@ export class SerialHost {
       const taken = like.map(({ nth }) => nth);
       let nth = 1;
       while (taken.includes(nth)) nth += 1;
-      this.granted.push({ port, scheme, vid, pid, nth });
+      this.granted.push({ port, scheme, vid, pid, serialNumber: port.serialNumber ?? "", nth });
     }
     return this.granted;
   }

@@ -15,10 +15,12 @@ export interface SerialPort extends EventTarget {
   readonly connected?: boolean;
   /** The scheme of the port's name; missing: it is the browser's own, `webserial`. */
   readonly scheme?: string;
-  /** Of a port with a driver of this page (`../usb/`): ms that `open` may take; bits a second that the chip makes; s by which bytes come late. */
+  /** Of a port with a driver of this page (`../usb/`): ms that `open` may take; bits a second that the chip makes; s by which bytes come late;
+   * the device's serial number, empty if it has none. */
   readonly patience?: number;
   readonly rate?: number;
   readonly granularity?: number;
+  readonly serialNumber?: string;
   getInfo(): { usbVendorId?: number; usbProductId?: number };
   open(options: SerialOptions): Promise<void>;
   setSignals(signals: { dataTerminalReady?: boolean; requestToSend?: boolean; break?: boolean }): Promise<void>;

@@ -31,6 +31,13 @@ export const SITUATIONS = {
   "not-chosen": { kind: "info", title: "s_not_chosen", advice: "s_not_chosen_do", marks: ["works", "unknown", "unknown", "unknown"] },
   "out-of-reach": { kind: "info", title: "s_out_of_reach", advice: "s_out_of_reach_do", marks: ["works", "unknown", "unknown", "unknown"] },
   unplugged: { kind: "danger", title: "s_unplugged", advice: "s_unplugged_do", marks: ["works", "missing", "unknown", "unknown"] },
+  /** The browser may have forgotten it. */
+  "unplugged-chosen": {
+    kind: "danger",
+    title: "s_unplugged",
+    advice: "s_unplugged_chosen_do",
+    marks: ["works", "missing", "unknown", "unknown"],
+  },
   "no-port": { kind: "danger", title: "s_no_port", advice: null, marks: ["works", "missing", "unknown", "unknown"] },
   "no-adapter": { kind: "danger", title: "s_no_adapter", advice: null, marks: ["works", "missing", "unknown", "unknown"] },
   closed: { kind: "danger", title: "s_closed", advice: null, marks: ["works", "missing", "unknown", "unknown"] },

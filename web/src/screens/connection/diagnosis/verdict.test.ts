@@ -91,6 +91,11 @@ describe("situationOf", () => {
     expect(of(missing, USB)).toBe("unplugged");
     expect(of(missing, "/dev/ttyUSB1")).toBe("no-port");
   });
+  it("says that a browser may have forgotten an adapter that was unplugged", () => {
+    const of = (reason_code: string) =>
+      situationOf(state("no-port", { port: USB, reason_code, samples: 9 }), { ports: [], code: null, adapters: "chosen" });
+    expect([of("PortNotFound"), of("LinkLost"), of("PortBusy")]).toEqual(["unplugged-chosen", "unplugged-chosen", "busy"]);
+  });
   it("does not blame the ignition for damaged answers", () => {
     expect(situationOf(state("echo-only", { reason_code: "DamagedResponse" }), { ports: [], code: null })).toBe("damaged");
   });

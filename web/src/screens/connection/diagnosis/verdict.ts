@@ -91,11 +91,12 @@ const hasState = ({ line, reason_code }: LineFacts): boolean => reason_code !== 
 export function situationOf(state: LineFacts, { ports, code, worked = null, adapters = "found" }: Circumstances): Situation {
   if (answering(state)) return "ok";
   const without = ({ found: "no-cable", chosen: "not-chosen", "out-of-reach": "out-of-reach" } as const)[adapters];
+  const gone = adapters === "chosen" ? "unplugged-chosen" : "unplugged";
   const none = ports !== null && !ports.some((port) => port.likely);
   const known = BY_CODE[state.reason_code ?? (state.line === "off" ? code : null) ?? ""];
   if (known === "several" && none) return without;
-  if (known === "no-port" && wasThere(state, worked)) return "unplugged";
-  if (known) return remote(known, state.port);
+  if (known === "no-port" && wasThere(state, worked)) return gone;
+  if (known) return known === "unplugged" && adapters === "chosen" ? gone : remote(known, state.port);
   if (state.line === "echo-only" && state.reason_code !== null) return "damaged";
   if (state.line === "no-echo" || state.line === "echo-only") return remote(state.line, state.port);
   if (state.line === "no-port") return opening(state) ? "opening" : remote("not-openable", state.port);
