@@ -147,8 +147,7 @@ export class ScriptedUsb implements UsbDevice {
   }
 
   /** The next transfer, or all that wait, end so. */
-  spoil(status: "stall" | "babble"): void {
-    const count = status === "stall" ? this.ahead() : 1;
+  spoil(status: "stall" | "babble", count = status === "stall" ? this.ahead() : 1): void {
     for (let i = 0; i < count; i++) this.result({ status }, this.input);
   }
 

@@ -2,6 +2,7 @@
 //
 // Each asks for exactly one packet: a chip that has less sends less, and one that has more would be a babble. Transfers of a closed session are
 // rejected after the port is open again: a session that has ended hears nothing any more.
+import { within } from "../within";
 import type { Channel } from "./channel";
 import type { Chip } from "./chips/chip";
 import type { Incoming } from "./incoming";
@@ -11,14 +12,23 @@ import type { UsbDevice, UsbEndpoint, UsbInResult } from "./webUsb";
 const AHEAD = 8;
 /** Transfers in a row that may fail before the port counts as lost. */
 const MOST_FAILURES = 3;
+/** ms in which an endpoint is cleared. */
+const PATIENCE = 1000;
 /** ms between two questions for errors, of a chip that must be asked. */
 const EACH = 1000;
 
 /** The name of the error of an endpoint that refuses transfers for good. */
 export const STALLS = "StallError";
 
+/** A transfer, and after how many stalls it was begun: those that were under way at one stall with it, and count with it. */
+interface Ahead {
+  readonly result: Promise<UsbInResult>;
+  readonly turn: number;
+}
+
 export class Session {
   private ended = false;
+  private turn = 0;
   private timer: ReturnType<typeof setTimeout> | undefined;
 
   /** `lost`: called once when the port is gone, with the reason. */
@@ -53,24 +63,23 @@ export class Session {
 
   private async receive(): Promise<void> {
     const { input } = this.channel;
-    let under = this.ahead(input);
+    const under = Array.from({ length: AHEAD }, () => this.ahead(input));
     let failures = 0;
     try {
       while (!this.ended) {
-        const { status, data } = await under.shift()!;
+        const { result, turn } = under.shift()!;
+        const { status, data } = await result;
         if (this.ended) return;
-        failures = isOk(status) ? 0 : failures + 1;
+        if (isOk(status)) failures = 0;
+        else if (turn === this.turn) failures += 1;
         if (failures > MOST_FAILURES) throw new DOMException(`The chip gives no bytes: ${status}.`, STALLS);
-        if (status === "stall") {
-          // All that are under way end so.
-          await Promise.allSettled(under);
-          await this.device.clearHalt("in", input.endpointNumber);
-          under = this.ahead(input);
-          continue;
+        if (status === "stall" && turn === this.turn) {
+          await within(PATIENCE, this.device.clearHalt("in", input.endpointNumber));
+          this.turn += 1;
         }
-        under.push(this.transfer(input));
+        under.push(this.ahead(input));
         if (status === "babble") this.incoming.fail("BufferOverrunError");
-        else if (data?.byteLength) this.take(new Uint8Array(data.buffer, data.byteOffset, data.byteLength));
+        else if (isOk(status) && data?.byteLength) this.take(new Uint8Array(data.buffer, data.byteOffset, data.byteLength));
       }
     } catch (error) {
       this.lose(error);
@@ -112,8 +121,8 @@ export class Session {
     }
   }
 
-  private ahead(endpoint: UsbEndpoint): Promise<UsbInResult>[] {
-    return Array.from({ length: AHEAD }, () => this.transfer(endpoint));
+  private ahead(endpoint: UsbEndpoint): Ahead {
+    return { result: this.transfer(endpoint), turn: this.turn };
   }
 
   private transfer({ endpointNumber, packetSize }: UsbEndpoint): Promise<UsbInResult> {

@@ -217,6 +217,17 @@ describe("a transfer that is kept with another status", () => {
     expect(all).toEqual([1]);
   });
 
+  it("stalls while others of before wait on: these go on when the endpoint is cleared", async () => {
+    const device = ch340();
+    const all = heard(await opened(device));
+    device.spoil("stall", 1);
+    await settled();
+    expect([device.halted, device.ahead()]).toEqual([["in 2"], 8]);
+    for (let i = 0; i < 9; i++) device.send([i]);
+    await settled();
+    expect(all).toEqual([0, 1, 2, 3, 4, 5, 6, 7, 8]);
+  });
+
   it("stalls again and again: the port is lost", async () => {
     const device = ch340();
     const port = await opened(device);

@@ -139,7 +139,7 @@ export class UsbSerialPort extends EventTarget implements SerialPort {
     try {
       while (rest.length) {
         const { status, bytesWritten } = await this.device.transferOut(output.endpointNumber, rest);
-        if (status === "stall") await this.device.clearHalt("out", output.endpointNumber);
+        if (status === "stall") await within(PATIENCE.signals, this.device.clearHalt("out", output.endpointNumber));
         if ((status ?? "ok") !== "ok" || bytesWritten === 0) throw new DOMException(`The chip takes no bytes: ${status ?? "ok"}.`, STALLS);
         rest = rest.subarray(bytesWritten);
       }
