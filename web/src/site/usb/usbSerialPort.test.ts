@@ -87,6 +87,12 @@ describe("opening", () => {
     await opened(device);
   });
 
+  it("of a device that is pulled meanwhile is no question of drivers", async () => {
+    const device = ch340();
+    vi.spyOn(device, "selectConfiguration").mockImplementation(async () => device.pull());
+    await expect(opened(device)).rejects.toMatchObject({ name: "NotFoundError" });
+  });
+
   it("is refused where the system does not allow it", async () => {
     const device = ftdi();
     device.refusesOpen = new DOMException("Access denied.", "SecurityError");
@@ -359,6 +365,17 @@ describe("closing", () => {
     expect([all, device.opened, port.readable, port.writable]).toEqual([["end"], false, null, null]);
     expect(device.asked.slice(-2)).toEqual(["41 12 000f 0000", "41 00 0000 0000"]);
     await port.close();
+  });
+
+  it("and opening at once: the port is opened when it is closed", async () => {
+    const device = cp210x();
+    const port = await opened(device);
+    device.asked = [];
+    const closed = port.close();
+    await port.open(OPTIONS);
+    await closed;
+    expect(device.asked.slice(0, 3)).toEqual(["41 12 000f 0000", "41 00 0000 0000", "c0 ff 370b 0000"]);
+    expect([device.opened, device.ahead(), port.readable !== null]).toEqual([true, 8, true]);
   });
 
   it("and opening again: transfers of before, which end later, harm nothing", async () => {

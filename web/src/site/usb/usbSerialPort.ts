@@ -39,6 +39,7 @@ export class UsbSerialPort extends EventTarget implements SerialPort {
   granularity = 0;
   private it: Open | null = null;
   private opening = false;
+  private closing: Promise<void> = Promise.resolve();
 
   constructor(private readonly device: UsbDevice) {
     super();
@@ -64,6 +65,7 @@ export class UsbSerialPort extends EventTarget implements SerialPort {
     if (this.it || this.opening) throw new DOMException("The port is already open.", "InvalidStateError");
     this.opening = true;
     try {
+      await this.closing;
       const channel = await this.claimed();
       const write = (bytes: Uint8Array<ArrayBuffer>) => this.write(channel, bytes);
       const chip = driverOf(this.device, channel, write);
@@ -95,7 +97,12 @@ export class UsbSerialPort extends EventTarget implements SerialPort {
     const { it } = this;
     if (!it) return;
     this.end(it);
-    await within(PATIENCE.close, it.chip.stop?.() ?? Promise.resolve()).catch(() => undefined);
+    this.closing = this.stopped(it);
+    await this.closing;
+  }
+
+  private async stopped({ chip }: Open): Promise<void> {
+    await within(PATIENCE.close, chip.stop?.() ?? Promise.resolve()).catch(() => undefined);
     await this.release();
   }
 
@@ -116,7 +123,8 @@ export class UsbSerialPort extends EventTarget implements SerialPort {
     if (channel === null) throw unsupported("The device has no serial port.");
     for (const number of channel.interfaces) {
       await within(PATIENCE.claim, device.claimInterface(number)).catch((error: unknown) => {
-        throw new DOMException(error instanceof Error ? error.message : String(error), HELD);
+        // Another name says that the device is gone, or the browser hangs.
+        throw error instanceof DOMException && error.name === "NetworkError" ? new DOMException(error.message, HELD) : error;
       });
     }
     return channel;
