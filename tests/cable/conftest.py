@@ -38,8 +38,11 @@ def box(running_box, request):
 
 
 @pytest.fixture
-def cable(box):
-    """A plugged cable with a warm car behind it, as `/dev/ttyUSB0`."""
-    cable = box.cable()
+def cable(box, request):
+    """A plugged cable with a warm car behind it, as `/dev/ttyUSB0`.
+
+    With an FT232R, or the chips that a test is parametrized with (`indirect`).
+    """
+    cable = box.cable(chip=getattr(request, "param", "FT232R"))
     cable.plug()
     return cable

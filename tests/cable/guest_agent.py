@@ -2,9 +2,10 @@
 
 One JSON object a line, on a virtio port. From the host: `{"id", "run": [...], "env": {...}}`,
 `{"id", "signal": 2}`, `{"id", "state": true}`, `{"id", "drain": "/dev/ttyUSB0"}`: wait until its
-reader has taken all. To the host: `{"ready": true}`, `{"id", "out": text}`, `{"id", "err": text}`,
-`{"id", "state": {"time", "rss"}}`, the guest's UNIX time and the command's KiB in memory,
-`{"id", "status": 0}`.
+reader has taken all; `{"id", "break": "/dev/ttyUSB0"}`: send a break; `{"id", "exchange":
+"/dev/ttyUSB0", "send": hex, "count"}`: send bytes, and take so many. To the host:
+`{"ready": true}`, `{"id", "out": text}`, `{"id", "err": text}`, `{"id", "state": {"time", "rss"}}`,
+the guest's UNIX time and the command's KiB in memory, `{"id", "status": 0}`.
 
 `mikas` is imported once, here, and each of its commands is a fork of this process: under emulation
 an interpreter takes five seconds to start. So this process has no threads.
@@ -16,6 +17,7 @@ import fcntl
 import gc
 import json
 import os
+import select
 import selectors
 import signal
 import sys
@@ -68,6 +70,13 @@ class Agent:
                 self._run(order["id"], order["run"], order["env"])
             elif "drain" in order:
                 self._send(id=order["id"], status=0 if drain(order["drain"]) else 1)
+            elif "exchange" in order:
+                got = exchange(order["exchange"], bytes.fromhex(order["send"]), order["count"])
+                self._send(id=order["id"], out=got.hex())
+                self._send(id=order["id"], status=0)
+            elif "break" in order:
+                send_break(order["break"])
+                self._send(id=order["id"], status=0)
             elif (process := self._processes.get(order["id"])) is not None:
                 if "state" in order:
                     self._send(id=order["id"], state=state_of(process.pid))
@@ -179,6 +188,27 @@ def drain(port: str) -> bool:
         time.sleep(0.001)  # in the guest, in real time: nothing reports that a reader took bytes
     os.close(number)
     return not left
+
+
+def send_break(port: str) -> None:
+    """Send a break of a quarter of a second, as a program does."""
+    number = os.open(port, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
+    termios.tcsendbreak(number, 0)
+    os.close(number)
+
+
+def exchange(port: str, data: bytes, count: int) -> bytes:
+    """Send `data` at 9600 8N1, and return up to `count` bytes that come."""
+    number = os.open(port, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
+    mode = [0, 0, termios.CS8 | termios.CREAD | termios.CLOCAL, 0, termios.B9600, termios.B9600]
+    termios.tcsetattr(number, termios.TCSANOW, [*mode, [b"\0"] * 32])
+    os.write(number, data)
+    got, end = b"", time.monotonic() + _READ_WITHIN
+    while len(got) < count and (left := end - time.monotonic()) > 0:
+        if select.select([number], [], [], left)[0]:
+            got += os.read(number, count)
+    os.close(number)
+    return got
 
 
 def import_mikas() -> None:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from itertools import count
 from typing import Any
 
-from cable.wire_rig import PATIENCE
+from usb.wire_rig import PATIENCE
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,6 +104,15 @@ class Guest:
     def drain(self, device: str) -> bool:
         """Return when the reader of `device` has taken what the system holds; False: too slow."""
         return self._order(("drain", device), drain=device).wait().status == 0
+
+    def send_break(self, device: str) -> None:
+        """Send a break through `device`."""
+        self._order(("break", device), **{"break": device}).wait()
+
+    def exchange(self, device: str, data: bytes, count: int) -> bytes:
+        """Send `data` through `device` at 9600 8N1; return up to `count` bytes that come."""
+        send = {"exchange": device, "send": data.hex(), "count": count}
+        return bytes.fromhex(self._order(("exchange", device), **send).wait().out)
 
     def _order(self, words: tuple[str, ...], **first: object) -> Command:
         number = next(self._numbers)

@@ -154,7 +154,7 @@ class Hour:
     def _pull(self) -> None:
         # A stream goes on while `log` has not opened the port: then no byte is exact.
         seen = None
-        if self.random.random() < 0.7 and self.box.was_opened(self.cable):
+        if self.random.random() < 0.7 and self.cable.was_opened:
             number = self.random.randint(1, 60)
             seen = self.cable.cut_when(lambda seen: len(seen) == number)()
         else:
@@ -187,7 +187,7 @@ class Hour:
             self.strangers["with its name"] += 1
 
     def _pull_stranger(self) -> None:
-        if self.box.was_opened(self.stranger):
+        if self.stranger.was_opened:
             self.mistakes.append("the stranger's port was opened")
         self.stranger.pull()
         self.stranger_is_in = False

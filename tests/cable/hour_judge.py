@@ -24,12 +24,12 @@ from bench.soak_car import STEP, SoakCar
 
 import mikas
 from cable.guest_rig import Command
-from cable.wire_rig import PATIENCE
 from mikas.catalog import shipped
 from mikas.link import WallClock
 from mikas.link.base import Direction
 from mikas.recording.capture.reader import CaptureReader, Packet
 from mikas.recording.summary import summarise
+from usb.wire_rig import PATIENCE
 
 AGE = 5.0  # s from the answer in the unit to its first byte in the guest, which can pause
 AHEAD = 0.25  # s by which the two clocks may seem to differ

@@ -1,4 +1,4 @@
-"""What the guest boots: Debian's kernel, nine of its modules with those they need, and busybox.
+"""What the guest boots: Debian's kernel, some of its modules with those they need, and busybox.
 
 The initramfs is only the way to the host's files: it loads the modules, mounts the host's root
 read-only through 9p, changes into it and starts `guest_agent.py`, so every path in the guest is
@@ -23,7 +23,7 @@ DOWNLOADED = REPOSITORY / "build" / "cable"
 QEMU = "qemu-system-x86_64"
 MODULES = (
     "virtio_pci", "virtio_console", "9pnet_virtio", "9p", "overlay", "usbcore", "xhci-pci",
-    "usbserial", "ftdi_sio",
+    "usbserial", "ftdi_sio", "ch341", "cp210x", "pl2303", "cdc-acm",
 )  # fmt: skip
 _XZ = b"\xfd7zXZ\0"
 _INIT = """#!/bin/busybox sh

@@ -1,34 +1,50 @@
-"""An owner's commands with the cable plugged in, over Linux' own driver."""
+"""An owner's commands with the cable plugged in, over Linux' own driver of each chip."""
 
 from __future__ import annotations
 
 import json
 from pathlib import Path
 
+import pytest
+
 from cable.recorded_rig import STILL, received, summary, wrong_values
 from mikas.virtual.memory import pattern
+from usb.chips.named import FOUR
 
 LATENCY = Path("/sys/bus/usb-serial/devices/ttyUSB0/latency_timer")
 
 
+CHIPS = {"FT232R": "FT232R", "CH340": "CH340", "CP2102": "CP210x", "PL2303HX": "PL2303"}
+"""The name that the program has for each."""
+each_chip = pytest.mark.parametrize("cable", FOUR, indirect=True)
+two_chips = pytest.mark.parametrize("chip", ["FT232R", "CH340"])
+
+
+@each_chip
 def test_ports_names_chip_and_serial_number(box, cable):
     (port, *others) = box.run("mikas", "ports", "--json").json["ports"]
-    assert (port["url"], port["chip"], port["likely"]) == ("/dev/ttyUSB0", "FT232R", True)
-    assert port["serial_number"] == cable.serial
+    chip = CHIPS[cable.kind]
+    assert (port["url"], port["chip"], port["likely"]) == ("/dev/ttyUSB0", chip, True)
+    assert port["serial_number"] == (cable.serial or None)
+    has_timer = any("latency timer" in it for it in map(str, port["quirks"]))
+    assert has_timer == (cable.kind == "FT232R")
     assert not any(other["likely"] for other in others)
 
 
-def test_doctor_finds_nothing_wrong_and_lowers_the_latency_timer(box, cable):
-    box.run("sh", "-c", f"echo 16 >{LATENCY}")  # as a real chip begins; QEMU's has 0
+@each_chip
+def test_doctor_finds_nothing_wrong_and_lowers_the_timer_of_an_ftdi(box, cable):
     done = box.run("mikas", "doctor", "--json")
     assert done.status == 0, done
-    verdicts = {step["name"]: step["ok"] for step in done.json["steps"]}
+    steps = {step["name"]: step for step in done.json["steps"]}
     timed = {"baud", "latency"}  # of an emulated computer, which may be slow
-    assert all(verdicts[name] for name in verdicts.keys() - timed), done
-    assert not any(verdicts[name] is False for name in timed), done
-    assert box.run("cat", str(LATENCY)).out == "1\n"
+    assert all(steps[name]["ok"] for name in steps.keys() - timed), done
+    assert not any(steps[name]["ok"] is False for name in timed), done
+    if cable.kind == "FT232R":
+        assert box.run("cat", str(LATENCY)).out == "1\n"
+    assert ("low latency" in str(steps["port"]["detail"])) == (cable.kind == "FT232R")
 
 
+@each_chip
 def test_read_gives_the_values_of_the_unit(box, cable):
     done = box.run("mikas", "read", "--json")
     assert done.status == 0, done
@@ -37,6 +53,7 @@ def test_read_gives_the_values_of_the_unit(box, cable):
     assert {name: readings[name]["value"] for name in STILL} == STILL
 
 
+@each_chip
 def test_log_records_every_byte_without_a_line_error(box, cable):
     out = box.home / "drive.pcapng"
     done = box.run("mikas", "log", "-o", str(out), "FREQ", "TWAT", "--count", "100", "--json")
@@ -48,9 +65,10 @@ def test_log_records_every_byte_without_a_line_error(box, cable):
     assert wrong_values(out) == {}
 
 
-def test_a_break_reaches_the_wire_and_ends_a_stream_that_nothing_else_ends(box):
+@pytest.mark.parametrize("chip", FOUR)
+def test_a_break_reaches_the_wire_and_ends_a_stream_that_nothing_else_ends(box, chip):
     """D12: the tester's last means."""
-    cable = box.cable(stream_end="break")
+    cable = box.cable(chip=chip, stream_end="break")
     cable.plug()
     done = box.run("mikas", "watch", "FREQ", "TWAT", "--method", "stream", "--count", "20")
     assert done.status == 0, done
@@ -58,14 +76,45 @@ def test_a_break_reaches_the_wire_and_ends_a_stream_that_nothing_else_ends(box):
     assert box.run("mikas", "read", "TWAT").status == 0
 
 
-def test_a_whole_memory_comes_over_the_cable(box):
-    cable = box.cable(baud="115200")
+@two_chips
+def test_a_whole_memory_comes_over_the_cable(box, chip):
+    cable = box.cable(chip=chip, baud="115200")
     cable.plug()
     out = box.home / "code.bin"
     port = "/dev/ttyUSB0?baud=115200"
     done = box.run("mikas", "--port", port, "mem", "dump", "code", "-o", str(out))
     assert done.status == 0, done
     assert out.read_bytes() == pattern("code")
+
+
+@pytest.mark.parametrize("chip", ["CP2102", "PL2303HX"])
+def test_a_part_of_a_memory_comes_over_the_other_chips(box, chip):
+    box.cable(chip=chip, baud="115200").plug()
+    out = box.home / "xram.bin"
+    words = ("mem", "dump", "xram", "-o", str(out), "--to", "07FF")
+    done = box.run("mikas", "--port", "/dev/ttyUSB0?baud=115200", *words)
+    assert done.status == 0, done
+    assert out.read_bytes() == pattern("xram")[:2048]
+
+
+def test_a_cp2102_at_10400_baud_is_named_as_the_reason(box):
+    cable = box.cable(chip="CP2102", lost="1")
+    cable.plug()
+    done = box.run("mikas", "--port", "/dev/ttyUSB0?baud=10400", "doctor", "--json")
+    assert done.status == 3, done
+    assert cable.chip.uart.settings.rate == 14400
+    steps = {step["name"]: step for step in done.json["steps"]}
+    if steps["baud"]["ok"] is False:  # else the emulated computer was too slow to measure it
+        assert "CP2101, CP2102 or CP2103" in str(steps["baud"]["detail"])
+
+
+def test_a_copy_that_linux_refuses_is_named_with_what_to_do(box):
+    box.cable(chip="PL2303 unknown").put_in()
+    box.run("sh", "-c", "until [ -e /sys/bus/usb/devices/1-1:1.0 ]; do sleep 0.1; done; sleep 0.3")
+    done = box.run("mikas", "read", "TWAT")
+    assert done.status == 3, done
+    assert "PL2303" in done.err
+    assert "refuses copies of this chip" in done.err
 
 
 def test_two_cables_at_once_give_the_values_of_their_units(box):

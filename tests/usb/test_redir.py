@@ -22,6 +22,7 @@ class Qemu(asyncio.WriteTransport):
     def __init__(self, redir: UsbRedir, capabilities: int) -> None:
         self.redir, self.form = redir, "<III"
         self.data = b""
+        self.came = asyncio.Event()
         redir.connection_made(self)
         hello = b"qemu".ljust(64, b"\0") + struct.pack("<I", capabilities)
         self.send(redir_rig.HELLO, 0, hello)
@@ -32,6 +33,7 @@ class Qemu(asyncio.WriteTransport):
 
     def write(self, data: bytes) -> None:
         self.data += data
+        self.came.set()
 
     def send(self, kind: int, number: int, body: bytes = b"") -> None:
         packet = struct.pack(self.form, kind, len(body), number) + body
@@ -196,6 +198,23 @@ def test_notices_come_once_the_host_listens_for_them(far):
         assert notice[2] == b"\x81\x00\x0a\x00" + b"\xa1\x20\0\0\0\0\x02\0\x84\0"
 
     with_qemu(test)
+
+
+@pytest.mark.realtime
+def test_a_timer_of_the_chip_brings_a_packet_by_itself(far):
+    async def test() -> None:
+        device = plugged("FT232R", far)
+        qemu = Qemu(redir := UsbRedir(), ALL)
+        redir.plug(device)
+        qemu.bulk(1, IN_END, 512)
+        assert [(number, data) for number, _, data in qemu.bulks()] == [(1, b"\x11\x60")]
+        qemu.came = asyncio.Event()
+        qemu.bulk(2, IN_END, 512)
+        assert qemu.bulks() == []
+        await asyncio.wait_for(qemu.came.wait(), 60)
+        assert [(number, data) for number, _, data in qemu.bulks()] == [(2, b"\x11\x60")]
+
+    asyncio.run(test())
 
 
 def test_pulled_out_nothing_comes_any_more(cp2102):

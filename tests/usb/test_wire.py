@@ -113,6 +113,13 @@ def test_a_break_is_heard_by_the_chip_that_sent_it(tester, lines):
     assert it.wire.breaks == 1
 
 
+def test_a_zero_at_a_much_lower_rate_is_a_break_for_the_unit(tester):
+    it = tester(300)
+    it.send(b"\x00")
+    [found], _ = it.received(1)
+    assert (found, it.wire.breaks) == ((0x00, Damage.NONE), 1)
+
+
 def test_cut_at_a_byte_nothing_comes_after_it(tester, lines):
     it = tester()
     cut = lines.call(lambda: it.wire.cut_when(lambda seen: seen.endswith(b"\x76")))

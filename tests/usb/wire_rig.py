@@ -20,7 +20,7 @@ from typing import Any, TypeVar
 from mikas.link import WallClock
 from mikas.virtual import serve
 from mikas.virtual.bus import Bus
-from usb.chips.uart import BREAK, Settings, Uart, sampled
+from usb.chips.uart import BREAK, Damage, Settings, Uart, sampled
 
 T = TypeVar("T")
 PATIENCE = 180.0  # s; emulation on a busy machine is slow
@@ -64,7 +64,13 @@ class Wire(serve.ServedBus):
         if fits:
             self.feed(data)
             return
-        self.feed(bytes(it.value for it in sampled(data, settings, self.unit)))
+        found = sampled(data, settings, self.unit)
+        if any(Damage.BREAK in it.damage for it in found):  # zeros, much slower than the unit
+            self.breaks += 1
+            self.bus.send_break(len(data) * settings.character_time, self._clock())
+            self.advance()
+        else:
+            self.feed(bytes(it.value for it in found))
         if self._echo:
             self._echo_by_itself(data, settings)
 

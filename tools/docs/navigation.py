@@ -119,6 +119,7 @@ NAVIGATION: tuple[Entry | Section, ...] = (
             _page("development/site.md", "The page without installation", "Страница без установки"),
             _page("development/docs.md", "These pages", "Эти страницы"),
             _page("development/cable.md", "Tests on a cable", "Испытания на кабеле"),
+            _page("development/chips.md", "USB chips as models", "Модели микросхем USB"),
             _page("development/soak.md", "A million exchanges", "Миллион обменов"),
             _page("development/causes.md", "How causes are ranked", "Как ранжируются причины"),
             _page("development/benchmarks.md", "Figures", "Измерения"),

@@ -59,7 +59,7 @@ KINDS = {
     "CP2103": Kind(0xEA60, 0x03, "CP2103 USB to UART Bridge Controller", is_listed=True),
     "CP2104": Kind(0xEA60, 0x04, "CP2104 USB to UART Bridge Controller"),
     "CP2105": Kind(0xEA70, 0x05, "CP2105 Dual USB to UART Bridge Controller", ports=2),
-    "CP2108": Kind(0xEA71, 0x08, "CP2108 Quad USB to UART Bridge Controller", 4, swaps_line=True),
+    "CP2108": Kind(0xEA71, 0x08, "CP2108 Quad USB to UART Bridge Controller", 4, True, True),
     "CP2102N": Kind(0xEA60, 0x20, "CP2102N USB to UART Bridge Controller"),
 }
 
