@@ -6,7 +6,8 @@ messages are broadcast in the network namespace, so nothing outside hears them; 
 listens on a socket that was made inside (`Computer.listen`). All of it ends with the process of
 `_SETUP`, at the latest when the tests' process does.
 
-The pty has no modem lines: a browser can't set DTR and RTS there, and a break is lost.
+The pty has no modem lines: a browser can't set DTR and RTS there, and a break is lost. Whole USB
+devices, for WebUSB, are in `usb_sockets_rig`.
 """
 
 from __future__ import annotations
@@ -31,6 +32,8 @@ own, so the port is always free.
 """
 CHOOSING = f"http://127.0.0.2:{PORT}"
 """The same host, where a page may use an adapter once it was chosen (`Computer.choose`)."""
+USB_VENDORS = (0x0403, 0x1A86, 0x4348, 0x10C4, 0x067B, 0x04D8, 0x16C0)
+"""The makers of the models in `usb.chips`."""
 _POLICIES = Path("/etc/chromium")
 _SETUP = """\
 set -e
@@ -94,8 +97,10 @@ class Computer:
     """USB sockets, a browser's start (`wrapper`), and a network of its own."""
 
     def __init__(self, pid: int) -> None:
-        self._pid = pid
-        self._root = Path(f"/proc/{pid}/root")
+        self.pid = pid
+        """The process that its namespaces end with."""
+        self.root = Path(f"/proc/{pid}/root")
+        """Its files, from outside."""
         self._plugged: dict[int, Adapter] = {}
         self._messages = self._inside(
             lambda: socket.socket(socket.AF_NETLINK, socket.SOCK_RAW, _KOBJECT_UEVENT)
@@ -108,7 +113,7 @@ class Computer:
         file.write_text(
             "#!/bin/sh\n"
             "export SYSTEMD_DEVICE_VERIFY_SYSFS=0\n"
-            f'exec nsenter --target {self._pid} --mount --net {program} "$@"\n',
+            f'exec nsenter --target {self.pid} --mount --net {program} "$@"\n',
             "utf-8",
         )
         file.chmod(0o755)
@@ -131,8 +136,14 @@ class Computer:
         self._grant(ORIGIN)
 
     def _grant(self, *origins: str) -> None:
-        policy = json.dumps({"SerialAllowAllPortsForUrls": origins})
-        managed = self._root / "etc/chromium/policies/managed/serial.json"
+        devices = [{"vendor_id": vendor} for vendor in USB_VENDORS]
+        policy = json.dumps(
+            {
+                "SerialAllowAllPortsForUrls": origins,
+                "WebUsbAllowDevicesForUrls": [{"devices": devices, "urls": origins}],
+            }
+        )
+        managed = self.root / "etc/chromium/policies/managed/adapters.json"
         if not managed.exists() or managed.read_text("ascii") != policy:
             managed.write_text(policy, "ascii")
 
@@ -141,16 +152,16 @@ class Computer:
         number = next(it for it in range(512) if it not in self._plugged)
         device = f"devices/pci0000:00/usb1/1-{number + 1}/1-{number + 1}:1.0"
         name = f"ttyUSB{number}"
-        folder = self._root / "sys" / device / name / "tty" / name
+        folder = self.root / "sys" / device / name / "tty" / name
         folder.mkdir(parents=True)
         (folder / "subsystem").symlink_to("/sys/class/tty")
         (folder / "uevent").write_text(f"MAJOR=188\nMINOR={number}\nDEVNAME={name}\n", "ascii")
         (folder / "dev").write_text(f"188:{number}\n", "ascii")
-        shown = self._root / "sys/class/tty" / name
+        shown = self.root / "sys/class/tty" / name
         shown.symlink_to(f"../../{device}/{name}/tty/{name}")
-        record = self._root / f"run/udev/data/c188:{number}"
+        record = self.root / f"run/udev/data/c188:{number}"
         record.write_text("".join(f"E:{it}\n" for it in _properties(adapter)), "ascii")
-        (self._root / "dev" / name).symlink_to(pty)
+        (self.root / "dev" / name).symlink_to(pty)
         self._plugged[number] = adapter
         self._tell("add", number)
         return number
@@ -158,10 +169,10 @@ class Computer:
     def unplug(self, number: int) -> None:
         """Pull it out."""
         name = f"ttyUSB{number}"
-        (self._root / "dev" / name).unlink()
-        (self._root / f"run/udev/data/c188:{number}").unlink()
-        (self._root / "sys/class/tty" / name).unlink()
-        shutil.rmtree(self._root / f"sys/devices/pci0000:00/usb1/1-{number + 1}")
+        (self.root / "dev" / name).unlink()
+        (self.root / f"run/udev/data/c188:{number}").unlink()
+        (self.root / "sys/class/tty" / name).unlink()
+        shutil.rmtree(self.root / f"sys/devices/pci0000:00/usb1/1-{number + 1}")
         self._tell("remove", number)
         del self._plugged[number]
 
@@ -170,17 +181,22 @@ class Computer:
             self.unplug(number)
 
     def _tell(self, action: str, number: int) -> None:
-        """Send udev's message, as libudev sends it to the programs that listen."""
         name = f"ttyUSB{number}"
         device = f"/devices/pci0000:00/usb1/1-{number + 1}/1-{number + 1}:1.0/{name}/tty/{name}"
         lines = [
-            f"ACTION={action}", f"DEVPATH={device}", "SUBSYSTEM=tty", f"DEVNAME=/dev/{name}",
+            f"DEVPATH={device}", f"DEVNAME=/dev/{name}",
             "MAJOR=188", f"MINOR={number}", f"SEQNUM={number + 1}",
             *_properties(self._plugged[number]),
         ]  # fmt: skip
+        self.tell(action, "tty", "", lines)
+
+    def tell(self, action: str, subsystem: str, device_type: str, lines: list[str]) -> None:
+        """Send udev's message, as libudev sends it to the programs that listen."""
+        lines = [f"ACTION={action}", f"SUBSYSTEM={subsystem}", *lines]
         text = b"".join(f"{it}\0".encode() for it in lines)
         numbers = struct.pack("=III", 40, 40, len(text))
-        filters = struct.pack(">IIII", _murmur_hash(b"tty"), 0, 0, 0)
+        kind = _murmur_hash(device_type.encode()) if device_type else 0
+        filters = struct.pack(">IIII", _murmur_hash(subsystem.encode()), kind, 0, 0)
         message = b"libudev\0" + struct.pack(">I", 0xFEEDCAFE) + numbers + filters + text
         self._messages.sendto(message, (0, _UDEV))
 
@@ -188,7 +204,7 @@ class Computer:
         """Return what `make()` makes in this computer's network: a thread of its own goes there."""
 
         def work():
-            with Path(f"/proc/{self._pid}/ns/net").open("rb") as network:
+            with Path(f"/proc/{self.pid}/ns/net").open("rb") as network:
                 if ctypes.CDLL(None, use_errno=True).setns(network.fileno(), _CLONE_NEWNET):
                     raise OSError(ctypes.get_errno(), "setns")
             return make()

@@ -13,9 +13,10 @@ from playwright.sync_api import sync_playwright
 
 from browser.chromium_rig import installed, launched, must_not_miss, visits
 
-from . import computer_rig, site_rig
+from . import computer_rig, site_rig, usb_sockets_rig
 from .pages_rig import StaticHost
 from .site_rig import site_tab
+from .usb_sockets_rig import UsbSockets
 from .wire_rig import cable, wire
 
 collect_ignore_glob = [] if sys.platform == "linux" else ["*"]
@@ -27,6 +28,15 @@ def whole_computer():
     must_not_miss(computer_rig.missing())
     with computer_rig.computer() as computer:
         yield computer
+
+
+@pytest.fixture(scope="package")
+def usb_sockets(whole_computer):
+    """The USB sockets of that computer, for WebUSB."""
+    must_not_miss(usb_sockets_rig.missing())
+    made = UsbSockets(whole_computer)
+    yield made
+    made.close()
 
 
 @pytest.fixture(scope="package")

@@ -1,4 +1,4 @@
-"""The link over Web Serial: its tests run in Chromium, in Pyodide, over fake adapters."""
+"""The link over Web Serial and over WebUSB: its tests run in Chromium, in Pyodide."""
 
 from __future__ import annotations
 
@@ -11,24 +11,29 @@ import pytest
 from packed_program import pack
 
 from .computer_rig import CH340, FT232, Computer
+from .usb_sockets_rig import UsbByHand, UsbSockets
 from .wire_rig import Wire
 
 HERE = Path(__file__).parent
 MODULES = HERE.parents[1] / "web" / "node_modules"
-RUN = """() => new Promise(resolve => {
-  const worker = new Worker("worker.js", { type: "module" })
+RUN = """scheme => new Promise(resolve => {
+  const worker = new Worker(`worker.js?${scheme}`, { type: "module" })
   worker.onmessage = ({ data }) => resolve(data)
   worker.onerror = ({ message }) => resolve(message)
 })"""
 
 
-def commands(computer: Computer) -> dict[str, Callable[[bytes], bytes | None]]:
+def by_serial(computer: Computer) -> list[Wire]:
+    return [Wire(computer, each) for each in (FT232, FT232, CH340)]
+
+
+def by_usb(sockets: UsbSockets) -> list[UsbByHand]:
+    return [UsbByHand(sockets, each) for each in ("FT232R", "FT232R", "CH340")]
+
+
+def commands(wires: list[Wire] | list[UsbByHand]) -> dict[str, Callable[[bytes], bytes | None]]:
     """Return what the tests in the browser can ask for."""
-    wires = {
-        "/plug": Wire(computer, FT232),
-        "/plug-second": Wire(computer, FT232),
-        "/plug-ch340": Wire(computer, CH340),
-    }
+    wires = dict(zip(("/plug", "/plug-second", "/plug-ch340"), wires, strict=True))
     first = wires["/plug"]
 
     def unplug_all(_: bytes = b"") -> None:
@@ -45,7 +50,10 @@ def commands(computer: Computer) -> dict[str, Callable[[bytes], bytes | None]]:
 
 
 @pytest.mark.realtime
-def test_the_tests_of_the_link_pass_in_the_browser(computer, host, visitor, tmp_path):
+@pytest.mark.parametrize("scheme", ["webserial", "webusb"])
+def test_the_tests_of_the_link_pass_in_the_browser(
+    computer, usb_sockets, host, visitor, tmp_path, scheme
+):
     folder = tmp_path / "pages"
     folder.mkdir()
     (folder / "index.html").write_text("<!doctype html><link rel=icon href=data:,>", "ascii")
@@ -53,9 +61,9 @@ def test_the_tests_of_the_link_pass_in_the_browser(computer, host, visitor, tmp_
     pack(folder / "program.zip", HERE / "web_serial_in_browser.py")
     rolldown = [MODULES / ".bin" / "rolldown", HERE / "python_worker.js", "--format", "esm"]
     subprocess.run([*rolldown, "--file", folder / "worker.js"], check=True, capture_output=True)
-    asked = commands(computer)
+    asked = commands(by_usb(usb_sockets) if scheme == "webusb" else by_serial(computer))
     tab = visitor(host(folder, asked).url)
     tab.page.goto(tab.url)
-    code, _, said = tab.page.evaluate(RUN).partition("\n")
+    code, _, said = tab.page.evaluate(RUN, scheme).partition("\n")
     asked["/unplug-all"](b"")
     assert code == "0", said

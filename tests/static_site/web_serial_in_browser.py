@@ -1,13 +1,15 @@
 """`mikas.browser.web_serial` in a browser's Python: the contract of links, and what else it does.
 
-`test_web_serial` runs this. Adapters and wires are that test's (`COMMANDS` there), asked by
-requests that block this worker: what the browser has to do for a link is done when the link waits.
+`test_web_serial` runs this over Web Serial and over WebUSB (`SCHEME`). Adapters and wires are that
+test's (`COMMANDS` there), asked by requests that block this worker: what the browser has to do for
+a link is done when the link waits.
 """
 
 from __future__ import annotations
 
 import gc
 import io
+import os
 from contextlib import redirect_stdout
 
 import mikas_host
@@ -27,7 +29,9 @@ from mikas.link import open_link  # noqa: E402
 from mikas.link.reconnecting import ReconnectingPort  # noqa: E402
 from mikas.testing.links import FAR, RealTimeContract, Rig  # noqa: E402
 
-FT232, CH340 = "webserial:0403:6001", "webserial:1a86:7523"
+SCHEME = os.environ["SCHEME"]
+IS_USB = SCHEME == "webusb"
+FT232, CH340 = f"{SCHEME}:0403:6001", f"{SCHEME}:1a86:7523"
 
 
 def ask(what: str, body: bytes = b"") -> bytes:
@@ -73,7 +77,8 @@ class TestContract(RealTimeContract):
 def test_a_port_is_described_by_its_chip():
     [port] = find_web_ports()
     assert (port.chip, port.description, port.likely) == ("FT232R", "FT232R", True)
-    assert ["browser can't lower it" in quirk.en for quirk in port.quirks] == [True]
+    # Over WebUSB the page has lowered the latency timer.
+    assert ["browser can't lower it" in quirk.en for quirk in port.quirks] == [True] * (not IS_USB)
     assert (port.vid, port.pid, port.serial_number) == (0x0403, 0x6001, None)
     with open_link(FT232) as link:
         assert link.description == port.description
@@ -87,11 +92,11 @@ def test_options_are_those_of_a_serial_port():
 
 
 def test_the_only_port_needs_no_name():
-    with open_link("webserial:"):
+    with open_link(f"{SCHEME}:"):
         pass
     command("plug-ch340", FT232, CH340)
     with pytest.raises(NoPortGiven) as caught:
-        open_link("webserial:")
+        open_link(f"{SCHEME}:")
     assert f"{FT232} (FT232R), {CH340} (CH340)" in str(caught.value)
 
 
