@@ -8,6 +8,8 @@ from zipfile import ZipFile
 
 from tools.site.packages import own
 
+from mikas import testing
+
 PYTEST = ("pytest", "_pytest", "iniconfig", "packaging", "pluggy", "pygments")
 
 
@@ -20,5 +22,7 @@ def pack(file: Path, *tests: Path) -> None:
             for each in package.rglob("*.py"):
                 archive.write(each, Path(package.name) / each.relative_to(package))
         archive.write(find_spec("py").origin, "py.py")  # pytest's own
+        for each in Path(testing.__file__).parent.glob("*.py"):  # which the site does not have
+            archive.write(each, Path("mikas", "testing", each.name))
         for each in tests:
             archive.write(each, each.name)
