@@ -24,7 +24,7 @@ from mikas.virtual.bus import Bus
 from mikas.virtual.responder import Responder
 from usb.chips.device import Device
 from usb.chips.named import plugged
-from usb.redir_rig import UsbRedir
+from usb.transports.redir_rig import UsbRedir
 from usb.wire_rig import PATIENCE, Condition, Lines, Wire
 
 SOCKETS = 3

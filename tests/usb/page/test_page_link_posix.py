@@ -12,13 +12,13 @@ from typing import Any
 import pytest
 
 from packed_program import pack
-from usb import node_rig
 from usb.book_rig import Far
 from usb.chips.named import plugged
 from usb.chips.uart import Settings
+from usb.page import node_rig
 
 HERE = Path(__file__).parent
-PYODIDE = HERE.parents[1] / "web" / "node_modules" / "pyodide" / "pyodide.mjs"
+PYODIDE = HERE.parents[2] / "web" / "node_modules" / "pyodide" / "pyodide.mjs"
 
 pytestmark = pytest.mark.realtime
 

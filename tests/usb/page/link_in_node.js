@@ -2,9 +2,9 @@
 // PROGRAM: an archive of mikas, pytest and `link_in_pyodide.py`, which runs.
 import { readFileSync } from "node:fs";
 import { pathToFileURL } from "node:url";
-import { UsbSerial } from "../../web/src/site/usb/usbSerial";
-import { followAdapters } from "../../web/src/site/worker/adapters";
-import { waits } from "../../web/src/site/worker/waits";
+import { UsbSerial } from "../../../web/src/site/usb/usbSerial";
+import { followAdapters } from "../../../web/src/site/worker/adapters";
+import { waits } from "../../../web/src/site/worker/waits";
 import { ask, deviceOf, listen, say } from "./usb_over_pipe";
 
 const [program, pyodide] = process.argv.slice(2);

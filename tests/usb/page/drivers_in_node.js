@@ -1,6 +1,6 @@
 // The page's drivers (web/src/site/usb) by commands of `node_rig.py`.
-import { familyOf } from "../../web/src/site/usb/identify";
-import { UsbSerialPort } from "../../web/src/site/usb/usbSerialPort";
+import { familyOf } from "../../../web/src/site/usb/identify";
+import { UsbSerialPort } from "../../../web/src/site/usb/usbSerialPort";
 import { deviceOf, listen, say } from "./usb_over_pipe";
 
 let port;

@@ -6,7 +6,6 @@ import os
 
 import pytest
 
-from usb import node_rig
 from usb.book_rig import Far
 from usb.chips.cdc_acm import KINDS as CDC_ACM
 from usb.chips.ch34x import KINDS as CH34X
@@ -14,6 +13,7 @@ from usb.chips.cp210x import KINDS as CP210X
 from usb.chips.ftdi import KINDS as FTDI
 from usb.chips.named import NAMES, plugged
 from usb.chips.uart import Form, Settings
+from usb.page import node_rig
 
 OPENABLE = [name for name in NAMES if name != "PL2303 unknown"]
 LISTED = {name for name, kind in CP210X.items() if kind.is_listed or name == "CP2108"}

@@ -7,11 +7,11 @@ import struct
 
 import pytest
 
-from usb import redir_rig
 from usb.book_rig import Far
 from usb.chips.named import plugged
 from usb.chips.uart import BREAK, Form, Settings
-from usb.redir_rig import BABBLE, CANCELLED, OK, STALL, UsbRedir
+from usb.transports import redir_rig
+from usb.transports.redir_rig import BABBLE, CANCELLED, OK, STALL, UsbRedir
 
 IN_END, OUT_END = 0x81, 0x01  # of a CP2102
 

@@ -12,11 +12,11 @@ from contextlib import ExitStack, contextmanager
 
 import pytest
 
-from usb import fuse_rig
 from usb.book_rig import Far
 from usb.chips.named import plugged
 from usb.chips.uart import Form, Settings
-from usb.usbfs_rig import Plugged, Usbfs
+from usb.transports import fuse_rig
+from usb.transports.usbfs_rig import Plugged, Usbfs
 from usb.wire_rig import Lines
 
 IN_END, OUT_END = 0x81, 0x01  # of a CP2102

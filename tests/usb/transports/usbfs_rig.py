@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from math import inf
 
 from usb.chips.device import IN, Device, Handshake, Setup
-from usb.fuse_rig import FuseFiles, Memory
+from usb.transports.fuse_rig import FuseFiles, Memory
 
 _SET_INTERFACE, _SET_CONFIGURATION, _GET_DRIVER, _SUBMIT, _DISCARD = 4, 5, 8, 10, 11
 _REAP, _REAP_NOW, _CLAIM, _RELEASE, _IOCTL, _RESET, _CLEAR_HALT = 12, 13, 15, 16, 18, 20, 21
