@@ -21,7 +21,8 @@ class PlainBus:
     """A wire without a unit: bytes sent are kept, bytes from the test arrive."""
 
     def __init__(self) -> None:
-        self.ecu = SimpleNamespace(baud=9600)
+        car = SimpleNamespace(engine_speed=lambda now: 0.0)  # a link's follower asks each second
+        self.ecu = SimpleNamespace(baud=9600, responder=SimpleNamespace(car=car))
         self.adapter = Adapter(AdapterKind())
         self.sent = b""
         self.breaks: list[float] = []
