@@ -229,6 +229,17 @@ def test_a_request_can_stall_or_hang(far):
     assert host.get(0xC0, 0x5F, 0, 0, 2) == b"\x31\x00"
 
 
+def test_a_request_can_be_acknowledged_and_ignored(far):
+    device = plugged("PL2303HX", far)
+    host = opened(device, "PL2303HX")
+    device.faults.ignore(0x23)
+    host.set(0x21, 0x23, 0xFFFF)
+    assert far.breaks == []
+    device.faults.forgive()
+    host.set(0x21, 0x23, 0xFFFF)
+    assert far.breaks == [True]
+
+
 def test_a_halted_endpoint_stalls_until_the_host_clears_it_and_keeps_the_data(far):
     device = plugged("CP2102", far)
     host = opened(device, "CP2102")

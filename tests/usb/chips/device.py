@@ -161,8 +161,13 @@ class Device:
         if not setup.kind & 0x60:
             return self._standard(setup)
         self.requests.append((setup, data))
-        if fault := self.faults.of_request(setup.request):
-            return Handshake.NAK if fault == "hang" else Handshake.STALL
+        match self.faults.of_request(setup.request):
+            case "hang":
+                return Handshake.NAK
+            case "stall":
+                return Handshake.STALL
+            case "ignore":
+                return bytes(setup.length if setup.kind & IN else 0)
         answer = self._answer(setup, data)
         return answer[: setup.length] if isinstance(answer, bytes) else answer
 

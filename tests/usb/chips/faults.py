@@ -1,7 +1,8 @@
 """What goes wrong between a host and a chip: each a pitfall that was met with a real one.
 
-A test sets them on `Device.faults` at any moment. What a pull, a bound kernel driver or a late
-cancellation does is the transport's part (`usb.transports.usbfs_rig`).
+A test sets them on `Device.faults` at any moment. What a pull, a bound kernel driver, a late
+cancellation or a browser that settles nothing does is the transport's part
+(`usb.transports.usbfs_rig`, `usb.page.node_rig`).
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Literal
 
-Fault = Literal["stall", "hang", ""]
+Fault = Literal["stall", "hang", "ignore", ""]
 
 
 @dataclass(slots=True)
@@ -32,6 +33,10 @@ class Faults:
     def hang(self, *requests: int) -> None:
         """Never answer these control requests: what a page waits for may not settle."""
         self._requests |= dict.fromkeys(requests, "hang")
+
+    def ignore(self, *requests: int) -> None:
+        """Acknowledge these control requests and do nothing: a copy's break, say."""
+        self._requests |= dict.fromkeys(requests, "ignore")
 
     def forgive(self, requests: Iterable[int] | None = None) -> None:
         """Answer these requests again; None: all."""

@@ -57,19 +57,28 @@ def started(script: str, folder: Path, *arguments: str | Path) -> Iterator[subpr
 
 
 class Host:
-    """The USB socket of the page in Node: it serves the page with the model that is plugged in."""
+    """The USB socket of the page in Node: it serves the page with the model that is plugged in.
+
+    `hangs`: what the browser never settles ("open", "claim", "close"). `keeps_aborted`: transfers
+    of a closed device are rejected only by `end_kept`, so late ones of a session end in the next.
+    """
 
     def __init__(self, process: subprocess.Popen[bytes]) -> None:
         self._process = process
         self.device: Device | None = None
+        self.hangs: set[str] = set()
+        self.keeps_aborted = False
+        self._kept: list[dict[str, Any]] = []
         self._waiting: list[dict[str, Any]] = []
+        self._untaken: list[dict[str, Any]] = []
         self._messages: deque[dict[str, Any]] = deque()
         self._read = b""
 
     def plug(self, device: Device) -> dict[str, Any]:
         """Plug `device` in; return what WebUSB shows of it."""
         self.device = device
-        self._waiting = []
+        self.hangs, self.keeps_aborted = set(), False
+        self._waiting, self._untaken, self._kept = [], [], []
         return _facts(device)
 
     def pull(self) -> None:
@@ -111,14 +120,14 @@ class Host:
             self.answer(it, error="NotFoundError")
             return
         match it["what"]:
+            case what if what in self.hangs:
+                pass
             case "open" | "claim":
                 self.answer(it)
             case "in":
-                self._waiting.append(it)
+                self._waiting.append(it | {"got": b""})
             case "out":
-                stalls = device.out(it["endpoint"], bytes(it["data"])) is Handshake.STALL
-                written = 0 if stalls else len(it["data"])
-                self.answer(it, status="stall" if stalls else "ok", bytesWritten=written)
+                self._untaken.append(it)
             case "clear halt":
                 device.clear_halt(it["endpoint"] | (IN if it["direction"] == "in" else 0))
                 self.answer(it)
@@ -130,8 +139,18 @@ class Host:
 
     def abort(self) -> None:
         """End the transfers that wait."""
-        gone, self._waiting = self._waiting, []
+        gone = self._waiting + self._untaken
+        self._waiting, self._untaken = [], []
+        if self.keeps_aborted:
+            self._kept += gone
+            return
         for each in gone:
+            self.answer(each, error="AbortError")
+
+    def end_kept(self) -> None:
+        """Reject the transfers of a closed device that were kept."""
+        kept, self._kept = self._kept, []
+        for each in kept:
             self.answer(each, error="AbortError")
 
     def _control(self, it: dict[str, Any]) -> None:
@@ -149,20 +168,34 @@ class Host:
             self.answer(it, status="ok", data=list(answer), bytesWritten=len(data))
 
     def give(self) -> None:
-        """Give the transfers that wait what the model has for them."""
+        """Give the transfers that wait what the model has for them, and take what it takes."""
+        if self.device is None:
+            return
+        for it in list(self._untaken):
+            answer = self.device.out(it["endpoint"], bytes(it["data"]))
+            if answer is not Handshake.NAK:
+                self._untaken.remove(it)
+                stalls = answer is Handshake.STALL
+                written = 0 if stalls else len(it["data"])
+                self.answer(it, status="stall" if stalls else "ok", bytesWritten=written)
         for it in list(self._waiting):
-            if self.device is None:
-                return
-            packet = self.device.packet(it["endpoint"] | IN, time.monotonic())
-            if packet is Handshake.NAK:
-                continue
-            self._waiting.remove(it)
+            self._fill(self.device, it)
+
+    def _fill(self, device: Device, it: dict[str, Any]) -> None:
+        """Give a transfer its packets: a full one is followed by the next, if there is room."""
+        address = it["endpoint"] | IN
+        while (packet := device.packet(address, time.monotonic())) is not Handshake.NAK:
+            got = it["got"] = it["got"] + (b"" if packet is Handshake.STALL else packet)
             if packet is Handshake.STALL:
-                self.answer(it, status="stall")
-            elif len(packet) > it["length"]:
-                self.answer(it, status="babble", data=list(packet[: it["length"]]))
+                self.answer(it, status="stall", data=list(got))
+            elif len(got) > it["length"]:
+                self.answer(it, status="babble", data=list(got[: it["length"]]))
+            elif len(packet) == device.endpoint(address).size and len(got) < it["length"]:
+                continue
             else:
-                self.answer(it, status="ok", data=list(packet))
+                self.answer(it, status="ok", data=list(got))
+            self._waiting.remove(it)
+            return
 
     def answer(self, it: dict[str, Any], **more: Any) -> None:
         self.say({"answer": it["ask"], **more})
@@ -190,6 +223,21 @@ class Drivers(Host):
 
     def received(self, length: int) -> bytes:
         return bytes(self.do("received", count=length))
+
+    def until_asked(self, what: str) -> None:
+        """Serve the page until it asks `what` of the device, which is not given yet."""
+        while not (self._messages and self._messages[0].get("what") == what):
+            if self._messages:
+                self.serve(self._messages.popleft())
+            else:
+                self._listen()
+        self.serve(self._messages.popleft())
+
+    def pull_out(self) -> None:
+        """Pull the device out; no event of the browser says so yet."""
+        self.say({"command": "pull"})
+        self.pull()
+        self.until_done()
 
 
 def _facts(device: Device) -> dict[str, Any]:

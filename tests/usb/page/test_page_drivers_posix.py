@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-
 import pytest
 
 from usb.book_rig import Far
@@ -23,16 +21,6 @@ REQUEST, ANSWER = b"\x01\xff\x0d", bytes(range(1, 201))
 RATES = (1200, 4800, 9600, 10400, 19200, 38400, 57600, 115200)
 
 pytestmark = pytest.mark.realtime
-
-
-@pytest.fixture(scope="module")
-def drivers(tmp_path_factory):
-    if reason := node_rig.missing():
-        if os.environ.get("MIKAS_REQUIRE_NODE"):
-            pytest.fail(reason)
-        pytest.skip(reason)
-    with node_rig.started("drivers_in_node.js", tmp_path_factory.mktemp("drivers")) as process:
-        yield node_rig.Drivers(process)
 
 
 @pytest.fixture
@@ -131,19 +119,6 @@ def test_an_error_of_the_wire_is_reported_and_bytes_go_on(drivers, far, name):
     while drivers.received(1) != ANSWER[:1]:
         pass
     assert drivers.received(len(ANSWER) - 1) == ANSWER[1:]
-    drivers.do("close")
-
-
-def test_an_endpoint_that_stalls_and_a_packet_that_babbles_do_not_end_the_port(drivers, far):
-    device, _, _ = opened(drivers, "CP2102", far)
-    device.faults.stall_in()
-    device.uart.hear(b"\x01", Settings())
-    assert drivers.received(1) == b"\x01"
-    device.faults.babble()
-    device.uart.hear(b"\x02", Settings())
-    assert drivers.do("error") == "BufferOverrunError"
-    device.uart.hear(b"\x03", Settings())
-    assert drivers.received(1) == b"\x03"
     drivers.do("close")
 
 
