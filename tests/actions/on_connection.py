@@ -21,6 +21,8 @@ CONNECTION = (
         shows(f"{SCREEN} button:has-text('Run check again'):enabled"),
         press("connection/diagnosis/Doctor doctor_again"),
         press("connection/diagnosis/Doctor doctor_stop"),
+        press("connection/diagnosis/ProblemReport report"),
+        press("connection/diagnosis/ProblemReport report_copy"),
         SAMPLES,
     ),
     row(

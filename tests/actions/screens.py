@@ -64,6 +64,9 @@ ELSEWHERE = {
     "connection/Ports others": "browser/test_browser_connection.py",
     "connection/Program program_end": "browser/test_browser_connection.py",
     "connection/Screen choose": "static_site/test_site_car.py",
+    "connection/diagnosis/ProblemReport report_form": (
+        "../web/src/screens/connection/diagnosis/ProblemReport.test.ts"
+    ),
     "faults/EraseSheet erase_yes": "../web/src/screens/faults/EraseSheet.test.ts",
     "faults/FaultCard watch": "../web/src/screens/faults/Faults.test.ts",
     "faults/FreezeFrame frame_delete": "browser/test_browser_faults.py",

@@ -132,6 +132,16 @@ export const t = dictionary({
   n_ecu: { en: "ECU", ru: "Блок" },
   n_commands: { en: "Commands", ru: "Команды" },
 
+  report: { en: "Report a problem with the cable", ru: "Сообщить о неполадке с кабелем" },
+  report_more: { en: "This is for those who can help: look at it, copy it and paste it into the form. Run the check before. Nothing is sent by itself.", ru: "Это для тех, кто может помочь: посмотрите, скопируйте и вставьте в форму. Сначала проверьте связь. Само ничего не отправляется." },
+  report_copy: { en: "Copy the report", ru: "Скопировать отчёт" },
+  report_form: { en: "The form, on GitHub", ru: "Форма на GitHub" },
+  report_browser: { en: "Browser and system", ru: "Браузер и система" },
+  report_cables: { en: "Cables found", ru: "Найденные кабели" },
+  report_port: { en: "Port", ru: "Порт" },
+  report_says: { en: "The page says", ru: "Страница говорит" },
+  report_none: { en: "none", ru: "нет" },
+
   first: { en: "First connection: what you need", ru: "Первое подключение: что нужно" },
   buy: { en: "What to buy", ru: "Что купить" },
   buy_kkl: { en: "A KKL adapter, “VAG-COM 409.1”, with an FT232 chip (better: its delay can be set) or a CH340. About 5 euros.", ru: "Адаптер KKL, «VAG-COM 409.1», на микросхеме FT232 (лучше: её задержка настраивается) или CH340. Около 500 рублей." },
