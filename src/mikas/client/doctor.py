@@ -217,10 +217,10 @@ def _baud(measured: float | Text, link: Link) -> Step:
     is_wrong = abs(measured - wanted) > wanted * _TOLERANCE
     if is_wrong and wanted not in _USUAL and has_usual_rates(link.chip):
         text = Text(
-            f"{rate.en} instead of {wanted}: a CP2101, CP2102 or CP2103 knows the usual baud rates "
-            "only. Take a cable with another chip for this one, an FT232R or a CH340.",
-            f"{rate.ru} вместо {wanted}: CP2101, CP2102 и CP2103 знают только обычные скорости. "
-            "Для этой возьмите кабель на другой микросхеме: FT232R или CH340.",
+            f"{rate.en} instead of {wanted}: a CP2101, CP2102, CP2103 or CP2108 knows the usual "
+            "baud rates only. Take a cable with another chip for this one, an FT232R or a CH340.",
+            f"{rate.ru} вместо {wanted}: CP2101, CP2102, CP2103 и CP2108 знают только обычные "
+            "скорости. Для этой возьмите кабель на другой микросхеме: FT232R или CH340.",
         )
         return Step("baud", False, text)
     if is_wrong:

@@ -23,10 +23,10 @@ _LUMPS = Text(
     "испорченных на линии, не сообщает",
 )
 _USUAL_RATES = Text(
-    "a CP2101, CP2102 or CP2103 knows the usual baud rates only: 9600 is exact, 10400 becomes "
-    "14400",
-    "CP2101, CP2102 и CP2103 знают только обычные скорости: 9600 точная, вместо 10400 выходит "
-    "14400",
+    "a CP2101, CP2102, CP2103 or CP2108 knows the usual baud rates only: 9600 is exact, 10400 "
+    "becomes 14400",
+    "CP2101, CP2102, CP2103 и CP2108 знают только обычные скорости: 9600 точная, вместо 10400 "
+    "выходит 14400",
 )
 _CLONES = Text(
     "cheap cables with it vary: some have a weak K-Line driver or no echo",
@@ -67,7 +67,7 @@ CHIPS: Final[dict[tuple[int, int], tuple[str, tuple[Text, ...]]]] = {
     (0x1A86, 0x55D4): ("CH9102", ()),
     (0x10C4, 0xEA60): ("CP210x", _CP210X),
     (0x10C4, 0xEA70): ("CP2105", ()),
-    (0x10C4, 0xEA71): ("CP2108", ()),
+    (0x10C4, 0xEA71): ("CP2108", _CP210X),
     (0x067B, 0x2303): ("PL2303", _PROLIFIC),
     (0x067B, 0x23A3): ("PL2303GC", ()),
     (0x067B, 0x23B3): ("PL2303GB", ()),
