@@ -7,7 +7,7 @@ from stream_cases import BY_STROKES, ONE, SEVERAL
 from tester_rig import VERSION, ScriptedLink, Watched, make, right
 
 from mikas import commands as c
-from mikas.errors import MikasError
+from mikas.errors import LineNotQuiet, MikasError
 from mikas.framing import encode
 from mikas.virtual.quirks import StreamEnd
 
@@ -125,3 +125,17 @@ def test_an_answer_to_01_is_not_the_end_of_a_stream_by_strokes():
         assert next(stream).body == b"abcd"
     assert link.breaks == tester.sync.breaks == 1
     assert link.read(link.now() + 1).data == b""
+
+
+def test_a_cable_that_ignores_the_break_ends_in_an_error_that_says_what_to_do():
+    """A copy of a chip may take the request of a break and do nothing."""
+    unit = Watched(stream_end=StreamEnd.BREAK, rpm=5200.0)
+    unit.link.send_break = lambda seconds: None
+    tester = unit.connected()
+    stream = tester.stream(OF_SEVERAL)
+    next(stream)
+    start = unit.link.now()
+    with pytest.raises(LineNotQuiet, match="a stream that the unit does not end") as caught:
+        stream.close()
+    assert "switch the ignition off for ten seconds" in str(caught.value)
+    assert unit.link.now() - start < 2
