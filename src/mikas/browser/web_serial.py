@@ -30,7 +30,6 @@ from mikas.link.base import (
     CLOSED_HERE,
     LONGEST_REQUEST,
     PATIENCE,
-    STALLED,
     TAKES_NO_BYTES,
     UNPLUGGED,
     WEB_SERIAL,
@@ -62,7 +61,7 @@ _LATENCY = Text(
 )
 _WHY_LOST = {
     "closed": CLOSED_HERE,
-    "stalled": STALLED,
+    "stalled": Text("its chip refuses transfers", "его микросхема отказывается передавать"),
     "stuck": TAKES_NO_BYTES,
     "unplugged": UNPLUGGED,
 }

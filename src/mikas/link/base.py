@@ -43,7 +43,6 @@ TEXT_ANSWER = 0.5  # s that such an answer may take
 CLOSED_HERE = Text("it was closed here", "он закрыт этой программой")
 TAKES_NO_BYTES = Text("it takes no more bytes", "он не принимает байты")
 UNPLUGGED = Text("unplugged, or closed by the other end", "отключён или закрыт другой стороной")
-STALLED = Text("its chip refuses transfers", "его микросхема отказывается передавать")
 
 
 def link_lost(

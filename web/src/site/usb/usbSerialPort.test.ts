@@ -1,50 +1,10 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
-import { cdcAcm, ch340, cp210x, ftdi, pl2303, type ScriptedUsb } from "../../../test/scriptedUsb";
+import { cdcAcm, ch340, cp210x, ftdi, pl2303 } from "../../../test/scriptedUsb";
+import { heard, opened, OPTIONS, settled, write } from "../../../test/usbPort";
 import { UsbSerialPort } from "./usbSerialPort";
 
-const OPTIONS = { baudRate: 9600, bufferSize: 65536 };
 /** The head of an FTDI's packet without errors. */
 const HEAD = [0x01, 0x60];
-
-async function opened(device: ScriptedUsb): Promise<UsbSerialPort> {
-  const port = new UsbSerialPort(device);
-  await port.open(OPTIONS);
-  return port;
-}
-
-/** All that comes from the port, as `serial.ts` reads it: bytes, and the names of errors, until there is no stream any more. */
-function heard(port: UsbSerialPort): (number | string)[] {
-  const all: (number | string)[] = [];
-  async function listen(): Promise<void> {
-    for (let stream = port.readable; stream; stream = port.readable) {
-      const reader = stream.getReader();
-      try {
-        for (let read = await reader.read(); !read.done; read = await reader.read()) all.push(...read.value);
-        all.push("end");
-        return;
-      } catch (error) {
-        all.push((error as Error).name);
-      } finally {
-        reader.releaseLock();
-      }
-    }
-    all.push("no stream");
-  }
-  void listen();
-  return all;
-}
-
-/** After all that streams, transfers and the script have to do. */
-const settled = () => vi.advanceTimersByTimeAsync(1);
-
-async function write(port: UsbSerialPort, ...bytes: number[]): Promise<void> {
-  const writer = port.writable!.getWriter();
-  try {
-    await writer.write(new Uint8Array(bytes));
-  } finally {
-    writer.releaseLock();
-  }
-}
 
 beforeEach(() => void vi.useFakeTimers());
 afterEach(() => void vi.useRealTimers());
@@ -208,59 +168,6 @@ describe("bytes that come", () => {
     for (let i = 0; i < 20; i++) device.send([i]);
     await settled();
     expect(all).toEqual(Array.from({ length: 20 }, (_, i) => i));
-  });
-});
-
-describe("a transfer that is kept with another status", () => {
-  it("stalls: the endpoint is cleared, and bytes go on", async () => {
-    const device = ch340();
-    const all = heard(await opened(device));
-    device.spoil("stall");
-    await settled();
-    expect([device.halted, device.ahead()]).toEqual([["in 2"], 8]);
-    device.send([1]);
-    await settled();
-    expect(all).toEqual([1]);
-  });
-
-  it("stalls while others of before wait on: these go on when the endpoint is cleared", async () => {
-    const device = ch340();
-    const all = heard(await opened(device));
-    device.spoil("stall", 1);
-    await settled();
-    expect([device.halted, device.ahead()]).toEqual([["in 2"], 8]);
-    for (let i = 0; i < 9; i++) device.send([i]);
-    await settled();
-    expect(all).toEqual([0, 1, 2, 3, 4, 5, 6, 7, 8]);
-  });
-
-  it("stalls again and again: the port is lost", async () => {
-    const device = ch340();
-    const port = await opened(device);
-    const all = heard(port);
-    for (let i = 0; i < 4; i++) {
-      device.spoil("stall");
-      await settled();
-    }
-    expect(all).toEqual(["StallError", "no stream"]);
-    await expect(write(port, 1)).rejects.toMatchObject({ name: "StallError" });
-  });
-
-  it("babbles: bytes were lost, and others go on", async () => {
-    const device = ch340();
-    const all = heard(await opened(device));
-    device.spoil("babble");
-    device.send([1]);
-    await settled();
-    expect([...all, device.ahead()]).toEqual(["BufferOverrunError", 1, 8]);
-  });
-
-  it("babbles again and again: the port is lost", async () => {
-    const device = ch340();
-    const all = heard(await opened(device));
-    for (let i = 0; i < 4; i++) device.spoil("babble");
-    await settled();
-    expect(all.at(-2)).toBe("StallError");
   });
 });
 
