@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING, cast
 from bench.rig import everything
 from mikas.catalog import shipped
 from mikas.framing import encode
-from mikas.link.base import WallClock
+from mikas.link.clocks import WallClock
 from mikas.virtual import serve
 from mikas.virtual.build import build_bus
 from mikas.virtual.ecu import EcuEvent

@@ -34,7 +34,7 @@ from mikas.dashboard.security.access import Access
 from mikas.dashboard.security.certificate import own_certificate
 from mikas.dashboard.server import Server
 from mikas.dashboard.settings import PlanSettings, Settings
-from mikas.link.base import WallClock
+from mikas.link.clocks import WallClock
 from mikas.link.virtual import RealTimeVirtualLink, follower_of
 from mikas.virtual.build import build_bus
 

@@ -9,7 +9,7 @@ import pytest
 
 from mikas.errors import AnotherAdapter, PortNotFound
 from mikas.link import CaptureTee, Chunk, Link
-from mikas.link.base import WallClock
+from mikas.link.clocks import WallClock
 from mikas.link.ports import Port
 from mikas.link.reconnecting import ReconnectingPort
 

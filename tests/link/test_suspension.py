@@ -16,7 +16,8 @@ from mikas.browser.web_serial import WebSerialLink
 from mikas.errors import LinkLost, ReadingSuspended
 from mikas.i18n import Text
 from mikas.link import CaptureTee, Chunk, Link, open_link
-from mikas.link.base import NETWORK, LinkWrapper, WallClock, _steady
+from mikas.link.base import NETWORK, LinkWrapper
+from mikas.link.clocks import WallClock, _steady
 from mikas.link.flood import FloodGuard
 from mikas.link.reconnecting import ReconnectingPort
 from mikas.link.suspension import LATE, WAIT, SuspensionGuard

@@ -8,7 +8,7 @@ import threading
 import pytest
 
 from mikas.link import virtual
-from mikas.link.base import AwakeClock
+from mikas.link.clocks import AwakeClock
 from mikas.link.virtual import RealTimeVirtualLink
 from mikas.virtual.build import build_bus
 

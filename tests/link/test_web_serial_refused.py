@@ -83,7 +83,7 @@ def test_ports_over_webusb_have_a_scheme_of_their_own_and_no_quirks_of_systems_d
 
 
 def test_bytes_come_as_late_as_the_chip_and_the_browser_make_them(browser):
-    for granularity, late in ((0, 0.03), (0.001, 0.015), (0.016, 0.03)):
+    for granularity, late in ((0, 0.03), (0.001, 0.002), (0.016, 0.017)):
         browser(IN_PHONE, Its(granularity=granularity))
         link = web_serial.open_web_serial("webusb:0403:6001", {})
         assert link.granularity == pytest.approx(late)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from pyodide.code import run_js
 
-from mikas.link.base import WallClock
+from mikas.link.clocks import WallClock
 from mikas.link.reconnecting import ReconnectingPort
 from mikas.sampling.date_watch import DateWatch
 

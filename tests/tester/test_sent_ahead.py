@@ -1,4 +1,7 @@
-"""A request that goes out as soon as the response before it is there: `announce`, `settle`."""
+"""A request that goes out as soon as the response before it is there: `announce`, `settle`.
+
+Sent by the tester, or by a link that sees the response earlier (`Link.write_after`).
+"""
 
 from __future__ import annotations
 
@@ -6,12 +9,14 @@ from contextlib import suppress
 from itertools import pairwise
 
 import pytest
+import tester_rig
 from hypothesis import given
 from hypothesis import strategies as st
 from tester_rig import (
     DATA,
     SILENT_ADAPTER,
     Fate,
+    SelfWriting,
     StrikingLink,
     Watched,
     answering,
@@ -22,10 +27,27 @@ from tester_rig import (
 )
 
 from mikas import commands as c
-from mikas.errors import LineError, LinkLost, MikasError, WrongLength
+from mikas import tester as package
+from mikas.errors import LineError, LinkLost, MikasError, WrongAddress, WrongLength
+from mikas.framing import encode
+from mikas.link import CaptureTee, Link
 from mikas.virtual.fault_injector import LineFault
 
 CODES = sorted(DATA)
+
+
+@pytest.fixture(params=[Link, SelfWriting], ids=["tester", "link"], scope="module", autouse=True)
+def _sender(request):
+    """Whatever link these tests give a tester, it may write requests itself."""
+
+    def made(link: Link, **settings: object) -> package.Tester:
+        wrapped = link if isinstance(link, SelfWriting) else SelfWriting(link)
+        return package.Tester(wrapped, **settings)
+
+    with pytest.MonkeyPatch.context() as patch:
+        if request.param is SelfWriting:
+            patch.setattr(tester_rig, "Tester", made)
+        yield
 
 
 class Requests:
@@ -252,3 +274,65 @@ def test_whatever_is_announced_each_value_is_that_of_its_own_parameter(turns, fa
     tester.settle()
     unit.bus.fault_injector = Fate([])
     right(tester)
+
+
+class Tee(list):
+    """A recording of what passed: direction, bytes and time."""
+
+    def record(self, direction, data, time):
+        self.append((direction.value, data, time))
+
+
+def recorded(unit: Watched) -> Tee:
+    """Return what is recorded while two requests go out ahead."""
+    tester = unit.connected()
+    tee = Tee()
+    tester.wrap_link(lambda link: CaptureTee(link, tee))
+    for code in (16, 17, 67):
+        tester.announce(read(code + 1 if code < 67 else 16))
+        right(tester, code)
+    tester.settle()
+    return tee
+
+
+def test_what_the_link_sends_is_recorded_with_its_time_and_before_its_echo():
+    tee = recorded(Watched())
+    times = [time for *_, time in tee]
+    assert times == sorted(times)
+    sent = [data for direction, data, _ in tee if direction == "sent"]
+    assert sent == [encode(body) for body in bodies(16, 17, 18, 67, 16)]
+    heard = b"".join(data for direction, data, _ in tee if direction == "received")
+    for wire in sent:  # each is heard after it was recorded
+        at = next(n for n, it in enumerate(tee) if it[:2] == ("sent", wire))
+        assert wire in b"".join(data for _, data, _ in tee[at + 1 :])
+    assert len(heard) > sum(map(len, sent))
+
+
+def test_a_link_sends_what_is_announced_and_never_a_change():
+    unit = Watched()
+    link = SelfWriting(unit.link)
+    tester = make(link)
+    tester.connect()
+    for code in (16, 17):
+        tester.announce(read(code + 1))
+        right(tester, code)
+    assert link.wrote == [encode(body) for body in bodies(17, 18)]
+    tester.settle()
+    heard = Requests(unit)
+    tester.announce(c.WriteParameter(16, DATA[16]))
+    right(tester, 17)
+    assert list(heard) == bodies(17)
+
+
+def test_after_a_response_that_the_link_takes_for_the_answer_another_is_dropped():
+    """The link has sent before the tester knows that the response is of another address."""
+    wrong = encode(b"\x21\x07")
+    link = SelfWriting(answering({b"\x11\x20": wrong[:-1] + b"\x0d", b"\x61\x11": encode(b"\x09")}))
+    tester = make(link, retries=0)
+    tester.connect()
+    tester.announce(read(17))
+    with pytest.raises(WrongAddress):
+        tester.request(c.ReadRamByte(0x20))
+    assert link.wrote == [encode(read(17).body())]
+    assert tester.request(read(17)) == (b"\x09",)
+    assert tester.sync.found_again == 1

@@ -8,9 +8,10 @@ from heapq import heappop, heappush
 
 from mikas import commands as c
 from mikas.errors import LinkLost
-from mikas.framing import encode
+from mikas.framing import Decoder, Frame, encode
 from mikas.i18n import Text
-from mikas.link import Chunk, Link
+from mikas.link import Chunk, Link, LinkWrapper
+from mikas.link.base import Answer
 from mikas.link.virtual import VirtualLink
 from mikas.tester import Tester
 from mikas.virtual.bus import AdapterKind, Bus, Stalls
@@ -187,6 +188,53 @@ def answering(answers: dict[bytes, bytes], **settings: object) -> ScriptedLink:
     wires = {encode(b"\x01"): encode(bytes([VERSION]))}
     wires |= {encode(body): wire for body, wire in answers.items()}
     return ScriptedLink(lambda sent: [(0.005, wires[sent])] if wires.get(sent) else [], **settings)
+
+
+class SelfWriting(LinkWrapper):
+    """`link`, which itself writes what follows an answer (`Link.write_after`), as the page's does.
+
+    `wrote`: what it has written so.
+    """
+
+    def __init__(self, link: Link) -> None:
+        super().__init__(link)
+        self.wrote: list[bytes] = []
+        self._heard = b""
+        self._next: tuple[Answer, bytes] | None = None
+        self._at: float | None = None
+
+    def write(self, data: bytes) -> None:
+        assert self._next is None, "a request was not taken back"
+        self._heard = b""
+        self.link.write(data)
+
+    def read(self, deadline: float) -> Chunk:
+        assert self._at is None, "the tester does not know what it reads an answer to"
+        chunk = self.link.read(deadline)
+        self._heard += chunk.data
+        self._go_on()
+        return chunk
+
+    def write_after(self, answer: Answer, data: bytes) -> bool:
+        assert self._next is None, "a request was not taken back"
+        self._next = answer, data
+        self._go_on()
+        return True
+
+    def take_back(self) -> float | None:
+        at, self._at, self._next = self._at, None, None
+        return at
+
+    def _go_on(self) -> None:
+        if self._next is None:
+            return
+        (echo, length), data = self._next
+        events = Decoder(strict=True).feed(self._heard.removeprefix(echo))
+        whole = [it.wire for it in events if isinstance(it, Frame) and len(it.body) == length]
+        if [self._heard] == [echo + it for it in whole]:
+            self._at, self._heard = self.link.now(), b""
+            self.link.write(data)
+            self.wrote.append(data)
 
 
 class StrikingLink(VirtualLink):

@@ -47,6 +47,23 @@ def test_an_ftdi_gives_a_full_packet_at_once_and_holds_a_short_one_until_the_tim
     assert host.read(now=1.035)[2:] == b"123"
 
 
+@pytest.mark.parametrize("kind", ["FT232AM", "FT232R"])
+def test_an_ftdi_gives_what_it_has_with_its_event_character(far, kind):
+    device = plugged(kind, far)
+    host = opened(device, kind)
+    host.read(now=1.0)
+    host.set(0x40, 0x06, 0x010D)
+    hear(device, b"12")
+    assert host.read(now=1.0001) is Handshake.NAK
+    hear(device, b"\r")
+    assert device.wake_at(1.0002) == 1.0002
+    assert host.read(now=1.0002)[2:] == b"12\r"
+    assert host.read(now=1.0003) is Handshake.NAK
+    host.set(0x40, 0x06, 0x000D)
+    hear(device, b"\r")
+    assert host.read(now=1.0004) is Handshake.NAK
+
+
 def test_the_oldest_ftdi_has_no_timer_to_set(far):
     host = Host(plugged("FT232AM", far))
     assert host.ask(0xC0, 0x0A) is Handshake.STALL

@@ -25,14 +25,15 @@ from mikas.browser.refusals import WEB_USB, refusal
 from mikas.errors import NoPortGiven, PortNotFound
 from mikas.i18n import Text
 from mikas.link.base import (
+    AT_ONCE,
     BAUD,
-    BROWSER,
     CLOSED_HERE,
     LONGEST_REQUEST,
     PATIENCE,
     TAKES_NO_BYTES,
     UNPLUGGED,
     WEB_SERIAL,
+    Answer,
     Chunk,
     Link,
     link_lost,
@@ -94,6 +95,10 @@ class Opened(Protocol):
     def gathering(self, time: float, /) -> Pending: ...
     def take(self) -> Any | None: ...  # noqa: ANN401  (a Uint8Array)
     def write(self, data: bytes, patience: float, /) -> Pending: ...
+    def writeAfter(  # noqa: N802
+        self, echo: bytes, length: int, data: bytes, patience: float, /
+    ) -> None: ...
+    def takeBack(self) -> float: ...  # noqa: N802
     def pullLow(self, low: bool, /) -> Pending: ...  # noqa: N802
     def close(self) -> None: ...
 
@@ -132,6 +137,7 @@ class WebSerialLink(Link):
         self._clock = serial.now
         self._about = about
         self._sent_until = 0.0
+        self._after = 0.0  # s that the data of `write_after` take on the wire
 
     @property
     def description(self) -> str:
@@ -152,6 +158,19 @@ class WebSerialLink(Link):
         self._suspend(self._port.write(data, patience).promise)
         self._must_be_open(data)
         self._sent_until = max(self._sent_until, self.now()) + len(data) * self.byte_time
+
+    def write_after(self, answer: Answer, data: bytes) -> bool:
+        self._after = len(data) * self.byte_time
+        patience = PATIENCE + LONGEST_REQUEST * self.byte_time
+        self._port.writeAfter(answer.echo, answer.length, data, patience)
+        return True
+
+    def take_back(self) -> float | None:
+        written = self._port.takeBack()
+        if not written:
+            return None
+        self._sent_until = max(self._sent_until, written) + self._after
+        return written
 
     def read(self, deadline: float) -> Chunk:
         arrival = self._port.arrival(deadline)
@@ -207,7 +226,7 @@ def open_web_serial(url: str, options: dict[str, str]) -> Link:
     if hasattr(opened, "refused"):
         raise refusal(url, port, baud, opened.refused, opened.message)
     # A driver of this page says how late its chip is; a browser's own does not.
-    late = opened.granularity + BROWSER if opened.granularity else WEB_SERIAL
+    late = opened.granularity + AT_ONCE if opened.granularity else WEB_SERIAL
     return WebSerialLink(
         url, opened, baud=baud, about=port.description, chip=port.chip, granularity=late
     )

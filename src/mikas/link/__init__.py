@@ -4,7 +4,8 @@
 """
 
 from mikas.errors import PortKind
-from mikas.link.base import CaptureTee, Chunk, Direction, Link, LinkWrapper, Sink, WallClock
+from mikas.link.base import CaptureTee, Chunk, Direction, Link, LinkWrapper, Sink
+from mikas.link.clocks import WallClock
 from mikas.link.ports import Port, choose_port, find_ports
 from mikas.link.urls import open_link
 

@@ -9,28 +9,25 @@ called from another. The contract suite `mikas.testing.LinkContract` checks the 
 
 from __future__ import annotations
 
-import sys
-import threading
 import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
-from functools import partial
 from math import inf
-from typing import Final, NamedTuple, Protocol, Self
+from typing import NamedTuple, Protocol, Self
 
 from mikas.errors import LineError, LinkClosed, LinkLost, NoConnection, PortKind
 from mikas.i18n import Text
+from mikas.link.clocks import WallClock
 
 BAUD = 9600  # §1
 BITS_PER_BYTE = 10  # §1: start bit, eight data bits, stop bit
 
 # s; by so much bytes may come late and together, through (D14):
-AT_ONCE = 0.001  # an adapter without a latency timer, or with one of 1 ms
+AT_ONCE = 0.001  # an adapter without a latency timer, or with one of 1 ms; WebUSB adds as much
 LATENCY_TIMER = 0.016  # the FT232's own setting
-BROWSER = 0.014  # the processes of a browser
-WEB_SERIAL = LATENCY_TIMER + BROWSER  # over Web Serial a page can't change that timer
+WEB_SERIAL = LATENCY_TIMER + 0.014  # a page can't change that timer; a browser's buffers
 NETWORK = 0.2  # a Wi-Fi bridge
 
 PATIENCE = 2.0  # s; a write may take so much longer than its time on the wire
@@ -64,6 +61,18 @@ class Chunk(NamedTuple):
     """The bytes; empty: none came."""
     time: float
     """The link's clock when the last byte was seen, or when the wait ended."""
+
+
+class Answer(NamedTuple):
+    """How a link knows an answer that has come whole.
+
+    It is the echo of the request, then one frame of a right checksum (§2), and nothing behind it.
+    """
+
+    echo: bytes
+    """The request that was written last, as on the wire."""
+    length: int
+    """Bytes of the response's body."""
 
 
 class Link(ABC):
@@ -155,6 +164,18 @@ class Link(ABC):
         raises `LinkLost`; the next `read` does.
         """
 
+    def write_after(self, answer: Answer, data: bytes) -> bool:  # noqa: ARG002  (a back end may)
+        """Let the link itself write `data` once `answer` has come; return whether it can.
+
+        For a link that sees bytes earlier than this program. What is doubtful is no answer to it.
+        What comes after that write is read after `take_back`, which always follows.
+        """
+        return False
+
+    def take_back(self) -> float | None:
+        """Return when the link wrote the data of `write_after`; None: it did not, and will not."""
+        return None
+
     @abstractmethod
     def send_break(self, seconds: float) -> None:
         """Hold the wire low for `seconds`, to silence a transmitter (D12).
@@ -222,6 +243,12 @@ class LinkWrapper(Link):
 
     def gather(self, until: float) -> None:
         self.link.gather(until)
+
+    def write_after(self, answer: Answer, data: bytes) -> bool:
+        return self.link.write_after(answer, data)
+
+    def take_back(self) -> float | None:
+        return self.link.take_back()
 
     def now(self) -> float:
         return self.link.now()
@@ -293,6 +320,7 @@ class CaptureTee(LinkWrapper):
         """The exception of the sink; None: it works."""
         self._wire = wire or WireCount()
         self._sink = sink
+        self._prepared = b""
         self._wall = WallClock()
 
     @property
@@ -311,6 +339,16 @@ class CaptureTee(LinkWrapper):
             self._record(Direction.RECEIVED, chunk.data, chunk.time)
         return chunk
 
+    def write_after(self, answer: Answer, data: bytes) -> bool:
+        self._prepared = data
+        return self.link.write_after(answer, data)
+
+    def take_back(self) -> float | None:
+        written = self.link.take_back()
+        if written is not None:
+            self._record(Direction.SENT, self._prepared, written)
+        return written
+
     def _record(self, direction: Direction, data: bytes, time: float) -> None:
         wire = self._wire
         if direction is Direction.RECEIVED or not wire.echoes:
@@ -328,73 +366,3 @@ class CaptureTee(LinkWrapper):
             except Exception as refusal:  # any: whoever records decides by it
                 self._refusal = refusal
                 raise
-
-
-def _steady(system: str = sys.platform) -> Callable[[], float]:
-    """Return a steady clock that goes on while the computer sleeps.
-
-    On macOS CLOCK_MONOTONIC is of the calendar, in whole µs, and may step back with it. On Windows
-    it is `perf_counter`; `monotonic` has steps of 15.6 ms there up to Python 3.12.
-    """
-    name = {"linux": "CLOCK_BOOTTIME", "darwin": "CLOCK_MONOTONIC_RAW"}.get(system, "")
-    number = getattr(time, name, None)
-    return time.perf_counter if number is None else partial(time.clock_gettime, number)
-
-
-_STEADY: Final = _steady()
-
-
-class WallClock:
-    """The clock of links in real time: UNIX time at its creation, steady from there.
-
-    Changes of the system's date do not affect it, so intervals are exact. It may drift from UNIX
-    time over hours. `steady` counts the seconds, `date` is the computer's, in UNIX time.
-    """
-
-    __slots__ = ("_offset", "_steady", "date")
-
-    def __init__(
-        self,
-        steady: Callable[[], float] = _STEADY,
-        date: Callable[[], float] | None = None,
-    ) -> None:
-        self._steady = steady
-        self.date: Callable[[], float] = date or time.time
-        """Returns the computer's date, in UNIX time."""
-        self._offset = self.date() - steady()
-
-    def now(self) -> float:
-        """Return the seconds since 1970; a float resolves about 0.25 µs."""
-        return self._offset + self._steady()
-
-    def skip(self, seconds: float) -> None:
-        """Add the seconds of a sleep in which the steady clock stood still, as in a browser."""
-        self._offset += seconds
-
-
-_LONGEST_STEP: Final = 600.0  # s that a virtual car catches up at once, in about a second
-
-
-class AwakeClock(WallClock):
-    """As `WallClock`, but it stands still while the computer sleeps: a virtual car's.
-
-    On some systems `steady` runs on in a sleep. So no step is longer than `_LONGEST_STEP`; a car
-    that is used asks every second.
-    """
-
-    __slots__ = ("_latest", "_lock")
-
-    def __init__(self, steady: Callable[[], float] = time.perf_counter) -> None:
-        super().__init__(steady)
-        self._lock = threading.Lock()
-        self._latest = super().now()
-
-    def now(self) -> float:
-        """Return the seconds since 1970, without those of a sleep."""
-        with self._lock:
-            now = super().now()
-            if (slept := now - self._latest - _LONGEST_STEP) > 0:
-                self.skip(-slept)
-                now -= slept
-            self._latest = now
-            return now

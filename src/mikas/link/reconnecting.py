@@ -21,7 +21,8 @@ from typing import Final
 
 from mikas.errors import AnotherAdapter, PortKind, PortNotFound
 from mikas.i18n import Text
-from mikas.link.base import CaptureTee, Chunk, Link, LinkWrapper, Sink, WallClock, WireCount
+from mikas.link.base import CaptureTee, Chunk, Link, LinkWrapper, Sink, WireCount
+from mikas.link.clocks import WallClock
 from mikas.link.identity import KnownAdapter, identity_of, is_same
 from mikas.link.interface import check_link
 from mikas.link.network.silence import SilenceGuard
@@ -162,6 +163,10 @@ class _SteadyLink(LinkWrapper):
 
     def gather(self, until: float) -> None:
         self.link.gather(until - self.ahead)
+
+    def take_back(self) -> float | None:
+        written = self.link.take_back()
+        return None if written is None else written + self.ahead
 
     def now(self) -> float:
         return self.link.now() + self.ahead

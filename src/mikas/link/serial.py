@@ -39,10 +39,10 @@ from mikas.link.base import (
     TAKES_NO_BYTES,
     Chunk,
     Link,
-    WallClock,
     link_lost,
 )
 from mikas.link.chips import has_latency_timer
+from mikas.link.clocks import WallClock
 from mikas.link.failures import (
     SYSTEM_ERRORS,
     also_of_system,

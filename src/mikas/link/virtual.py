@@ -15,7 +15,8 @@ from weakref import WeakKeyDictionary, ref
 
 from mikas.errors import usage_error
 from mikas.i18n import Text
-from mikas.link.base import CLOSED_HERE, AwakeClock, Chunk, Link, WallClock, link_lost
+from mikas.link.base import CLOSED_HERE, Chunk, Link, link_lost
+from mikas.link.clocks import AwakeClock, WallClock
 from mikas.link.ports import VIRTUAL
 from mikas.link.urls import take_clock
 from mikas.options import check_names

@@ -27,6 +27,7 @@ from mikas.errors import (
 from mikas.framing import Damage, DamageReason, Decoder, Frame, encode
 from mikas.i18n import Text
 from mikas.link import Chunk, Link
+from mikas.link.base import Answer
 from mikas.tester.exchange import Reply, TimedDecoder, Timing
 
 if TYPE_CHECKING:
@@ -123,6 +124,25 @@ class Line:
         with self._noting_suspension():
             self.link.write(wire)
         return wire
+
+    def send_after(self, wire: bytes, length: int, body: bytes) -> bytes | None:
+        """Let the link send `body` once the answer to `wire` has come; return its wire form.
+
+        `length`: of that answer's body. None: the link can't. `sent_by_link` always follows.
+        """
+        following = encode(body, raw_checksum=self.raw_checksum)
+        can = self.link.write_after(Answer(wire, length), following)
+        return following if can else None
+
+    def sent_by_link(self, wire: bytes) -> bool:
+        """Whether the link has sent the `wire` of `send_after`; if not, it never will."""
+        at = self.link.take_back()
+        if at is None:
+            return False
+        self._ahead = _NOTHING
+        self.sent_until = at + len(wire) * self.link.byte_time
+        self._log_frame(">", wire)
+        return True
 
     @_logged_errors()
     def await_echo(self, wire: bytes, *, hasty: bool = False) -> None:

@@ -8,6 +8,8 @@ that `01`. It is valid if it is exactly one, with the unit's version code, follo
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from math import inf
 from typing import Any, NamedTuple
 
@@ -231,15 +233,48 @@ class RequestAhead:
         """Forget all, before the line is synchronized by a handshake."""
         self.announced = self.sent = None
 
-    def send(self) -> None:
-        """Send the announced request. On a line without an echo nothing is sent (D2)."""
-        command, self.announced = self.announced, None
-        if command is None or not self._line.echo:
+    def send(self, *, after: c.Command[Any]) -> None:
+        """Send the announced request, unless the link has, or it or `after` changes something.
+
+        On a line without an echo nothing is sent (D2).
+        """
+        command = self._may_follow(after)
+        self.announced = None
+        if command is None or self.sent is not None:
             return
         body = command.body()
         self._sync.mark_lost()
         self.sent = _Sent(body, self._line.send(body))
         self._sync.keep()
+
+    @contextmanager
+    def by_link(self, wire: bytes, command: c.Command[Any]) -> Iterator[None]:
+        """Let the link send the announced request, if it can, while the block awaits an answer.
+
+        That is the answer of `command` to `wire`; after the block the request is `sent`, or was
+        never sent.
+        """
+        prepared = self._prepared(wire, command)
+        try:
+            yield
+        finally:
+            if prepared is not None and self._line.sent_by_link(prepared.wire):
+                self.sent = prepared
+
+    def _prepared(self, wire: bytes, command: c.Command[Any]) -> _Sent | None:
+        lengths, following = command.response_lengths(), self._may_follow(command)
+        if following is None or len(lengths) != 1:
+            return None
+        body = following.body()
+        following_wire = self._line.send_after(wire, lengths[0], body)
+        return None if following_wire is None else _Sent(body, following_wire)
+
+    def _may_follow(self, command: c.Command[Any]) -> c.Command[Any] | None:
+        """Return the announced request, if it may be sent without a decision of the caller."""
+        following = self.announced
+        if following is None or not (self._line.echo and command.repeatable):
+            return None
+        return following if following.repeatable else None
 
     def claim(self, body: bytes) -> bytes | None:
         """Return the wire form of `body` if it is under way, for whoever awaits the response.

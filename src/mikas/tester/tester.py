@@ -253,8 +253,9 @@ class Tester:
             shortest = min(command.response_lengths(), default=0)
             if wire is None:
                 wire = self.line.send(command.body())
-            self.line.await_echo(wire)
-            reply = self.line.receive(wire, min_length=shortest)
+            with self._ahead.by_link(wire, command):
+                self.line.await_echo(wire)
+                reply = self.line.receive(wire, min_length=shortest)
             try:
                 value = command.read(reply.body)
             except MikasError as error:
@@ -267,8 +268,7 @@ class Tester:
             self.sync.keep()
             raise
         self.sync.keep()
-        if command.repeatable:
-            self._ahead.send()
+        self._ahead.send(after=command)
         self._known.add(command.code)
         return value, reply
 

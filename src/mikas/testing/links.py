@@ -28,6 +28,7 @@ import pytest
 
 from mikas.errors import LinkLost
 from mikas.link import Link
+from mikas.link.base import Answer
 
 EVERY_BYTE = bytes(range(256))
 SOON = 0.02
@@ -213,6 +214,35 @@ class LinkContract:
         for _ in range(200):
             times += [rig.link.now(), rig.link.read(rig.link.now()).time]
         assert times == sorted(times), "take the time from mikas.link.WallClock: it never runs back"
+
+    def test_a_link_writes_what_follows_an_answer_itself_or_says_that_it_can_not(
+        self, rig: Rig
+    ) -> None:
+        rig.link.write(b"\x01\xff\r")
+        assert rig.peer.received(3) == b"\x01\xff\r"
+        if not rig.link.write_after(Answer(b"\x01\xff\r", 1), b"\x63\x9d\r"):
+            assert rig.link.take_back() is None, "leave take_back() as it is in Link"
+            return
+        began = rig.link.now()
+        rig.peer.send(b"\x01\xff\r\x09\xf7\r")
+        assert rig.peer.received(3) == b"\x63\x9d\r", "let write_after() write after the answer"
+        rig.peer.send(b"c")
+        assert collect(rig.link, 6) == b"\x01\xff\r\x09\xf7\r", "keep what comes then"
+        written = rig.link.take_back()
+        assert written is not None, "let take_back() return when it was written"
+        assert began <= written <= rig.link.now(), "let take_back() return when it was written"
+        assert collect(rig.link, 1) == b"c", "let read() return what came then after take_back()"
+        assert rig.link.take_back() is None
+
+    def test_what_was_taken_back_is_not_written(self, rig: Rig) -> None:
+        if not rig.link.write_after(Answer(b"\x01\xff\r", 1), b"\x63\x9d\r"):
+            return
+        assert rig.link.take_back() is None
+        rig.link.write(b"\x01\xff\r")
+        rig.peer.send(b"\x01\xff\r\x09\xf7\r")
+        assert collect(rig.link, 6) == b"\x01\xff\r\x09\xf7\r"
+        rig.link.write(b"x")
+        assert rig.peer.received(4) == b"\x01\xff\rx", "let take_back() end write_after()"
 
     def test_a_break_takes_its_time_and_leaves_the_link_usable(self, rig: Rig) -> None:
         before = rig.link.now()

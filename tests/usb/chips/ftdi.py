@@ -1,9 +1,9 @@
 """FTDI's chips, from the FT8U232AM to the FT-X, by `ftdi_sio` of Linux.
 
-Every packet to the host begins with two bytes of status, and comes when it is full or when the
-latency timer runs out, even with nothing in it. The divisor of a rate has a fraction of eighths,
-in bits that lie apart: the third is in the index, for the chips whose requests name a port in its
-high byte.
+Every packet to the host begins with two bytes of status, and comes when it is full, with the event
+character, or when the latency timer runs out, even with nothing in it. The divisor of a rate has a
+fraction of eighths, in bits that lie apart: the third is in the index, for the chips whose requests
+name a port in its high byte.
 
 Not modelled: bit banging, the EEPROM's contents, flow control, a receiver that is shut off.
 """
@@ -81,6 +81,7 @@ class Ftdi(Device):
         self.latency = [LATENCY] * kind.ports
         self.idles = True
         self._expires = [0.0] * kind.ports
+        self._events: list[int | None] = [None] * kind.ports  # what ends the wait for more bytes
         for uart in uarts:
             uart.set(form=Form())
 
@@ -111,7 +112,9 @@ class Ftdi(Device):
             case 0x40, 0x09 if self.kind.has_latency:
                 self.latency[number] = max(1, value & 0xFF) / 1000
                 uart.log.append(f"latency {value & 0xFF}")
-            case 0x40, 0x02 | 0x06 | 0x07:
+            case 0x40, 0x06:
+                self._events[number] = value & 0xFF if value & 0x100 else None
+            case 0x40, 0x02 | 0x07:
                 pass
             case 0xC0, 0x05:
                 return bytes((_CLEAR_TO_SEND | 1, _TRANSMITTER_EMPTY))
@@ -142,6 +145,7 @@ class Ftdi(Device):
         number = (address & 15) // 2
         uart, size = self.uarts[number], self.endpoint(address).size
         is_due = now >= self._expires[number] and (self.idles or len(uart))
+        is_due = is_due or self._events[number] in uart
         if len(uart) < size - STATUS and not is_due:
             return Handshake.NAK
         self._expires[number] = now + self.latency[number]
@@ -153,6 +157,8 @@ class Ftdi(Device):
         return bytes((_CLEAR_TO_SEND | 1, status, *(it.value for it in characters)))
 
     def wake_at(self, now: float) -> float:
+        if any(event in uart for event, uart in zip(self._events, self.uarts, strict=True)):
+            return now
         waiting = [
             at
             for at, uart in zip(self._expires, self.uarts, strict=True)

@@ -138,6 +138,10 @@ class Uart:
         """The number of characters that wait for the host."""
         return len(self._received)
 
+    def __contains__(self, value: object) -> bool:
+        """Whether a character of this value waits for the host."""
+        return any(it.value == value for it in self._received)
+
     # -- the line's side ---------------------------------------------------------------------------
 
     def hear(self, data: bytes, settings: Settings) -> None:

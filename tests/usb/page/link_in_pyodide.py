@@ -74,12 +74,12 @@ class TestContract(RealTimeContract):
             yield Rig(link, FarEnd())
 
 
-def test_the_timer_of_an_ft232_is_lowered_so_bytes_come_as_late_as_the_browser_makes_them():
+def test_the_timer_of_an_ft232_is_lowered_and_an_am_has_none():
     with open_link(plug("FT232R")) as link:
-        assert link.granularity == pytest.approx(0.015)
+        assert link.granularity == pytest.approx(0.002)
     ask("pull")
     with open_link(plug("FT232AM")) as link:
-        assert link.granularity == pytest.approx(0.03)
+        assert link.granularity == pytest.approx(0.017)
 
 
 def test_a_chip_that_makes_another_rate_is_refused_with_it():

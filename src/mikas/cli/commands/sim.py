@@ -23,7 +23,7 @@ from mikas.cli.context import CommandContext
 from mikas.cli.language import tr
 from mikas.cli.options.parameter_types import any_file
 from mikas.errors import usage_error
-from mikas.link.base import AwakeClock
+from mikas.link.clocks import AwakeClock
 from mikas.virtual import serve
 from mikas.virtual.build import CAR_SETTINGS, MODELS, SETTINGS, build_bus
 from mikas.virtual.bus import Bus

@@ -3,6 +3,7 @@
 import type { Serial, SerialPort } from "./webSerial";
 import { STALLS } from "../usb/session";
 import { HANGS, within } from "../within";
+import { Heard } from "./ahead";
 import { afterOthers } from "./waits";
 
 /** Of the browser's buffer: a minute of the line, while Python computes. By default it is 255 bytes, a quarter of a second. */
@@ -134,6 +135,15 @@ const STUCK = "stuck";
 const UNPLUGGED = "unplugged";
 const STALLED = "stalled";
 
+/** A request that waits for the answer to the one before. */
+interface Next {
+  readonly echo: Uint8Array;
+  /** Of the answer's body. */
+  readonly length: number;
+  readonly bytes: Uint8Array;
+  readonly patience: number;
+}
+
 export class OpenPort {
   /** Why the port is gone; empty: it is open. */
   lost = "";
@@ -143,6 +153,13 @@ export class OpenPort {
   readonly granularity: number;
 
   private readonly chunks: Uint8Array[] = [];
+  private readonly heard = new Heard();
+  private next: Next | undefined;
+  /** When `next` was written; 0: it was not. */
+  private wroteNext = 0;
+  /** What has come since then: Python is to know first what it follows. */
+  private readonly behind: Uint8Array[] = [];
+  private behindAt = 0;
   private arrivedAt = 0;
   private lookedAt = 0;
   private wake: () => void = () => undefined;
@@ -181,17 +198,28 @@ export class OpenPort {
 
   /** Kept when the browser has accepted the bytes, or the port is gone: it is if that takes longer than `patience` seconds. */
   write(data: PyBytes, patience: number): Pending<void> {
-    const bytes = data.toJs();
-    const promise = new Promise<void>((resolve) => {
-      if (this.lost || !this.writer) return resolve();
-      const timer = setTimeout(() => this.lose(STUCK), patience * 1000);
-      this.written = () => {
-        clearTimeout(timer);
-        resolve();
-      };
-      this.writer.write(bytes).then(this.written, (error) => this.lose(reasonOf(error)));
-    });
-    return { promise };
+    this.takeBack();
+    this.heard.begin(this.chunks);
+    return { promise: this.put(data.toJs(), patience) };
+  }
+
+  /**
+   * Write `data` as soon as the answer to the latest request is whole: its `echo`, and a frame with a body of `length` bytes. `takeBack` always
+   * follows.
+   */
+  writeAfter(echo: PyBytes, length: number, data: PyBytes, patience: number): void {
+    this.next = { echo: echo.toJs(), length, bytes: data.toJs(), patience };
+    this.goOn();
+  }
+
+  /** When the data of `writeAfter` were written; 0: they were not, and will not be. */
+  takeBack(): number {
+    const at = this.wroteNext;
+    this.next = undefined;
+    this.wroteNext = 0;
+    if (this.behind.length) this.arrivedAt = this.behindAt;
+    this.chunks.push(...this.behind.splice(0));
+    return at;
   }
 
   /** Hold the wire low, or let it go; whether the adapter can. */
@@ -206,8 +234,29 @@ export class OpenPort {
   }
 
   close(): void {
-    this.chunks.length = 0;
+    this.chunks.length = this.behind.length = 0;
     this.lose(CLOSED);
+  }
+
+  private goOn(): void {
+    const { next } = this;
+    if (!next || this.wroteNext || this.lost || !this.heard.isAnswer(next.echo, next.length)) return;
+    this.wroteNext = now();
+    this.heard.begin([]);
+    void this.put(next.bytes, next.patience);
+  }
+
+  /** Kept when the browser has accepted the bytes, or the port is gone. */
+  private put(bytes: Uint8Array, patience: number): Promise<void> {
+    return new Promise<void>((resolve) => {
+      if (this.lost || !this.writer) return resolve();
+      const timer = setTimeout(() => this.lose(STUCK), patience * 1000);
+      this.written = () => {
+        clearTimeout(timer);
+        resolve();
+      };
+      this.writer.write(bytes).then(this.written, (error) => this.lose(reasonOf(error)));
+    });
   }
 
   private until(time: number, isOver: () => boolean): Pending<void> {
@@ -245,9 +294,7 @@ export class OpenPort {
       this.reader = stream.getReader();
       try {
         for (let read = await this.reader.read(); !read.done; read = await this.reader.read()) {
-          this.chunks.push(read.value);
-          this.arrivedAt = now();
-          this.wake();
+          this.came(read.value);
         }
         break;
       } catch (error) {
@@ -257,6 +304,19 @@ export class OpenPort {
       }
     }
     this.lose(reason);
+  }
+
+  private came(chunk: Uint8Array): void {
+    this.heard.add(chunk);
+    if (this.wroteNext) {
+      this.behind.push(chunk);
+      this.behindAt = now();
+      return;
+    }
+    this.arrivedAt = now();
+    this.chunks.push(chunk);
+    this.goOn();
+    this.wake();
   }
 
   /** The port is gone; called by whoever sees it first. */

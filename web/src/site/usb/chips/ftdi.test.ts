@@ -3,11 +3,18 @@ import { EIGHT_N_ONE, SEVEN_E_TWO, asksFor, atTheRates, chipOf, refuses, started
 import { ftdi } from "../../../../test/scriptedUsb";
 
 describe("an FTDI", () => {
-  it("is reset, and has its latency timer lowered", async () => {
+  it("is reset, has its latency timer lowered, and hands a message over at its end", async () => {
     const chip = chipOf(ftdi());
     expect(chip.granularity).toBe(0.016);
     const [asked, rate] = await started(ftdi());
-    expect(asked).toEqual(["40 00 0000 0000", "40 03 4138 0000", "40 04 0008 0000", "40 02 0000 0000", "40 09 0001 0000"]);
+    expect(asked).toEqual([
+      "40 00 0000 0000",
+      "40 03 4138 0000",
+      "40 04 0008 0000",
+      "40 02 0000 0000",
+      "40 09 0001 0000",
+      "40 06 010d 0000",
+    ]);
     expect(rate).toBe(9600);
     await chip.start(EIGHT_N_ONE);
     expect(chip.granularity).toBe(0.001);

@@ -1,7 +1,8 @@
 // FTDI: FT8U232AM, FT232BM, FT2232C, FT232R, FT-X and the fast ones (FT232H, FT2232H, FT4232H, HP).
 //
 // Each packet begins with two bytes of status, also within a longer transfer. While its latency timer runs, the chip waits for a full packet: at
-// 16 ms, its own setting, an answer of a few bytes comes 16 ms late; it is set to 1 ms here.
+// 16 ms, its own setting, an answer of a few bytes comes 16 ms late; it is set to 1 ms here. An event character ends that wait at once: it is the
+// last byte of a message, so an answer comes as soon as it is whole, from an AM, too.
 import { bcdDevice, PARITIES, unsupported, worst, type Chip, type Line, type Packet } from "./chip";
 import { Requests } from "./requests";
 import type { UsbDevice } from "../webUsb";
@@ -11,10 +12,13 @@ const MODEM = 0x01;
 const FLOW = 0x02;
 const BAUD = 0x03;
 const DATA = 0x04;
+const EVENT = 0x06;
 const SET_LATENCY = 0x09;
 const GET_LATENCY = 0x0a;
 
 const BREAK = 0x4000;
+/** The event character is on, and is the end of a message (§2). */
+const AT_END = 0x0100 | 0x0d;
 /** ms: the least that the timer can be set to. */
 const LATENCY = 1;
 /** s; the timer's own setting, and the only one of an AM. */
@@ -109,6 +113,7 @@ export class Ftdi implements Chip {
     await this.send(DATA, this.format);
     await this.send(FLOW, 0);
     const lowered = this.kind !== AM && (await this.requests.sendMaybe(SET_LATENCY, LATENCY, this.channel));
+    await this.requests.sendMaybe(EVENT, AT_END, this.channel); // a copy of the chip may lack it
     this.granularity = lowered ? LATENCY / 1000 : OWN_LATENCY;
     return rate;
   }
