@@ -36,6 +36,8 @@ export class Endpoint {
   /** Whether the program has answered at all. */
   started = false;
   onprogress: ((progress: Progress) => void) | null = null;
+  /** Called when nothing is asked of the program any more. */
+  onidle: (() => void) | null = null;
   /** Called when a program that ran has ended. */
   onended: ((message: string) => void) | null = null;
   private last = 0;
@@ -59,7 +61,7 @@ export class Endpoint {
     signal?.throwIfAborted();
     if (this.ended !== null) throw new TypeError(this.ended);
     const id = ++this.last;
-    const exchange = new Exchange(id, this.post, signal, () => this.conversations.delete(id));
+    const exchange = new Exchange(id, this.post, signal, () => this.over(id));
     this.conversations.set(id, exchange);
     const headers: Pairs = [...new Headers(init.headers)];
     this.post({ kind: "request", id, method: init.method ?? "GET", path: pathOf(address), headers, body }, body ? [body] : []);
@@ -68,7 +70,7 @@ export class Endpoint {
 
   connect(address: string): WorkerSocket {
     const id = ++this.last;
-    const socket = new WorkerSocket(() => this.conversations.delete(id));
+    const socket = new WorkerSocket(() => this.over(id));
     this.conversations.set(id, socket);
     this.ready.then(
       () => (this.ended === null ? this.post({ kind: "open", id, path: pathOf(address) }) : socket.lose(this.ended)),
@@ -89,9 +91,18 @@ export class Endpoint {
     if (this.started) this.post({ kind: "release", gone });
   }
 
+  /** Whether something is asked of the program, and not yet answered to its end. */
+  get busy(): boolean {
+    return this.conversations.size > 0;
+  }
+
   /** End the program at once; what is kept stays kept. */
   terminate(): void {
     this.end("ended by the page");
+  }
+
+  private over(id: number): void {
+    if (this.conversations.delete(id) && !this.busy) this.onidle?.();
   }
 
   private receive(message: FromWorker): void {

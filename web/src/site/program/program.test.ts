@@ -1,5 +1,5 @@
 import { beforeEach, describe, expect, it, vi } from "vitest";
-import { Program } from "./program";
+import { IDLE_MS, Program } from "./program";
 import type { Port } from "./endpoint";
 import type { FromWorker, Role, ToWorker } from "./messages";
 
@@ -308,5 +308,81 @@ describe("the reader", () => {
     await reader();
     program.terminate();
     expect(workers.map(({ terminated }) => terminated)).toEqual([true, true]);
+  });
+});
+
+describe("where memory is scarce, the reader", () => {
+  beforeEach(() => {
+    workers = [];
+    program = new Program(make, Promise.resolve(true), true);
+    line().say({ kind: "ready" });
+  });
+
+  it("is not started beforehand, nor for the list while the line is free", async () => {
+    program.prepareReader();
+    program.lineIsFree = true;
+    const listed = program.fetch("api/recordings");
+    await line().answer("[]");
+    expect(await (await listed).json()).toEqual([]);
+    expect(workers.length).toBe(1);
+    program.lineIsFree = false;
+    void program.fetch("api/recordings");
+    (await reader()).say({ kind: "ready" });
+    await (await reader()).request();
+    expect(line().requests().length).toBe(1);
+  });
+
+  it("reads a recording even while the line is free: what the line's worker once needs stays its own", async () => {
+    program.lineIsFree = true;
+    void program.fetch("api/recordings/a");
+    (await reader()).say({ kind: "ready" });
+    await (await reader()).request();
+    expect(line().requests()).toEqual([]);
+  });
+
+  it("ends a minute after its last answer is whole, and is started again", async () => {
+    const asked = program.fetch("api/recordings/a/file");
+    (await reader()).say({ kind: "ready" });
+    const { id } = await (await reader()).request();
+    vi.useFakeTimers();
+    (await reader()).say({ kind: "head", id, status: 200, headers: [] });
+    const body = (await asked).text();
+    await vi.advanceTimersByTimeAsync(3 * IDLE_MS); // the file still comes
+    expect(workers[1]!.terminated).toBe(false);
+    workers[1]!.say({ kind: "end", id });
+    await body;
+    await vi.advanceTimersByTimeAsync(IDLE_MS - 1);
+    expect(workers[1]!.terminated).toBe(false);
+    await vi.advanceTimersByTimeAsync(1);
+    expect(workers.map(({ terminated }) => terminated)).toEqual([false, true]);
+    vi.useRealTimers();
+    const again = program.fetch("api/recordings/a");
+    await vi.waitFor(() => expect(workers.length).toBe(3));
+    workers[2]!.say({ kind: "ready" });
+    await workers[2]!.answer("{}");
+    expect(await (await again).json()).toEqual({});
+  });
+
+  it("stays where memory is not scarce, and while one request follows another", async () => {
+    const asked = async (at: number) => {
+      const answer = program.fetch("api/recordings/a");
+      await vi.advanceTimersByTimeAsync(1);
+      workers[1]!.say({ kind: "ready" });
+      await workers[1]!.answer("{}", { at });
+      await (await answer).text();
+    };
+    vi.useFakeTimers();
+    for (const at of [0, 1, 2]) {
+      await asked(at);
+      await vi.advanceTimersByTimeAsync(IDLE_MS - 1000);
+    }
+    expect(workers[1]!.terminated).toBe(false);
+    workers = [];
+    program = new Program(make, Promise.resolve(true));
+    line().say({ kind: "ready" });
+    await asked(0);
+    await vi.advanceTimersByTimeAsync(3 * IDLE_MS);
+    expect(workers[1]!.terminated).toBe(false);
+    vi.useRealTimers();
   });
 });

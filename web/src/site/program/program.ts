@@ -1,5 +1,6 @@
 // The program in two workers: one holds the line and all that is kept, the other only reads recordings. The reader takes seconds to start: that
 // is done when it is first needed or while values come, and not before the first one answers. Where it can't be had, the first one does everything.
+// Where memory is scarce the reader, which doubles what is in use, is started only when it is needed, and ends when it was not for a minute.
 import type { Text } from "../../lib/api/types";
 import { Endpoint, type Port } from "./endpoint";
 import type { Role, Situation } from "./messages";
@@ -11,31 +12,39 @@ const readerEnded: Text = {
   ru: "Чтение записи прервалось: возможно, браузеру не хватило памяти. Закройте другие вкладки и повторите; опрос и запись продолжаются.",
 };
 
+const LIST = "api/recordings";
+/** ms without a request after which a reader ends where memory is scarce. Who looks through a recording asks more often than that. */
+export const IDLE_MS = 60_000;
+
 export class Program {
   readonly line: Endpoint;
   private reader: Endpoint | null = null;
   private situation: Situation = { recording: null, catalog: null };
   /** Nothing waits for the line's worker: it reads a recording itself until the reader has started. */
   lineIsFree = false;
+  /** Requests on their way to the reader. */
+  private asking = 0;
+  private ending: ReturnType<typeof setTimeout> | undefined;
 
-  /** `shared`: whether both workers see the same files; else there is nothing that a reader could read. */
+  /** `shared`: whether both workers see the same files; else there is nothing that a reader could read. `scarce`: memory is. */
   constructor(
     private readonly make: (role: Role) => Port,
     private readonly shared: Promise<boolean>,
+    private readonly scarce = false,
   ) {
     this.line = new Endpoint(make("line"));
   }
 
   /** As `fetch`, for addresses of the API relative to the page. */
   readonly fetch = async (address: string, init: RequestInit = {}): Promise<Response> => {
-    const reader = whoAnswers(init.method ?? "GET", address, init.body) === "reader" ? await this.readyReader() : null;
-    if (reader === null) return this.line.fetch(address, init);
+    if (whoAnswers(init.method ?? "GET", address, init.body) === "line") return this.line.fetch(address, init);
+    this.asking += 1;
     try {
-      return await reader.fetch(address, init);
-    } catch (error) {
-      // Not again by the line's worker: what has ended this one would end that one, too.
-      if (reader.ended === null || init.signal?.aborted) throw error;
-      return Response.json({ error: { code: "ReaderEnded", ...readerEnded } }, { status: 500 });
+      const reader = await this.readyReader(address);
+      return await (reader === null ? this.line.fetch(address, init) : this.read(reader, address, init));
+    } finally {
+      this.asking -= 1;
+      this.endIdleReader();
     }
   };
 
@@ -49,12 +58,29 @@ export class Program {
 
   /** Start the reader before it is needed; it takes seconds. */
   prepareReader(): void {
-    void this.startedReader();
+    if (!this.scarce) void this.startedReader();
   }
 
-  private async readyReader(): Promise<Endpoint | null> {
+  private async read(reader: Endpoint, address: string, init: RequestInit): Promise<Response> {
+    try {
+      return await reader.fetch(address, init);
+    } catch (error) {
+      // Not again by the line's worker: what has ended this one would end that one, too.
+      if (reader.ended === null || init.signal?.aborted) throw error;
+      return Response.json({ error: { code: "ReaderEnded", ...readerEnded } }, { status: 500 });
+    }
+  }
+
+  private async readyReader(address: string): Promise<Endpoint | null> {
+    const waits = this.lineIsFree && !this.hasReader;
+    // The list alone is not worth a reader. All else is, and no line's worker reads it meanwhile: what that has once needed stays its own.
+    if (this.scarce) return waits && address === LIST ? null : this.startedReader();
     const starting = this.startedReader();
-    return this.lineIsFree && !this.reader?.started ? null : starting;
+    return waits ? null : starting;
+  }
+
+  private get hasReader(): boolean {
+    return this.reader !== null && this.reader.started && this.reader.ended === null;
   }
 
   /** End both workers, so that another tab can have the cable and the storage. */
@@ -70,6 +96,7 @@ export class Program {
     const gone = this.reader?.ended != null && this.reader.started;
     if (this.reader === null || gone) {
       this.reader = new Endpoint(this.make("reader"));
+      this.reader.onidle = () => this.endIdleReader();
       this.reader.tell(this.situation);
     }
     const reader = this.reader;
@@ -79,5 +106,14 @@ export class Program {
     } catch {
       return null;
     }
+  }
+
+  /** Where memory is scarce: end the reader after a while, unless it is asked something until then. */
+  private endIdleReader(): void {
+    clearTimeout(this.ending);
+    if (!this.scarce) return;
+    this.ending = setTimeout(() => {
+      if (this.asking === 0 && this.reader?.busy === false) this.reader.terminate();
+    }, IDLE_MS);
   }
 }

@@ -1,7 +1,7 @@
 import { expect, it, vi } from "vitest";
 import { ch340, ftdi, type ScriptedUsb } from "../../../test/scriptedUsb";
 import { nameOf, partsOf } from "../program/messages";
-import { accessOf, adaptersBy } from "./access";
+import { accessOf, adaptersBy, memoryIsScarce } from "./access";
 
 const PHONE = "Mozilla/5.0 (Linux; Android 10; K) AppleWebKit/537.36 Chrome/156.0.0.0 Mobile Safari/537.36";
 const PC = "Mozilla/5.0 (X11; Linux x86_64) AppleWebKit/537.36 Chrome/156.0.0.0 Safari/537.36";
@@ -69,4 +69,12 @@ it("on a computer the adapters are the browser's own", () => {
   const serial = new FakeSerial([]);
   vi.stubGlobal("navigator", { userAgent: PC, serial, usb: usbOf() });
   expect([adaptersBy("serial"), adaptersBy("none")]).toEqual([serial, undefined]);
+});
+
+it("memory is scarce on any phone, and on a computer with little of it", () => {
+  expect(memoryIsScarce({ userAgent: PHONE, deviceMemory: 8 }, true)).toBe(true);
+  expect(memoryIsScarce({ userAgent: PC }, true)).toBe(true); // a page as on a computer
+  expect(memoryIsScarce({ userAgent: WINDOWS, deviceMemory: 2 }, false)).toBe(true);
+  expect(memoryIsScarce({ userAgent: WINDOWS, deviceMemory: 4 }, true)).toBe(false);
+  expect(memoryIsScarce({ userAgent: PC }, false)).toBe(false); // Firefox does not say how much there is
 });

@@ -19,11 +19,22 @@ export const accessHere = (): Access => accessOf(globalThis.navigator, isTouched
 
 /** `touched`: a finger is what points here. */
 export function accessOf({ serial, usb, userAgent }: Pick<Navigator, "serial" | "usb" | "userAgent">, touched: boolean): Access {
-  // A phone that was asked for a page as on a computer says that it has Linux on a PC.
-  const isPhone = userAgent.includes("Android") || (touched && userAgent.includes("X11; Linux"));
-  if (isPhone && usb) return "usb";
+  if (isPhone(userAgent, touched) && usb) return "usb";
   return serial ? "serial" : "none";
 }
+
+/** Whether this is a phone. One that was asked for a page as on a computer says that it has Linux on a PC. */
+const isPhone = (userAgent: string, touched: boolean): boolean =>
+  userAgent.includes("Android") || (touched && userAgent.includes("X11; Linux"));
+
+/** GB of a device, as browsers round it, up to which a second program in memory is one too many. */
+const FEW = 2;
+
+/** Whether memory is scarce here. A phone ends what is in the background by its size, whatever it has; a computer swaps. */
+export const memoryIsScarce = (
+  { userAgent, deviceMemory }: { userAgent: string; deviceMemory?: number } = globalThis.navigator,
+  touched = isTouched(),
+): boolean => isPhone(userAgent, touched) || (deviceMemory ?? Infinity) <= FEW;
 
 const isTouched = (): boolean => globalThis.matchMedia?.("(pointer: coarse)").matches ?? false;
 
