@@ -66,6 +66,13 @@ def test_a_packed_recording_is_kept_unpacked(desk, made, tmp_path):
     assert add(desk, b"\x04\x22\x4d\x18" + bytes(99)).status_code == 400
 
 
+def test_a_recording_that_a_phone_has_shared_has_its_own_name(desk, made, tmp_path):
+    names = ["a.pcapng.txt", "b.pcapng (1).txt", "c.PCAPNG.TXT", "notes.txt"]
+    given = [add(desk, made, name).json()["id"] for name in names]
+    assert given == ["a.pcapng", "b.pcapng", "c.PCAPNG.pcapng", "notes.txt.pcapng"]
+    assert add(desk, gzip.compress(made), "d.pcapng.txt.gz").json() == {"id": "d.pcapng"}
+
+
 def test_no_file_is_replaced_and_no_name_is_a_path(desk, made, tmp_path):
     names = ["drive.pcapng", "drive", "../../drive.pcapng", "C:\\Users\\a.pcapng", "con.pcapng"]
     given = [add(desk, made, name).json()["id"] for name in names]

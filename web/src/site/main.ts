@@ -10,12 +10,14 @@ import { nameOf, type Role } from "./program/messages";
 import { loadAnew } from "./offline/anew";
 import { installing } from "./offline/installing.svelte";
 import { Program } from "./program/program";
+import { incoming } from "./shared/incoming.svelte";
 import { OneTab, type Owner } from "./tabs/oneTab";
-import { accessHere } from "./usb/access";
+import { accessHere, memoryIsScarce } from "./usb/access";
 import { HANGS } from "./within";
 import workerScript from "./worker/worker.ts?worker&url";
 
 installing.watch();
+incoming.watch(window);
 shown.loadAnew = () => loadAnew(new URL(".", location.href));
 
 const target = document.getElementById("page")!;
@@ -56,7 +58,7 @@ async function start(): Promise<void> {
   const why = hindrance();
   if (why !== null) return void (shown.start = { kind: "impossible", why });
   await alone();
-  program = new Program(worker, keepsFiles());
+  program = new Program(worker, keepsFiles(), memoryIsScarce());
   program.line.onprogress = (progress) => (shown.start = { kind: "loading", progress });
   // The page itself comes along while the program starts.
   const [{ run }] = await Promise.all([import("./run"), program.line.ready]);

@@ -14,6 +14,8 @@ import ConnectionNotices from "./notices/ConnectionNotices.svelte";
 import ThisBrowser from "./notices/ThisBrowser.svelte";
 import { canChoose, choosePort, findAdapters } from "./notices/adapters.svelte";
 import { storage } from "./notices/storage.svelte";
+import { incoming } from "./shared/incoming.svelte";
+import { t as ts } from "./shared/messages";
 import type { Program } from "./program/program";
 import type { Owner } from "./tabs/oneTab";
 import { unkept, words } from "./words";
@@ -54,6 +56,10 @@ export function run(program: Program, owner: Owner, target: Element): void {
   findAdapters();
   answerDownloads(program.fetch, stores);
   void updates.watch(live);
+  incoming.attend(
+    (file) => stores.recordings.add([file]),
+    (news) => stores.toasts.error(() => ts(news)),
+  );
   background(program, stores);
   mount(App, { target, props: { stores } });
 }

@@ -1,7 +1,10 @@
-// The service worker of the site: the files of one version, so that it starts without a network, and downloads from the program in a page.
+// The service worker of the site: the files of one version, so that it starts without a network, downloads from the program in a page, and
+// recordings that other apps share with it.
 // A new version is loaded beside the one in use. It takes over when the page asks for that, or when no page is open.
 import { askPages, type Page } from "./offline/asking";
 import { KeptFiles } from "./offline/keptFiles";
+import { Inbox } from "./shared/inbox";
+import { PATH, receive } from "./shared/receive";
 
 /** `make site` puts the version of all files here, so that a browser sees that this script has changed. */
 const VERSION = "MIKAS_SITE_VERSION";
@@ -38,8 +41,10 @@ self.addEventListener("message", (event) => {
 self.addEventListener("fetch", (event) => {
   const { request } = event;
   const { origin, pathname, search } = new URL(request.url);
-  if (request.method !== "GET" || origin !== site.origin || !pathname.startsWith(site.pathname)) return;
+  if (origin !== site.origin || !pathname.startsWith(site.pathname)) return;
   const path = pathname.slice(site.pathname.length);
+  if (request.method === "POST" && path === PATH) return event.respondWith(receive(request, site, new Inbox(site, caches)));
+  if (request.method !== "GET") return;
   if (path.startsWith("docs/")) return; // the documentation beside the page is no part of it
   if (!path.startsWith("api/")) return event.respondWith(kept.find(request.url).then((found) => found ?? fetch(request)));
   const asked = self.clients.matchAll({ type: "window", includeUncontrolled: true }).then((pages) => askPages(pages, path + search));

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import asyncio
 import os
+import re
 import shutil
 import tempfile
 from contextlib import AsyncExitStack, suppress
@@ -58,6 +59,8 @@ _TYPES: Final = {
     "mlg": "application/octet-stream",
 }
 _CAPTURE: Final = "application/x-pcapng"
+_SENT: Final = re.compile(r"(\.pcapng)( ?\(\d+\))?\.txt$", re.IGNORECASE)
+"""How a recording is named that a phone's browser has shared: it shares no .pcapng."""
 _FILE: Final = content("application/octet-stream", "the file")
 _BODY: Final = {"requestBody": {"required": True, "content": {"application/octet-stream": {}}}}
 
@@ -194,7 +197,7 @@ async def add(
     """
     folder = dashboard.library.folder
     await asyncio.to_thread(ensure_folder, folder.folder)
-    name = name[: len(name) - len(packed_suffix(name))]
+    name = _SENT.sub(r"\1", name[: len(name) - len(packed_suffix(name))])
     path = folder.new_path(name)
     new = beside(path, f".{token_hex(4)}.new")  # of this request alone
     plain = beside(path, f".{token_hex(4)}.plain")
