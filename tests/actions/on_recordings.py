@@ -65,6 +65,45 @@ class AddsAgain(Press):
         expect(tab.find(FIRST)).to_have_count(before + 1)
 
 
+def shares(tab: Tab) -> None:
+    """Let the browser share files, as on a phone; Chromium on Linux can't."""
+    tab.page.evaluate(
+        """() => {
+          const share = async ({ files }) => { navigator.shared = files[0].name }
+          const more = { canShare: () => true, share, userActivation: { isActive: true } }
+          for (const [name, value] of Object.entries(more)) {
+            Object.defineProperty(navigator, name, { value, configurable: true })
+          }
+        }"""
+    )
+
+
+def is_late(tab: Tab) -> None:
+    tab.page.evaluate("() => { navigator.userActivation.isActive = false }")
+
+
+def is_in_time(tab: Tab) -> None:
+    tab.page.evaluate("() => { navigator.userActivation.isActive = true }")
+
+
+def shares_no_more(tab: Tab) -> None:
+    tab.page.evaluate(
+        "() => ['canShare', 'share', 'userActivation'].forEach(it => delete navigator[it])"
+    )
+
+
+@dataclass(frozen=True)
+class Shares(Press):
+    """Press it, and a file whose name ends so is shared."""
+
+    end: str = ""
+
+    def __call__(self, tab: Tab) -> None:
+        super().__call__(tab)
+        tab.page.wait_for_function("end => navigator.shared?.endsWith(end)", arg=self.end)
+
+
+SHARE = "share/ShareButton share"
 LIST = (
     row(
         "recordings",
@@ -96,6 +135,22 @@ LIST = (
         saves("recordings/ExportSheet .pcapng", name=r"^\.pcapng$"),
         press("recordings/ExportSheet close", css="dialog .foot button"),
         CLOSED,
+    ),
+    row(
+        "recordings",
+        "a recording is shared, and its table",
+        shares,
+        press("recordings/RowActions export_of"),
+        Shares(SHARE, name=r"^Share .*\.pcapng$", end=".pcapng.txt"),
+        is_late,
+        press(SHARE, name=r"^Share .*\.csv$"),
+        shows("dialog [aria-label^='Share now']"),
+        is_in_time,
+        Shares("share/ShareButton share_now", end=".csv"),
+        Shot("share"),
+        ESCAPE,
+        CLOSED,
+        shares_no_more,
     ),
     row(
         "recordings",
@@ -224,6 +279,10 @@ REPORT = (
         press("report/Screen refresh"),
         shows("iframe"),
         saves("report/Screen save"),
+        shares,
+        press("report/Screen refresh"),
+        Shares(SHARE, end=".html"),
+        shares_no_more,
         press("report/Screen edit"),
         press("car/CarSheet cancel"),
         press("report/Screen print"),
