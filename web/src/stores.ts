@@ -17,9 +17,12 @@ import { Display } from "./lib/display/source.svelte";
 import { Route } from "./lib/frame/router.svelte";
 import { Shortcuts } from "./lib/frame/shortcuts";
 import { Toasts } from "./lib/frame/toasts.svelte";
+import { AlarmBuzz } from "./lib/live/alarmBuzz.svelte";
 import { AlarmSound } from "./lib/live/alarmSound.svelte";
 import { faultTeller } from "./lib/live/faultNews";
 import { Live } from "./lib/live/live.svelte";
+import { WhileAway } from "./lib/live/whileAway";
+import { Battery } from "./lib/platform/battery.svelte";
 import { FullScreen } from "./lib/platform/fullScreen.svelte";
 import type { Host } from "./lib/platform/host";
 import { WakeLock } from "./lib/platform/wakeLock.svelte";
@@ -60,6 +63,9 @@ export class Stores extends OnHost {
 
   readonly live = new Live(this.host, this.api);
   readonly alarmSound = new AlarmSound(this.live);
+  readonly alarmBuzz = new AlarmBuzz(this);
+  readonly whileAway = new WhileAway(this);
+  readonly battery = new Battery(this);
   readonly control = new Control(this.live);
   readonly catalog = new CatalogStore(this);
   readonly channelCard = new ChannelCard();

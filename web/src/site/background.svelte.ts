@@ -2,6 +2,7 @@
 import type { Stores } from "../stores";
 import { t } from "./notices/messages";
 import { interrupted } from "./interrupted";
+import { LowBattery } from "./lowBattery";
 import { storage } from "./notices/storage.svelte";
 import { updates } from "./offline/updates.svelte";
 import type { Program } from "./program/program";
@@ -14,7 +15,8 @@ const OFFER_MS = 60_000;
 const SETTLED_MS = 5000;
 
 export function background(program: Program, stores: Stores): void {
-  const { live, toasts } = stores;
+  const { battery, live, toasts } = stores;
+  const lowBattery = new LowBattery(stores);
   $effect.root(() => {
     storage.watch(stores);
 
@@ -24,6 +26,9 @@ export function background(program: Program, stores: Stores): void {
 
     // Who can't keep the recording has nothing to come back to.
     $effect(() => void (live.state && storage.kept && interrupted.follow(live.state, Date.now())));
+
+    // Again with each state: a recording that could not be closed is tried once more.
+    $effect(() => void (live.state && lowBattery.follow(battery.left)));
 
     const line = $derived(live.state?.line);
     $effect(() => void (program.lineIsFree = line === "off"));

@@ -13,6 +13,8 @@ export const t = dictionary({
   errors: { en: "errors", ru: "сбои" },
   errorsLong: { en: "Errors on the line in the last minute", ru: "Сбои связи за последнюю минуту" },
   alarms: { en: { one: "{n} alarm", other: "{n} alarms" }, ru: { one: "{n} тревога", few: "{n} тревоги", many: "{n} тревог" } },
+  battery: { en: "battery {percent} %", ru: "заряд {percent} %" },
+  batteryLong: { en: "It does not charge while the cable is in it", ru: "Пока вставлен кабель, не заряжается" },
   record: { en: "Record", ru: "Запись" },
   stopShort: { en: "Stop", ru: "Стоп" },
   stop: { en: "Stop recording", ru: "Остановить запись" },

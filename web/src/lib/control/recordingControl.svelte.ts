@@ -65,6 +65,18 @@ export class RecordingControl {
     }
   }
 
+  /** End the recording that runs, for another reason than a person's wish. Returns its file; null: none ran, or it could not be ended. */
+  async end(): Promise<string | null> {
+    const file = this.app.live.state?.recording?.file;
+    if (file === undefined || this.busy) return null;
+    this.busy = true;
+    const state = await this.app.toasts.attempt(() => this.app.api.stopRecording());
+    this.busy = false;
+    if (state === undefined) return null;
+    this.app.toasts.dismiss(new Set([STARTED]));
+    return file;
+  }
+
   /** Announce that a recording has ended and is stored, and offer to open it. */
   announceSaved(file: string): void {
     this.app.toasts.dismiss(new Set([STARTED]));

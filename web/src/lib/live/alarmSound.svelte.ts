@@ -31,6 +31,11 @@ export class AlarmSound {
     if (alarms.some(({ level }) => level === "danger")) return "danger";
     return alarms.length > 0 ? "warning" : null;
   });
+  /** Switched off by a person, as it is not from the beginning. */
+  get silenced(): boolean {
+    return loadSetting("alarm-sound") === "off";
+  }
+
   readonly keyText = (): string => t("key");
   private context: AudioContext | null = null;
 

@@ -7,6 +7,10 @@ export const answering = ({ line }: Pick<State, "line">): boolean => line === "e
 /** Whether the port is being opened: neither a state nor an error is known yet. */
 export const opening = (state: Pick<State, "line" | "reason_code">): boolean => state.line === "no-port" && state.reason_code === null;
 
+/** Whether an adapter of the device on which this page is, is plugged in and in use. */
+export const holdsAdapter = ({ line, port }: Pick<State, "line" | "port">): boolean =>
+  line !== "off" && line !== "no-port" && /^web(usb|serial):/.test(port ?? "");
+
 /**
  * Whether the adapter was unplugged: data has come from it on this connection, so sampling resumes when it returns. A port that never
  * existed has to be selected instead.

@@ -25,6 +25,8 @@ export interface Host {
   choosePort: (() => Promise<string | null>) | null;
   /** Whether adapters can be used at all. */
   reachesAdapters: boolean;
+  /** Whether adapters are fed by the one socket of the device on which this page is, which is not charged meanwhile: a phone. */
+  feedsAdapters: boolean;
   /** Whether the browser itself can load addresses of the API: links, frames. */
   opensAddresses: boolean;
   /** Whether the program can let phones and other computers in. */
@@ -60,6 +62,7 @@ export const served: Host = {
   runsHere: false,
   choosePort: null,
   reachesAdapters: true,
+  feedsAdapters: false,
   opensAddresses: true,
   sharesNetwork: true,
   exports: ["csv", "msl", "mlg", "mf4", "parquet"],

@@ -5,3 +5,5 @@ import { MediaQuery } from "svelte/reactivity";
 export const narrow = new MediaQuery("max-width: 1100px");
 export const phone = new MediaQuery("max-width: 700px");
 export const compact = new MediaQuery("(max-width: 700px) or (max-height: 500px)");
+/** A phone on its side, under fingers; a low window of a laptop is none. */
+export const lying = new MediaQuery("(orientation: landscape) and (max-height: 500px) and (pointer: coarse)");

@@ -22,14 +22,14 @@ export class WakeLock {
       const held = this.sentinel;
       this.sentinel = null;
       this.state = "off";
-      await held?.release();
+      await held?.release().catch(() => undefined);
       return;
     }
     if (this.sentinel) return;
     try {
       const lock = await navigator.wakeLock.request("screen");
       // The wish may have ended meanwhile, or another request may have been faster.
-      if (!this.wanted || document.hidden || this.sentinel) return await lock.release();
+      if (!this.wanted || document.hidden || this.sentinel) return await lock.release().catch(() => undefined);
       this.sentinel = lock;
       this.state = "held";
       lock.addEventListener("release", () => {

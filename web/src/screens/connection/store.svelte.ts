@@ -2,6 +2,7 @@
 import { Resource } from "../../lib/api/resource.svelte";
 import { ApiRequest } from "../../lib/api/request.svelte";
 import type { About, DoctorStep, State } from "../../lib/api/types";
+import { watch } from "../../lib/platform/watch.svelte";
 import type { Stores } from "../../stores";
 
 /** ms between two scans for adapters, so that one appears after it is plugged in. */
@@ -38,7 +39,24 @@ export class ConnectionStore {
   /** When the check began, in seconds of this computer. */
   checkedAt = $state(0);
 
+  /** The browser's list is shown. */
+  choosing = $state(false);
+  /** How to go to the gauges once values come; null: nobody waits for them. */
+  private toGauges = $state.raw<(() => void) | null>(null);
+
   constructor(private readonly app: Pick<Stores, "api" | "host" | "live" | "recordingControl" | "route">) {}
+
+  /** For the frame while it is initialised: from an adapter that was chosen to its gauges, without a further touch. */
+  follow(): void {
+    watch(
+      () => this.toGauges !== null && this.app.live.answers,
+      (come) => {
+        if (!come) return;
+        this.toGauges?.();
+        this.toGauges = null;
+      },
+    );
+  }
 
   /** The port that is or was checked, as the program says. */
   get checkedPort(): string | null {
@@ -66,12 +84,19 @@ export class ConnectionStore {
     if (this.app.live.ended && file) this.app.recordingControl.announceSaved(file);
   }
 
-  /** Let the user choose an adapter in the browser's list, and connect to it. */
+  /** Let the user choose an adapter in the browser's list, connect to it, and show its gauges when it answers. Without a choice: the advice. */
   async choose(): Promise<void> {
-    const port = await this.app.host.choosePort?.();
-    if (!port) return;
-    await this.ports.reload();
-    await this.connect(port);
+    const go = this.app.route.later();
+    this.choosing = true;
+    const port = await this.app.host.choosePort?.().finally(() => (this.choosing = false));
+    if (!port) return go("connection");
+    void this.ports.reload();
+    await this.change(port, false, go);
+  }
+
+  /** Connect to an adapter that needs no choice, and show its gauges when it answers. */
+  async begin(port: string): Promise<void> {
+    await this.change(port, false, this.app.route.later());
   }
 
   /** Connect, or disconnect without a port. A recording of another port would end: ask first. */
@@ -84,12 +109,15 @@ export class ConnectionStore {
     await this.change(car, true);
   }
 
-  /** `driven`: the gauges are shown then. */
-  private async change(port: string | null | undefined, driven: boolean): Promise<void> {
-    const go = this.app.route.later();
+  /** `driven`: the gauges are shown then; `go`: when values come. */
+  private async change(port: string | null | undefined, driven: boolean, go?: ReturnType<Stores["route"]["later"]>): Promise<void> {
+    const now = go ?? this.app.route.later();
     const file = this.recorded;
+    this.toGauges = null;
     if (file && port !== this.app.live.state?.port) this.leaving = { file, port, driven };
-    else if ((await this.turnTo(port)) && driven) go("live");
+    else if (!(await this.turnTo(port))) return;
+    else if (driven) now("live");
+    else if (go) this.toGauges = () => go("live");
   }
 
   /** The confirmation was given. */

@@ -77,5 +77,8 @@ export const t = dictionary({
   // Nothing connected.
   offTitle: { en: "Not connected", ru: "Не подключено" },
   offText: { en: "Connect the cable to the car and choose its port, or try a virtual car.", ru: "Подключите кабель к машине и выберите порт или попробуйте виртуальный автомобиль." },
+  offTextChoose: { en: "Plug the cable in and choose it in the browser's list: the gauges come by themselves. Or try a virtual car.", ru: "Вставьте кабель и укажите его в списке браузера: приборы появятся сами. Или попробуйте виртуальный автомобиль." },
+  choose: { en: "Choose the cable…", ru: "Выбрать кабель…" },
+  connectOther: { en: "Connection", ru: "Связь" },
   connect: { en: "Connect", ru: "Подключить" },
 });

@@ -19,6 +19,11 @@ export const t = dictionary({
   },
   little: { en: "Little room for recordings: {left} left", ru: "Мало места для записей: осталось {left}" },
   little_do: { en: "Download old recordings and delete them here, or free space on the disk.", ru: "Скачайте старые записи и удалите их здесь или освободите место на диске." },
+  battery: { en: "Battery {percent} %: the phone does not charge while the cable is in it", ru: "Заряд {percent} %: пока вставлен кабель, телефон не заряжается" },
+  battery_do: {
+    en: "Its one socket feeds the cable. At 20 % a warning comes, at 10 % a running recording is closed, so that it is whole. A phone that charges without a wire can lie on its charger meanwhile.",
+    ru: "Единственный разъём питает кабель. При 20 % придёт предупреждение, при 10 % запись будет закрыта, чтобы файл остался целым. Телефон с беспроводной зарядкой можно пока положить на неё.",
+  },
   not_listed: { en: "The cable was not in the list?", ru: "Кабеля в списке не было?" },
   not_listed_plug: {
     en: "Plug it in, wait for a few seconds, and press “Choose the cable…” again. It is called by its chip: FT232R, USB-SERIAL CH340, CP2102. Try another USB socket, without a hub.",

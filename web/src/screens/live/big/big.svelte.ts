@@ -1,10 +1,12 @@
-// Big numbers: whether they are shown, and the values of the preset; both stored in this browser.
+// Big numbers: whether they are shown, and the values of the preset; both stored in this browser. A phone on its side has room for little else.
 import { loadSetting, saveSetting } from "../../../lib/platform/storage";
+import { lying } from "../../../lib/platform/viewport";
 import { MOST, storedNames, usualNames } from "./bigNumbers";
 import type { Stores } from "../../../stores";
 
 export class Big {
-  on = $state(loadSetting("big") === "on");
+  /** Chosen by a person, with the phone upright (or elsewhere) and on its side. */
+  private chosen = $state({ big: loadSetting("big"), "big-lying": loadSetting("big-lying") });
   /** Counts changes of the stored names. */
   private changes = $state(0);
 
@@ -16,6 +18,9 @@ export class Big {
       (this.app.presets.onScreen ? usualNames(this.app.presets.onScreen, this.app.absent.without(this.app.catalog.channels)) : []),
   );
 
+  /** On a phone that lies on its side they are what is shown, until a person chooses otherwise there. */
+  readonly on = $derived.by(() => (lying.current ? this.chosen["big-lying"] !== "off" : this.chosen.big === "on"));
+
   constructor(private readonly app: Pick<Stores, "absent" | "catalog" | "presets">) {}
 
   private get key(): string {
@@ -23,8 +28,10 @@ export class Big {
   }
 
   toggle(): void {
-    this.on = !this.on;
-    saveSetting("big", this.on ? "on" : "off");
+    const position = lying.current ? "big-lying" : "big";
+    const choice = this.on ? "off" : "on";
+    this.chosen[position] = choice;
+    saveSetting(position, choice);
   }
 
   /** Show the value, or no longer; the last one stays. */
