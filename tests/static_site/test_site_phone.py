@@ -44,11 +44,14 @@ BATTERY = "level => { battery.level = level; battery.dispatchEvent(new Event('le
 AWAY = "is => { window.away = is; document.dispatchEvent(new Event('visibilitychange')) }"
 SMALL = """() => [...document.querySelectorAll(
   "button, a[href], select, summary, input:not([type=checkbox], [type=radio]), label:has(input)")]
-  .filter(it => it.checkVisibility({ visibilityProperty: true }) && !it.closest("p, li p, td"))
+  .filter(it => it.checkVisibility({ visibilityProperty: true }))
+  .filter(it => !it.closest("p, td, [data-opens]"))
   .map(it => [it.getBoundingClientRect(), it.outerHTML.slice(0, 120)])
   .filter(([box]) => box.width > 1 && Math.min(box.width, box.height) < 43.5)
   .map(([box, html]) => `${Math.round(box.width)} x ${Math.round(box.height)}: ${html}`)"""
-"""What a finger is to hit and may miss. Links within a text are as high as its lines."""
+"""What a finger is to hit and may miss. Links within a text are as high as its lines; the name of a
+value stands for its whole tile.
+"""
 HIDDEN = """([left, top, right, bottom]) => [...document.querySelectorAll(
   "header[data-line] *, nav *, #screen [data-tile], #screen button, #screen select")]
   .filter(it => it.checkVisibility() && it.getBoundingClientRect().width > 1)
@@ -196,6 +199,20 @@ def test_values_that_were_lost_in_the_background_are_said_on_return(driven, cabl
     driven.page.evaluate(AWAY, False)
     driven.says("While the page was in the background no values came for")
     driven.find(".toast", has_text="background").get_by_role("button", name="Close").tap()
+
+
+def test_a_recording_survives_a_page_that_the_browser_freezes(driven):
+    driven.record()
+    before = driven.recorded(1)
+    session = driven.page.context.new_cdp_session(driven.page)
+    session.send("Page.setWebLifecycleState", {"state": "frozen"})
+    driven.page.wait_for_timeout(2500)
+    session.send("Page.setWebLifecycleState", {"state": "active"})
+    driven.is_line("recording")
+    assert driven.recorded(before + 3) > before
+    driven.stop_recording()
+    latest = driven.recordings()[0]
+    assert (latest["open"], latest["problem"]) == (False, None)
 
 
 def test_a_nearly_empty_battery_closes_the_recording_in_time(driven):

@@ -28,7 +28,10 @@ export function background(program: Program, stores: Stores): void {
     $effect(() => void (live.state && storage.kept && interrupted.follow(live.state, Date.now())));
 
     // Again with each state: a recording that could not be closed is tried once more.
-    $effect(() => void (live.state && lowBattery.follow(battery.left)));
+    watch(
+      () => live.state && battery.left,
+      () => void lowBattery.follow(battery.left),
+    );
 
     const line = $derived(live.state?.line);
     $effect(() => void (program.lineIsFree = line === "off"));

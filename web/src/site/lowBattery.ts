@@ -30,7 +30,7 @@ export class LowBattery {
   /** Called with each state. `left`: percent while the phone feeds a cable and is not charged, or null. */
   async follow(left: number | null): Promise<void> {
     const { live, recordingControl, toasts } = this.app;
-    if (left === null) return toasts.dismiss(new Set([CODES.low]));
+    if (left === null) return this.warned ? toasts.dismiss(new Set([CODES.low])) : undefined;
     if (left > LOW + AGAIN) this.warned = false;
     if (left > LAST + AGAIN) this.closed = false;
     if (left <= LAST && !this.closed) {
