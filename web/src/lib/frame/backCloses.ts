@@ -1,24 +1,15 @@
 // Back, a button or a swipe on a phone: it closes the dialog that lies over the screen, and leaves the screen where it is. Chrome on Android does so by
 // itself for its own button; this is for Back of the browser, and for browsers that go back all the same: then no dialog stays over another screen.
 
-/** What is used of the Navigation API, which not every browser has. */
-interface Traversal extends Event {
-  readonly navigationType: string;
-  readonly destination: { readonly index: number };
-}
-
-interface Navigation extends EventTarget {
-  readonly currentEntry: { readonly index: number } | null;
-}
-
 const openDialogs = (): HTMLDialogElement[] => [...document.querySelectorAll<HTMLDialogElement>("dialog[open]")];
 
 /** From now on. Returns what ends that. */
 export function backCloses(): () => void {
-  const { navigation } = globalThis as { navigation?: Navigation };
+  /** Not every browser has it. */
+  const navigation: Navigation | undefined = globalThis.navigation;
 
-  const navigate = (event: Event) => {
-    const { cancelable, destination, navigationType } = event as Traversal; // eslint-disable-line @typescript-eslint/consistent-type-assertions -- of `navigate`
+  const navigate = (event: NavigateEvent) => {
+    const { cancelable, destination, navigationType } = event;
     const goesBack = navigationType === "traverse" && destination.index < (navigation?.currentEntry?.index ?? -1);
     const top = openDialogs().at(-1);
     if (!cancelable || !goesBack || !top) return;

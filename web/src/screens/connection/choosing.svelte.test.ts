@@ -11,14 +11,16 @@ const state = (line: string): State =>
 const choosePort = vi.fn<() => Promise<string | null>>();
 
 let phone: Stores;
-let there: ReturnType<typeof vi.fn>;
+type Going = ReturnType<Stores["route"]["later"]>;
+
+let there: ReturnType<typeof vi.fn<Going>>;
 let connect: ReturnType<typeof vi.spyOn>;
 let end: () => void;
 
 beforeEach(() => {
   vi.stubGlobal("document", Object.assign(new EventTarget(), { hidden: false }));
   phone = new Stores({ ...served, choosePort, feedsAdapters: true });
-  there = vi.fn();
+  there = vi.fn<Going>();
   vi.spyOn(phone.route, "later").mockReturnValue(there);
   vi.spyOn(phone.api, "ports").mockResolvedValue({ ports: [] });
   connect = vi.spyOn(phone.api, "connect").mockImplementation(() => Promise.resolve(state("no-port")));
