@@ -90,8 +90,9 @@ browser: .venv/with-test build/site/docs/index.html ## the tests that drive the 
 fleet: .venv/with-test ## datasets with all that they need: a Dask cluster, S3 (moto), kills, virtual cars with defects; under a minute
 	@$(venv_python) -m pytest -n logical --dist loadfile tests/fleet_real
 
-cable: .venv/with-test build/cable/unpacked ## the program on a cable under Linux' own driver, in QEMU: docs/development/cable.md
-	@MIKAS_REQUIRE_CABLE=1 $(venv_python) -m pytest -n 2 --dist worksteal tests/cable
+# Three guests on two cores: a test waits for half of its time, in real time, for the line and for timeouts.
+cable: .venv/with-test build/cable/unpacked ## the program on a cable under Linux' own drivers, in QEMU: docs/development/cable.md
+	@MIKAS_REQUIRE_CABLE=1 $(venv_python) -m pytest -n 3 --dist worksteal tests/cable
 
 # Minutes in real time, and the seed of the events: make hour MINUTES=3 SEED=2
 MINUTES ?= 60

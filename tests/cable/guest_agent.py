@@ -3,12 +3,14 @@
 One JSON object a line, on a virtio port. From the host: `{"id", "run": [...], "env": {...}}`,
 `{"id", "signal": 2}`, `{"id", "state": true}`, `{"id", "drain": "/dev/ttyUSB0"}`: wait until its
 reader has taken all; `{"id", "break": "/dev/ttyUSB0"}`: send a break; `{"id", "exchange":
-"/dev/ttyUSB0", "send": hex, "count"}`: send bytes, and take so many. To the host:
-`{"ready": true}`, `{"id", "out": text}`, `{"id", "err": text}`, `{"id", "state": {"time", "rss"}}`,
-the guest's UNIX time and the command's KiB in memory, `{"id", "status": 0}`.
+"/dev/ttyUSB0", "send": hex, "count"}`: send bytes, and take so many; `{"id", "port_of": 1}`: wait
+for the port of the cable in a USB socket, `{"id", "gone": [1, 2]}`: until these are empty. To the
+host: `{"ready": true}`, `{"id", "out": text}`, `{"id", "err": text}`, `{"id", "state": {"time",
+"rss"}}`, the guest's UNIX time and the command's KiB in memory, `{"id", "status": 0}`.
 
-`mikas` is imported once, here, and each of its commands is a fork of this process: under emulation
-an interpreter takes five seconds to start. So this process has no threads.
+`mikas` is imported once, here, with its catalog, and each of its commands is a fork of this
+process: under emulation an interpreter takes five seconds to start, and what every command loads
+three more. So this process has no threads. It waits for ports itself, which needs no fork.
 """
 
 from __future__ import annotations
@@ -24,6 +26,7 @@ import sys
 import termios
 import time
 import traceback
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from importlib import import_module
 from pathlib import Path
@@ -33,11 +36,16 @@ NAME = "mikas.agent"
 PAUSES = "PAUSES"
 """Variable of `env`: for how many seconds the computer may stop, and `mikas` not notice."""
 _READ_WITHIN = 20.0  # s; meanwhile nothing else is done here
+_EACH = 0.02  # s between two looks at what is waited for
 _USED = (
-    "mikas.cli.main", "mikas.cli.sampling_run", "mikas.cli.commands.doctor",
-    "mikas.cli.commands.log", "mikas.cli.commands.memory.cells",
-    "mikas.cli.commands.memory.files", "mikas.cli.commands.unit.parameters", "mikas.client.doctor",
-    "mikas.link.serial", "serial.tools.list_ports",
+    "importlib.resources", "locale", "mikas.catalog.ignition_only", "mikas.catalog.own.file",
+    "mikas.cli.commands.doctor", "mikas.cli.commands.groups", "mikas.cli.commands.log",
+    "mikas.cli.commands.memory.cells", "mikas.cli.commands.memory.files",
+    "mikas.cli.commands.ports", "mikas.cli.commands.unit.parameters", "mikas.cli.commands.watch",
+    "mikas.cli.main", "mikas.cli.render.live_table", "mikas.cli.render.notices",
+    "mikas.cli.sampling_run", "mikas.client.doctor", "mikas.link.ahead", "mikas.link.serial",
+    "mikas.link.udev_rules", "mikas.recording.export", "mikas.recording.table",
+    "serial.tools.list_ports",
 )  # fmt: skip
 
 
@@ -53,17 +61,24 @@ class Agent:
         self._port = port
         self._selector = selectors.DefaultSelector()
         self._processes: dict[int, Process] = {}
+        self._waits: dict[int, Callable[[], str | None]] = {}
 
     def serve(self) -> None:
         self._selector.register(self._port, selectors.EVENT_READ, self._receive)
         self._pending = b""
         self._send(ready=True)
         while True:
-            for key, _ in self._selector.select():
+            for key, _ in self._selector.select(_EACH if self._waits else None):
                 key.data()
+            for number, look in list(self._waits.items()):
+                if (found := look()) is not None:
+                    self._end_wait(number, 0, found)
 
     def _receive(self) -> None:
-        *lines, self._pending = (self._pending + os.read(self._port, 4096)).split(b"\n")
+        data = os.read(self._port, 4096)
+        if not data:  # the tests were ended: without its first process the guest ends, and QEMU
+            sys.exit()
+        *lines, self._pending = (self._pending + data).split(b"\n")
         for line in lines:
             order = json.loads(line)
             if "run" in order:
@@ -74,6 +89,12 @@ class Agent:
                 got = exchange(order["exchange"], bytes.fromhex(order["send"]), order["count"])
                 self._send(id=order["id"], out=got.hex())
                 self._send(id=order["id"], status=0)
+            elif "port_of" in order:
+                self._waits[order["id"]] = lambda place=order["port_of"]: port_of(place)
+            elif "gone" in order:
+                self._waits[order["id"]] = lambda places=order["gone"]: gone(places)
+            elif order["id"] in self._waits:
+                self._end_wait(order["id"], -order["signal"])
             elif "break" in order:
                 send_break(order["break"])
                 self._send(id=order["id"], status=0)
@@ -82,6 +103,11 @@ class Agent:
                     self._send(id=order["id"], state=state_of(process.pid))
                 else:
                     os.kill(process.pid, order["signal"])
+
+    def _end_wait(self, number: int, status: int, found: str = "") -> None:
+        del self._waits[number]
+        self._send(id=number, out=found)
+        self._send(id=number, status=status)
 
     def _run(self, number: int, words: list[str], env: dict[str, str]) -> None:
         out, err = os.pipe(), os.pipe()
@@ -178,6 +204,23 @@ def state_of(pid: int) -> dict[str, float]:
     return {"time": time.time(), "rss": next(sizes, 0)}
 
 
+def port_of(place: int) -> str | None:
+    """Return the name of the port that the cable in a USB socket has, once it has one."""
+    interface = f"/1-{place}:1.0"
+    ttys = Path("/sys/class/tty")
+    for port in (*ttys.glob("ttyUSB*"), *ttys.glob("ttyACM*")):
+        device = f"{os.path.realpath(port / 'device')}/"
+        if f"{interface}/" in device and Path("/dev", port.name).is_char_device():
+            return port.name
+    return None
+
+
+def gone(places: list[int]) -> str | None:
+    """Return "" once the system has noticed that USB sockets are empty."""
+    devices = (Path(f"/sys/bus/usb/devices/1-{place}") for place in places)
+    return None if any(map(os.path.lexists, devices)) else ""
+
+
 def drain(port: str) -> bool:
     """Wait until the system holds no bytes of `port` for its reader; False: it does not read."""
     number = os.open(port, os.O_RDONLY | os.O_NOCTTY | os.O_NONBLOCK)  # root may, despite TIOCEXCL
@@ -212,9 +255,14 @@ def exchange(port: str, data: bytes, count: int) -> bytes:
 
 
 def import_mikas() -> None:
-    """Import what the commands use; more than these would only delay the boot."""
+    """Load what the commands use; more than that would only delay the boot."""
     for module in _USED:
         import_module(module)
+    from mikas.catalog import shipped
+    from mikas.link.urls import registered
+
+    shipped()
+    registered()
     gc.freeze()  # a fork does not touch what is frozen
 
 

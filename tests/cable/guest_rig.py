@@ -109,6 +109,14 @@ class Guest:
         """Send a break through `device`."""
         self._order(("break", device), **{"break": device}).wait()
 
+    def port_of(self, place: int) -> str:
+        """Wait for the port of the cable in a USB socket, from 1; return its name: `ttyUSB0`."""
+        return self._order(("port of", str(place)), port_of=place).wait().out
+
+    def wait_until_gone(self, places: list[int]) -> None:
+        """Return when the system has noticed that USB sockets, from 1, are empty."""
+        self._order(("gone", *map(str, places)), gone=places).wait()
+
     def exchange(self, device: str, data: bytes, count: int) -> bytes:
         """Send `data` through `device` at 9600 8N1; return up to `count` bytes that come."""
         send = {"exchange": device, "send": data.hex(), "count": count}

@@ -92,7 +92,8 @@ class Uart:
         self.log: list[str] = []
         self.heard: Callable[[Damage], None] = lambda damage: None
         """Called when something has come; set by the chip."""
-        self._buffer = buffer
+        self.buffer = buffer
+        """So many characters wait for the host; those behind them are lost."""
         self._to_lose = {"sent": 0, "received": 0}
         self._received: deque[Character] = deque()
 
@@ -154,7 +155,7 @@ class Uart:
         characters = self._losing("received", characters)
         for character in characters:
             damage |= character.damage
-            if len(self._received) < self._buffer:
+            if len(self._received) < self.buffer:
                 self._received.append(character)
             else:
                 self.lost += 1
