@@ -13,7 +13,7 @@ venv_python := .venv/bin/python
 $(shell [ -x $(venv_python) ] && [ "$$(cat .venv/installed 2>/dev/null)" = "$$(pwd -P)" ] || rm -f .venv/installed)
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test newest unlocked notebooks fleet docs site page package browser cable hour fuzz soak check bench causes audit sbom lock clean
+.PHONY: help demo test newest unlocked notebooks fleet docs site page package browser cable hour phone-in-guest fuzz soak check bench causes audit sbom lock clean
 
 # What was compiled is kept: each worker of the tests, and each program that they start, would compile all again.
 unexport PYTHONDONTWRITEBYTECODE
@@ -22,7 +22,7 @@ unexport PYTHONDONTWRITEBYTECODE
 install := requirements/install.py
 
 help: ## list these targets
-	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1\t\2/p' Makefile
+	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1\t\2/p' Makefile
 
 demo: .venv/installed ## the product with a virtual car: no cable needed
 	@.venv/bin/mikas demo
@@ -99,6 +99,13 @@ MINUTES ?= 60
 
 hour: .venv/with-test build/cable/unpacked ## an hour of recording in QEMU while the cable is pulled out and put back, nothing wrong or lost
 	@PYTHONPATH=tests $(venv_python) -m cable.hour --minutes $(MINUTES) --seed $(SEED)
+
+# Some of its runs, and how many processors the guest has: make phone-in-guest RUNS="detaching unbound" PROCESSORS=1
+RUNS ?=
+PROCESSORS ?= 2
+
+phone-in-guest: .venv/with-test web/node_modules/installed build/cable/unpacked build/site/files.json ## Chromium in QEMU takes the chips by WebUSB from a real kernel: docs/development/cable.md
+	@PYTHONPATH=tests $(venv_python) -m cable.phone_in_guest --processors $(PROCESSORS) $(RUNS)
 
 # Seconds for each of four targets, one after another; recordings are read beside them, as long as all four together, by
 # cases of SEED: make fuzz SECONDS=3600 SEED=2
