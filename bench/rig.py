@@ -119,8 +119,7 @@ class Watch:
 
     def __init__(self, ecu: Ecu) -> None:
         self._ecu = ecu
-        assert isinstance(ecu.tester.link, Meter)
-        self._meter = ecu.tester.link
+        self._meter = _meter_of(ecu.tester.link)
         self._mark = self._look()
 
     def _look(self) -> tuple[float, int, int]:
@@ -134,6 +133,14 @@ class Watch:
         )
         limit = carried * self._meter.byte_time + requests * TURN_ROUND
         return Lap(count, seconds, limit)
+
+
+def _meter_of(link: Link) -> Meter:
+    """Return the meter among the links that are wrapped around each other."""
+    while not isinstance(link, Meter):
+        assert isinstance(link, LinkWrapper)
+        link = link.link
+    return link
 
 
 @dataclass(slots=True)

@@ -1,11 +1,11 @@
-// The workers of the site without its page: `begin(url, role)`, then `ask`.
+// The workers of the site without its page: `begin(url, role, access)`, then `ask`. `access`: "serial" or "usb".
 const workers = {};
 let last = 0;
 const waiting = new Map();
 
-window.begin = (url, role) =>
+window.begin = (url, role, access) =>
   new Promise((ready, fail) => {
-    const worker = (workers[role] = new Worker(url, { type: "module", name: role }));
+    const worker = (workers[role] = new Worker(url, { type: "module", name: `${role} ${access}` }));
     worker.onerror = (event) => fail(event.message);
     worker.onmessage = ({ data }) => {
       if (data.kind === "ready") ready();

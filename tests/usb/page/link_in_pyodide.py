@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import gc
 import io
-from contextlib import redirect_stdout
+from contextlib import closing, redirect_stdout
 
 import mikas_host
 import pytest
@@ -19,9 +19,12 @@ from mikas.browser.suspension import suspend, yield_turn
 gc.disable()  # as `mikas.browser.start`
 green_threads.install(mikas_host, run_sync)
 
+from mikas import tester as package  # noqa: E402
 from mikas.browser.web_serial import find_web_ports  # noqa: E402  (as the program: no lock before)
-from mikas.errors import LinkLost, PortFailed, PortNotFound  # noqa: E402
-from mikas.link import open_link  # noqa: E402
+from mikas.commands import Datum, ReadParameters  # noqa: E402
+from mikas.errors import DamagedResponse, LinkLost, PortFailed, PortNotFound  # noqa: E402
+from mikas.framing import encode  # noqa: E402
+from mikas.link import CaptureTee, LinkWrapper, open_link  # noqa: E402
 from mikas.link.reconnecting import ReconnectingPort  # noqa: E402
 from mikas.testing.links import FAR, RealTimeContract, Rig  # noqa: E402
 
@@ -99,6 +102,69 @@ def test_a_device_that_another_has_is_named_with_the_cable_that_will_do():
     ask("hold", False)
     with open_link(url):
         pass
+
+
+class Counting(LinkWrapper):
+    """A link that counts the requests that it sent by itself."""
+
+    by_itself = 0
+
+    def take_back(self):
+        written = self.link.take_back()
+        self.by_itself += written is not None
+        return written
+
+
+class Times(list):
+    def record(self, direction, data, time):
+        self.append((direction.value, bytes(data), time))
+
+
+DATA = {0x1A: b"\x5a", 0x1E: b"\x8a", 0x3F: b"\x0d\x40"}
+
+
+def of(code: int) -> ReadParameters:
+    return ReadParameters((Datum(code, len(DATA[code])),))
+
+
+@pytest.fixture
+def tester(request):
+    link = Counting(open_link(plug(request.param)))
+    answers = {b"\x01": b"\x09"} | {of(code).body(): data for code, data in DATA.items()}
+    pairs = (f"{encode(body).hex()}={encode(data).hex()}" for body, data in answers.items())
+    ask("answers", ";".join(pairs))
+    with closing(package.Tester(link)) as it:
+        it.connect()
+        yield it
+
+
+@pytest.mark.parametrize("tester", CHIPS, indirect=True)
+def test_the_next_request_goes_out_at_the_last_byte_of_an_answer(tester):
+    times, link = Times(), tester.link
+    tester.wrap_link(lambda link: CaptureTee(link, times))
+    codes = [*DATA, *DATA, *DATA]
+    for code, following in zip(codes, codes[1:] + codes[:1], strict=True):
+        tester.announce(of(following))
+        assert tester.request(of(code)) == (DATA[code],)
+    tester.settle()
+    assert link.by_itself == len(codes)
+    passed = [time for *_, time in times[1:]]  # the first one is written by Python
+    assert passed == sorted(passed)
+    sent = [n for n, (direction, *_) in enumerate(times) if direction == "sent"]
+    for n in sent[1:]:  # nothing comes between the end of an answer and the next request
+        assert times[n - 1][0] == "received"
+        assert times[n - 1][1].endswith(b"\r")
+
+
+@pytest.mark.parametrize("tester", ["FT232R"], indirect=True)
+def test_after_a_damaged_answer_nothing_goes_out_by_itself(tester):
+    wire = encode(of(0x1E).body())
+    ask("answers", f"{wire.hex()}=8a770d;01ff0d=09f70d;{encode(of(0x1A).body()).hex()}=5aa60d")
+    tester.announce(of(0x1A))
+    with pytest.raises(DamagedResponse):
+        tester.exchange(of(0x1E), retries=0)
+    assert tester.link.by_itself == 0
+    assert tester.request(of(0x1A)) == (DATA[0x1A],)
 
 
 def test_an_adapter_that_was_pulled_is_found_again():

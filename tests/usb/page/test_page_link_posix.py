@@ -31,6 +31,7 @@ class FarHost(node_rig.Host):
         self._far = Far()
         self._asked: dict[str, Any] | None = None
         self._held = False
+        self._answers: dict[bytes, bytes] = {}
 
     def serve(self, it: dict[str, Any]) -> None:
         data = it.get("data")
@@ -44,6 +45,9 @@ class FarHost(node_rig.Host):
             case "send":
                 if self.device:
                     self.device.uart.hear(bytes(data), Settings())
+            case "answers":
+                pairs = (pair.split("=") for pair in data.split(";"))
+                self._answers = {bytes.fromhex(sent): bytes.fromhex(its) for sent, its in pairs}
             case "received":
                 self._asked = it
                 return
@@ -59,6 +63,11 @@ class FarHost(node_rig.Host):
 
     def give(self) -> None:
         super().give()
+        sent = self._far.data
+        if self.device and sent in self._answers:
+            self._far.data = b""
+            self.device.uart.hear(sent + self._answers[sent], Settings())
+            super().give()
         it, data = self._asked, self._far.data
         if it and len(data) >= int(it["data"]):
             self._asked, self._far.data = None, b""

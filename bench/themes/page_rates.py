@@ -1,0 +1,121 @@
+"""Requests by the page without installation, over Web Serial and WebUSB, beside the desktop."""
+
+from __future__ import annotations
+
+import base64
+import json
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any
+
+from bench.rig import TURN_ROUND, everything, paced, sample
+from bench.rows import Row, Scope, Theme
+from bench.site_rig import SiteBench, ask, missing, site_bench, until_sampling
+from mikas.client.parameters.polling import FixedMethod
+from mikas.link.base import BITS_PER_BYTE, Direction
+from mikas.recording import CaptureReader
+from mikas.recording.capture.reader import Packet
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Page
+
+_SETS: dict[FixedMethod, int] = {"single": 5, "batch": 18, "list": 30, "stream": 35}  # a second, §5
+_OVER_USB = {"single": 90.0, "batch": 97.0, "list": 95.0, "stream": 95.0}
+_TARGET = 95.0  # over Web Serial
+_SCENARIO = "warm-idle"
+
+_METHOD = """\
+All 21 codes of [§4](../protocol.md#s4), as in the wire's tables, {seconds} s each, one after the
+other on the same computer. The limit is the wire's time for what was carried, stuffing included
+(bytes · 10 / 9600, and 2 ms a request, [§5](../protocol.md#s5)). The desktop is the sampler of
+`mikas log` on a paced pty. The page is `make site`, its line's worker in Chromium without a window;
+what it has recorded says what was carried, and when. Its cable is a fake FT232 for Chromium's own
+Web Serial, on a pty paced at 9600 baud, or a model of a chip ([chips.md](chips.md)) for Chromium's
+own WebUSB, which computes as well."""
+
+
+def run(scope: Scope) -> Iterator[Theme]:
+    seconds = scope.of(10, 5)
+    if why := missing():
+        print(f"page: not measured: {why}", file=sys.stderr)
+        return
+    rows: list[Row] = []
+    with site_bench() as bench, _usb_sockets(bench) as sockets:
+        for method, sets in _SETS.items():
+            rows.append(_desktop(method, sets * seconds))
+            with bench.cable(), bench.worker() as page:
+                row = _row(f"`{method}`, page, Web Serial", page, "webserial:", method, seconds)
+            rows.append(replace(row, at_least=_TARGET))
+            for chip in _chips(scope, method):
+                with _usb_cable(sockets, chip), bench.worker("usb") as page:
+                    name = f"`{method}`, page, WebUSB, {chip}"
+                    row = _row(name, page, "webusb:", method, seconds)
+                rows.append(replace(row, at_least=_OVER_USB[method]))
+        for method in () if scope.quick else ("list", "stream"):
+            with bench.cable(latency_ms="16"), bench.worker() as page:
+                name = f"`{method}`, page, Web Serial, adapter with 16 ms"
+                row = _row(name, page, "webserial:", method, seconds)
+            # A request for each set waits for the timer once: see the same row of the pty.
+            rows.append(row if method == "list" else replace(row, at_least=_TARGET))
+    yield Theme("The page beside the desktop", _METHOD.format(seconds=seconds), rows)
+
+
+def _chips(scope: Scope, method: FixedMethod) -> tuple[str, ...]:
+    """An FTDI has a timer, and sends status all the time; the others are alike in this."""
+    return ("FT232R",) if scope.quick or method in {"batch", "stream"} else ("FT232R", "CH340")
+
+
+@contextmanager
+def _usb_sockets(bench: SiteBench) -> Iterator[Any]:
+    from static_site.usb_sockets_rig import UsbSockets
+
+    sockets = UsbSockets(bench.computer)
+    try:
+        yield sockets
+    finally:
+        sockets.close()
+
+
+@contextmanager
+def _usb_cable(sockets: Any, chip: str) -> Iterator[None]:  # noqa: ANN401  (of the tests)
+    from static_site.usb_sockets_rig import usb_cable
+
+    with TemporaryDirectory() as folder, usb_cable(sockets, Path(folder), chip, scenario=_SCENARIO):
+        yield
+
+
+def _desktop(method: FixedMethod, sets: int) -> Row:
+    with paced() as plug:
+        session = sample(plug, everything(), method, sets=sets, runs=1)
+    [lap] = session.laps
+    return Row(f"`{method}`, desktop", [lap.percent], "%", 1, aside=f"{lap.rate:.2f} sets/s")
+
+
+def _row(what: str, page: Page, port: str, method: str, seconds: int) -> Row:
+    connect = {"port": port, "method": method}
+    ask(page, "line", "POST", "/api/connect", connect)
+    until_sampling(page)
+    page.wait_for_timeout(3000)
+    ask(page, "line", "POST", "/api/recording/start", {"name": method})
+    before = json.loads(ask(page, "line", "GET", "/api/state"))
+    page.wait_for_timeout(seconds * 1000)
+    after = json.loads(ask(page, "line", "GET", "/api/state"))
+    ask(page, "line", "POST", "/api/recording/stop", {})
+    content = page.evaluate("path => file('line', path)", f"/api/recordings/{method}.pcapng/file")
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "taken.pcapng"
+        path.write_bytes(base64.b64decode(content))
+        packets = [it for it in CaptureReader(path) if isinstance(it, Packet)]
+    received = [it for it in packets if it.direction is Direction.RECEIVED]
+    # The first packets may come together; the last one's end is when it came.
+    carried = sum(len(it.data) for it in received[1:])
+    requests = sum(it.direction is Direction.SENT for it in packets)
+    passed = received[-1].time - received[0].time
+    limit = carried * BITS_PER_BYTE / 9600 + (requests if method != "stream" else 0) * TURN_ROUND
+    sets = after["samples"] - before["samples"]
+    rate = sets / (after["now"] - before["now"])
+    return Row(what, [100 * limit / passed], "%", 1, aside=f"{rate:.2f} sets/s")
