@@ -9,7 +9,21 @@ SAMPLES = shows(f"{BAND}[data-line=sampling]")
 SCREEN = "#screen"
 
 OFF = (
-    row("live", "it leads to Connection", press("live/Screen connect"), on_screen("connection")),
+    row(
+        "live",
+        "it leads to Connection",
+        press("live/Screen connect"),
+        on_screen("connection"),
+        homes=("desktop",),
+    ),
+    # Beside the browser's own list, which a test can't open.
+    row(
+        "live",
+        "it leads to Connection",
+        press("live/Screen connectOther"),
+        on_screen("connection"),
+        homes=("site",),
+    ),
 )
 CONNECTION = (
     row(

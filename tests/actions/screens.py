@@ -72,7 +72,6 @@ ELSEWHERE = {
     "faults/FreezeFrame frame_delete": "browser/test_browser_faults.py",
     "faults/FreezeFrame frame_delete_yes": "browser/test_browser_faults.py",
     "live/Screen choose": "static_site/test_site_phone.py",
-    "live/Screen connectOther": "static_site/test_site_phone.py",
     "notices/IgnitionOnly hide": "../web/src/components/notices/IgnitionOnly.test.ts",
     "notices/IgnitionOnly show": "../web/src/components/notices/IgnitionOnly.test.ts",
     "sources/SourcePicker together": "browser/test_browser_causes.py",
