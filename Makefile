@@ -104,7 +104,7 @@ hour: .venv/with-test build/cable/unpacked ## an hour of recording in QEMU while
 RUNS ?=
 PROCESSORS ?= 2
 
-phone-in-guest: .venv/with-test web/node_modules/installed build/cable/unpacked build/site/files.json ## Chromium in QEMU takes the chips by WebUSB from a real kernel: docs/development/cable.md
+phone-in-guest: .venv/with-test web/node_modules/installed build/cable/unpacked ## Chromium in QEMU takes the chips by WebUSB from a real kernel: docs/development/cable.md
 	@PYTHONPATH=tests $(venv_python) -m cable.phone_in_guest --processors $(PROCESSORS) $(RUNS)
 
 # Seconds for each of four targets, one after another; recordings are read beside them, as long as all four together, by

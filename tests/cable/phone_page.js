@@ -1,8 +1,9 @@
-// What the page in the guest does with each adapter that it may use; bundled by `phone_in_guest`.
+// What the page in the guest does with each adapter that it may use; bundled by `phone_in_guest`. What it finds stands on it, in the words that
+// the program has for it, and goes to `phone_serving.py`.
 import { UsbSerial } from "../../web/src/site/usb/usbSerial";
 
-const say = (it) => fetch("say", { method: "POST", body: JSON.stringify(it) });
-const REQUEST = [0x61, 0x29, 0x76, 0x0d]; // FREQ
+const ask = async (path, it) => (await fetch(path, { method: "POST", body: JSON.stringify(it) })).json();
+const REQUEST = [0x61, 0x29, 0x76, 0x0d]; // FREQ; a step is 40 rpm
 const PATIENCE = 60_000; // ms; the guest is slow
 
 const within = (promise) =>
@@ -36,16 +37,34 @@ async function tryOut(port) {
     result.again = await within(exchange(port));
     await port.close();
   } catch (error) {
-    result.failed = `${error.name}: ${error.message}`;
+    result.failed = [error.name, error.message];
   }
   return result;
 }
 
+/** What stands on the page of an adapter, in both languages. */
+function shown({ got = [] }, { chip, en, ru }) {
+  const line = [...got.slice(0, REQUEST.length)].map((byte) => byte.toString(16).padStart(2, "0")).join(" ");
+  const read = (said, name, unit) => said || `${line} → ${name}: ${got[REQUEST.length] * 40} ${unit}`;
+  return { chip, en: read(en, "Engine speed", "rpm"), ru: read(ru, "Обороты", "об/мин") };
+}
+
+const adapters = [];
+/** Draw the page in this language; called by `phone_serving.py` for its pictures. */
+globalThis.draw = (language) => {
+  document.body.replaceChildren(
+    ...adapters.map(({ chip, [language]: words }) => {
+      const each = document.createElement("p");
+      each.append(Object.assign(document.createElement("b"), { textContent: chip }), document.createElement("br"), words);
+      return each;
+    }),
+  );
+};
+
 const ports = await new UsbSerial(navigator.usb).getPorts();
-document.body.textContent = `${ports.length} adapters`;
 for (const port of ports) {
   const result = await tryOut(port);
-  document.body.append(document.createElement("br"), JSON.stringify(result));
-  await say(result);
+  adapters.push(shown(result, await ask("say", result)));
+  draw("en");
 }
-await say({ end: true });
+await ask("say", { end: true });
