@@ -22,6 +22,7 @@ FOLDER = Path(__file__).parent
 LOCALES = {"en": "en-GB", "ru": "ru-RU"}
 SIZE = {"width": 1280, "height": 720}
 PHONE = {"width": 390, "height": 844}
+LYING = {"width": 844, "height": 390}
 SECONDS = 62  # after that the car drives, and the chart of a minute is full
 PORT = 8079
 FAULTS = "17,41"
@@ -139,6 +140,10 @@ def main(wanted: list[str]) -> None:
                 page.set_viewport_size(PHONE)
                 show(page, "live")
                 take(page, language, "phone", wanted)
+                page.set_viewport_size(LYING)
+                page.keyboard.press("b")  # as a phone that lies on its side does by itself
+                page.locator("#screen .big [data-value]").first.wait_for()
+                take(page, language, "phone-lying", wanted)
         browser.close()
 
 
