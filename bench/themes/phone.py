@@ -74,7 +74,7 @@ def _first(bench: SiteBench, scope: Scope) -> list[Row]:
     runs, seconds = scope.of(5, 1), scope.of(30, 10)
     values: dict[str, list[float]] = {"throttled": [], "stopped": []}
     with bench.page(**_PHONE) as page:
-        page.wait_for_function("async () => Boolean((await navigator.serviceWorker.ready).active)")
+        page.wait_for_function("() => navigator.serviceWorker?.controller != null")
         devtools = page.context.new_cdp_session(page)
         for _ in range(runs):
             devtools.send("Emulation.setCPUThrottlingRate", {"rate": 4})

@@ -100,7 +100,7 @@ class Shares(Press):
 
     def __call__(self, tab: Tab) -> None:
         super().__call__(tab)
-        tab.page.wait_for_function("end => navigator.shared?.endsWith(end)", arg=self.end)
+        tab.until("end => navigator.shared?.endsWith(end)", self.end)
 
 
 SHARE = "share/ShareButton share"
