@@ -133,6 +133,7 @@ def _memory(bench: SiteBench, scope: Scope) -> list[Row]:
         page.get_by_role("region", name="Player").wait_for()
         page.wait_for_timeout(3000)
         reading = _pss()
+        page.get_by_role("button", name="More player controls").click()
         page.get_by_role("button", name="Close the recording").click()
         page.evaluate("() => { location.hash = '/live' }")
         page.wait_for_timeout(1000 * _IDLE)

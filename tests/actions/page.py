@@ -26,7 +26,7 @@ KEEP_WORKERS = """{
   window.Worker = class extends Plain {
     constructor(url, options) {
       super(url, options)
-      workers[options.name] = this
+      workers[options.name.split(" ")[0]] = this // behind it is how it reaches the cable
     }
   }
 }"""
