@@ -1,4 +1,4 @@
-import { screen } from "@testing-library/svelte";
+import { fireEvent, screen } from "@testing-library/svelte";
 import { flushSync } from "svelte";
 import { afterEach, expect, it, vi } from "vitest";
 import type { DoctorStep, Port } from "../../../lib/api/types";
@@ -68,6 +68,10 @@ it("what is copied is what stands on the screen", async () => {
   await shown.stores.connection.ports.reload();
   shown.show(ProblemReport, { says: ["The port can't be opened"] });
   flushSync();
+  expect(document.querySelector("pre")?.textContent).toBe(""); // it repeats what is elsewhere on the screen
+  const details = document.querySelector("details")!;
+  details.open = true;
+  await fireEvent(details, new Event("toggle"));
   screen.getByRole("button", { name: "Copy the report", hidden: true }).click();
   const [text] = writeText.mock.calls[0] as unknown as [string];
   expect(text).toContain("Browser and system: Firefox 153");
