@@ -37,6 +37,7 @@ _PLENTY = 1 << 16
 computer the guest pauses longer, and a CH340 does not report what it lost.
 """
 _LOOKS = 200  # at a chip that still holds bytes, each after the guest has taken its own
+_EMPTY_LOOKS = 3  # in a row: bytes may be on their way through QEMU and the kernel
 
 # -- booting ---------------------------------------------------------------------------------------
 
@@ -145,11 +146,13 @@ class Cable:
         """Wait until the chip, then the guest, hold nothing for the program; False: it is slow."""
         chip = self.chip
         assert chip is not None
+        empty = 0
         for _ in range(_LOOKS):
             is_empty = self.box.lines.call(lambda: not chip.backlog)
             if not self.box.guest.drain(f"/dev/{self.name}"):
                 return False
-            if is_empty:
+            empty = empty + 1 if is_empty else 0
+            if empty == _EMPTY_LOOKS:
                 return True
         return False
 

@@ -36,12 +36,16 @@ def test_ports_names_chip_and_serial_number(box, cable):
 
 @each_chip
 def test_doctor_finds_nothing_wrong_and_lowers_the_timer_of_an_ftdi(box, cable):
-    done = box.run("mikas", "doctor", "--json")
-    assert done.status == 0, done
-    steps = {step["name"]: step for step in done.json["steps"]}
-    timed = {"baud", "latency"}  # of an emulated computer, which may be slow
-    assert all(steps[name]["ok"] for name in steps.keys() - timed), done
-    assert not any(steps[name]["ok"] is False for name in timed), done
+    timed = {"baud", "latency"}  # on an emulated computer, which may be slow
+    for _ in range(2):
+        done = box.run("mikas", "doctor", "--json")
+        steps = {step["name"]: step for step in done.json["steps"]}
+        wrong = [step for step in steps.values() if step["ok"] is False]
+        if {step["name"] for step in wrong} - timed or not wrong:
+            break
+    assert not wrong
+    assert done.status == 0
+    assert all(steps[name]["ok"] for name in steps.keys() - timed), steps
     if cable.kind == "FT232R":
         assert box.run("cat", str(LATENCY)).out == "1\n"
     assert ("low latency" in str(steps["port"]["detail"])) == (cable.kind == "FT232R")
