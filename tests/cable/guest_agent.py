@@ -43,7 +43,7 @@ _USED = (
     "mikas.cli.commands.memory.cells", "mikas.cli.commands.memory.files",
     "mikas.cli.commands.ports", "mikas.cli.commands.unit.parameters", "mikas.cli.commands.watch",
     "mikas.cli.main", "mikas.cli.render.live_table", "mikas.cli.render.notices",
-    "mikas.cli.sampling_run", "mikas.client.doctor", "mikas.link.ahead", "mikas.link.serial",
+    "mikas.cli.sampling_run", "mikas.client.doctor", "mikas.cli.port_ahead", "mikas.link.serial",
     "mikas.link.udev_rules", "mikas.recording.export", "mikas.recording.table",
     "serial.tools.list_ports",
 )  # fmt: skip

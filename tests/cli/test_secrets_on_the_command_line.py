@@ -110,7 +110,7 @@ def test_a_bug_says_no_secret_of_an_address_that_the_program_was_given(
         logging.getLogger("mikas.link").error("opening %s", url)
         raise RuntimeError(f"{unquote(url)} is odd") from ValueError(url)
 
-    monkeypatch.setattr("mikas.link.ahead.PortAhead.__init__", lambda _, url: fail(url))
+    monkeypatch.setattr("mikas.cli.port_ahead.PortAhead.__init__", lambda _, url: fail(url))
     monkeypatch.setattr("mikas.client.connecting.open_link", fail)
     for arguments in (("info",), ("log", "-o", "x.pcapng"), ("watch",)):
         ran = mikas(*arguments, *more, *words)

@@ -23,13 +23,13 @@ from mikas.catalog import shipped
 from mikas.cli.context import CommandContext
 from mikas.cli.language import set_language
 from mikas.cli.main import run
+from mikas.cli.port_ahead import PortAhead
 from mikas.dashboard.api import live
 from mikas.dashboard.api.live import Broadcaster, Listener
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.security.control import Client
 from mikas.dashboard.settings import PlanSettings, Settings
 from mikas.link import WallClock
-from mikas.link.ahead import PortAhead
 from mikas.publish.connection import BrokerChange
 from mikas.publish.outbox import Message, MessageKind, Outbox
 from mikas.recording import CaptureReader

@@ -11,7 +11,7 @@ from mikas.errors import LinkLost
 from mikas.framing import Decoder, Frame, encode
 from mikas.i18n import Text
 from mikas.link import Chunk, Link, LinkWrapper
-from mikas.link.base import Answer
+from mikas.link.base import AwaitedAnswer
 from mikas.link.virtual import VirtualLink
 from mikas.tester import Tester
 from mikas.virtual.bus import AdapterKind, Bus, Stalls
@@ -200,7 +200,7 @@ class SelfWriting(LinkWrapper):
         super().__init__(link)
         self.wrote: list[bytes] = []
         self._heard = b""
-        self._next: tuple[Answer, bytes] | None = None
+        self._next: tuple[AwaitedAnswer, bytes] | None = None
         self._at: float | None = None
 
     def write(self, data: bytes) -> None:
@@ -215,7 +215,7 @@ class SelfWriting(LinkWrapper):
         self._go_on()
         return chunk
 
-    def write_after(self, answer: Answer, data: bytes) -> bool:
+    def write_after(self, answer: AwaitedAnswer, data: bytes) -> bool:
         assert self._next is None, "a request was not taken back"
         self._next = answer, data
         self._go_on()

@@ -33,7 +33,7 @@ from mikas.link.base import (
     TAKES_NO_BYTES,
     UNPLUGGED,
     WEB_SERIAL,
-    Answer,
+    AwaitedAnswer,
     Chunk,
     Link,
     link_lost,
@@ -159,7 +159,7 @@ class WebSerialLink(Link):
         self._must_be_open(data)
         self._sent_until = max(self._sent_until, self.now()) + len(data) * self.byte_time
 
-    def write_after(self, answer: Answer, data: bytes) -> bool:
+    def write_after(self, answer: AwaitedAnswer, data: bytes) -> bool:
         self._after = len(data) * self.byte_time
         patience = PATIENCE + LONGEST_REQUEST * self.byte_time
         self._port.writeAfter(answer.echo, answer.length, data, patience)

@@ -25,10 +25,10 @@ from mikas.i18n import Text
 
 if TYPE_CHECKING:
     from mikas.catalog.own.file import OwnCatalog
+    from mikas.cli.port_ahead import PortAhead
     from mikas.client import Change, Confirm, Ecu
     from mikas.client.connecting import ConnectionOptions
     from mikas.link import CaptureTee, Link
-    from mikas.link.ahead import PortAhead
     from mikas.recording import CaptureWriter
 
 _NO_TERMINAL = Text(
@@ -133,8 +133,8 @@ class CommandContext:
 
     def open_ahead(self) -> PortAhead:
         """Open the port, before the rest of the program is imported. Raises as `PortAhead`."""
+        from mikas.cli.port_ahead import PortAhead
         from mikas.link import choose_port
-        from mikas.link.ahead import PortAhead
 
         return PortAhead(self.port or choose_port())
 

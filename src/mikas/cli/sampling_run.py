@@ -27,9 +27,9 @@ if TYPE_CHECKING:
     from concurrent.futures import Future
 
     from mikas.cli.options.sampling import SamplingOptions
+    from mikas.cli.port_ahead import PortAhead
     from mikas.errors import RecordingOver
     from mikas.i18n import Text
-    from mikas.link.ahead import PortAhead
     from mikas.live.session import Session
     from mikas.recording.capture.notes import Note
     from mikas.recording.recorder import RecordingStatus

@@ -63,7 +63,7 @@ class Chunk(NamedTuple):
     """The link's clock when the last byte was seen, or when the wait ended."""
 
 
-class Answer(NamedTuple):
+class AwaitedAnswer(NamedTuple):
     """How a link knows an answer that has come whole.
 
     It is the echo of the request, then one frame of a right checksum (§2), and nothing behind it.
@@ -164,10 +164,10 @@ class Link(ABC):
         raises `LinkLost`; the next `read` does.
         """
 
-    def write_after(self, answer: Answer, data: bytes) -> bool:  # noqa: ARG002  (a back end may)
+    def write_after(self, answer: AwaitedAnswer, data: bytes) -> bool:  # noqa: ARG002  (a back end may)
         """Let the link itself write `data` once `answer` has come; return whether it can.
 
-        For a link that sees bytes earlier than this program. What is doubtful is no answer to it.
+        For a link that sees bytes earlier than this program. Doubtful bytes are no answer to it.
         What comes after that write is read after `take_back`, which always follows.
         """
         return False
@@ -244,7 +244,7 @@ class LinkWrapper(Link):
     def gather(self, until: float) -> None:
         self.link.gather(until)
 
-    def write_after(self, answer: Answer, data: bytes) -> bool:
+    def write_after(self, answer: AwaitedAnswer, data: bytes) -> bool:
         return self.link.write_after(answer, data)
 
     def take_back(self) -> float | None:
@@ -339,7 +339,7 @@ class CaptureTee(LinkWrapper):
             self._record(Direction.RECEIVED, chunk.data, chunk.time)
         return chunk
 
-    def write_after(self, answer: Answer, data: bytes) -> bool:
+    def write_after(self, answer: AwaitedAnswer, data: bytes) -> bool:
         self._prepared = data
         return self.link.write_after(answer, data)
 

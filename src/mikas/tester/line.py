@@ -27,7 +27,7 @@ from mikas.errors import (
 from mikas.framing import Damage, DamageReason, Decoder, Frame, encode
 from mikas.i18n import Text
 from mikas.link import Chunk, Link
-from mikas.link.base import Answer
+from mikas.link.base import AwaitedAnswer
 from mikas.tester.exchange import Reply, TimedDecoder, Timing
 
 if TYPE_CHECKING:
@@ -131,7 +131,7 @@ class Line:
         `length`: of that answer's body. None: the link can't. `sent_by_link` always follows.
         """
         following = encode(body, raw_checksum=self.raw_checksum)
-        can = self.link.write_after(Answer(wire, length), following)
+        can = self.link.write_after(AwaitedAnswer(wire, length), following)
         return following if can else None
 
     def sent_by_link(self, wire: bytes) -> bool:

@@ -28,7 +28,7 @@ import pytest
 
 from mikas.errors import LinkLost
 from mikas.link import Link
-from mikas.link.base import Answer
+from mikas.link.base import AwaitedAnswer
 
 EVERY_BYTE = bytes(range(256))
 SOON = 0.02
@@ -220,7 +220,7 @@ class LinkContract:
     ) -> None:
         rig.link.write(b"\x01\xff\r")
         assert rig.peer.received(3) == b"\x01\xff\r"
-        if not rig.link.write_after(Answer(b"\x01\xff\r", 1), b"\x63\x9d\r"):
+        if not rig.link.write_after(AwaitedAnswer(b"\x01\xff\r", 1), b"\x63\x9d\r"):
             assert rig.link.take_back() is None, "leave take_back() as it is in Link"
             return
         began = rig.link.now()
@@ -235,7 +235,7 @@ class LinkContract:
         assert rig.link.take_back() is None
 
     def test_what_was_taken_back_is_not_written(self, rig: Rig) -> None:
-        if not rig.link.write_after(Answer(b"\x01\xff\r", 1), b"\x63\x9d\r"):
+        if not rig.link.write_after(AwaitedAnswer(b"\x01\xff\r", 1), b"\x63\x9d\r"):
             return
         assert rig.link.take_back() is None
         rig.link.write(b"\x01\xff\r")

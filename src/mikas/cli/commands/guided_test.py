@@ -19,11 +19,11 @@ from mikas.json_values import picked
 from mikas.options import nearest
 
 if TYPE_CHECKING:
+    from mikas.cli.port_ahead import PortAhead
     from mikas.guided.definition import GuidedTest
     from mikas.guided.engine import Progress
     from mikas.guided.loading import LoadedTests
     from mikas.guided.result import TestResult
-    from mikas.link.ahead import PortAhead
 
 
 @command(

@@ -19,7 +19,7 @@ from mikas.cli.options.sampling import SamplingOptions, sampling_options
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from mikas.link.ahead import PortAhead
+    from mikas.cli.port_ahead import PortAhead
     from mikas.publish.home_assistant import HomeAssistant
     from mikas.publish.publication import Publication
     from mikas.publish.session import Destination

@@ -14,7 +14,7 @@ from mikas.cli.context import CommandContext
 from mikas.cli.options.sampling import SamplingOptions, sampling_options
 
 if TYPE_CHECKING:
-    from mikas.link.ahead import PortAhead
+    from mikas.cli.port_ahead import PortAhead
     from mikas.sampling.events import Event
 
 

@@ -1,4 +1,4 @@
-// What was lost while nobody saw the page: a phone's call, another app, a page that the browser has frozen. Sampling goes on meanwhile as far as the
+// What was lost while the page was not shown: a phone's call, another app, a page that the browser has frozen. Sampling goes on meanwhile as far as the
 // phone lets it. On return the values that are missing are said once, for a chart of another minute does not show them.
 import { clock, dictionary, number } from "../i18n";
 import type { LineEvent } from "../api/types";

@@ -41,7 +41,7 @@ export class ConnectionStore {
 
   /** The browser's list is shown. */
   choosing = $state(false);
-  /** How to go to the gauges once values come; null: nobody waits for them. */
+  /** How to go to the gauges once values come; null: no one waits for them. */
   private toGauges = $state.raw<(() => void) | null>(null);
 
   constructor(private readonly app: Pick<Stores, "api" | "host" | "live" | "recordingControl" | "route">) {}

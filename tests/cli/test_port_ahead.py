@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from mikas.cli.port_ahead import PortAhead
 from mikas.errors import BadPortUrl, PortNotFound
-from mikas.link.ahead import PortAhead
 from mikas.link.virtual import VirtualLink
 from virtual_harness import make_bus
 
