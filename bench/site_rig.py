@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 ROOT = Path(__file__).parents[1]
 SITE = ROOT / "build" / "site"
 _PAGES = Path(__file__).parent / "site_pages"
-_FLAGS = (
+FLAGS = (
     "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
     "--disable-background-networking", "--disable-component-update", "--disable-sync",
 )  # fmt: skip
@@ -61,7 +61,7 @@ class SiteBench:
         """
         with TemporaryDirectory() as folder:
             context = self.playwright.chromium.launch_persistent_context(
-                folder, executable_path=self.program, args=list(_FLAGS), locale="en-GB"
+                folder, executable_path=self.program, args=list(FLAGS), locale="en-GB"
             )
             yield self._opened(context, name)
             context.close()
@@ -122,7 +122,7 @@ def site_bench() -> Iterator[SiteBench]:
         stack.callback(host.stop)
         playwright = stack.enter_context(sync_playwright())
         program = computer.wrapper(chromium(), folder)
-        browser = playwright.chromium.launch(executable_path=program, args=list(_FLAGS))
+        browser = playwright.chromium.launch(executable_path=program, args=list(FLAGS))
         stack.callback(browser.close)
         yield SiteBench(computer, playwright, program, browser, site, f"{host.url}/")
 

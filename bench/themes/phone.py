@@ -14,7 +14,7 @@ from time import perf_counter, sleep
 from typing import TYPE_CHECKING, Any
 
 from bench.rows import Row, Scope, Theme
-from bench.site_rig import SiteBench, missing, site_bench
+from bench.site_rig import FLAGS, SiteBench, missing, site_bench
 
 if TYPE_CHECKING:
     from playwright.sync_api import Page
@@ -121,9 +121,8 @@ def _state(page: Page) -> dict[str, Any]:
 
 
 def _memory(bench: SiteBench, scope: Scope) -> list[Row]:
-    with bench.page(**_PHONE) as page:
+    with _started_anew(bench) as page:
         _value(bench, page)
-        page.wait_for_function("() => navigator.serviceWorker?.controller != null")
         page.get_by_role("button", name="Record", exact=True).click()
         page.wait_for_timeout(1000 * scope.of(60, 10))
         page.get_by_role("button", name="Stop recording").click()
@@ -144,6 +143,24 @@ def _memory(bench: SiteBench, scope: Scope) -> list[Row]:
         Row("memory, a recording opened", [reading], "MiB", 0),
         Row("memory, a minute later", [after], "MiB", 0, at_most=250, aside=f"{workers} worker"),
     ]
+
+
+@contextmanager
+def _started_anew(bench: SiteBench) -> Iterator[Page]:
+    """A page of a browser that has just been started, and has kept the files of the site before."""
+    with TemporaryDirectory() as folder:
+        for is_kept in (False, True):
+            context = bench.playwright.chromium.launch_persistent_context(
+                folder, executable_path=bench.program, args=list(FLAGS), locale="en-GB", **_PHONE
+            )
+            page = context.pages[0]
+            page.set_default_timeout(60_000)
+            if is_kept:
+                yield page
+            else:
+                page.goto(bench.url)
+                page.wait_for_function("() => navigator.serviceWorker?.controller != null")
+            context.close()
 
 
 def _renderers() -> list[int]:
