@@ -1,6 +1,6 @@
 // The program in two workers: one holds the line and all that is kept, the other only reads recordings. The reader takes seconds to start: that
 // is done when it is first needed or while values come, and not before the first one answers. Where it can't be had, the first one does everything.
-// Where memory is scarce the reader, which doubles what is in use, is started only when it is needed, and ends when it was not for a minute.
+// Where memory is scarce the reader, which takes half as much again, is started only when it is needed, and ends when it was not for a minute.
 import type { Text } from "../../lib/api/types";
 import { Endpoint, type Port } from "./endpoint";
 import type { Role, Situation } from "./messages";
