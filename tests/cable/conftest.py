@@ -23,7 +23,7 @@ def running_box(tmp_path_factory):
             pytest.fail(reason)
         pytest.skip(reason)  # `make cable` and .ci/run require it
     compileall.compile_dir(REPOSITORY / "src", quiet=1)  # the guest can't write there
-    box = Box(tmp_path_factory.mktemp("box"), pauses=10.0)  # a busy computer runs it in jerks
+    box = Box(tmp_path_factory.mktemp("box"), pauses=30.0)  # a busy computer runs it in jerks
     yield box
     box.close()
 
