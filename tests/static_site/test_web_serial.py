@@ -45,7 +45,7 @@ def commands(wires: list[Wire] | list[UsbByHand]) -> dict[str, Callable[[bytes],
         "/vanish": lambda _: first.vanish(),
         "/unplug-all": unplug_all,
         "/send": first.send,
-        "/received": lambda count: first.received(int(count)),
+        "/arrived": lambda _: first.arrived(),
     }
 
 

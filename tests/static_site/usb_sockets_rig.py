@@ -25,7 +25,6 @@ from usb.transports.usbfs_rig import Plugged, Usbfs
 from usb.wire_rig import Lines, Wire
 
 from .computer_rig import Computer
-from .wire_rig import UNTIL
 
 T = TypeVar("T")
 _FIRST = 2  # 1 is the root hub's
@@ -224,11 +223,11 @@ class UsbByHand:
     def hold(self, low: bool) -> None:
         """Take a break of the chip."""
 
-    def received(self, count: int) -> bytes:
-        """Return what came since the last call, once it is `count` bytes."""
+    def arrived(self) -> bytes:
+        """Return what has come since the last call."""
         data = b""
-        while len(data) < count:
-            data += self._received.get(timeout=UNTIL)
+        while not self._received.empty():
+            data += self._received.get()
         return data
 
 

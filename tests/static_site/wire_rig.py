@@ -164,6 +164,11 @@ class Wire:
             data += os.read(self._master, 4096)
         return data
 
+    def arrived(self) -> bytes:
+        """Return what has come since the last call."""
+        ready, _, _ = select.select([self._master], [], [], 0)
+        return os.read(self._master, 4096) if ready else b""
+
     def vanish(self) -> None:
         """Unplug it; nothing happens if it is out."""
         if self._is_there:
