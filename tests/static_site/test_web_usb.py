@@ -184,7 +184,8 @@ def test_a_stall_and_a_babble_do_not_end_the_port(page, plugged):
             cable.fault(lambda chip: chip.faults.babble())
             cable.hear(b"!")
             assert page("error") == "BufferOverrunError"
-            page("read", 0)
+            cable.hear(b"?")  # what babbled was the byte before, or a packet of status before it
+            assert bytes(page("readTo", ord("?"))) in {b"?", b"!?"}
             page.is_answered()
             page("close")
 

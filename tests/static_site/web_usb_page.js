@@ -48,6 +48,11 @@ const does = {
     await until(() => heard.length >= count);
     return heard.splice(0);
   },
+  /** The bytes since the last call, once that ends with this one. */
+  async readTo(last) {
+    await until(() => heard.at(-1) === last);
+    return heard.splice(0);
+  },
   /** The name of the next error. */
   async error() {
     await until(() => errors.length);
