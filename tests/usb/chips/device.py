@@ -8,6 +8,7 @@ another one of the same transfer; a shorter one, also an empty one, ends the tra
 from __future__ import annotations
 
 import struct
+from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -85,7 +86,7 @@ class Identity:
     size: int = 8
 
 
-class Device:
+class Device(ABC):
     """A plugged chip; each kind of chip answers `_answer`, takes `_take` and gives `_give`."""
 
     def __init__(
@@ -225,9 +226,9 @@ class Device:
 
     # -- the chip's part ---------------------------------------------------------------------------
 
+    @abstractmethod
     def _answer(self, setup: Setup, data: bytes) -> bytes | Handshake:
         """Answer a request of the class or the vendor."""
-        raise NotImplementedError
 
     def _take(self, address: int, data: bytes) -> None:
         """Take data of the host."""

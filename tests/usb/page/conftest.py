@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-
 import pytest
 
 from usb.page import node_rig
@@ -11,9 +9,6 @@ from usb.page import node_rig
 
 @pytest.fixture(scope="package")
 def drivers(tmp_path_factory):
-    if reason := node_rig.missing():
-        if os.environ.get("MIKAS_REQUIRE_NODE"):
-            pytest.fail(reason)
-        pytest.skip(reason)
+    node_rig.require()
     with node_rig.started("drivers_in_node.js", tmp_path_factory.mktemp("drivers")) as process:
         yield node_rig.Drivers(process)

