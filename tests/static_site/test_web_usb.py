@@ -149,10 +149,10 @@ def test_many_bytes_come_whole_and_in_order(page, plugged):
             page("close")
 
 
-def test_the_timer_of_an_ftdi_is_lowered_and_an_exchange_takes_its_time_on_the_line(page, plugged):
+def test_an_ftdi_hands_a_message_over_at_its_end_and_an_exchange_takes_its_time(page, plugged):
     with plugged("FT232R") as cable:
-        assert page("open")["granularity"] == 0.001
-        assert "latency 1" in cable.chip.uart.log
+        assert page("open")["granularity"] == 0.016
+        assert "latency 16" in cable.chip.uart.log
         page("exchange", {"request": UACC, "length": ANSWER, "times": 20})
         page("close")
 

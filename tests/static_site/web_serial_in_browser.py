@@ -82,7 +82,7 @@ class TestContract(RealTimeContract):
 def test_a_port_is_described_by_its_chip():
     [port] = find_web_ports()
     assert (port.chip, port.description, port.likely) == ("FT232R", "FT232R", True)
-    # Over WebUSB the page has lowered the latency timer.
+    # Over WebUSB the chip hands a message over at its end.
     assert ["browser can't lower it" in quirk.en for quirk in port.quirks] == [True] * (not IS_USB)
     assert (port.vid, port.pid, port.serial_number) == (0x0403, 0x6001, None)
     with open_link(FT232) as link:

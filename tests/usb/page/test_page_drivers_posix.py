@@ -52,7 +52,7 @@ def family_of(name: str) -> str:
 def test_a_chip_has_its_driver_and_carries_bytes_both_ways(drivers, far, name):
     assert drivers.insert(plugged(name, far)) == family_of(name)
     device, _, granularity = opened(drivers, name, far)
-    assert granularity == (0.016 if name == "FT232AM" else 0.001)
+    assert granularity == (0.016 if family_of(name) == "ftdi" else 0.001)
     drivers.do("write", data=list(REQUEST))
     assert (far.data, str(far.settings.form)) == (REQUEST, "8N1")
     device.uart.hear(ANSWER, Settings())

@@ -143,3 +143,19 @@ def test_a_browser_that_never_closes_the_device_does_not_keep_the_port(drivers, 
     drivers.hangs = set()
     chip.open()
     chip.is_alive()
+
+
+def test_an_ftdi_that_waits_behind_the_end_of_a_message_has_its_timer_lowered(drivers):
+    """As a copy does that acknowledges the event character, and has none."""
+    far = Far()
+    device = plugged("FT232R", far)
+    device.faults.ignore(0x06)
+    drivers.insert(device)
+    drivers.do("open", options={"baudRate": 9600, "bufferSize": 4096})
+    assert device.uart.log[-1] == "latency 16"
+    for _ in range(3):
+        device.uart.hear(b"\x0d\x54\xac", Settings())
+        assert drivers.received(3) == b"\x0d\x54\xac"
+    drivers.do("write", data=[0x01])
+    assert device.uart.log[-1] == "latency 1"
+    drivers.do("close")

@@ -8,7 +8,10 @@ import type { Chip } from "./chips/chip";
 import type { Incoming } from "./incoming";
 import type { UsbDevice, UsbEndpoint, UsbInResult } from "./webUsb";
 
-/** Transfers ahead: eight packets are 8 ms of status packets of an FTDI, and half a second of the line's bytes otherwise. */
+/**
+ * Transfers ahead, of which one is in hand: the others are 7 ms of an FTDI's packets where its timer is at 1 ms, 0.1 s where it is at 16, and
+ * half a second of the line's bytes otherwise.
+ */
 const AHEAD = 8;
 /** Transfers in a row that may fail before the port counts as lost. */
 const MOST_FAILURES = 3;
@@ -77,7 +80,8 @@ export class Session {
           await within(PATIENCE, this.device.clearHalt("in", input.endpointNumber));
           this.turn += 1;
         }
-        under.push(this.ahead(input));
+        // The transfer for the packet before: what answers that one has gone to the chip first.
+        while (under.length < AHEAD - 1) under.push(this.ahead(input));
         if (status === "babble") this.incoming.fail("BufferOverrunError");
         else if (isOk(status) && data?.byteLength) this.take(new Uint8Array(data.buffer, data.byteOffset, data.byteLength));
       }

@@ -13,7 +13,7 @@ describe("opening", () => {
   it("claims the port, starts the chip, and has transfers under way", async () => {
     const device = ftdi();
     const port = await opened(device);
-    expect([device.claimed, device.ahead(), port.rate, port.granularity]).toEqual([[0], 8, 9600, 0.001]);
+    expect([device.claimed, device.ahead(), port.rate, port.granularity]).toEqual([[0], 8, 9600, 0.016]);
     expect(port.getInfo()).toEqual({ usbVendorId: 0x0403, usbProductId: 0x6001 });
     expect([port.scheme, port.connected, port.serialNumber]).toEqual(["webusb", true, "A1"]);
   });
@@ -87,7 +87,23 @@ describe("bytes that come", () => {
     device.send([...HEAD, 200]);
     await settled();
     expect(all).toEqual([...long, 200]);
-    expect(device.ahead()).toBe(8);
+    expect(device.ahead()).toBe(7);
+  });
+
+  it("are answered before the next transfer is begun, which would be in the way", async () => {
+    const device = ftdi();
+    const port = await opened(device);
+    const calls: string[] = [];
+    const [begun, written] = [vi.spyOn(device, "transferIn"), vi.spyOn(device, "transferOut")];
+    begun.mockImplementationOnce(() => (calls.push("in"), new Promise(() => undefined)));
+    written.mockImplementationOnce(async () => (calls.push("out"), { status: "ok", bytesWritten: 1 }));
+    const reader = port.readable!.getReader();
+    const answered = reader.read().then(() => write(port, 9));
+    device.send([...HEAD, 1]);
+    await answered;
+    device.send([...HEAD, 2]);
+    await settled();
+    expect(calls).toEqual(["out", "in"]);
   });
 
   it.each([
@@ -294,7 +310,7 @@ describe("closing", () => {
     await settled();
     device.send([...HEAD, 3]);
     await settled();
-    expect([all, device.ahead()]).toEqual([[3], 8]);
+    expect([all, device.ahead()]).toEqual([[3], 7]);
   });
 
   it("ends, though the browser never closes the device", async () => {

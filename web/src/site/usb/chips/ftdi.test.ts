@@ -3,7 +3,7 @@ import { EIGHT_N_ONE, SEVEN_E_TWO, asksFor, atTheRates, chipOf, refuses, started
 import { ftdi } from "../../../../test/scriptedUsb";
 
 describe("an FTDI", () => {
-  it("is reset, has its latency timer lowered, and hands a message over at its end", async () => {
+  it("is reset, and hands a message over at its end, without a packet for each byte", async () => {
     const chip = chipOf(ftdi());
     expect(chip.granularity).toBe(0.016);
     const [asked, rate] = await started(ftdi());
@@ -12,12 +12,41 @@ describe("an FTDI", () => {
       "40 03 4138 0000",
       "40 04 0008 0000",
       "40 02 0000 0000",
-      "40 09 0001 0000",
       "40 06 010d 0000",
+      "40 09 0010 0000",
     ]);
     expect(rate).toBe(9600);
     await chip.start(EIGHT_N_ONE);
-    expect(chip.granularity).toBe(0.001);
+    expect(chip.granularity).toBe(0.016);
+  });
+
+  it("has its latency timer lowered where it knows no event character", async () => {
+    const copy = ftdi();
+    copy.answers = [["40 06", "stall"]];
+    const chip = chipOf(copy);
+    await chip.start(EIGHT_N_ONE);
+    expect([chip.granularity, copy.asked.at(-1)]).toEqual([0.001, "40 09 0001 0000"]);
+  });
+
+  it("has its latency timer lowered where it takes the event character and waits behind it", async () => {
+    const copy = ftdi();
+    const chip = chipOf(copy);
+    await chip.start(EIGHT_N_ONE);
+    copy.asked = [];
+    const waits = [1, 0x60, 0x61, 0x0d, 0x54];
+    const others = [
+      [1, 0x60],
+      [1, 0x60, 0x0d],
+      [1, 0x60, 0x54, 0xac, 0x0d],
+      [1, 0x60, 0x0d, ...Array.from({ length: 61 }, () => 0)],
+    ];
+    for (const packet of [...others, waits, ...others, waits]) chip.unpack(Uint8Array.from(packet));
+    expect(copy.asked).toEqual([]);
+    chip.unpack(Uint8Array.from(waits));
+    chip.unpack(Uint8Array.from(waits));
+    expect(copy.asked).toEqual(["40 09 0001 0000"]);
+    await chip.start(EIGHT_N_ONE);
+    expect(copy.asked.at(-1)).toBe("40 09 0010 0000");
   });
 
   it("has the divisors of ftdi_sio", async () => {
@@ -62,6 +91,7 @@ describe("an FTDI", () => {
     expect([chip.granularity, am.asked.some((it) => it.startsWith("40 09"))]).toEqual([0.016, false]);
     const copy = ftdi();
     copy.answers = [["40 09", "stall"]];
+    copy.answers.push(["40 06", "stall"]);
     const other = chipOf(copy);
     await other.start(EIGHT_N_ONE);
     expect(other.granularity).toBe(0.016);

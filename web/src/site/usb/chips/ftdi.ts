@@ -1,8 +1,9 @@
 // FTDI: FT8U232AM, FT232BM, FT2232C, FT232R, FT-X and the fast ones (FT232H, FT2232H, FT4232H, HP).
 //
-// Each packet begins with two bytes of status, also within a longer transfer. While its latency timer runs, the chip waits for a full packet: at
-// 16 ms, its own setting, an answer of a few bytes comes 16 ms late; it is set to 1 ms here. An event character ends that wait at once: it is the
-// last byte of a message, so an answer comes as soon as it is whole, from an AM, too.
+// Each packet begins with two bytes of status, also within a longer transfer. While its latency timer runs, the chip waits for a full packet. An
+// event character ends that wait at once: it is the last byte of a message, so an answer comes as soon as it is whole, from an AM, too. Within a
+// message the timer may then run its usual 16 ms: at 1 ms each byte of the wire is a transfer, and a silent wire 1000 a second, which take the
+// browser and this worker as much time as the program takes. A chip that knows no event character has the timer at 1 ms.
 import { bcdDevice, PARITIES, unsupported, worst, type Chip, type Line, type Packet } from "./chip";
 import { Requests } from "./requests";
 import type { UsbDevice } from "../webUsb";
@@ -17,12 +18,16 @@ const SET_LATENCY = 0x09;
 const GET_LATENCY = 0x0a;
 
 const BREAK = 0x4000;
-/** The event character is on, and is the end of a message (§2). */
-const AT_END = 0x0100 | 0x0d;
+/** The last byte of a message (§2). */
+const END = 0x0d;
+/** The event character is on, and is that byte. */
+const AT_END = 0x0100 | END;
+/** ms; the timer's own setting, and the only one of an AM. */
+const LATENCY = 16;
 /** ms: the least that the timer can be set to. */
-const LATENCY = 1;
-/** s; the timer's own setting, and the only one of an AM. */
-const OWN_LATENCY = 0.016;
+const LEAST_LATENCY = 1;
+/** Packets that go on behind an event character until the chip counts as one that ignores it: one that the browser is late with may do so, too. */
+const MOST_IGNORED = 3;
 
 /** Bytes of status at the head of a packet, and the bits of the second one. */
 const HEAD = 2;
@@ -87,11 +92,12 @@ function coarse(eighths: number): number {
 }
 
 export class Ftdi implements Chip {
-  granularity = OWN_LATENCY;
+  granularity = LATENCY / 1000;
   private readonly requests: Requests;
   private kind: Kind = PLAIN;
   private channel = 0;
   private format = 0;
+  private ignored = 0;
 
   constructor(
     private readonly device: UsbDevice,
@@ -112,9 +118,10 @@ export class Ftdi implements Chip {
     this.format = line.dataBits | (PARITIES.indexOf(line.parity) << 8) | ((line.stopBits === 2 ? 2 : 0) << 11);
     await this.send(DATA, this.format);
     await this.send(FLOW, 0);
-    const lowered = this.kind !== AM && (await this.requests.sendMaybe(SET_LATENCY, LATENCY, this.channel));
-    await this.requests.sendMaybe(EVENT, AT_END, this.channel); // a copy of the chip may lack it
-    this.granularity = lowered ? LATENCY / 1000 : OWN_LATENCY;
+    const isFlushed = await this.requests.sendMaybe(EVENT, AT_END, this.channel); // a copy of the chip may lack it
+    const isSet = this.kind !== AM && (await this.setLatency(isFlushed ? LATENCY : LEAST_LATENCY));
+    this.granularity = (isSet && !isFlushed ? LEAST_LATENCY : LATENCY) / 1000;
+    this.ignored = 0;
     return rate;
   }
 
@@ -139,7 +146,20 @@ export class Ftdi implements Chip {
   private unpackOne(packet: Uint8Array): Packet {
     const bytes = packet.subarray(HEAD);
     const status = bytes.length ? packet[1]! : 0;
+    this.watch(packet);
     return { bytes, error: worst((status & BROKEN) > 0, (status & PARITY) > 0, (status & FRAMING) > 0, (status & OVERRUN) > 0) };
+  }
+
+  /** Lower the timer of a copy that has taken the event character, and waits behind it nevertheless. */
+  private watch(packet: Uint8Array): void {
+    const at = packet.indexOf(END, HEAD);
+    if (at < 0 || at === packet.length - 1 || packet.length === this.packetSize) return;
+    this.ignored += 1;
+    if (this.ignored === MOST_IGNORED && this.kind !== AM) void this.setLatency(LEAST_LATENCY).catch(() => undefined);
+  }
+
+  private setLatency(milliseconds: number): Promise<boolean> {
+    return this.requests.sendMaybe(SET_LATENCY, milliseconds, this.channel);
   }
 
   private send(request: number, value: number): Promise<void> {
