@@ -13,6 +13,7 @@ from tempfile import TemporaryDirectory
 from time import perf_counter, sleep
 from typing import TYPE_CHECKING, Any
 
+from bench.plain_browser import PlainPage, plain_browser
 from bench.rows import Row, Scope, Theme
 from bench.site_rig import FLAGS, SiteBench, missing, site_bench
 
@@ -40,7 +41,11 @@ from the navigation of a second visit, all files kept by the service worker, to 
 the screen; a cable that the browser remembers is connected to without a touch."""
 _THROTTLED = "the page's own thread at a quarter of its speed (`Emulation.setCPUThrottlingRate`)."
 _STOPPED = "all threads of the page's process, its workers too, stopped three quarters of the time."
-_PSS = "Pss of the page's process, with all its workers."
+_PSS = """\
+Pss of the page's process, with all its workers; without Playwright, for which the browser would
+keep the bytes of all files there."""
+_HAS_VALUE = """\
+[...document.querySelectorAll("#screen [data-value]")].some((it) => /[0-9]/.test(it.textContent))"""
 
 
 def run(scope: Scope) -> Iterator[Theme]:
@@ -97,11 +102,7 @@ def _value(bench: SiteBench, page: Page) -> float:
     page.goto("about:blank")
     began = perf_counter()
     page.goto(f"{bench.url}#/live")
-    page.wait_for_function(
-        """() => [...document.querySelectorAll("#screen [data-value]")]
-          .some((it) => /[0-9]/.test(it.textContent))""",
-        polling="raf",
-    )
+    page.wait_for_function(f"() => {_HAS_VALUE}", polling="raf")
     return perf_counter() - began
 
 
@@ -121,23 +122,23 @@ def _state(page: Page) -> dict[str, Any]:
 
 
 def _memory(bench: SiteBench, scope: Scope) -> list[Row]:
-    with _started_anew(bench) as page:
-        _value(bench, page)
-        page.get_by_role("button", name="Record", exact=True).click()
-        page.wait_for_timeout(1000 * scope.of(60, 10))
-        page.get_by_role("button", name="Stop recording").click()
+    with _started_again(bench) as page:
+        page.send("Page.navigate", url=f"{bench.url}#/live")
+        page.wait_for(_HAS_VALUE)
+        page.press("Record")
+        sleep(scope.of(60, 10))
+        page.press("Stop recording")
         live = _pss()
-        page.evaluate("() => { location.hash = '/recordings' }")
-        page.locator("#screen article").get_by_role("button", name="Open", exact=True).click()
-        page.get_by_role("region", name="Player").wait_for()
-        page.wait_for_timeout(3000)
+        page.evaluate("location.hash = '/recordings'")
+        page.press("Open")
+        page.wait_for("document.querySelector('[aria-label=Player]')")
+        sleep(3)
         reading = _pss()
-        page.get_by_role("button", name="More player controls").click()
-        page.get_by_role("button", name="Close the recording").click()
-        page.evaluate("() => { location.hash = '/live' }")
-        page.wait_for_timeout(1000 * _IDLE)
-        after = _pss()
-        workers = len(page.workers)
+        page.press("More player controls")
+        page.press("Close the recording")
+        page.evaluate("location.hash = '/live'")
+        sleep(_IDLE)
+        after, workers = _pss(), _workers()
     return [
         Row("memory, live and recording", [live], "MiB", 0, at_most=250, how=_PSS),
         Row("memory, a recording opened", [reading], "MiB", 0),
@@ -146,21 +147,15 @@ def _memory(bench: SiteBench, scope: Scope) -> list[Row]:
 
 
 @contextmanager
-def _started_anew(bench: SiteBench) -> Iterator[Page]:
-    """A page of a browser that has just been started, and has kept the files of the site before."""
+def _started_again(bench: SiteBench) -> Iterator[PlainPage]:
+    """The page of a browser that has just been started, and has kept the files of the site."""
     with TemporaryDirectory() as folder:
-        for is_kept in (False, True):
-            context = bench.playwright.chromium.launch_persistent_context(
-                folder, executable_path=bench.program, args=list(FLAGS), locale="en-GB", **_PHONE
-            )
-            page = context.pages[0]
-            page.set_default_timeout(60_000)
-            if is_kept:
-                yield page
-            else:
-                page.goto(bench.url)
-                page.wait_for_function("() => navigator.serviceWorker?.controller != null")
-            context.close()
+        started = (bench.program, Path(folder), FLAGS, _PHONE)
+        with plain_browser(*started) as page:
+            page.send("Page.navigate", url=bench.url)
+            page.wait_for("navigator.serviceWorker?.controller != null")
+        with plain_browser(*started) as page:
+            yield page
 
 
 def _renderers() -> list[int]:
@@ -191,6 +186,12 @@ def _pss() -> float:
             text = Path(f"/proc/{process}/smaps_rollup").read_text("ascii")
             found.append(int(text.partition("\nPss:")[2].split()[0]) / 1024)
     return max(found)
+
+
+def _workers() -> int:
+    """The workers of all pages, by the names of their threads."""
+    tasks = (it for process in _renderers() for it in Path(f"/proc/{process}/task").iterdir())
+    return sum((it / "comm").read_text("utf-8").startswith("DedicatedWorker") for it in tasks)
 
 
 @contextmanager

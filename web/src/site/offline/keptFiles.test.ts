@@ -75,12 +75,20 @@ it("the page starts from what is kept, with the policy that a static host does n
   host = {};
   const found = async (address: string) => (await site("1").find(address))!;
   for (const address of [SITE, `${SITE}?from=home`, `${SITE}index.html`]) expect(await (await found(address)).text()).toBe("<one>");
-  const script = await found(`${SITE}assets/a-1.js`);
-  expect([script.headers.get("Content-Type"), script.headers.get("Content-Security-Policy")]).toEqual([
-    "text/javascript",
+  const page = await found(SITE);
+  expect([page.headers.get("Content-Type"), page.headers.get("Content-Security-Policy")]).toEqual([
+    "text/html",
     `${POLICY}; frame-ancestors 'none'`,
   ]);
   expect(await site("1").find(`${SITE}assets/b-1.js`)).toBe(undefined);
+});
+
+it("other files are the browser's own answers, whose bytes do not pass through the service worker", async () => {
+  await site("1").keep();
+  const address = `${SITE}assets/a-1.js`;
+  const kept = new Response("a", { headers: { "Content-Type": "text/javascript" } });
+  caches.match = () => Promise.resolve(kept);
+  expect(await site("1").find(address)).toBe(kept);
 });
 
 it("where nothing can be read the network is left", async () => {

@@ -55,13 +55,17 @@ export class KeptFiles {
     for (const name of await this.names()) if (name !== this.prefix + this.version) await this.caches.delete(name);
   }
 
-  /** The kept file at this address, with the headers that a static host does not send; undefined: none, or none that can be read. */
+  /**
+   * The kept file at this address, the page with the headers that a static host does not send; undefined: none, or none that can be read. Other
+   * files are the browser's own answers: of these it streams the bytes past this worker, which would hold 16 MB of them for long, and keeps what
+   * it has compiled.
+   */
   async find(address: string): Promise<Response | undefined> {
     const { pathname } = new URL(address);
     const path = pathname === this.scope.pathname ? INDEX : pathname.slice(this.scope.pathname.length);
     const options = { cacheName: this.prefix + this.version, ignoreVary: true };
     const found = await within(FOUND_MS, this.caches.match(this.address(path), options)).catch(() => undefined);
-    if (!found) return undefined;
+    if (!found || path !== INDEX) return found;
     const headers = new Headers(found.headers);
     headers.set("Content-Security-Policy", `${POLICY}; frame-ancestors 'none'`);
     headers.set("X-Content-Type-Options", "nosniff");
