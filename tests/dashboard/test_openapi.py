@@ -11,7 +11,7 @@ from dashboard.rig import ME
 from mikas.dashboard.app import _PARTS, openapi_description
 
 LABELS = [
-    f"{method} /api{route.path}"
+    f"{method} {route.path}"
     for part in _PARTS
     for route in part.router.routes
     for method in getattr(route, "methods", ())

@@ -18,7 +18,7 @@ from dashboard.rig import rig
 from mikas.cancellation import check_cancelled
 from mikas.dashboard.api import catalog as catalog_routes
 from mikas.dashboard.api import dependencies
-from mikas.dashboard.app import create_app
+from mikas.dashboard.app import _ROUTES, create_app
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.library.lanes import Lane, LaneLimits
 from mikas.dashboard.security.access import Access
@@ -67,6 +67,11 @@ def every_route():
     nowhere = Path("nowhere")
     app = create_app(Dashboard(Settings(nowhere, state=nowhere)), Access(port=1))
     return labelled(app.routes)
+
+
+def test_no_route_of_the_api_is_analysed_twice():
+    """FastAPI does that, at the first request, with each route of a router that is included."""
+    assert {type(route) for route in _ROUTES} == {APIRoute, APIWebSocketRoute}
 
 
 def needs(dependant):

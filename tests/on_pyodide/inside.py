@@ -17,6 +17,7 @@ OPTIONS = (
     "-p", "no:cacheprovider", "-p", "no:doctest", "-p", "no:faulthandler", "-p", "no:junitxml",
     "--rootdir=/repository", "--config-file=/repository/pyproject.toml",
     "--no-header", "--capture=sys", "--tb=short", "-vv",
+    "-W", "ignore::pydantic.warnings.UnsupportedFieldAttributeWarning",  # as `start.prepare`
 )  # fmt: skip
 
 

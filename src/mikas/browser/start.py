@@ -13,6 +13,7 @@ from __future__ import annotations
 import asyncio
 import gc
 import threading
+import warnings
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future
 from contextlib import suppress
@@ -52,6 +53,20 @@ def prepare(host: Host, run_sync: Callable[..., Any]) -> None:
     at_each_check(suspension.give_way)
     arrays.install()
     shallow_json.install()
+    _build_models_late()
+
+
+def _build_models_late() -> None:
+    """Let pydantic build a model at its first use, which most do not see in a session.
+
+    FastAPI's description of an API and the API's own messages are 150 models: a quarter of a start.
+    """
+    from pydantic import BaseModel
+    from pydantic.warnings import UnsupportedFieldAttributeWarning
+
+    BaseModel.model_config["defer_build"] = True
+    # FastAPI hides it where models are built at once: a request's body has an alias of its own.
+    warnings.simplefilter("ignore", UnsupportedFieldAttributeWarning)
 
 
 def begin(host: Host, role: Role) -> Take:

@@ -13,7 +13,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from fastapi import APIRouter, FastAPI
+from fastapi import FastAPI
 
 from mikas.dashboard import page
 from mikas.dashboard.api import (
@@ -61,12 +61,12 @@ _PARTS = (catalog, channels, connection, live, network, unit, virtual_cars,
           guided_tests, dumps, changes, recordings, references, files, cars, recorded,
           marks, report, search, causes)  # fmt: skip
 
-# Of all applications of the process: FastAPI analyses the routes of a router when it is first asked
-# for one, which takes longer than any request.
-_API = APIRouter(prefix="/api")
-for _part in _PARTS:
-    _API.include_router(_part.router)
-_API.include_router(page.docs_router)
+# The routes themselves, of all applications of the process. Those of a router that is included are
+# analysed by FastAPI once more, at the first request: a second in a browser.
+_ROUTES = [
+    *(route for part in _PARTS for route in part.router.routes),
+    *page.docs_router.routes,
+]
 
 
 class _Application(FastAPI):
@@ -115,7 +115,7 @@ def create_app(
         redoc_url=None,
         openapi_url="/api/openapi.json",
         lifespan=lifespan,
-        routes=_API.routes,
+        routes=_ROUTES,
     )
     app.state.dashboard = dashboard
     app.state.access = access

@@ -47,7 +47,7 @@ _TYPES = {".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml",
           ".webmanifest": "application/manifest+json"}  # fmt: skip
 
 
-docs_router: Final = APIRouter(include_in_schema=False)
+docs_router: Final = APIRouter(prefix="/api", include_in_schema=False)
 
 
 def router(folder: Path, language: Language | None = None) -> APIRouter:

@@ -41,7 +41,7 @@ from mikas.i18n import Text
 from mikas.recording.table.decimation import decimated
 from mikas.saving import KeptFile
 
-router: Final = APIRouter(tags=["about"])
+router: Final = APIRouter(prefix="/api", tags=["about"])
 
 _SHIPPED: Final = Path(__file__).parent.parent / "presets.toml"
 _SVG: Final = content("image/svg+xml", "the image")

@@ -30,7 +30,7 @@ from mikas.dashboard.security import control
 from mikas.dashboard.session.changes import recording_deletion
 from mikas.files import open_regular
 
-router: Final = APIRouter()
+router: Final = APIRouter(prefix="/api")
 
 Space = Literal["ram", "xram", "code", "sfr"]
 NUMBER = r"^(0[xX][0-9A-Fa-f]{1,4}|[0-9]{1,5})$"

@@ -44,7 +44,7 @@ from mikas.i18n import Text
 from mikas.recording.table.channels import Rows
 from mikas.sampling.events import LineState
 
-router: Final = APIRouter(tags=["channels"])
+router: Final = APIRouter(prefix="/api", tags=["channels"])
 
 Name = Annotated[str, Field(min_length=1, max_length=40)]
 Finite = Annotated[float, Field(allow_inf_nan=False)]

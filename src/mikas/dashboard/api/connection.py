@@ -39,7 +39,7 @@ from mikas.errors import MikasError
 from mikas.i18n import Text
 from mikas.link.urls import parse
 
-router: Final = APIRouter(tags=["connection"])
+router: Final = APIRouter(prefix="/api", tags=["connection"])
 
 _MAX_URL = 500
 _NDJSON = "application/x-ndjson"

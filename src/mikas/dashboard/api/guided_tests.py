@@ -23,7 +23,7 @@ from mikas.dashboard.session.guided_tests import KeptResult
 from mikas.guided.definition import Certainty, VerdictKind
 from mikas.guided.engine import ProgressPhase
 
-router: Final = APIRouter(prefix="/tests", tags=["tests"])
+router: Final = APIRouter(prefix="/api/tests", tags=["tests"])
 
 Name = Annotated[str, Path(max_length=80)]
 

@@ -47,7 +47,7 @@ _GOING_AWAY, _POLICY_VIOLATION, _INTERNAL_ERROR, _TRY_LATER = 1001, 1008, 1011, 
 Fields = frozenset[str] | None
 _REQUEST: Final = TypeAdapter[PingMessage | FieldsMessage](PingMessage | FieldsMessage)
 
-router: Final = APIRouter()
+router: Final = APIRouter(prefix="/api")
 
 
 def dumps(value: object) -> str:

@@ -13,7 +13,7 @@ from mikas.dashboard.api.dependencies import LocalClient, TheDashboard
 from mikas.dashboard.api.errors import errors
 from mikas.dashboard.program import Ending, Sharing
 
-router: Final = APIRouter(tags=["about"])
+router: Final = APIRouter(prefix="/api", tags=["about"])
 
 
 class NetworkRequest(BaseModel):

@@ -31,7 +31,7 @@ from mikas.recording.search import SearchCondition, SearchResult, search, search
 from mikas.recording.table.channels import Rows
 from mikas.saving import KeptFile
 
-router: Final = APIRouter(tags=["search"])
+router: Final = APIRouter(prefix="/api", tags=["search"])
 
 _MOST_HITS: Final = 2000
 _MOST_KEPT: Final = 50

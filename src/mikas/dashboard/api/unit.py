@@ -27,7 +27,7 @@ from mikas.recording.freeze_frames import FreezeFrame, shown_first
 
 T = TypeVar("T")
 
-router: Final = APIRouter(tags=["unit"])
+router: Final = APIRouter(prefix="/api", tags=["unit"])
 
 _PROBE = 120.0  # s: each unanswered command takes one
 

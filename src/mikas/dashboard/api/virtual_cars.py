@@ -12,7 +12,7 @@ from pydantic import BaseModel, Field
 
 from mikas.dashboard.api.errors import TwoTexts, errors, made_of
 
-router: Final = APIRouter(tags=["connection"])
+router: Final = APIRouter(prefix="/api", tags=["connection"])
 
 
 class VirtualScenario(BaseModel):

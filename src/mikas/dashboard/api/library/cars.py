@@ -21,7 +21,7 @@ from mikas.i18n import Text
 from mikas.recording.annotations.events import RecordedUnit, car_note
 from mikas.recording.capture.writer import append_note
 
-router: Final = APIRouter(tags=["recordings"])
+router: Final = APIRouter(prefix="/api", tags=["recordings"])
 
 _UNKEPT = Text(
     "The car's details can't be saved ({place}: {why}): they stay until this program ends.",

@@ -32,7 +32,7 @@ from mikas.dashboard.session.history import LONGEST
 if TYPE_CHECKING:
     from mikas.dashboard.dashboard import Dashboard
 
-router: Final = APIRouter(tags=["recordings"])
+router: Final = APIRouter(prefix="/api", tags=["recordings"])
 
 _LIVE: Final = "the causes of the running connection"  # no file has this name
 _MOST: Final = 20  # recordings of a car

@@ -24,7 +24,7 @@ from mikas.dashboard.error_responses import ErrorBody, body_of
 from mikas.dashboard.library.folder import opened
 from mikas.dashboard.session.dump_jobs import DumpJob
 
-router: Final = APIRouter(tags=["dumps"])
+router: Final = APIRouter(prefix="/api", tags=["dumps"])
 
 _MAX_SHOWN = 1000
 

@@ -47,7 +47,7 @@ from mikas.recording.capture.opening import copy_plain, is_packed
 from mikas.recording.capture.packed import packed_suffix
 from mikas.recording.splitting import cars_in, split
 
-router: Final = APIRouter(prefix="/recordings", tags=["recordings"])
+router: Final = APIRouter(prefix="/api/recordings", tags=["recordings"])
 
 Format = Literal["csv", "mf4", "parquet", "msl", "mlg"]
 _CHUNK: Final = 1 << 16

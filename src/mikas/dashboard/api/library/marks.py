@@ -24,7 +24,7 @@ from mikas.recording.capture.reader import CaptureReader
 from mikas.recording.capture.writer import append_note
 from mikas.sampling.events import Marker
 
-router: Final = APIRouter(tags=["recordings"])
+router: Final = APIRouter(prefix="/api", tags=["recordings"])
 
 _MOST = 200
 _SLACK = 1.0  # s that a moment may lie outside of the first and last row

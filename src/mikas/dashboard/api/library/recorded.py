@@ -26,7 +26,7 @@ from mikas.recording.freeze_frames import first_seen
 from mikas.recording.recorded_faults import RecordedFaults, faults_in
 from mikas.recording.recording import Recording
 
-router: Final = APIRouter(tags=["recordings"])
+router: Final = APIRouter(prefix="/api", tags=["recordings"])
 
 
 class RecordedFault(StoredFault):

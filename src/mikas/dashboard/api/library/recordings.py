@@ -42,7 +42,7 @@ from mikas.recording.summary import Summary
 from mikas.sampling.events import Marker, MethodChosen
 from mikas.virtual import VIRTUAL_PASSPORT
 
-router: Final = APIRouter(tags=["recordings"])
+router: Final = APIRouter(prefix="/api", tags=["recordings"])
 
 
 class StartRecordingRequest(BaseModel):

@@ -17,7 +17,7 @@ from mikas.dashboard.api.errors import TwoTexts, errors, two
 from mikas.dashboard.library.folder import RecordingFile
 from mikas.dashboard.library.service import DRIVES, VIRTUAL, RecordingService
 
-router: Final = APIRouter(tags=["recordings"])
+router: Final = APIRouter(prefix="/api", tags=["recordings"])
 
 
 class VirtualReferenceInfo(BaseModel):

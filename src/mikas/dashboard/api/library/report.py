@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from mikas.report.findings import Findings
     from mikas.report.subject import ReportedUnit
 
-router: Final = APIRouter(tags=["recordings"])
+router: Final = APIRouter(prefix="/api", tags=["recordings"])
 
 MINUTES: Final = 15
 _LIVE: Final = "the running connection"  # no file has this name
