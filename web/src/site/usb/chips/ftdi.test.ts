@@ -40,10 +40,9 @@ describe("an FTDI", () => {
       [1, 0x60, 0x54, 0xac, 0x0d],
       [1, 0x60, 0x0d, ...Array.from({ length: 61 }, () => 0)],
     ];
-    for (const packet of [...others, waits, ...others, waits]) chip.unpack(Uint8Array.from(packet));
+    for (const packet of [...others, waits, waits, ...others, waits, waits]) chip.unpack(Uint8Array.from(packet));
     expect(copy.asked).toEqual([]);
-    chip.unpack(Uint8Array.from(waits));
-    chip.unpack(Uint8Array.from(waits));
+    for (const packet of [waits, ...others, waits, waits, waits]) chip.unpack(Uint8Array.from(packet));
     expect(copy.asked).toEqual(["40 09 0001 0000"]);
     await chip.start(EIGHT_N_ONE);
     expect(copy.asked.at(-1)).toBe("40 09 0010 0000");

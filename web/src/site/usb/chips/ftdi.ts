@@ -26,7 +26,7 @@ const AT_END = 0x0100 | END;
 const LATENCY = 16;
 /** ms: the least that the timer can be set to. */
 const LEAST_LATENCY = 1;
-/** Packets that go on behind an event character until the chip counts as one that ignores it: one that the browser is late with may do so, too. */
+/** Messages in a row whose packet goes on behind the event character, until the chip counts as one that ignores it. One may: the browser is late. */
 const MOST_IGNORED = 3;
 
 /** Bytes of status at the head of a packet, and the bits of the second one. */
@@ -153,8 +153,8 @@ export class Ftdi implements Chip {
   /** Lower the timer of a copy that has taken the event character, and waits behind it nevertheless. */
   private watch(packet: Uint8Array): void {
     const at = packet.indexOf(END, HEAD);
-    if (at < 0 || at === packet.length - 1 || packet.length === this.packetSize) return;
-    this.ignored += 1;
+    if (at < 0 || packet.length === this.packetSize || this.ignored >= MOST_IGNORED) return;
+    this.ignored = at === packet.length - 1 ? 0 : this.ignored + 1;
     if (this.ignored === MOST_IGNORED && this.kind !== AM) void this.setLatency(LEAST_LATENCY).catch(() => undefined);
   }
 
