@@ -113,10 +113,10 @@ def site_bench() -> Iterator[SiteBench]:
         for name in ("bench.html", "bench.js"):
             shutil.copy(_PAGES / name, site)
         rolldown = ROOT / "web" / "node_modules" / ".bin" / "rolldown"
-        bundled = ["--format", "esm", "--file", str(site / "keep.js")]
-        subprocess.run(
-            [rolldown, _PAGES / "keep.ts", *bundled], check=True, stdout=subprocess.DEVNULL
-        )
+        for name in ("keep", "exchange"):
+            made = ["--format", "esm", "--file", str(site / f"{name}.js")]
+            command = [str(rolldown), str(_PAGES / f"{name}.ts"), *made]
+            subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
         computer = stack.enter_context(computer_rig.computer())
         host = StaticHost(computer, site)
         stack.callback(host.stop)

@@ -55,6 +55,15 @@ window.file = async (role, path) => {
   });
 };
 
+/** What a request and its answer take without Python: how many there were in so many seconds, and what was carried. */
+window.alone = (access, request, seconds) =>
+  new Promise((done, fail) => {
+    const worker = new Worker("exchange.js", { type: "module" });
+    worker.onerror = (event) => fail(event.message);
+    worker.onmessage = ({ data }) => done(data);
+    worker.postMessage({ access, request, seconds });
+  });
+
 /** Put the file at `url` among what is kept, as `path`, by the pool of the site. */
 window.keep = (url, path) =>
   new Promise((done, fail) => {

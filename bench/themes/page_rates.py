@@ -15,7 +15,10 @@ from typing import TYPE_CHECKING, Any
 from bench.rig import TURN_ROUND, everything, paced, sample
 from bench.rows import Row, Scope, Theme
 from bench.site_rig import SiteBench, ask, missing, site_bench, until_sampling
+from mikas.catalog import shipped
 from mikas.client.parameters.polling import FixedMethod
+from mikas.commands import Datum, ReadParameters
+from mikas.framing import encode
 from mikas.link.base import BITS_PER_BYTE, Direction
 from mikas.recording import CaptureReader
 from mikas.recording.capture.reader import Packet
@@ -26,6 +29,7 @@ if TYPE_CHECKING:
 _SETS: dict[FixedMethod, int] = {"single": 5, "batch": 18, "list": 30, "stream": 35}  # a second, §5
 _OVER_USB = {"single": 90.0, "batch": 97.0, "list": 95.0, "stream": 95.0}
 _TARGET = 95.0  # over Web Serial
+_ALONE = {"single": ("UACC",), "batch": tuple(it.name for it in shipped().parameters)}
 _SCENARIO = "warm-idle"
 _SETTLE = 500  # ms from the start of a recording until a stream has gone on
 
@@ -36,7 +40,9 @@ other on the same computer. The limit is the wire's time for what was carried, s
 `mikas log` on a paced pty. The page is `make site`, its line's worker in Chromium without a window;
 what it has recorded says what was carried, and when. Its cable is a fake FT232 for Chromium's own
 Web Serial, on a pty paced at 9600 baud, or a model of a chip ([chips.md](chips.md)) for Chromium's
-own WebUSB, which computes as well."""
+own WebUSB, which computes as well. JavaScript alone sends a request of one code (`single`) or all
+(`batch`) as soon as the answer before has come, with no Python in its worker: what is missing there
+is Chromium's way to the adapter, and the model's."""
 
 
 def run(scope: Scope) -> Iterator[Theme]:
@@ -51,6 +57,11 @@ def run(scope: Scope) -> Iterator[Theme]:
             with bench.cable(), bench.worker() as page:
                 row = _row(f"`{method}`, page, Web Serial", page, "webserial:", method, seconds)
             rows.append(replace(row, at_least=_TARGET))
+            if method in _ALONE:
+                with bench.cable():
+                    rows.append(_alone(bench, "serial", method, "Web Serial", seconds))
+                with _usb_cable(sockets, "FT232R"):
+                    rows.append(_alone(bench, "usb", method, "WebUSB, FT232R", seconds))
             for chip in _chips(scope, method):
                 with _usb_cable(sockets, chip), bench.worker("usb") as page:
                     name = f"`{method}`, page, WebUSB, {chip}"
@@ -116,6 +127,22 @@ def _row(what: str, page: Page, port: str, method: str, seconds: int) -> Row:
     rate = sets / (after["now"] - before["now"])
     percent = of_the_wire(packets, before["now"], after["now"])
     return Row(what, [percent], "%", 1, aside=f"{rate:.2f} sets/s")
+
+
+def _alone(bench: SiteBench, access: str, method: str, over: str, seconds: int) -> Row:
+    """Exchange the same request, over and over, in a worker without Python."""
+    wanted = tuple(shipped().parameter(name) for name in _ALONE[method])
+    request = encode(ReadParameters(tuple(Datum(it.code, it.size) for it in wanted)).body())
+    asked = [access, list(request), seconds]
+    with bench.page_of_a_person("bench.html") as page:
+        took = page.evaluate(
+            "([access, request, seconds]) => alone(access, request, seconds)", asked
+        )
+    limit = took["carried"] * BITS_PER_BYTE / 9600 + took["exchanges"] * TURN_ROUND
+    late = (took["seconds"] - limit) / took["exchanges"]
+    percent = 100 * limit / took["seconds"]
+    aside = f"{1000 * late:.1f} ms an exchange"
+    return Row(f"`{method}`, JavaScript alone, {over}", [percent], "%", 1, aside=aside)
 
 
 def of_the_wire(packets: Sequence[Packet], begin: float, end: float) -> float:
