@@ -328,6 +328,7 @@ def test_one_stream_takes_the_place_of_another(stream_end):
     ("name", "text", "value"),
     [
         ("turn_round", "0.05", 0.05),
+        ("least_pause", "0.1", 0.1),
         ("max_list", "8", 8),
         ("max_block", "255", 255),
         ("long_list", "short", LongList.SHORT),

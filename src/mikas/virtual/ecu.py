@@ -21,13 +21,15 @@ from mikas.virtual.responder import Responder, Stream
 PARTIAL_REQUEST_LIFE = 0.1  # s that a unit waits for the rest of a request
 MOST_ANSWERS = 4  # responses that wait for the line to become idle; a real unit has one buffer
 STANDING_ENGINE_CHECK = 0.05  # s between checks whether a standing engine turns again
+_ROUNDING = 1e-6  # s; a request that begins exactly after the least pause is not too soon
 
 
 @dataclass(frozen=True, slots=True)
 class EcuEvent:
     """An event of the virtual unit, for its watcher.
 
-    `kind`: request, response, silence, damaged, stream, stream-end, power-on or power-off.
+    `kind`: request, response, silence, damaged, too-soon, stream, stream-end, power-on or
+    power-off.
     """
 
     time: float
@@ -54,6 +56,8 @@ class VirtualEcu:
         self._change: float | None = None  # of the supply; computed again once it has passed
         self._answers: deque[tuple[float, bytes]] = deque()
         self._free_at = -inf  # when its own last byte has left
+        self._answered = -inf  # when its last response that was no stream's has left
+        self._too_soon = False  # whether the request being received began within the least pause
         self._stream: Stream | None = None
         self._due = inf  # the stream's next response; infinity: the engine stands
         self.on: bool = True
@@ -73,8 +77,13 @@ class VirtualEcu:
         if now <= self._free_at:
             self._decoder.reset()  # while transmitting, received bytes are a collision
             return
+        if not self._decoder.pending:
+            began = now - len(data) * 10 / self.baud
+            self._too_soon = began + _ROUNDING < self._answered + self.responder.quirks.least_pause
         for event in self._decoder.feed(data):
-            if not isinstance(event, Frame):
+            if self._too_soon:
+                self._report("too-soon", now)
+            elif not isinstance(event, Frame):
                 self._report("damaged", now, event.data)
             elif self._stream is None or ends is not StreamEnd.BREAK:
                 self._end_stream(now)
@@ -125,7 +134,9 @@ class VirtualEcu:
             body = self.responder.data(self._stream.parameters, now) or b""
         wire = encode(body, raw_checksum=self.responder.quirks.raw_checksum)
         self._free_at = now + len(wire) * 10 / self.baud
-        if self._stream:
+        if self._stream is None:
+            self._answered = self._free_at
+        else:
             self._due = self._due_after(self._stream, self._free_at + self._stream_gap(now))
         return wire
 
@@ -166,6 +177,7 @@ class VirtualEcu:
         self._stream = None
         self._answers.clear()
         self._free_at = min(self._free_at, now)
+        self._answered = -inf
         self._decoder.reset()
         if on:
             self.responder.power_cycle()

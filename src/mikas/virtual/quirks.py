@@ -64,6 +64,7 @@ class EcuQuirks:
     """The unit's behaviour where the source does not specify it. The defaults follow its letter."""
 
     turn_round: float = 0.002  # s from a request's last byte to the response's first, D14
+    least_pause: float = 0.0  # s; a request that begins sooner after a response is ignored, D14
     stream_gap: float = 0.0004  # s between two responses of a stream; §5 assumes 0
     stream_load: float = 0.1  # ms more for each 1,000 rpm, D16
     max_list: int = 255  # most parameters in one 61, 64, 71, 7F–83; D11
@@ -82,6 +83,7 @@ class EcuQuirks:
         given = OptionParser(options)
         return EcuQuirks(
             turn_round=given.number("turn_round", self.turn_round, highest=10),
+            least_pause=given.number("least_pause", self.least_pause, highest=10),
             stream_gap=given.number("stream_gap", self.stream_gap, highest=10),
             stream_load=given.number("stream_load", self.stream_load, highest=100),
             max_list=given.integer("max_list", self.max_list, lowest=1, highest=255),
