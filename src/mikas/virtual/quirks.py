@@ -44,6 +44,14 @@ class StreamEnd(Enum):
     BREAK = "break"
 
 
+class ChecksumForm(Enum):
+    """The form of a checksum `0D` or `40` (D3): stuffed as the body is, as it is, or either."""
+
+    STUFFED = "stuffed"
+    RAW = "raw"
+    BOTH = "both"
+
+
 GROUPS: dict[str, frozenset[int]] = {
     "passports": frozenset(range(0x51, 0x59)),
     "bytes": frozenset({0x11, 0x12, 0x13, 0x14, 0x15, 0x16}),
