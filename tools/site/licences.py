@@ -14,7 +14,7 @@ NAME = "licences.txt"
 # Their packages have no text of it.
 _ELSEWHERE = """
 Pyodide {pyodide}, with CPython, its standard library and Emscripten's runtime: the files
-pyodide.* and stdlib.zip.
+pyodide.* and stdlib.pack.
 Mozilla Public License 2.0: https://www.mozilla.org/MPL/2.0/ (CPython: PSF License,
 https://docs.python.org/3/license.html). Source: https://github.com/pyodide/pyodide
 """

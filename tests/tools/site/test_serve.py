@@ -55,7 +55,7 @@ def test_files_have_their_type_and_versioned_ones_are_cached(tmp_path):
             assert (got.status, got.getheader("Content-Type")) == (200, kind), path
             assert caching in got.getheader("Cache-Control"), path
         assert response(port, "/../secret").status == 404
-        missing = response(port, "/program-0123/stdlib.zip")  # it may be there after the next build
+        missing = response(port, "/program-0123/stdlib.pack")  # the next build may have it
         assert (missing.status, missing.getheader("Cache-Control")) == (404, "no-cache")
 
 

@@ -1,5 +1,5 @@
-// An archive of the program (`tools/site/archives.py`): a ZIP of uncompressed files, compressed as a whole, which is smaller and unpacks in
-// one go. Its files are parts of one buffer: none is copied.
+// An archive (`tools/site/archives.py`): a ZIP of uncompressed files, compressed as a whole, which is smaller and unpacks in one go. Its files
+// are parts of one buffer: none is copied.
 
 const END = 0x06054b50;
 const ENTRY = 0x02014b50;
@@ -9,9 +9,9 @@ export interface Packed {
   content: Uint8Array<ArrayBuffer>;
 }
 
-/** What `stream` has compressed by gzip. */
-export async function inflated(stream: ReadableStream<Uint8Array<ArrayBuffer>>): Promise<ArrayBuffer> {
-  return new Response(stream.pipeThrough(new DecompressionStream("gzip"))).arrayBuffer();
+/** What came compressed by gzip. */
+export function inflated(response: Response): Response {
+  return new Response(response.body?.pipeThrough(new DecompressionStream("gzip")), { status: response.status });
 }
 
 /** The files of a ZIP archive that compresses none of them and has no comment. */

@@ -1,7 +1,7 @@
 // Starts Python: Pyodide, the standard library, the program and its packages, all from one folder of the site.
 import type { PyodideAPI, PyodideConfig } from "pyodide";
-import { counted } from "./counted";
-import { filesOf, inflated } from "./pack";
+import { counting } from "./fetching";
+import { filesOf } from "./pack";
 
 /** What `python -m tools.site` has packed: the folder, and the size of each of its files, bare and as it travels. */
 interface Program {
@@ -21,7 +21,7 @@ export async function startPython(onProgress: OnProgress): Promise<PyodideAPI> {
   // Modules are imported: nobody sees them come.
   const fetched = Object.entries(__PROGRAM__.files).filter(([name]) => !name.endsWith(".mjs"));
   const sizes = new Map(fetched.map(([name, size]) => [new URL(name, folder).href, size]));
-  const stop = counted(sizes, onProgress);
+  const stop = counting(sizes, onProgress);
   try {
     const program = fetch(new URL("program.pack", folder)).then(unpacked);
     // eslint-disable-next-line @typescript-eslint/no-unsafe-assignment -- the package's own module, at an address that only the build knows
@@ -29,7 +29,7 @@ export async function startPython(onProgress: OnProgress): Promise<PyodideAPI> {
     return await loadPyodide({
       indexURL: folder.href,
       convertNullToNone: true,
-      stdLibURL: new URL("stdlib.zip", folder).href,
+      stdLibURL: new URL("stdlib.pack", folder).href,
       lockFileContents: __PROGRAM__.lock,
       packageBaseUrl: folder.href,
       async fsInit(FS, { sitePackages }) {
@@ -49,6 +49,6 @@ export async function startPython(onProgress: OnProgress): Promise<PyodideAPI> {
 }
 
 async function unpacked(response: Response): Promise<ReturnType<typeof filesOf>> {
-  if (!response.ok || response.body === null) throw new Error(`${response.url}: ${response.status}`);
-  return filesOf(await inflated(response.body));
+  if (!response.ok) throw new Error(`${response.url}: ${response.status}`);
+  return filesOf(await response.arrayBuffer());
 }

@@ -1,12 +1,14 @@
-// Counts the bytes of the files of the start while they come. Pyodide fetches its own files by itself, so `fetch` is what counts.
+// Counts the bytes of the files of the start while they come, and unpacks archives. Pyodide fetches its own files by itself, so `fetch` is what
+// counts and unpacks.
+import { inflated } from "./pack";
 
 interface Size {
   bytes: number;
   compressed: number;
 }
 
-/** Count the files of `sizes`, by their addresses, as they travel; return how to stop that. */
-export function counted(sizes: ReadonlyMap<string, Size>, onProgress: (loaded: number, total: number) => void): () => void {
+/** Count the files of `sizes`, by their addresses, as they travel, and unpack those named `.pack`; return how to stop that. */
+export function counting(sizes: ReadonlyMap<string, Size>, onProgress: (loaded: number, total: number) => void): () => void {
   const original = self.fetch.bind(self);
   const total = [...sizes.values()].reduce((sum, size) => sum + size.compressed, 0);
   let loaded = 0;
@@ -14,7 +16,7 @@ export function counted(sizes: ReadonlyMap<string, Size>, onProgress: (loaded: n
     const response = await original(...request);
     const size = sizes.get(response.url);
     if (size && response.body) void count(response.clone().body!, size);
-    return response;
+    return response.ok && response.url.endsWith(".pack") ? inflated(response) : response;
   };
 
   async function count(body: ReadableStream<Uint8Array>, size: Size): Promise<void> {
