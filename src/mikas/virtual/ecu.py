@@ -78,8 +78,8 @@ class VirtualEcu:
             self._decoder.reset()  # while transmitting, received bytes are a collision
             return
         if not self._decoder.pending:
-            began = now - len(data) * 10 / self.baud
-            self._too_soon = began + _ROUNDING < self._answered + self.responder.quirks.least_pause
+            began, pause = now - len(data) * 10 / self.baud, self.responder.quirks.least_pause
+            self._too_soon = pause > 0 and began + _ROUNDING < self._answered + pause
         for event in self._decoder.feed(data):
             if self._too_soon:
                 self._report("too-soon", now)
