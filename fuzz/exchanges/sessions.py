@@ -16,7 +16,6 @@ from typing import Final, NamedTuple, cast
 from mikas.catalog import shipped
 from mikas.client import Ecu
 from mikas.client.parameters.polling import FixedMethod
-from mikas.commands import Datum
 from mikas.errors import MikasError
 from mikas.link.base import CaptureTee, Direction
 from mikas.link.virtual import VirtualLink
@@ -27,7 +26,7 @@ from mikas.tester import Tester
 from mikas.virtual.bus import AdapterKind, Bus
 from mikas.virtual.ecu import VirtualEcu
 from mikas.virtual.fault_injector import FaultInjector, LineFault
-from mikas.virtual.responder import Answer, Identity, Responder
+from mikas.virtual.responder import Answer, Identity, Responder, Stream
 
 CATALOG: Final = shipped()
 METHODS: Final[tuple[FixedMethod, ...]] = (
@@ -116,12 +115,9 @@ class WatchedResponder(Responder):
         self.truth = Truth()
         self._listed = b""
         self._stream = b""
-        self._answers = False
 
     def answer(self, body: bytes, now: float) -> Answer:
-        self._answers = True
         answer = super().answer(body, now)
-        self._answers = False
         if body[:1] == b"\x64" and answer == b"\x00":
             self._listed = body[1:]
         if not isinstance(answer, bytes):
@@ -133,10 +129,9 @@ class WatchedResponder(Responder):
             self.truth.other.add((body, answer))
         return answer
 
-    def data(self, parameters: tuple[Datum, ...], now: float) -> bytes | None:
-        body = super().data(parameters, now)
-        if body and not self._answers:
-            self.truth.data.add((self._stream, self._stream[1:], body))
+    def response_of(self, stream: Stream, now: float) -> bytes:
+        body = super().response_of(stream, now)
+        self.truth.data.add((self._stream, self._stream[1:], body))
         return body
 
 

@@ -16,8 +16,10 @@ ROW = re.compile(r"^\| `([\w-]+)` \| (.+) \|$", re.MULTILINE)
 OTHERS = {
     "model": "5.4", "baud": "4800", "stall_every": "9", "stall_ms": "70", "latency_ms": "16",
     "echo": "0", "supplied": "0", "late_by": "2", "turn_round": "0.1", "least_pause": "0.1",
+    "turn_round_spread": "0.1", "inter_byte": "0.1", "unknown_body": "7F10", "accepts": "raw",
     "stream_gap": "0.1", "stream_load": "3", "bad_write": "silent", "unknown": "01",
-    "max_list": "7", "max_block": "7", "long_list": "short",
+    "max_list": "7", "max_list_61": "7", "max_list_64": "7", "max_list_71": "7",
+    "max_block": "7", "long_list": "short",
     "counted_blocks": "1", "raw_checksum": "1", "stream_end": "break",
 }  # fmt: skip
 

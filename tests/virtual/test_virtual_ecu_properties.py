@@ -12,7 +12,7 @@ from mikas.framing import encode
 from mikas.virtual.build import build_bus
 from mikas.virtual.bus import AdapterKind, Bus
 from mikas.virtual.fault_injector import FaultInjector, LineFault
-from mikas.virtual.quirks import EcuQuirks, LongList, StreamEnd, Unknown
+from mikas.virtual.quirks import ChecksumForm, EcuQuirks, LongList, StreamEnd, Unknown
 from virtual_harness import EXCHANGES, make_bus
 
 from .raw_tester import RawTester
@@ -37,6 +37,12 @@ quirks = st.builds(
     long_list=st.sampled_from(LongList),
     unknown=st.sampled_from(Unknown),
     raw_checksum=st.booleans(),
+    accepts=st.sampled_from(ChecksumForm),
+    inter_byte=st.sampled_from([0.0, 0.0, 0.01]),
+    turn_round_spread=st.sampled_from([0.0, 0.001]),
+    max_list_71=st.sampled_from([None, 1]),
+    lacking=st.sampled_from([frozenset(), frozenset({0x1A})]),
+    extra=st.sampled_from([(), ((0x1A, 3), (0x33, 1))]),
     stream_end=st.sampled_from(StreamEnd),
 )
 adapters = st.builds(

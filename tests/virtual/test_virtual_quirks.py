@@ -13,6 +13,7 @@ from mikas.errors import UsageError
 from mikas.framing import encode
 from mikas.virtual.quirks import (
     GROUPS,
+    ChecksumForm,
     EcuQuirks,
     LongList,
     StreamEnd,
@@ -336,6 +337,12 @@ def test_one_stream_takes_the_place_of_another(stream_end):
         ("stream_end", "break", StreamEnd.BREAK),
         ("raw_checksum", "yes", True),
         ("counted_blocks", "FALSE", False),
+        ("max_list_64", "9", 9),
+        ("max_list_64", "0", None),
+        ("unknown_body", "7f10", b"\x7f\x10"),
+        ("accepts", "raw", ChecksumForm.RAW),
+        ("lacking", "1A+0x29", frozenset({0x1A, 0x29})),
+        ("extra", "33,0x34:2", ((0x33, 1), (0x34, 2))),
     ],
 )
 def test_options_are_read_from_text(name, text, value):
@@ -357,6 +364,17 @@ def test_options_are_read_from_text(name, text, value):
         ("stream_end", "", "byte, request, break"),
         ("counted_blocks", "2", "0, 1"),
         ("raw_checksum", "", "0, 1"),
+        ("max_list_61", "256", "0 … 255"),
+        ("inter_byte", "2", "0 … 1"),
+        ("unknown_body", "", "7F10"),
+        ("unknown_body", "1", "7F10"),
+        ("accepts", "any", "stuffed, raw, both"),
+        ("lacking", "TWAT", "0x29"),
+        ("lacking", "1A,100", "0x29"),
+        ("extra", "33:0", "0x34:2"),
+        ("extra", "33:256", "0x34:2"),
+        ("extra", "33:", "0x34:2"),
+        ("extra", "boost:1", "0x34:2"),
         ("missing", "lists", "passports"),
         ("missing", "99", "0x71"),
         ("missing", "0x171", "0x71"),

@@ -130,12 +130,13 @@ class Transmitter:
         self.last: _Byte | None = None
         self.free_at: float = -inf
 
-    def transmit(self, data: bytes, start: float) -> None:
+    def transmit(self, data: bytes, start: float, pause: float = 0.0) -> None:
+        """Put `data` on the wire, with `pause` seconds between two bytes."""
         start = max(start, self.free_at)
         for value in data:
-            self.queue.append(_Byte(start, start + self.byte_time, value))
-            start += self.byte_time
-        self.free_at = start
+            self.free_at = start + self.byte_time
+            self.queue.append(_Byte(start, self.free_at, value))
+            start = self.free_at + pause
 
     def next_end(self) -> float:
         return self.queue[0].end if self.queue else inf
@@ -236,8 +237,9 @@ class Bus:
                 if not self.tester.queue:
                     self._deliver_rest(min(now, self.ecu.next_change()))
             elif wire := self.ecu.transmit(time):
+                pause = self.ecu.responder.quirks.inter_byte
                 for sent in self.fault_injector.respond(wire):
-                    self.unit.transmit(sent.data, time + sent.delay)
+                    self.unit.transmit(sent.data, time + sent.delay, pause)
             if not self.ecu.on and self.unit.queue:
                 self.unit.clear(time)
             self._next = self._next_on_wire()

@@ -14,13 +14,14 @@ from dataclasses import dataclass
 from math import inf, nextafter
 
 from mikas import commands as c
-from mikas.framing import Decoder, Frame, encode
-from mikas.virtual.quirks import StreamEnd
+from mikas.framing import ESCAPE, TERMINATOR, Decoder, Frame, checksum, encode
+from mikas.virtual.quirks import ChecksumForm, StreamEnd
 from mikas.virtual.responder import Responder, Stream
 
 PARTIAL_REQUEST_LIFE = 0.1  # s that a unit waits for the rest of a request
 MOST_ANSWERS = 4  # responses that wait for the line to become idle; a real unit has one buffer
 STANDING_ENGINE_CHECK = 0.05  # s between checks whether a standing engine turns again
+_GOLDEN = 0.6180339887498949  # its multiples, modulo 1, are spread as evenly as any
 _ROUNDING = 1e-6  # s; a request that begins exactly after the least pause is not too soon
 
 
@@ -58,6 +59,7 @@ class VirtualEcu:
         self._free_at = -inf  # when its own last byte has left
         self._answered = -inf  # when its last response that was no stream's has left
         self._too_soon = False  # whether the request being received began within the least pause
+        self._responses = 0  # so far
         self._stream: Stream | None = None
         self._due = inf  # the stream's next response; infinity: the engine stands
         self.on: bool = True
@@ -85,6 +87,8 @@ class VirtualEcu:
                 self._report("too-soon", now)
             elif not isinstance(event, Frame):
                 self._report("damaged", now, event.data)
+            elif not self._accepts(event):
+                self._report("damaged", now, event.wire)
             elif self._stream is None or ends is not StreamEnd.BREAK:
                 self._end_stream(now)
                 self._take(event.body, now)
@@ -131,9 +135,10 @@ class VirtualEcu:
             self._report("response", now, body)
         else:
             assert self._stream is not None  # nothing else is due
-            body = self.responder.data(self._stream.parameters, now) or b""
+            body = self.responder.response_of(self._stream, now)
         wire = encode(body, raw_checksum=self.responder.quirks.raw_checksum)
-        self._free_at = now + len(wire) * 10 / self.baud
+        pauses = (len(wire) - 1) * self.responder.quirks.inter_byte
+        self._free_at = now + len(wire) * 10 / self.baud + pauses
         if self._stream is None:
             self._answered = self._free_at
         else:
@@ -146,10 +151,24 @@ class VirtualEcu:
         load = quirks.stream_load and quirks.stream_load * car.engine_speed(now) / 1000
         return quirks.stream_gap + load / 1000
 
+    def _accepts(self, frame: Frame) -> bool:
+        """Return whether the unit understands this form of a checksum 0D or 40 (D3)."""
+        form = self.responder.quirks.accepts
+        if form is ChecksumForm.BOTH or checksum(frame.body) not in (TERMINATOR, ESCAPE):
+            return True
+        return frame.raw_checksum is (form is ChecksumForm.RAW)
+
+    def _turn_round(self) -> float:
+        """Return the delay of the next response: evenly spread, the same in every session."""
+        quirks = self.responder.quirks
+        self._responses += 1
+        share = self._responses * _GOLDEN % 1 * 2 - 1
+        return max(0.0, quirks.turn_round + share * quirks.turn_round_spread)
+
     def _take(self, body: bytes, now: float) -> None:
         self._report("request", now, body)
         answer = self.responder.answer(body, now)
-        turn_round = self.responder.quirks.turn_round
+        turn_round = self._turn_round()
         if isinstance(answer, bytes) and len(self._answers) < MOST_ANSWERS:
             self._answers.append((now + turn_round, answer))
         elif answer is None or isinstance(answer, bytes):

@@ -86,38 +86,48 @@ class Responder:
         if body[:1] and body[0] in self.quirks.missing:
             return self._unknown()
         if body == b"\x63":
-            return self.data(self._list, now) if self._list else b"\x01"
+            return self._data(self._list, now) if self._list else b"\x01"
         try:
-            command = c.parse(body, self.car.size_of)
+            command = c.parse(body, self.size_of)
         except c.MalformedRequest:
             return self._bad_write() if body[:1] and body[0] in _WRITES else self._unknown()
         return self._perform(command, now)
 
-    def data(self, parameters: tuple[c.Datum, ...], now: float) -> bytes | None:
-        """Return the data of `parameters`, or the response to too long a list (D11)."""
-        if len(parameters) > self.quirks.max_list:
-            if self.quirks.long_list is LongList.SILENT:
-                return self._unknown()
-            parameters = parameters[: self.quirks.max_list]
-        return b"".join(self.car.raw(p.code, now) for p in parameters)
+    def size_of(self, code: int) -> int | None:
+        """Return the size of a parameter's datum; None: the unit has no such parameter."""
+        if code in self.quirks.lacking:
+            return None
+        return self.quirks.extra_sizes.get(code) or self.car.size_of(code)
+
+    def response_of(self, stream: Stream, now: float) -> bytes:
+        """Return one response of `stream`."""
+        return self._data(stream.parameters[: self.quirks.longest_list(stream.code)], now)
+
+    def _data(self, parameters: tuple[c.Datum, ...], now: float) -> bytes:
+        return b"".join(self._raw(p.code, now) for p in parameters)
+
+    def _raw(self, code: int, now: float) -> bytes:
+        size = self.quirks.extra_sizes.get(code)
+        return self.car.raw(code, now) if size is None else extra_datum(code, size)
 
     def _unknown(self) -> bytes | None:
-        return b"\x01" if self.quirks.unknown is Unknown.ERROR else None
+        return self.quirks.unknown_body if self.quirks.unknown is Unknown.ERROR else None
 
     def _bad_write(self) -> bytes | None:
         return b"\x01" if self.quirks.bad_write is BadWrite.ERROR else None
 
     def _perform(self, command: c.Command[Any], now: float) -> Answer:
         match command:
-            case c.StreamCyclic() | c.StreamAtStroke():
-                too_long = len(command.parameters) > self.quirks.max_list
+            case c.StreamCyclic() | c.StreamAtStroke() | c.ReadParameters():
+                longest = self.quirks.longest_list(command.code)
+                too_long = len(command.parameters) > longest
                 if too_long and self.quirks.long_list is LongList.SILENT:
                     return self._unknown()
+                if isinstance(command, c.ReadParameters):
+                    return self._data(command.parameters[:longest], now)
                 return command
-            case c.ReadParameters(parameters):
-                return self.data(parameters, now)
             case c.WriteList(parameters):
-                if len(parameters) > self.quirks.max_list:
+                if len(parameters) > self.quirks.longest_list(command.code):
                     return self._bad_write()
                 self._list = parameters
                 return b"\x00"
@@ -140,13 +150,18 @@ class Responder:
                 return command.respond(self.identity.passports[part + 2])
             case c.CountParameters():
                 count = self.identity.parameter_count
-                return command.respond(min(0xFF, len(self.car.codes)) if count is None else count)
+                return command.respond(min(0xFF, self._count()) if count is None else count)
         return None
+
+    def _count(self) -> int:
+        return len({*self.car.codes, *self.quirks.extra_sizes} - self.quirks.lacking)
 
     def _write_parameter(self, code: int, data: bytes) -> bool:
         if code == ERASE_CELL:
             return self._erase(data)
-        return self.car.size_of(code) == len(data) and self.car.write(code, data)
+        if code in self.quirks.extra_sizes:
+            return False  # D17: read-only
+        return self.size_of(code) == len(data) and self.car.write(code, data)
 
     def _erase(self, data: bytes) -> bool:
         """Return whether `data` is the first write of the erase, or the second that follows it."""
@@ -175,6 +190,11 @@ class Responder:
             case ByteCommand():
                 return command.respond(memory.read(command.SPACE, command.address)[0])
         raise AssertionError(f"{command.name.en} is not implemented")
+
+
+def extra_datum(code: int, size: int) -> bytes:
+    """Return the datum of an extra code, which never changes: `37·code + 11·byte + 5`."""
+    return bytes((37 * code + 11 * byte + 5) & 0xFF for byte in range(size))
 
 
 _WRITES = frozenset(
