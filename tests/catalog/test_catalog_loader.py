@@ -200,6 +200,7 @@ def test_the_public_names_are_those_of_the_list() -> None:
     assert mikas.catalog.__all__ == [
         "INTERPRETATIONS", "AlarmLimits", "Catalog", "Confidence", "Conversion", "Derived",
         "Erratum",
-        "Fault", "Interpretation", "Lamp", "Level", "Meaning", "Model", "Parameter",
+        "Fault", "InstrumentChannel", "Interpretation", "Lamp", "Level", "Meaning", "Model",
+        "Parameter",
         "load", "shipped",
     ]  # fmt: skip

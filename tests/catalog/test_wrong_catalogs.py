@@ -32,7 +32,8 @@ from mikas.i18n import Text
         # names and keys
         ("\n[parametr.P]\n", 2, "unknown key `parametr`; the nearest is `parameter`"),
         ("\nzzz = 1\n", 2,
-         "unknown key `zzz`; known are parameter, derived, fault, model, erratum, unit, version"),
+         ("unknown key `zzz`; known are parameter, derived, instrument, fault, model, "
+          "erratum, unit, version")),
         (NEW + "scal = 2\n", 5, "unknown key `scal`; the nearest is `scale`"),
         (NEW + '"sсаle" = 2\n', 5, "the nearest is `scale`"),
         (NEW + "literal = {\tscal = 2 }\n", 5, "unknown key `scal`; the nearest is `scale`"),

@@ -8,6 +8,7 @@
 """
 
 from mikas.catalog.conversion import Conversion
+from mikas.catalog.instrument_channels import InstrumentChannel
 from mikas.catalog.limits import AlarmLimits, Confidence, Level
 from mikas.catalog.loading.loader import load, shipped
 from mikas.catalog.lookup import Catalog
@@ -32,6 +33,7 @@ __all__ = [
     "Derived",
     "Erratum",
     "Fault",
+    "InstrumentChannel",
     "Interpretation",
     "Lamp",
     "Level",

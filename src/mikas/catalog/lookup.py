@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 from mikas.catalog.conversion import Conversion
+from mikas.catalog.instrument_channels import InstrumentChannel
 from mikas.catalog.model import Derived, Erratum, Fault, Model, Parameter, in_order
 from mikas.catalog.synonyms import Named, named, normal, synonyms_of
 from mikas.errors import UnknownParameter
@@ -37,6 +38,8 @@ class Catalog:
     """In the order of §4, the user's own after them."""
     derived: Mapping[str, Derived]
     """The derived channels by name."""
+    instruments: Mapping[str, InstrumentChannel] = field(default_factory=dict)
+    """The channels of instruments beside the unit, by name."""
     faults: Mapping[int, Fault]
     """The faults by number."""
     models: Mapping[int, Model]

@@ -10,7 +10,9 @@ from typing import Any, TypeVar
 from mikas.catalog import model
 from mikas.catalog.conversion import NO_TEXT, Conversion
 from mikas.catalog.formula_syntax import parse
+from mikas.catalog.instrument_channels import InstrumentChannel
 from mikas.catalog.limits import LIMITS, AlarmLimits, Confidence, Level
+from mikas.catalog.loading.conflicts import check_names, check_sizes
 from mikas.catalog.loading.entries import Entries, Entry
 from mikas.catalog.loading.fields import constant, made, read_value
 from mikas.catalog.loading.source import KeyPath
@@ -20,7 +22,15 @@ from mikas.errors import UsageError
 from mikas.i18n import Text
 from mikas.options import nearest
 
-T = TypeVar("T", model.Derived, model.Erratum, model.Fault, model.Model, model.Parameter)
+T = TypeVar(
+    "T",
+    model.Derived,
+    model.Erratum,
+    model.Fault,
+    model.Model,
+    model.Parameter,
+    InstrumentChannel,
+)
 
 _OF_NUMBERS = (*LIMITS, "hysteresis")
 _OF_FLAGS = ("when_true",)
@@ -37,8 +47,8 @@ def catalog_of(entries: Entries, version: str) -> Catalog:
     parameters = tuple(
         _parameter(name, entry, units, entries) for name, entry in entries["parameter"].items()
     )
-    _check_sizes(entries["parameter"])
-    _check_names(entries)
+    check_sizes(entries["parameter"])
+    check_names(entries)
     known = {**entries["parameter"], **entries["derived"]}
     names = synonyms_of(Named(each.name, each.text, each.short) for each in parameters)
 
@@ -53,6 +63,10 @@ def catalog_of(entries: Entries, version: str) -> Catalog:
     return Catalog(
         parameters=parameters,
         derived=derived,
+        instruments={
+            name: instrument_channel(name, entry, units)
+            for name, entry in entries["instrument"].items()
+        },
         faults={
             code: _fault(code, entry, entries["parameter"])
             for code, entry in entries["fault"].items()
@@ -176,16 +190,20 @@ def _derived(
     )
 
 
-def _check_names(entries: Entries) -> None:
-    """Refuse a name of both a parameter and a derived channel, in the later file."""
-    for name, entry in entries["derived"].items():
-        if (parameter := entries["parameter"].get(name)) is None:
-            continue
-        if parameter.first[0].order > entry.first[0].order:
-            raise parameter.wrong_name(
-                Text("is the name of a derived channel", "имя занято производным каналом")
-            )
-        raise entry.wrong_name(Text("is the name of a parameter", "имя занято параметром"))
+def instrument_channel(
+    name: str, entry: Entry, unit_texts: Mapping[str, Text]
+) -> InstrumentChannel:
+    """Build the channel of an instrument."""
+    unit = entry.values.get("unit", "")
+    return _built(
+        InstrumentChannel,
+        entry,
+        name=name,
+        text=entry.text("text"),
+        short=_short(entry),
+        unit_text=unit_texts.get(unit, Text(unit, unit)),
+        alarm_limits=alarm_limits(entry, is_flag=False),
+    )
 
 
 def _check_cycles(entries: Mapping[str, Entry], built: Mapping[str, model.Derived]) -> None:
@@ -346,26 +364,3 @@ def does_not_exist(name: str, known: Iterable[str]) -> Text:
         f"names {name}, which does not exist" + (f"; the nearest is {close[0]}" if close else ""),
         f"имени {name} нет" + (f"; ближайшее — {close[0]}" if close else ""),
     )
-
-
-def _check_sizes(entries: Mapping[str, Entry]) -> None:
-    """Refuse two sizes of one code, in the later file."""
-    first: dict[int, tuple[str, Entry]] = {}
-    for name, entry in entries.items():
-        code, size = entry.values["code"], entry.values["size"]
-        other_name, other = first.setdefault(code, (name, entry))
-        if size == (other_size := other.values["size"]):
-            continue
-        latest, key = max(
-            ((each, key) for each in (entry, other) for key in (("size",), ("code",))),
-            key=lambda candidate: candidate[0].order(candidate[1]),
-        )
-        raise latest.wrong(
-            key,
-            Text(
-                f"makes code 0x{code:02X} of two sizes in bytes: {other_name} has {other_size}, "
-                f"{name} has {size}",
-                f"у кода 0x{code:02X} два размера: в {other_name} байтов {other_size}, "
-                f"в {name} — {size}",
-            ),
-        )

@@ -276,6 +276,20 @@ FAMILIES: Mapping[str, Family] = {
             "confidence": CONFIDENCE,
         },
     ),
+    "instrument": Family(
+        mnemonic,
+        {
+            "text": TEXT,
+            "short": TEXT,
+            "unit": string,
+            "decimals": integer(0, 8),
+            "range": span,
+            **_SCALES,
+            "limits": _ALARMS,
+            "source": string,
+            "confidence": CONFIDENCE,
+        },
+    ),
     "fault": Family(
         byte_key,
         {

@@ -1,8 +1,8 @@
 """The shipped catalog, overridden by a user's files.
 
-A file has tables named `[parameter.TWAT]`, `[derived.FUEL_USED]`, `[fault.13]`, `[model.0x09]`,
-`[erratum.E1]` and `[unit.rpm]`; an existing entry is overridden key by key, so two lines can
-change one text. Adding a parameter takes five lines:
+A file has tables named `[parameter.TWAT]`, `[derived.FUEL_USED]`, `[instrument.LAMBDA]`,
+`[fault.13]`, `[model.0x09]`, `[erratum.E1]` and `[unit.rpm]`; an existing entry is overridden key
+by key, so two lines can change one text. Adding a parameter takes five lines:
 
     [parameter.BOOST]
     code = 0x33
@@ -32,6 +32,7 @@ _SHIPPED = (
     "errata.toml",
     "parameters.toml",
     "derived.toml",
+    "instruments.toml",
     "faults.toml",
     "models.toml",
 )

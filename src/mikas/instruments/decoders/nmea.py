@@ -1,0 +1,129 @@
+"""NMEA 0183: the sentences RMC, GGA and VTG of any GPS, GLONASS or combined receiver.
+
+    $GPRMC,123519,A,4807.038,N,01131.000,E,022.4,084.4,230394,003.1,W*6A
+    talker GP, sentence RMC; A: valid; 48° 07.038′; 22.4 knots; 84.4°; checksum
+
+A sentence without a right checksum gives no value: a GPS beside an ignition coil has such ones.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from functools import reduce
+from operator import xor
+from typing import Final
+
+from mikas.instruments.decoders.splitting import LineSplitter
+from mikas.instruments.events import (
+    NO_FIX,
+    NOT_UNDERSTOOD,
+    OUT_OF_RANGE,
+    TOO_LONG,
+    WRONG_CHECKSUM,
+    InstrumentEvent,
+    InstrumentValues,
+    NoValues,
+)
+
+CHANNELS: Final = ("GPS_SPEED", "GPS_LAT", "GPS_LON", "GPS_ALT", "GPS_COURSE")
+LONGEST_SENTENCE: Final = 200  # 82 by the standard; receivers have longer ones of their own
+KNOT: Final = 1.852  # km/h
+_DIGITS: Final = frozenset("0123456789.+-")
+
+
+class NmeaDecoder:
+    """Decodes sentences. `fits`: whether a channel can have a value."""
+
+    def __init__(self, fits: Callable[[Mapping[str, float]], bool]) -> None:
+        self._fits = fits
+        self._lines = LineSplitter(LONGEST_SENTENCE)
+
+    def drop(self) -> None:
+        """As `InstrumentDecoder.drop`."""
+        self._lines.drop()
+
+    def feed(self, data: bytes) -> list[InstrumentEvent]:
+        """As `InstrumentDecoder.feed`."""
+        return list(self._events(data))
+
+    def _events(self, data: bytes) -> Iterator[InstrumentEvent]:
+        for line in self._lines.feed(data):
+            if not line.is_whole:
+                yield NoValues(line.end, TOO_LONG, line.data)
+                continue
+            start = line.data.rfind(b"$")  # what stands before it is the rest of another sentence
+            if start < 0:
+                yield NoValues(line.end, NOT_UNDERSTOOD, line.data)
+                continue
+            body, star, given = line.data[start + 1 :].partition(b"*")
+            if not star or f"{reduce(xor, body, 0):02X}".encode() != given.strip().upper():
+                yield NoValues(line.end, WRONG_CHECKSUM, line.data)
+                continue
+            try:
+                values = _values(body.decode("ascii").split(","))
+            except (ValueError, IndexError):
+                yield NoValues(line.end, NOT_UNDERSTOOD, line.data)
+                continue
+            if values is None:
+                yield NoValues(line.end, NO_FIX, line.data)
+            elif not self._fits(values):
+                yield NoValues(line.end, OUT_OF_RANGE, line.data)
+            elif values:
+                yield InstrumentValues(line.end, values)
+
+
+def _values(words: list[str]) -> dict[str, float] | None:
+    """Return the values of a sentence; none of another kind; None: the receiver has no position.
+
+    Raises `ValueError` or `IndexError`.
+    """
+    match words[0][2:]:
+        case "RMC":
+            if words[2] != "A":
+                return None
+            found = _position(words[3:7])
+            if words[7]:
+                found["GPS_SPEED"] = _number(words[7]) * KNOT
+            if words[8]:
+                found["GPS_COURSE"] = _number(words[8])
+            return found
+        case "GGA":
+            if words[6] in ("", "0"):
+                return None
+            found = _position(words[2:6])
+            if words[9]:
+                found["GPS_ALT"] = _number(words[9])
+            return found
+        case "VTG":
+            if len(words) > 9 and words[9] == "N":
+                return None
+            found = {}
+            if words[1]:
+                found["GPS_COURSE"] = _number(words[1])
+            if words[7]:
+                found["GPS_SPEED"] = _number(words[7])
+            return found
+    return {}
+
+
+def _position(words: list[str]) -> dict[str, float]:
+    """Return latitude and longitude of `4807.038,N,01131.000,E`."""
+    latitude, north, longitude, east = words
+    return {
+        "GPS_LAT": _degrees(latitude, 2) * {"N": 1, "S": -1}.get(north, 1000),
+        "GPS_LON": _degrees(longitude, 3) * {"E": 1, "W": -1}.get(east, 1000),
+    }
+
+
+def _degrees(text: str, digits: int) -> float:
+    minutes = _number(text[digits:])
+    if not 0 <= minutes < 60:
+        raise ValueError(text)
+    return int(text[:digits]) + minutes / 60
+
+
+def _number(text: str) -> float:
+    """Return a plain number: `float` alone would take “nan” and “1_0”, too."""
+    if not _DIGITS.issuperset(text):
+        raise ValueError(text)
+    return float(text)
