@@ -258,10 +258,10 @@ MEMORY = (
     row(
         "memory",
         "bytes are written behind the lock",
-        press("memory/Lock unlock"),
+        press("writing/Lock unlock"),
         CANCEL,
-        press("memory/Lock unlock"),
-        press("memory/Lock unlock_yes"),
+        press("writing/Lock unlock"),
+        press("writing/Lock unlock_yes"),
         CLOSED,
         press("band/BandFigures unlocked", within=BAND),
         on_screen("memory"),
@@ -284,7 +284,7 @@ MEMORY = (
         tick("The car stands still"),
         press("memory/cells/WriteSheet write_yes"),
         shows(TOASTS, "Written and read back"),
-        press("memory/Lock lock"),
+        press("writing/Lock lock"),
         shows("#screen", "Unlock writing"),
     ),
     row(
@@ -317,6 +317,33 @@ MEMORY = (
         press("memory/dumps/DumpCard compare_verb", within=DUMP),
         shows(f"{SHEET} [type=file]"),
         press("memory/dumps/CompareSheet close", css="dialog .foot button"),
+        CLOSED,
+    ),
+)
+WRITING = (
+    row(
+        "live",
+        "a parameter is written, and put back",
+        press("live/tiles/Opener button", css='[data-opens="RCOD"]'),
+        press("channelCard/ChannelCard write"),
+        press("writing/Lock unlock"),
+        press("writing/Lock unlock_yes"),
+        press("writing/WriteParameter less"),
+        press("writing/WriteParameter more"),
+        press("writing/WriteParameter review"),
+        shows(f"{SHEET} [data-after]", "[0-9]"),
+        Shot("proposed"),
+        press("writing/WriteParameter no"),
+        press("writing/WriteParameter review"),
+        press("writing/WriteParameter confirm"),
+        says("Written and read back"),
+        press("faults/Journal journal"),
+        press("writing/WriteParameter back"),
+        gone(f"{SHEET} button:has-text('Back to')"),
+        press("writing/Lock lock"),
+        says("Writing is locked"),
+        press("writing/WriteParameter close"),
+        CLOSE,
         CLOSED,
     ),
 )
@@ -360,4 +387,4 @@ ANOTHER_CAR = (
         CLOSED,
     ),
 )
-UNIT = (FAULTS[0], *TESTS, *CAUSES, *PASSPORT, *MEMORY, *FAULTS[1:], *LACKING)
+UNIT = (FAULTS[0], *TESTS, *CAUSES, *PASSPORT, *MEMORY, *WRITING, *FAULTS[1:], *LACKING)

@@ -126,6 +126,8 @@ UNIT = (
     get("/memory/{space}", "/memory/xram?address=0x9000&count=16"),
     post("/unlock", {}),
     *change({"kind": "write_memory", "space": "xram", "address": 0x9000, "data": "0102"}),
+    get("/parameters/{name}", "/parameters/RCOD"),
+    *change({"kind": "write_parameter", "name": "RCOD", "value": -0.25}),
     post("/lock"),
     get("/journal"),
     post("/dumps", {"space": "xram", "first": 0x8000, "last": 0x9FFF}, takes=IDENTITY),

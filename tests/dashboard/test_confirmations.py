@@ -38,6 +38,16 @@ def test_what_is_no_longer_as_it_was_shown_does_not_pass():
             it.confirm(WRITE)
 
 
+def test_a_parameter_may_have_moved_since_but_only_the_shown_bytes_are_written():
+    it, write = WriteApproval(), replace(WRITE, name="UOZ", safety=Safety.LASTING)
+    with it.given_to("UOZ", "0B"):
+        assert it.confirm(replace(write, before="77"))
+        for other in (replace(write, after="0C"), replace(write, name="SSM"), WRITE):
+            with pytest.raises(ConfirmationOutdated):
+                it.confirm(other)
+    assert not it.confirm(write)
+
+
 def test_a_dangerous_change_without_confirmation_does_not_reach_the_unit(idle):
     """Whoever asks for it inside the program; changes are locked, and no client has confirmed."""
 

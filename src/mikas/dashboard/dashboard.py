@@ -41,8 +41,10 @@ from mikas.dashboard.session.freeze_frames import FreezeFrameStore
 from mikas.dashboard.session.guided_tests import GuidedTests
 from mikas.dashboard.session.history import FaultHistory, History
 from mikas.dashboard.session.monitor import ConnectionMonitor
+from mikas.dashboard.session.parameter_writing import ParameterWriting
 from mikas.dashboard.session.port_threads import Diagnosis, SamplingThread
 from mikas.dashboard.session.recorder import SessionRecorder
+from mikas.dashboard.session.start_values import StartValues
 from mikas.dashboard.settings import PortSettings, Settings
 from mikas.errors import MikasError
 from mikas.i18n import Text
@@ -118,8 +120,13 @@ class Dashboard:
             in_progress=lambda: self.recorder.file_name,
         )
         self.dump_jobs: DumpJobs = DumpJobs(self.connection, settings.dumps, clock)
-        self.changes: UnitChanges = UnitChanges(
-            self.connection, self.fault_history, options.interpretation, self.catalogs
+        self.changes: UnitChanges = UnitChanges(self.connection, self.fault_history)
+        self.writing: ParameterWriting = ParameterWriting(
+            self.connection,
+            self.changes.approval,
+            options.interpretation,
+            self.catalogs,
+            StartValues(settings.in_state("start-values.json"), settings.virtual_units),
         )
         self.diagnosis: Diagnosis | None = None
         """The diagnosis that has the port."""
@@ -226,6 +233,8 @@ class Dashboard:
             self.monitor.add_event(it)
             if isinstance(it, events.Sampled | events.UnitFound):
                 self.guided.add_event(it)
+            if isinstance(it, events.UnitFound):
+                self.writing.starts.begin_unit(it)
             if isinstance(it, events.UnitFound) and it.another:
                 self._clear_unit()
                 self.fault_history.clear()

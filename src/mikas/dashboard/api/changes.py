@@ -141,9 +141,7 @@ async def _prepared(dashboard: Dashboard, body: ChangeRequest) -> control.Pendin
         case EraseFaultsRequest():
             return await dashboard.changes.erase_faults()
         case WriteParameterRequest():
-            return await dashboard.changes.write_parameter(
-                body.name, value=body.value, raw=body.raw
-            )
+            return await dashboard.writing.proposal(body.name, value=body.value, raw=body.raw)
         case WriteMemoryRequest():
             return await dashboard.changes.write_memory(
                 body.space, body.address, bytes.fromhex(body.data)
@@ -152,6 +150,32 @@ async def _prepared(dashboard: Dashboard, body: ChangeRequest) -> control.Pendin
             return await recording_deletion(dashboard.library, body.id)
         case DeleteDumpRequest():
             return await dashboard.dump_jobs.deletion(body.id)
+
+
+class WritableParameter(BaseModel):
+    """The value of a parameter, what can be written, and the value before the first write.
+
+    `lowest`, `highest`, `step`: of its raw bytes; null: a flag, which is written as `raw`.
+    """
+
+    name: str
+    now: control.ValueShown | None = Field(description="null: the unit does not give it")
+    time: float
+    lowest: float | None
+    highest: float | None
+    step: float | None
+    start: control.ValueShown | None = Field(
+        description="before the first write of this session; null: none was made"
+    )
+    start_time: float | None
+
+
+@router.get("/parameters/{name}", tags=["changes"], responses=errors(409, 502, 503))
+async def parameter(
+    dashboard: TheDashboard, _: Controller, name: Annotated[str, Path(max_length=40)]
+) -> WritableParameter:
+    """Read a parameter, and return what can be written to it."""
+    return made_of(WritableParameter, await dashboard.writing.look(name))
 
 
 class MemoryResponse(BaseModel):

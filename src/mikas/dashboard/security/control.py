@@ -312,26 +312,37 @@ class WriteApproval:
     """Belongs to the sampling thread, where changes are made as jobs inside `given`.
 
     The gate asks last, with the content that it has just read. If that content differs from the
-    one shown, nothing is sent.
+    one shown, nothing is sent. A parameter is different: the running engine moves most of them
+    all the time, so exactly the shown bytes are approved (`given_to`), whatever they replace.
     """
 
     def __init__(self) -> None:
-        self._before: str | None = None
-        self._in_force = False
+        self._as_shown: Callable[[Change], bool] | None = None  # None: nothing is approved
 
     @contextmanager
     def given(self, before: str | None) -> Iterator[None]:
         """Approve the one change made inside; `before`: the content shown, in spaced hex."""
-        self._before, self._in_force = before, True
+        with self._approved(lambda change: change.before == before):
+            yield
+
+    @contextmanager
+    def given_to(self, name: str, after: str | None) -> Iterator[None]:
+        """Approve writing `after`, in spaced hex, to the parameter `name`, made inside."""
+        with self._approved(lambda change: (change.name, change.after) == (name, after)):
+            yield
+
+    @contextmanager
+    def _approved(self, as_shown: Callable[[Change], bool]) -> Iterator[None]:
+        self._as_shown = as_shown
         try:
             yield
         finally:
-            self._in_force = False
+            self._as_shown = None
 
     def confirm(self, change: Change) -> bool:
         """Answer the gate's question. Raises `ConfirmationOutdated`."""
-        if not self._in_force:
+        if self._as_shown is None:
             return change.safety <= Safety.REVERSIBLE
-        if change.before != self._before:
+        if not self._as_shown(change):
             raise errors.ConfirmationOutdated
         return True

@@ -13,15 +13,12 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
 
-from mikas.catalog import Parameter
-from mikas.client import Ecu, Reading
+from mikas.client import Ecu
 from mikas.client.erasing import engine_runs, erasing
 from mikas.client.gate import journal_hex
 from mikas.client.memory.spaces import writing
-from mikas.client.parameters.parameters import KEEPING_UNKNOWN, datum_to_write
-from mikas.client.parameters.readings import decode
 from mikas.commands.base import check_range
-from mikas.dashboard.errors import BadRequest, Busy, ConfirmationOutdated, NotFound, api_hex
+from mikas.dashboard.errors import Busy, ConfirmationOutdated, NotFound, api_hex
 from mikas.dashboard.library.folder import RecordingFile
 from mikas.dashboard.library.service import RecordingService
 from mikas.dashboard.security.control import (
@@ -29,13 +26,11 @@ from mikas.dashboard.security.control import (
     FaultShown,
     PendingChange,
     RecordingShown,
-    ValueShown,
     WriteApproval,
 )
-from mikas.dashboard.session.catalog_in_use import CatalogInUse
 from mikas.dashboard.session.connection import Connection
 from mikas.dashboard.session.history import FaultHistory
-from mikas.errors import NotSupported, UsageError
+from mikas.errors import UsageError
 from mikas.file_locks import writer_of
 from mikas.i18n import Text
 
@@ -68,8 +63,6 @@ class UnitChanges:
 
     _connection: Connection
     _fault_history: FaultHistory
-    _interpretation: str
-    _catalogs: CatalogInUse
     approval: WriteApproval = field(default_factory=WriteApproval, init=False)
 
     async def erase_faults(self) -> PendingChange:
@@ -101,41 +94,6 @@ class UnitChanges:
             meaning=engine_runs(rpm) if rpm else None,
         )
 
-    async def write_parameter(
-        self, name: str, *, value: float | None, raw: str | None
-    ) -> PendingChange:
-        """Prepare writing a physical `value`, or the `raw` bytes in hex.
-
-        Raises for an unknown parameter, and for a value that does not fit it.
-        """
-        parameter = self._catalogs.catalog.parameter(name)
-        if (value is None) == (raw is None):
-            raise BadRequest(
-                problem=Text(
-                    "give either a value or raw bytes", "нужно или значение, или исходные байты"
-                )
-            )
-        given = None if raw is None else bytes.fromhex(raw)
-        datum = datum_to_write(parameter, value, given, self._interpretation)
-        before = await self._connection.ask(lambda ecu: _read(ecu, parameter))
-
-        def write(ecu: Ecu) -> ValueShown | None:
-            with self.approval.given(journal_hex(before.raw) if before else None):
-                return _shown(ecu.write_parameter(parameter.name, raw=datum).after)
-
-        after = decode(parameter, datum, self._connection.now(), self._interpretation)
-        return PendingChange(
-            what=Text(f"write parameter {parameter.name}", f"записать параметр {parameter.name}"),
-            before=_shown(before),
-            after=_shown(after),
-            make=lambda: self._connection.ask(write),
-            meaning=Text(
-                f"{parameter.text.en}: {before or 'not readable'} → {after}. {KEEPING_UNKNOWN.en}",
-                f"{parameter.text.ru}: {before or 'не читается'} → {after}. {KEEPING_UNKNOWN.ru}",
-            ),
-            needs_unlock=True,
-        )
-
     async def write_memory(self, space: str, address: int, data: bytes) -> PendingChange:
         """Prepare writing bytes. Raises for a range that the space does not have."""
         check_range(space, address, len(data))
@@ -157,18 +115,6 @@ class UnitChanges:
             meaning=_PROGRAM if danger else _WORKING,
             needs_unlock=True,
         )
-
-
-def _read(ecu: Ecu, parameter: Parameter) -> Reading | None:
-    try:
-        value = ecu.read(parameter.name)[parameter.name]
-    except NotSupported:
-        return None
-    return value if isinstance(value, Reading) else None
-
-
-def _shown(reading: Reading | None) -> ValueShown | None:
-    return ValueShown(reading.value, reading.unit, reading.raw.hex().upper()) if reading else None
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,6 +13,7 @@ export const t = dictionary({
   danger: { en: "danger", ru: "опасно" },
   notSampled: { en: "It is not being read now", ru: "Сейчас не опрашивается" },
   refused: { en: "This unit does not have it", ru: "В этом блоке его нет" },
+  write: { en: "Write to the unit…", ru: "Записать в блок…" },
   watch: { en: "Read it", ru: "Опрашивать" },
 
   virtual: { en: "Virtual car, warm idle", ru: "Виртуальный автомобиль, прогрет, холостой ход" },

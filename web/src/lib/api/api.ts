@@ -109,6 +109,7 @@ export function createApi(host: Transport) {
     lock: () => post<Api.State>("/lock"),
     prepareChange: (change: Api.Change) => post<Api.ChangeProposal>("/changes", change),
     confirmChange: (nonce: string) => post<Api.ChangeResult>(`/changes/${part(nonce)}`),
+    parameter: (name: string) => get<Api.WritableParameter>(`/parameters/${part(name)}`),
     journal: () => get<Api.Journal>("/journal"),
 
     startRecording: (name: string | null = null) => post<Api.State>("/recording/start", { name }),

@@ -1553,6 +1553,23 @@ export interface components {
             name: string;
             text: components["schemas"]["TwoTexts"];
         };
+        /**
+         * @description The value of a parameter, what can be written, and the value before the first write.
+         *
+         *     `lowest`, `highest`, `step`: of its raw bytes; null: a flag, which is written as `raw`.
+         */
+        WritableParameter: {
+            name: string;
+            /** @description null: the unit does not give it */
+            now: components["schemas"]["ValueShown"] | null;
+            time: number;
+            lowest: number | null;
+            highest: number | null;
+            step: number | null;
+            /** @description before the first write of this session; null: none was made */
+            start: components["schemas"]["ValueShown"] | null;
+            start_time: number | null;
+        };
         /** @description Write bytes, beginning at an address. */
         WriteMemoryRequest: {
             /** @constant */

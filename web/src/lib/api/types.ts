@@ -72,6 +72,7 @@ export type Change =
 /** What a change would do; shown before a person confirms it with its nonce. */
 export type ChangeProposal = Schemas["ChangeProposal"];
 export type ChangeResult = Pick<Schemas["ChangeResult"], "before" | "after">;
+export type WritableParameter = Schemas["WritableParameter"];
 export type Journal = Schemas["JournalResponse"];
 
 export type Car = Schemas["CarInfo"];

@@ -107,19 +107,6 @@ export const t = dictionary({
   compare_large: { en: "This file is larger than a memory space (64 KB): it is not a dump.", ru: "Этот файл больше области памяти (64 КБ): это не дамп." },
   close: { en: "Close", ru: "Закрыть" },
 
-  unlock: { en: "Unlock writing for 5 minutes…", ru: "Разрешить запись на 5 минут…" },
-  unlock_title: { en: "Unlock writing?", ru: "Разрешить запись?" },
-  unlock_more: {
-    en: "A wrong byte in RAM or in a register can stop a running engine at once; one in CODE can make the unit unable to start. Write only while the car stands still and after dumping the current contents.",
-    ru: "Неверный байт в RAM или регистре может сразу заглушить двигатель, а в CODE — вывести блок из строя. Только на стоящей машине и после считывания дампа.",
-  },
-  unlock_each: { en: "Each write still has to be confirmed. Writing is locked again after five minutes.", ru: "Каждую запись всё равно нужно подтвердить. Через пять минут запись снова запрещается." },
-  unlock_yes: { en: "Unlock", ru: "Разрешить" },
-  lock: { en: "Lock now", ru: "Запретить сейчас" },
-  locked: { en: "Writing is locked", ru: "Запись в память запрещена" },
-  unlocked: { en: "Writing is unlocked for {time}", ru: "Запись в память разрешена ещё {time}" },
-  locked_more: { en: "Reading needs no unlocking. Unlock before writing.", ru: "Для чтения разрешение не нужно. Запись нужно сначала разрешить." },
-
   write: { en: "Write bytes", ru: "Записать байты" },
   write_bytes: { en: "Bytes, hex", ru: "Байты, hex" },
   write_bytes_bad: { en: "Enter bytes as pairs of hex digits: 0D FF 10.", ru: "Введите байты парами hex-цифр: 0D FF 10." },
