@@ -56,7 +56,7 @@ def made(tmp_path_factory):
 
 # `{folder}` is the hostile one. Each command at least once well and once in error.
 LINES = [
-    ("ports",), ("doctor",), ("info",), ("params",), ("params", "EVIL"), ("read",),
+    ("ports",), ("doctor",), ("info",), ("params",), ("params", "EVIL"), ("evidence",), ("read",),
     ("read", "EVIL", ESC), ("scan",), ("scan", "-o", f"s{ESC}.toml"), ("faults",),
     ("watch", "EVIL", "--count", "2"), ("watch", f"no{ESC}"), ("watch", "--price", "EVIL"),
     ("log", "-o", f"l{ESC}.pcapng", "--count", "2"), ("log", "-o", f"l{ESC}.csv"),

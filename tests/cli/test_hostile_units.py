@@ -84,8 +84,8 @@ CASES = {
     "report": Case("report -o report.html --duration 1"),
 }
 WITHOUT_A_UNIT = {
-    "ports", "params", "decode", "export", "find", "split", "wireshark", "sigrok", "fleet", "sim",
-    "demo", "mem diff", "help",
+    "ports", "params", "evidence", "decode", "export", "find", "split", "wireshark", "sigrok",
+    "fleet", "sim", "demo", "mem diff", "help",
     "completion",
 }  # fmt: skip
 APART = {"dash", "publish"}  # below

@@ -90,6 +90,7 @@ NAVIGATION: tuple[Entry | Section, ...] = (
             _page("reference/exports.md", "Exports", "Экспорт"),
             _page("reference/capture.md", "Captures", "Файлы записей"),
             _page("reference/catalog.md", "Catalog files", "Файлы каталога"),
+            _page("reference/evidence.md", "Evidence", "На чём что держится"),
             Section(
                 Text("What the program knows", "Что программа знает"),
                 (

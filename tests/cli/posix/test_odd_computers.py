@@ -122,7 +122,7 @@ def lines(folder: str, prefix: str) -> list[list[str]]:
     serve = ("--no-browser",)
     yes, risky = ("--yes", *SIM), ("--yes", "--i-know-what-this-does", *SIM)
     return [
-        ["--version"], ["ports"], ["params"], ["doctor", *SIM], ["info", *SIM],
+        ["--version"], ["ports"], ["params"], ["evidence"], ["doctor", *SIM], ["info", *SIM],
         ["read", "TWAT", "--capture", at("c.pcapng"), *SIM],
         ["scan", "--retries", "0", "-o", at("s.toml"), *SIM],
         ["watch", "TWAT", "--count", "2", *SIM],

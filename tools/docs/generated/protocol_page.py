@@ -1,4 +1,4 @@
-"""The worked bytes of the protocol's page (§3.5, §4.1), from the vectors in `conformance/`.
+"""The worked bytes of the protocol's page (§3.5, §4.1), from the vectors in `conformance/`, and §6.
 
 The page itself is a document that people edit; only the tables between two comments are made here.
 A command that no vector shows is encoded by the product's codec, and its line is marked.
@@ -16,6 +16,7 @@ from mikas.commands import Datum, StreamAtStroke, StreamCyclic
 from mikas.dissectors.tables import tables_of
 from mikas.framing import encode
 from mikas.i18n import Language, Text
+from tools.docs.generated import evidence_page
 from tools.docs.generated.bodies import Meanings, number_of, with_unit
 from tools.docs.generated.places import filled
 from tools.docs.generated.tables import code, table
@@ -65,6 +66,7 @@ def protocol(catalog: Catalog, language: Language) -> str:
     made = {
         "commands": lambda: commands(catalog, language),
         "parameters": lambda: parameters(catalog, language),
+        "evidence": lambda: evidence_page.bases(catalog, language),
     }
     return filled(file.read_text("utf-8"), made)
 

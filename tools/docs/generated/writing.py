@@ -14,6 +14,7 @@ from tools.docs.generated import (
     catalog_pages,
     causes_page,
     command_pages,
+    evidence_page,
     frames,
     help_pages,
     install_page,
@@ -28,6 +29,7 @@ _PAGES: dict[str, Callable[[Catalog, Language], str]] = {
     "reference/channels.md": catalog_pages.channels,
     "reference/causes.md": causes_page.causes,
     "reference/commands.md": command_pages.commands,
+    "reference/facts.md": evidence_page.facts,
     "how-to/install.md": install_page.install,
     "protocol.md": protocol_page.protocol,
 }

@@ -58,6 +58,11 @@ COMMANDS: dict[str, tuple[str, Text]] = {
         "which codes the unit answers; a catalog file to start from",
         "на какие коды отвечает блок; заготовка каталога",
     ),
+    "evidence": home(
+        "unit.evidence",
+        "what clauses, channels and faults rest on (needs no port)",
+        "на чём держатся пункты, каналы и ошибки (порт не нужен)",
+    ),
     "report": home(
         "recordings.report",
         "a report on the car, from a recording or measured now",

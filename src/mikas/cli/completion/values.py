@@ -96,6 +96,16 @@ def channel_names(ctx: click.Context, parameter: click.Parameter, incomplete: st
     return offers
 
 
+def evidence_names(ctx: click.Context, _: click.Parameter, incomplete: str) -> Offers:
+    """Offer clauses, channels and so on; a fault by its number, a model by its answer to 01."""
+    from mikas.catalog.grounds import grounds_of
+    from mikas.cli.language import localized
+
+    every = grounds_of(_catalog(ctx))
+    known = {each.name.rpartition(" ")[2]: localized(each.text) for each in every}
+    return _begun(known, incomplete)
+
+
 def fault_codes(ctx: click.Context, _: click.Parameter, incomplete: str) -> Offers:
     """Offer the numbers of faults, in a list with commas."""
     from mikas.cli.language import localized

@@ -2,19 +2,28 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
-from mikas.catalog import Derived, Parameter
+from mikas.catalog import Confidence, Derived, Parameter
 from mikas.cli.language import current_language, decimal, tr
 from mikas.cli.render.output import Output
 from mikas.client import Reading
 from mikas.client.parameters.derived import DerivedValue
+from mikas.i18n import Text
 from mikas.json_values import picked
 from mikas.sampling.events import CycleFailed, Sampled
 
 if TYPE_CHECKING:
     from mikas.cli.sampling_run import SamplingRun
     from mikas.sampling.events import Event
+
+CONFIDENCE: Final = {
+    Confidence.CONFIRMED: Text("confirmed", "подтверждено"),
+    Confidence.REPORTED: Text("one source", "один источник"),
+    Confidence.UNCONFIRMED: Text("unconfirmed", "не подтверждено"),
+    Confidence.UNKNOWN: Text("unknown", "неизвестно"),
+}
+"""Each confidence in words, as a cell of a table."""
 
 
 def reading_json(reading: Reading | DerivedValue) -> dict[str, Any]:

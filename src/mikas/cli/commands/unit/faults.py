@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from mikas.catalog import Confidence, Fault
+from mikas.catalog import Fault
 from mikas.cli.click_extensions import YES, argument, command
 from mikas.cli.context import CommandContext
 from mikas.cli.language import localized, tr
 from mikas.cli.options.parameter_types import OneOf
+from mikas.cli.render.values import CONFIDENCE
 
 
 @command(
@@ -64,18 +65,13 @@ def _show(context: CommandContext, stored: Sequence[Fault]) -> None:
         context.output.line(tr("No faults are stored.", "Ошибок нет."))
         return
     unknown = tr("unknown fault number", "неизвестный номер ошибки")
-    confidence = {
-        Confidence.CONFIRMED: tr("confirmed", "подтверждено"),
-        Confidence.REPORTED: tr("one source", "один источник"),
-        Confidence.UNCONFIRMED: tr("unconfirmed", "не подтверждено"),
-        Confidence.UNKNOWN: tr("unknown", "неизвестно"),
-    }
+    words = {sure: localized(text) for sure, text in CONFIDENCE.items()}
     context.output.listing(
         stored,
         {
             tr("code", "код"): lambda fault: str(fault.code),
             tr("fault", "ошибка"): lambda fault: localized(fault.text) or unknown,
-            tr("confidence", "достоверность"): lambda fault: confidence[fault.confidence],
+            tr("confidence", "достоверность"): lambda fault: words[fault.confidence],
             tr("check first", "что проверить"): lambda fault: localized(fault.check),
             tr("parameters", "параметры"): lambda fault: " ".join(fault.parameters),
         },
