@@ -85,6 +85,7 @@ NAVIGATION: tuple[Entry | Section, ...] = (
             _page("reference/cli.md", "The command line", "Командная строка"),
             _page("reference/help.md", "Help of every command", "Справка всех команд"),
             _page("reference/guided-tests.md", "Guided tests", "Проверки по шагам"),
+            _page("reference/actions.md", "Actions on conditions", "Действия по условиям"),
             _page("reference/causes.md", "How causes are found", "Как ищутся причины"),
             _page("reference/report.md", "Sentences of the report", "Фразы отчёта"),
             _page("reference/exports.md", "Exports", "Экспорт"),

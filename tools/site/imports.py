@@ -16,11 +16,16 @@ from tools.site import packages
 
 _PLACES = "on Windows and macOS, which have no XDG folders"
 _TLS = "for the network's HTTPS, which the site does not serve"
+_NETWORK = "where there are sockets: a page's actions have none"
 _NUMPY = "if there is the whole numpy"
 _NOTEBOOK = "for a notebook, which shows and draws `mikas.open`"
 DESKTOP: Mapping[str, Mapping[str, str]] = MappingProxyType(
     {
         "mikas/home.py": {"platformdirs": _PLACES},
+        "mikas/conditions/performing.py": {
+            "mikas.conditions.messages": _NETWORK,
+            "mikas.conditions.webhooks": _NETWORK,
+        },
         "mikas/dashboard/security/certificate.py": {"cryptography": _TLS},
         "mikas/link/ports.py": {"serial": "lists the system's ports; the site lists the browser's"},
         "mikas/notebook/recording.py": {"mikas.notebook": _NOTEBOOK},

@@ -14,6 +14,7 @@ from mikas.cli.click_extensions import command, option, output_option
 from mikas.cli.context import CommandContext
 from mikas.cli.failures import DONE, USAGE
 from mikas.cli.language import capital, decimal, localized, tr
+from mikas.cli.options.actions import ActionOptions, action_options
 from mikas.cli.options.car import CarOptions, car_options
 from mikas.cli.options.parameter_types import Portion, portion
 from mikas.cli.options.sampling import SamplingOptions, sampling_options
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
 
     from mikas.cli.sampling_run import SamplingRun
     from mikas.client import Ecu
+    from mikas.conditions import LoadedActions
     from mikas.recording.recorder import RecordingStatus
     from mikas.sampling.events import Event
 
@@ -63,12 +65,14 @@ if TYPE_CHECKING:
     en="continue in FILE-2, FILE-3 … after this size or time: 100MB, 30min, 2h",
     ru="продолжать в FILE-2, FILE-3 … после такого объёма или времени: 100MB, 30min, 2h",
 )
+@action_options
 @car_options
 @sampling_options
 def log(
     context: CommandContext,
     options: SamplingOptions,
     car: CarOptions,
+    actions: ActionOptions,
     *,
     out: Path,
     rotate: Portion | None,
@@ -78,12 +82,17 @@ def log(
             "log already records to the file after -o; omit --capture",
             "Команда log и так записывает, в файл после -o; уберите --capture",
         )
+    loaded = None
+    if actions.actions is not None:
+        from mikas.cli.acting import load
+
+        loaded, options = load(context, actions.actions, options)
     with context.open_ahead() as ahead:  # imports take as long as the handshake listens
         from mikas.cli.sampling_run import sampling_session
 
         _check_name(out)
         with sampling_session(context, options, ahead, out, car=car.note_maker()) as current:
-            return _record(context, current, rotate)
+            return _record(context, current, rotate, loaded)
 
 
 def _check_name(out: Path) -> None:
@@ -106,7 +115,13 @@ def _check_name(out: Path) -> None:
         )
 
 
-def _record(context: CommandContext, current: SamplingRun, rotate: Portion | None) -> int:
+def _record(
+    context: CommandContext,
+    current: SamplingRun,
+    rotate: Portion | None,
+    actions: LoadedActions | None,
+) -> int:
+    from mikas.cli.acting import acting
     from mikas.cli.markers import Marking
     from mikas.cli.render.notices import Notices
     from mikas.cli.render.values import json_line
@@ -121,11 +136,15 @@ def _record(context: CommandContext, current: SamplingRun, rotate: Portion | Non
         with (
             Marking(current.recorder, progress.print_notice, show),
             _last_reading(current),
+            acting(
+                context, current, actions, progress.print_notice, marks=True, stops=True
+            ) as follow,
             closing(notices.watch()) as events,
         ):
             for event in events:
                 if output.json:
                     json_line(current, output, event)
+                follow(event)
                 progress.draw(event.time)
                 rotation.rotate_after(event)
     finally:

@@ -11,10 +11,12 @@ from typing import TYPE_CHECKING
 
 from mikas.cli.click_extensions import command, flag
 from mikas.cli.context import CommandContext
+from mikas.cli.options.actions import ActionOptions, action_options
 from mikas.cli.options.sampling import SamplingOptions, sampling_options
 
 if TYPE_CHECKING:
     from mikas.cli.port_ahead import PortAhead
+    from mikas.conditions import LoadedActions
     from mikas.sampling.events import Event
 
 
@@ -31,6 +33,7 @@ if TYPE_CHECKING:
         "mikas watch --method stream --duration 60",
         "mikas watch FREQ --rate 2 --json",
         "mikas watch FREQ JAIR TWAT/10 --price",
+        "mikas watch FREQ TWAT --actions hot.toml",
     ),
 )
 @flag(
@@ -38,18 +41,32 @@ if TYPE_CHECKING:
     en="only show the time these names take with each method (needs no port)",
     ru="только показать, сколько времени займут эти имена при каждом способе (порт не нужен)",
 )
+@action_options
 @sampling_options
-def watch(context: CommandContext, options: SamplingOptions, *, price: bool) -> None:
+def watch(
+    context: CommandContext, options: SamplingOptions, actions: ActionOptions, *, price: bool
+) -> None:
     if price:
         from mikas.cli.render.line_load import show_line_load
 
         show_line_load(context, options.names)
         return
+    loaded = None
+    if actions.actions is not None:
+        from mikas.cli.acting import load
+
+        loaded, options = load(context, actions.actions, options)
     with context.open_ahead() as ahead:  # imports take as long as the handshake listens
-        _watch(context, options, ahead)
+        _watch(context, options, loaded, ahead)
 
 
-def _watch(context: CommandContext, options: SamplingOptions, ahead: PortAhead) -> None:
+def _watch(
+    context: CommandContext,
+    options: SamplingOptions,
+    actions: LoadedActions | None,
+    ahead: PortAhead,
+) -> None:
+    from mikas.cli.acting import acting
     from mikas.cli.render.live_table import LiveTable
     from mikas.cli.render.notices import Notices
     from mikas.cli.render.values import json_line, plain_line
@@ -70,5 +87,9 @@ def _watch(context: CommandContext, options: SamplingOptions, ahead: PortAhead) 
             table = stack.enter_context(LiveTable(run, output))
             note, show = table.show_notice, table.add_event
         notices = Notices(run, note, verbose=output.verbose)
+        follow = stack.enter_context(
+            acting(context, run, actions, note, marks=context.capture is not None, stops=False)
+        )
         for event in stack.enter_context(closing(notices.watch())):
             show(event)
+            follow(event)

@@ -24,6 +24,7 @@ from mikas.cleaning import clean_line, terminal_text
 from mikas.cli.render.wrapping import fitted
 
 CLEAR_LINE: Final = "\r\x1b[K"
+BELL: Final = "\a"
 
 # Colours, cursor, lines, the alternate screen: what rich and segno write. No OSC, no queries.
 _DRAWING: Final = re.compile(r"(\x1b\[[\d;]*[ABHKm]|\x1b\[\?(?:25|1049)[hl]|\r)")
@@ -172,6 +173,15 @@ def redraw(text: str, end: str = "") -> None:
     stream = error_drawing()
     stream.write(f"{CLEAR_LINE}{cell_text(text)}{end}")
     stream.flush()
+
+
+def ring() -> None:
+    """Ring the bell of the terminal behind stderr; nothing is written into a file or a pipe."""
+    stream = sys.stderr
+    if stream.isatty():
+        raw = stream.raw if isinstance(stream, EscapingStream) else stream
+        _pass_on(raw.write, BELL)
+        _pass_on(raw.flush)
 
 
 def cell_text(text: str) -> str:
