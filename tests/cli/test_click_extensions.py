@@ -44,8 +44,8 @@ def test_help_has_examples_is_in_both_languages_and_fits_80_columns(mikas, path,
     assert "Examples:" in english.out
     assert not re.search("[а-яА-Я]", english.out)
     assert max(map(len, english.lines)) <= 80 or "--line-fault" in english.out
-    for option in ("--port", "--echo", "--timeout", "--inter-byte", "--retries", "--checksum",
-                   "--strict", "--capture", "--interpretation", "--lang", "--json",
+    for option in ("--port", "--echo", "--timeout", "--inter-byte", "--pause", "--retries",
+                   "--checksum", "--strict", "--capture", "--interpretation", "--lang", "--json",
                    "--verbose"):  # fmt: skip
         assert option in english.out
 

@@ -133,10 +133,11 @@ def test_files_are_left_to_the_shell_with_their_endings(answered):
 
 # What is counted, measured or named freely.
 FREE = {
-    "--timeout", "--inter-byte", "--retries", "--rate", "--count", "--duration", "--rotate",
-    "--car", "--plate", "--mileage", "--workshop", "--topic", "--user", "--client-id", "--every",
-    "--qos", "--discovery-prefix", "--name", "--raw", "--from", "--to", "--block", "--workers",
-    "--baud", "--seed", "--latency-ms", "--host-port", "[VALUE]", "ADDR", "[COUNT]", "HEX", "SQL",
+    "--timeout", "--inter-byte", "--pause", "--retries", "--rate", "--count", "--duration",
+    "--rotate", "--car", "--plate", "--mileage", "--workshop", "--topic", "--user", "--client-id",
+    "--every", "--qos", "--discovery-prefix", "--name", "--raw", "--from", "--to", "--block",
+    "--workers", "--baud", "--seed", "--latency-ms", "--host-port", "[VALUE]", "ADDR", "[COUNT]",
+    "HEX", "SQL",
 }  # fmt: skip
 
 

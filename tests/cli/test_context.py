@@ -79,6 +79,10 @@ def test_an_empty_port_in_the_environment_is_none(mikas, monkeypatch):
         ("timeout = nan", "seconds"),
         ("inter_byte = '0.2'", "seconds"),
         ("inter_byte = 0.0005", "0.001 … 60"),
+        ("pause = -0.1", "0 … 2"),
+        ("pause = 3", "0 … 2"),
+        ("pause = true", "0 … 2"),
+        ("pause = 'long'", '"auto" or seconds'),
         ("checksum = 'maybe'", "stuffed, raw"),
         ("checksum = true", "stuffed, raw"),
         ("strict = 1", "true or false"),
@@ -201,6 +205,28 @@ def test_the_longest_pause_inside_a_response_can_be_set(mikas, file, argv, statu
         "faults", *argv, "--retries", "0", sim=f"&faults={many}&stall_every=0.01&stall_ms=60"
     )
     assert ran.status == status, ran.err
+
+
+@pytest.mark.parametrize(
+    ("file", "argv", "pause"),
+    [
+        ("", [], 0.1),
+        ("", ["--pause", "auto"], 0.1),
+        ("", ["--pause", "0,15"], 0.15),
+        ("pause = 0.15", [], 0.15),
+        ("pause = 0.15", ["--pause", "AUTO"], 0.1),
+        ("pause = 'auto'", ["--pause", "0.2"], 0.2),
+    ],
+)
+def test_the_pause_before_a_request_is_set_or_found(mikas, file, argv, pause):
+    """D14."""
+    if file:
+        config(mikas, file)
+    ran = mikas("info", "--quick", "--json", *argv, sim="&least_pause=0.1")
+    assert ran.status == 0, ran.err
+    assert ran.object["pause"] == pause
+    assert ran.object["limits"]["pause"] == (0.1 if pause == 0.1 else 0)
+    assert f"{pause * 1000:g} ms between" in mikas("info", *argv, sim="&least_pause=0.1").out
 
 
 def wires(mikas) -> list[str]:

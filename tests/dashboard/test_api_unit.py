@@ -156,6 +156,19 @@ def test_the_passport_is_read_once_and_for_all(idle):
     assert idle.get("/passport", headers=OTHER)["version_code"] == reported["version_code"]
 
 
+@pytest.mark.parametrize(("pause", "kept"), [(None, 0.1), (0.2, 0.2)])
+def test_the_pause_before_a_request_is_found_or_set(off, pause, kept):
+    """D14."""
+    off.post("/connect", {"port": "sim:?least_pause=0.1", "pause": pause})
+    off.sampling()
+    assert off.get("/passport")["pause"] == kept
+
+
+@pytest.mark.parametrize("pause", [-1, 2.5, "soon"])
+def test_what_is_no_pause_is_refused(off, pause):
+    off.post("/connect", {"port": "sim:", "pause": pause}, 400)
+
+
 def test_who_disconnects_meanwhile_spoils_no_answer(faulty):
     ask = faulty.dashboard.connection.ask
 

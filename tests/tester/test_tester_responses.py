@@ -124,7 +124,7 @@ def test_a_write_whose_echo_differs_is_not_sent_twice(command):
 @pytest.mark.parametrize("retries", [0, 1, 2, 5])
 def test_a_read_is_repeated_as_often_as_set(retries):
     unit = Watched()
-    tester = unit.connected(retries=retries)
+    tester = unit.connected(retries=retries, pause=0.0)  # every request is counted
     right(tester, 22)
     before, heard = tester.statistics.requests, unit.heard(b"\x61\x16")
     # Every second response: the confirmation in between is left alone.
@@ -350,7 +350,7 @@ def test_silence_because_the_unit_is_gone_is_not_an_unknown_command(adapter):
 
 def test_once_a_command_was_answered_silence_is_no_refusal():
     unit = Watched()
-    tester = unit.connected()
+    tester = unit.connected(pause=0.0)
     right(tester, 22)
     unit.bus.fault_injector = Fate([(LineFault.LOST, 0), (None, 0)] * 9)
     with pytest.raises(NoResponse):

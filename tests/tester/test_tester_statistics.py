@@ -13,7 +13,7 @@ from mikas.virtual.quirks import GROUPS, Unknown
 
 def test_only_the_latest_failures_are_kept_and_all_are_counted():
     unit = Watched()
-    tester = unit.connected(retries=0)
+    tester = unit.connected(retries=0, pause=0.0)  # every request is counted
     right(tester, 22)
     for code in (17, 22):
         unit.bus.fault_injector = Fate([(LineFault.LOST, 0), (None, 0)] * 30)

@@ -21,6 +21,7 @@ CHECKSUMS = ("stuffed", "raw")
 INTERPRETATIONS = ("corrected", "literal", "alternative", "family")
 LANGUAGES = ("en", "ru")
 MIN_TIMEOUT, MAX_TIMEOUT = 0.001, 60
+MAX_PAUSE = 2.0  # s
 MAX_RETRIES = 100
 
 _WORDS = {
@@ -30,8 +31,8 @@ _WORDS = {
     "lang": LANGUAGES,
 }
 _SETTINGS = (
-    "port", "echo", "timeout", "inter_byte", "retries", "checksum", "strict", "interpretation",
-    "lang", "catalog",
+    "port", "echo", "timeout", "inter_byte", "pause", "retries", "checksum", "strict",
+    "interpretation", "lang", "catalog",
 )  # fmt: skip
 
 
@@ -83,6 +84,12 @@ def _expected(name: str, value: object) -> Text | None:
     if name == "port":
         good = isinstance(value, str) and bool(value.strip())
         return None if good else A_PORT
+    if name == "pause":
+        good = value == "auto" or (isinstance(value, int | float) and 0 <= value <= MAX_PAUSE)
+        limits = f"0 … {MAX_PAUSE:g}"
+        return (
+            None if good else Text(f'"auto" or seconds, {limits}', f'"auto" или секунды, {limits}')
+        )
     if name in ("timeout", "inter_byte"):
         good = isinstance(value, int | float) and MIN_TIMEOUT <= value <= MAX_TIMEOUT
         limits = f"{MIN_TIMEOUT} … {MAX_TIMEOUT}"

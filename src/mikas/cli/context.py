@@ -61,7 +61,7 @@ def _note_date(writer: CaptureWriter, link: CaptureTee) -> None:
 
 def _connection(settings: Mapping[str, Any]) -> dict[str, Any]:
     """Return the fields of `ConnectionOptions` that are among `settings`."""
-    same = ("echo", "timeout", "retries", "interpretation", "strict")
+    same = ("echo", "timeout", "retries", "pause", "interpretation", "strict")
     fields = {name: settings[name] for name in same if name in settings}
     if "inter_byte" in settings:
         fields["inter_byte_timeout"] = settings["inter_byte"]
@@ -162,6 +162,8 @@ class CommandContext:
                 ecu.forget_limits()
             try:
                 yield ecu
+                if ecu.tester.pauses.found is not None:
+                    ecu.limits()  # saves it
             except NotSupported as error:
                 if port.startswith("replay:"):
                     error.advice = _NOT_RECORDED

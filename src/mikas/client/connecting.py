@@ -18,9 +18,12 @@ from mikas.client.limits import LimitsStore
 from mikas.errors import usage_error
 from mikas.link import CaptureTee, Link, Sink, choose_port, open_link
 from mikas.link.interface import check_link
-from mikas.options import check_choice, check_number
+from mikas.options import check_choice, check_number, invalid_value
 from mikas.tester import Echo, Tester, Timing
+from mikas.tester.pauses import LONGEST_PAUSE
 
+PauseSetting = float | Literal["auto"]
+"""The least seconds from a response to the next request (D14); auto: found by trying, if needed."""
 StrPath = str | os.PathLike[str]
 EchoSetting = Literal["auto", "on", "off"]
 """Whether the adapter returns what it sends (D1); auto: the first exchange shows it."""
@@ -48,6 +51,10 @@ class ConnectionOptions:
 
     retries: int = 2
     """How often a request that changes nothing is repeated after a failed exchange."""
+
+    pause: PauseSetting = "auto"
+    """The least seconds from a response to the next request (D14). auto: 0, unless the unit is
+    found to answer no request that follows a response sooner; this is remembered of it."""
 
     interpretation: Interpretation = "corrected"
     """corrected, literal, alternative or family: the interpretation of the source's errata."""
@@ -88,6 +95,8 @@ class ConnectionOptions:
         check_number("timeout", self.timeout, lowest=_SHORTEST)
         check_number("inter_byte_timeout", self.inter_byte_timeout, lowest=_SHORTEST)
         check_number("retries", self.retries, lowest=0, whole=True)
+        if self.pause != "auto":
+            check_pause(self.pause)
 
     def create_ecu(self, link: Link) -> Ecu:
         """Create an `Ecu` on `link`; it is not connected yet: `ecu.tester.connect()` does that."""
@@ -98,6 +107,7 @@ class ConnectionOptions:
             ),
             echo=Echo(self.echo),
             retries=self.retries,
+            pause=None if self.pause == "auto" else self.pause,
             raw_checksum=self.raw_checksum,
             strict=self.strict,
         )
@@ -139,6 +149,7 @@ class ConnectionKeywords(TypedDict, total=False):
     timeout: float
     inter_byte_timeout: float
     retries: int
+    pause: PauseSetting
     interpretation: Interpretation
     confirm: Confirm | None
     journal: StrPath | None
@@ -146,6 +157,13 @@ class ConnectionKeywords(TypedDict, total=False):
     raw_checksum: bool
     strict: bool
     virtual_units: bool | None
+
+
+def check_pause(value: object) -> None:
+    """Raise `UsageError` unless `value` is a pause in seconds."""
+    seconds = value if isinstance(value, int | float) and not isinstance(value, bool) else -1
+    if not 0 <= seconds <= LONGEST_PAUSE:
+        raise invalid_value("pause", value, f"auto, 0 … {LONGEST_PAUSE:g}")
 
 
 def state_folder() -> Path:
@@ -163,6 +181,7 @@ def connect(
     timeout: float = 0.5,
     inter_byte_timeout: float = 0.2,
     retries: int = 2,
+    pause: PauseSetting = "auto",
     interpretation: Interpretation = "corrected",
     catalogs: StrPath | Iterable[StrPath] = (),
     confirm: Confirm | None = None,
@@ -192,6 +211,7 @@ def connect(
         timeout=timeout,
         inter_byte_timeout=inter_byte_timeout,
         retries=retries,
+        pause=pause,
         interpretation=interpretation,
         catalog=load(*([catalogs] if isinstance(catalogs, str | os.PathLike) else catalogs)),
         confirm=confirm,

@@ -7,7 +7,7 @@ yielded one by one, so that a user interface can show them as they run.
 from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from statistics import median
 from typing import Final
@@ -25,6 +25,7 @@ from mikas.link.holders import shared
 from mikas.link.ports import described
 from mikas.link.urls import parse
 from mikas.tester import Tester
+from mikas.tester.pauses import Pauses
 
 STEPS = ("port", "echo", "baud", "latency", "line", "ecu", "commands")
 
@@ -254,8 +255,8 @@ def _availability(tester: Tester, byte_time: float) -> Generator[Step, None, boo
         bytes_passed = len(reply.wire) + 3
         delays.append(reply.ended - began - bytes_passed * byte_time)
     if delays:
-        yield _latency(max(0.0, median(delays)), tester.link)
-    yield _line(len(delays) + len(failed), failed)
+        yield _latency(max(0.0, median(delays) - tester.line.pause), tester.link)
+    yield _with_pause(_line(len(delays) + len(failed), failed), tester.pauses)
     return bool(delays)
 
 
@@ -282,6 +283,27 @@ def _line(tried: int, failed: list[errors.LineError]) -> Step:
         f"обменов с ошибкой: {len(failed)} из {tried}; последний: {last.ru}",
     )
     return Step("line", False if len(failed) > _MOST_FAILURES else None, text)
+
+
+def _with_pause(line: Step, pauses: Pauses) -> Step:
+    """Add the pause that is kept before a request, if any."""
+    if not pauses.seconds:
+        return line
+    milliseconds = f"{pauses.seconds * 1000:g}"
+    pause = Text(f"{milliseconds} ms", f"{milliseconds.replace('.', ',')} мс")
+    kept = Text(
+        f"a pause of {pause.en} is kept before each request, as set",
+        f"перед каждым запросом выдерживается заданная пауза, {pause.ru}",
+    )
+    if pauses.setting is None:
+        kept = Text(
+            f"this unit ignores a request that follows its response too soon, so a pause of "
+            f"{pause.en} is kept before each",
+            f"этот блок не слышит запрос сразу после своего ответа, поэтому перед каждым "
+            f"выдерживается пауза {pause.ru}",
+        )
+    text = Text(f"{line.detail.en}; {kept.en}", f"{line.detail.ru}; {kept.ru}")
+    return replace(line, detail=text)
 
 
 def _commands(supported: list[Support]) -> Step:

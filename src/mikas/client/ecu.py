@@ -76,7 +76,7 @@ class Ecu:
         """The exchange of single requests, with its statistics."""
         self.catalog: Catalog = catalog
         """The definitions that name and decode."""
-        self.limits_cache: LimitsCache = LimitsCache(store, self._identify)
+        self.limits_cache: LimitsCache = LimitsCache(store, self._identify, tester.pauses)
         """The learnt limits of this unit."""
         self.passports: PassportReader = PassportReader(tester, on_other=self.limits_cache.reset)
         """The reader of its passports."""
@@ -118,6 +118,7 @@ class Ecu:
                 parameter_count=count_parameters(self.tester),
                 echo=self.tester.line.echo,
                 limits=self.limits(),
+                pause=self.tester.line.pause,
             )
 
     def passport(self, *, again: bool = False, timeout: float | None = None) -> Passport:

@@ -105,6 +105,8 @@ class Info:
     """Whether the adapter returns the sent bytes (D1)."""
     limits: Limits
     """The learnt limits."""
+    pause: float
+    """The seconds that a request keeps from the latest response (D14): as set, or as found."""
 
 
 class PassportReader:

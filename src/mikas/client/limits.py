@@ -1,5 +1,5 @@
-"""The learnt limits of a unit: the longest list and block (D11), unknown parameters (D10), and the
-speed of each sampling method with each kind of adapter.
+"""The learnt limits of a unit: the longest list and block (D11), unknown parameters (D10), the
+pause before a request (D14), and the speed of each sampling method with each kind of adapter.
 
 `LimitsStore` keeps them in a folder under the unit's passports for the next session. `LimitsCache`
 has those of the connected unit: loaded at first use, saved at each change.
@@ -30,6 +30,7 @@ from mikas.errors import LineError, NoConnection
 from mikas.files import read_json
 from mikas.i18n import Text
 from mikas.saving import save
+from mikas.tester.pauses import LONGEST_PAUSE, Pauses
 from mikas.virtual import VIRTUAL_PASSPORT
 
 STARTING_LIST = 64  # far above the 21 codes of §4; a request of 66 bytes takes only 70 ms
@@ -81,6 +82,8 @@ class Limits:
     """The codes that the unit does not know."""
     methods: dict[str, dict[str, MethodTiming]] = field(default_factory=dict)
     """The measured speed of each sampling method, by kind of adapter."""
+    pause: float = 0.0
+    """The least seconds from a response to the next request that the unit needs (D14), as found."""
 
     def block(self, space: str) -> int:
         """Return the largest block of `space` to request."""
@@ -117,6 +120,21 @@ class LimitsStore:
             files = list(islice(self.folder.glob("*.json"), _MOST_FILES + 1))
             return len(files) > _MOST_FILES or any(map(self._limits_lists, files))
         return False
+
+    @property
+    def longest_pause(self) -> float:
+        """The longest pause that any saved unit needs: for one that is not identified yet."""
+        with suppress(OSError):
+            files = islice(self.folder.glob("*.json"), _MOST_FILES)
+            return max(map(self._pause_of, files), default=0.0)
+        return 0.0
+
+    def _pause_of(self, file: Path) -> float:
+        with suppress(OSError, *_NO_LIMITS):
+            stored = read_json(file, _MOST_BYTES)
+            if self._keeps(stored["passports"]):
+                return _limits_of(stored).pause
+        return 0.0
 
     def _limits_lists(self, file: Path) -> bool:
         with suppress(OSError, *_NO_LIMITS):
@@ -181,7 +199,15 @@ def _limits_of(stored: dict[str, Any]) -> Limits:
             str(adapter): {str(method): _timing(timing) for method, timing in each.items()}
             for adapter, each in stored.get("methods", {}).items()
         },
+        pause=min(_seconds(stored.get("pause", 0.0)), LONGEST_PAUSE),
     )
+
+
+def _seconds(stored: float) -> float:
+    """Return `stored`, a number from 0 up. Raises `ValueError` or `TypeError`."""
+    if not (isfinite(stored) and stored >= 0):
+        raise ValueError("a time is not negative")
+    return float(stored)
 
 
 @dataclass(slots=True, eq=False)
@@ -193,18 +219,28 @@ class LimitsCache:
 
     _store: LimitsStore | None
     _identify: Callable[[], tuple[int, tuple[str, ...]]]
+    _pauses: Pauses
     _lock: threading.RLock = field(init=False, default_factory=threading.RLock)
     _limits: Limits | None = field(init=False, default=None)
+
+    def __post_init__(self) -> None:
+        if self._store is not None and self._pauses.setting is None:
+            self._pauses.assume(self._store.longest_pause)
 
     def limits(self) -> Limits:
         """Return the limits, which the caller may change. Raises the errors of `identify`."""
         with self._lock:
-            if self._limits is None:
+            if (limits := self._limits) is None:
                 if self._store is None or self._store.empty:
-                    self._limits = Limits()
+                    limits = Limits()
                 else:
-                    self._limits = self._store.load(*self._identify())
-            return self._limits
+                    limits = self._store.load(*self._identify())
+                self._limits = limits
+                self._pauses.assume(limits.pause)
+            if self._pauses.found not in (None, limits.pause):
+                limits.pause = self._pauses.found or 0.0
+                self.keep()
+            return limits
 
     @property
     def any_saved(self) -> bool:
@@ -216,7 +252,9 @@ class LimitsCache:
         if self._store is not None and self._limits is not None:
             # The limits are valid even if the passport can't be read now.
             with self._lock, suppress(LineError, NoConnection):
-                self._store.save(*self._identify(), self._limits)
+                unit = self._identify()
+                if self._limits is not None:  # else it is another unit
+                    self._store.save(*unit, self._limits)
 
     def keep_timings(self, adapter: str, timings: Mapping[str, MethodTiming]) -> None:
         """Replace and save the timings of this kind of adapter."""
@@ -232,6 +270,7 @@ class LimitsCache:
         """Delete all limits of this unit, the saved ones too."""
         with self._lock:
             self._limits = Limits()
+            self._pauses.restart()
             if self._store is not None:
                 self._store.forget(*self._identify())
 
@@ -239,6 +278,7 @@ class LimitsCache:
         """Drop the cached limits: another unit is connected."""
         with self._lock:
             self._limits = None
+            self._pauses.on_other_unit()
 
 
 def _working(methods: dict[str, dict[str, MethodTiming]]) -> dict[str, dict[str, MethodTiming]]:
@@ -253,6 +293,4 @@ def _timing(stored: dict[str, Any]) -> MethodTiming:
     codes, delay = int(stored["codes"]), stored["delay"]
     if delay is None:
         return MethodTiming(codes, None)
-    if not (isfinite(delay) and delay >= 0):
-        raise ValueError("a delay is not negative")
-    return MethodTiming(codes, float(delay))
+    return MethodTiming(codes, _seconds(delay))

@@ -157,6 +157,7 @@ class Dashboard:
         url: str | None,
         *,
         echo: EchoSetting = "auto",
+        pause: float | None = None,
         method: Method = "auto",
         rate: float | None = None,
     ) -> None:
@@ -168,7 +169,7 @@ class Dashboard:
                 self.recorder.change_port()
 
         await self.recorder.read_last()  # another port ends the recording
-        await self.connection.connect(url, echo=echo, accepted=accepted)
+        await self.connection.connect(url, echo=echo, pause=pause, accepted=accepted)
 
     async def disconnect(self) -> None:
         """End the recording and close the port."""

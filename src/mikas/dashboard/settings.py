@@ -153,6 +153,8 @@ class PortSettings:
 
     url: str
     echo: EchoSetting = "auto"
+    pause: float | None = None
+    """None: as in the settings of the program."""
 
     @property
     def shown(self) -> str:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import dataclass
 from enum import Enum
 from math import ceil, inf
 
@@ -28,6 +30,7 @@ from mikas.link.base import EMPTY_LINES, TEXT_ANSWER
 from mikas.tester.exchange import Reply
 from mikas.tester.line import Line
 from mikas.tester.line_sync import AVAILABILITY, LineSync, no_ecu_error
+from mikas.tester.pauses import Pauses
 
 _ELM_TEXT = frozenset(b"?>\r\n .0123456789abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ")
 
@@ -51,6 +54,53 @@ class Echo(Enum):
     AUTO = "auto"
     ON = "on"
     OFF = "off"
+
+
+@dataclass(slots=True)
+class Handshake:
+    """Handshakes that are repeated. `check` raises if the call is to end; `fail` counts errors."""
+
+    line: Line
+    sync: LineSync
+    pauses: Pauses
+    check: Callable[[], None]
+    fail: Callable[[LineError], None]
+
+    def repeated(self, echo: Echo, retries: int, *, listening_since: float) -> int:
+        """As `handshake`, repeated up to `retries` times; find out the pause that the unit needs.
+
+        Raises `AnswersLate` too.
+        """
+        attempt, before = 0, self.line.pause
+        unlucky: LineError | None = None  # no response to a request that may have come too soon
+        while True:
+            self.sync.mark_lost()
+            self.check()
+            try:
+                code = handshake(
+                    self.line,
+                    self.sync,
+                    echo,
+                    listening_since=listening_since,
+                    again=attempt > 0 or unlucky is not None,
+                )
+                break
+            except LineError as error:
+                if unlucky is None and self.pauses.suspects(error, known=True):
+                    unlucky = error  # it answered the first `01`, and not the one soon after
+                    self.pauses.connect_patiently()
+                    continue
+                self.fail(error)
+                refuse_elm(error.received or b"")
+                if attempt >= retries:
+                    self.line.pause = before
+                    refuse_late_answer(self.line, self.sync, error)
+                    raise
+                attempt += 1
+        self.sync.keep()
+        if unlucky is not None and not self.pauses.found_by_trying(code, least=before):
+            self.fail(unlucky)
+        return code
 
 
 def handshake(
@@ -122,6 +172,7 @@ def _send_availability(line: Line) -> tuple[bytes, bytes]:
         received += chunk.data
         if not request.startswith(received):
             # More than the echo has arrived, which is enough. Wait for the rest to end.
+            line.heard = chunk.time
             deadline = min(chunk.time + timing.idle_time, last)
     return request, bytes(received)
 

@@ -9,6 +9,7 @@ The logger `mikas.tester` gets at DEBUG every frame sent (`>`) or received (`<`)
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Iterator
 from contextlib import contextmanager
 from math import inf
@@ -87,6 +88,10 @@ class Line:
         self.raw_checksum = raw_checksum
         self.strict = strict
         self.sent_until: float = -inf  # when the last byte of the latest request was sent
+        self.pause: float = 0.0  # s that a request keeps from the latest response (D14)
+        self.heard: float = -inf  # when the latest byte that was no echo arrived
+        self.gap: float = inf  # s between that byte and the latest request
+        self.answered_gaps: deque[float] = deque(maxlen=8)  # of the latest answered requests
         # When the echo had arrived; an adapter may generate it before the bytes are sent.
         self.echo_heard: float = -inf
         # Responses for which the other end may be an emulator that answers sooner than a wire
@@ -115,11 +120,18 @@ class Line:
         self.await_echo(wire)
         return self.receive(wire, of_many=of_many, confirms=confirms)
 
-    def send(self, body: bytes) -> bytes:
-        """Send `body` without waiting for the echo; return the wire form."""
+    def send(self, body: bytes, *, in_stream: bool = False) -> bytes:
+        """Send `body` without waiting for the echo; return the wire form.
+
+        `in_stream`: at once, into a gap of a stream; other requests wait until the pause is over.
+        """
         wire = encode(body, raw_checksum=self.raw_checksum)
+        if not in_stream and self.link.now() < self.heard + self.pause:
+            self.wait_for_quiet(0.0, until=self.heard + self.pause)
         self._ahead = _NOTHING
-        self.sent_until = self.link.now() + len(wire) * self.link.byte_time
+        now = self.link.now()
+        self.gap = now - self.heard
+        self.sent_until = now + len(wire) * self.link.byte_time
         self._log_frame(">", wire)
         with self._noting_suspension():
             self.link.write(wire)
@@ -128,8 +140,11 @@ class Line:
     def send_after(self, wire: bytes, length: int, body: bytes) -> bytes | None:
         """Let the link send `body` once the answer to `wire` has come; return its wire form.
 
-        `length`: of that answer's body. None: the link can't. `sent_by_link` always follows.
+        `length`: of that answer's body. None: the link can't, or the unit needs a pause.
+        `sent_by_link` always follows.
         """
+        if self.pause:
+            return None
         following = encode(body, raw_checksum=self.raw_checksum)
         can = self.link.write_after(AwaitedAnswer(wire, length), following)
         return following if can else None
@@ -140,6 +155,7 @@ class Line:
         if at is None:
             return False
         self._ahead = _NOTHING
+        self.gap = at - self.heard
         self.sent_until = at + len(wire) * self.link.byte_time
         self._log_frame(">", wire)
         return True
@@ -203,6 +219,7 @@ class Line:
                     self._check_not_too_soon(wire, chunk, confirms=confirms)
                 self._unanswered = 0
             received += chunk.data
+            self.heard = chunk.time
             deadline = chunk.time + self._pause()
             events = self._decoded(decoder, chunk)
             if not events and chunk.time > last:
@@ -220,6 +237,7 @@ class Line:
                 # One of them answers an earlier request; which one is unknown (D13).
                 raise damaged(wire, bytes(received), chunk.time, _DOUBLED)
             self._log_frame("<", first.wire)
+            self.answered_gaps.append(self.gap)
             began = min(max(sent_at, began), chunk.time)
             return Reply(first.body, first.wire, began, chunk.time)
 
@@ -288,11 +306,11 @@ class Line:
     def _pause(self) -> float:
         return self.timing.inter_byte_timeout + self.link.byte_time
 
-    def arrived(self) -> bytes:
-        """Return bytes that no request caused, without waiting (D2)."""
+    def arrived(self, until: float = -inf) -> bytes:
+        """Return bytes that no request caused, without waiting beyond `until` (D2)."""
         ahead, self._ahead = self._ahead.data, _NOTHING
         try:
-            return ahead + self.read(self.link.now()).data
+            return ahead + self.read(max(until, self.link.now())).data
         except ReadingSuspended as error:
             return ahead + (error.received or b"")
 
@@ -319,6 +337,7 @@ class Line:
             if not chunk.data:
                 return bytes(received)
             received += chunk.data
+            self.heard = chunk.time
             quiet_at = max(until, chunk.time + seconds)
             if chunk.time > last:
                 raise LineNotQuiet(received=bytes(received[-64:]), time=chunk.time)

@@ -70,7 +70,7 @@ class LineSync:
         Raises `NoEcho` or `EchoOnly` if no ECU answers, `LineNotQuiet`, `SyncLost`.
         """
         if not self.lost:
-            if not self.line.arrived():
+            if not self.line.arrived(self.line.heard + self.line.pause):
                 return
             self.mark_lost()
         self.found_again += 1
@@ -165,7 +165,7 @@ class LineSync:
         for attempt in range(_INTERRUPTIONS + 1):
             if attempt < _INTERRUPTIONS:
                 self._wait_for_gap()
-                self.line.send(AVAILABILITY)
+                self.line.send(AVAILABILITY, in_stream=True)
             else:
                 self._break()
             try:
@@ -272,7 +272,7 @@ class RequestAhead:
     def _may_follow(self, command: c.Command[Any]) -> c.Command[Any] | None:
         """Return the announced request, if it may be sent without a decision of the caller."""
         following = self.announced
-        if following is None or not (self._line.echo and command.repeatable):
+        if following is None or not (self._line.echo and command.repeatable) or self._line.pause:
             return None
         return following if following.repeatable else None
 

@@ -28,9 +28,10 @@ from mikas.errors import (
 from mikas.link import Link
 from mikas.tester.call_ends import CallEnds
 from mikas.tester.exchange import Reply, Statistics, Timing
-from mikas.tester.handshake import Echo, ask_for_words, handshake, refuse_elm, refuse_late_answer
+from mikas.tester.handshake import Echo, Handshake, ask_for_words
 from mikas.tester.line import Line
 from mikas.tester.line_sync import LineSync, RequestAhead
+from mikas.tester.pauses import Pauses
 from mikas.tester.stream import Stream
 
 T = TypeVar("T")
@@ -44,7 +45,8 @@ class Tester:
     """Exchanges requests with one ECU over `link`, after `connect()`.
 
     `line` has the time-outs and whether there is an echo, `sync` whether a stream may be running.
-    `retries`: how often a failed exchange of a repeatable command is repeated.
+    `retries`: how often a failed exchange of a repeatable command is repeated. `pause`: the least
+    seconds from a response to the next request (D14); None: found by trying where it is needed.
     """
 
     def __init__(
@@ -54,6 +56,7 @@ class Tester:
         timing: Timing | None = None,
         echo: Echo = Echo.AUTO,
         retries: int = 2,
+        pause: float | None = None,
         raw_checksum: bool = False,
         strict: bool = False,
     ) -> None:
@@ -70,6 +73,7 @@ class Tester:
         self._stream_thread: int | None = None
         self._ahead = RequestAhead(self.sync, self.statistics)
         self.ends: CallEnds = CallEnds(link)
+        self.pauses: Pauses = Pauses(self.line, self.sync, pause, self.ends.check)
         self._known: set[int] = set()  # command codes that this unit has answered
 
     def connect(self, *, listening_since: float = inf) -> int:
@@ -83,26 +87,12 @@ class Tester:
         """
         with self._holding(), self._explaining():
             self._ahead.forget()
-            for attempt in range(self.retries + 1):
-                self.sync.mark_lost()
-                self.ends.check()
-                try:
-                    self.version_code = handshake(
-                        self.line,
-                        self.sync,
-                        self.echo,
-                        listening_since=listening_since,
-                        again=attempt > 0,
-                    )
-                    break
-                except LineError as error:
-                    self.statistics.fail(error)
-                    refuse_elm(error.received or b"")
-                    if attempt == self.retries:
-                        refuse_late_answer(self.line, self.sync, error)
-                        raise
-            self.sync.keep()
-            assert self.version_code is not None
+            shaking = Handshake(
+                self.line, self.sync, self.pauses, self.ends.check, self.statistics.fail
+            )
+            self.version_code = shaking.repeated(
+                self.echo, self.retries, listening_since=listening_since
+            )
             self._may_ask_for_words = False
             self._known.update(c.Availability.CODES)
             return self.version_code
@@ -239,11 +229,21 @@ class Tester:
                 return self._once(command, wire)
             except LineError as error:
                 failed.append(error)
+                if self._came_too_soon(command, error):
+                    if not command.repeatable:
+                        raise
+                    failed.pop()
+                    attempts += 1
                 moved = isinstance(error, ReadingSuspended) and not error.is_short
                 if not attempts or moved:  # perhaps another unit
                     raise self._verdict(command, error) from error
                 self.ends.check()
                 self.statistics.repeated += 1
+
+    def _came_too_soon(self, command: c.Command[Any], error: LineError) -> bool:
+        """Whether a pause between requests was found that `command` would have needed."""
+        suspicious = self.pauses.suspects(error, known=command.code in self._known)
+        return suspicious and self.pauses.found_by_trying(self.version_code or 0)
 
     def _once(self, command: c.Command[T], wire: bytes | None) -> tuple[T, Reply]:
         """Exchange `command` once; `wire`: it was sent ahead."""

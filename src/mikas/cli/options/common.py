@@ -15,7 +15,15 @@ import click
 from mikas.cli.completion.values import files, ports
 from mikas.cli.config import CHECKSUMS, ECHO, INTERPRETATIONS, LANGUAGES, MAX_RETRIES
 from mikas.cli.language import localized
-from mikas.cli.options.parameter_types import METAVARS, OFFERED, OneOf, any_file, timeout, whole
+from mikas.cli.options.parameter_types import (
+    METAVARS,
+    OFFERED,
+    OneOf,
+    any_file,
+    pause,
+    timeout,
+    whole,
+)
 from mikas.i18n import Text
 
 
@@ -115,6 +123,14 @@ def common_options() -> list[click.Parameter]:
             "computer: --inter-byte 0.5",
             ru="наибольшая пауза внутри ответа, секунд (0.2); для медленной сети или занятого "
             "компьютера больше: --inter-byte 0.5",
+        ),
+        CommonOption(
+            ["--pause"],
+            type=pause,
+            en="least time from a response to the next request, for a unit that ignores one that "
+            "comes sooner (auto: 0, or what this unit is found to need)",
+            ru="наименьшая пауза между ответом и следующим запросом, секунд, для блока, который не "
+            "слышит более ранний (auto: 0 или столько, сколько нужно этому блоку)",
         ),
         CommonOption(
             ["--retries"],

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Final
 import click
 
 from mikas.cli.completion.values import Offering, files
-from mikas.cli.config import MAX_TIMEOUT, MIN_TIMEOUT
+from mikas.cli.config import MAX_PAUSE, MAX_TIMEOUT, MIN_TIMEOUT
 from mikas.cli.language import tr
 from mikas.i18n import Text
 from mikas.options import with_nearest
@@ -125,6 +125,19 @@ def timeout(text: str) -> float:
     )
 
 
+def pause(text: str) -> float | str:
+    """Return the seconds between a response and the next request, or `auto` (D14)."""
+    if text.strip().lower() == "auto":
+        return "auto"
+    value = _decimal(text)
+    if 0 <= value <= MAX_PAUSE:
+        return value
+    raise _invalid(
+        f"“{text}” is not allowed; it must be auto, or seconds, 0 to {MAX_PAUSE:g}.",
+        f"«{text}» не подходит; нужно auto или число секунд от 0 до {MAX_PAUSE:g}.",
+    )
+
+
 def whole(low: int, high: int | None = None) -> Callable[[str], int]:
     """Return the type of a whole number within limits."""
 
@@ -225,6 +238,7 @@ def _files_beside(path: Path) -> list[str]:
 
 METAVARS: Final[dict[object, str]] = {
     any_file: "FILE", existing_file: "FILE", hex_address: "ADDR", timeout: "SECONDS",
+    pause: "SECONDS|auto",
 }  # fmt: skip
 """How an option of such a type is shown."""
 OFFERED: Final[dict[object, Offering]] = {any_file: files(), existing_file: files()}

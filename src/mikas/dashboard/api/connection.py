@@ -38,6 +38,7 @@ from mikas.dashboard.settings import PlanSettings
 from mikas.errors import MikasError
 from mikas.i18n import Text
 from mikas.link.urls import parse
+from mikas.tester.pauses import LONGEST_PAUSE
 
 router: Final = APIRouter(prefix="/api", tags=["connection"])
 
@@ -76,6 +77,13 @@ class ConnectRequest(BaseModel):
 
     port: str | None = Field(None, max_length=_MAX_URL, examples=["/dev/ttyUSB0", "sim:"])
     echo: Literal["auto", "on", "off"] = "auto"
+    pause: float | None = Field(
+        None,
+        ge=0,
+        le=LONGEST_PAUSE,
+        description="least seconds from a response to the next request; null: as the program was "
+        "started, as a rule found by trying",
+    )
     method: Method = "auto"
     rate: float | None = Field(None, gt=0, le=1000)
 
@@ -144,7 +152,9 @@ def ports(dashboard: TheDashboard) -> PortsResponse:
 async def connect(dashboard: TheDashboard, client: Controller, body: ConnectRequest) -> State:
     """Connect; the state shows the progress."""
     port = await port_named(dashboard, client, body.port)
-    await dashboard.connect(port, echo=body.echo, method=body.method, rate=body.rate)
+    await dashboard.connect(
+        port, echo=body.echo, pause=body.pause, method=body.method, rate=body.rate
+    )
     return state_of(dashboard, client)
 
 

@@ -89,6 +89,9 @@ class PassportResponse(BaseModel):
     adapter: str
     port: str
     echo: bool
+    pause: float = Field(
+        description="seconds kept between a response and the next request: as set, or as found"
+    )
     baud: int
     latency_ms: int | None = Field(description="of the adapter's chip, if the system reports it")
     limits: UnitLimits

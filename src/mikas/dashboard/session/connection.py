@@ -108,6 +108,7 @@ class Connection:
         url: str | None,
         *,
         echo: EchoSetting = "auto",
+        pause: float | None = None,
         accepted: Callable[[str], None] = lambda _: None,
     ) -> None:
         """Connect to `url`, or to the one likely adapter; an existing connection ends.
@@ -123,7 +124,7 @@ class Connection:
             again = port is not None and port.url == url
             await self.close(RECONNECTED if again else _OTHER_PORT)
             accepted(url)
-            self.port = PortSettings(url, echo)
+            self.port = PortSettings(url, echo, pause)
             self._open(self.port)
             await self._wait_for_state()
 

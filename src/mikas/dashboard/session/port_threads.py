@@ -112,6 +112,7 @@ class SamplingThread(threading.Thread):
         options = replace(
             settings.connection,
             echo=port.echo,
+            pause=settings.connection.pause if port.pause is None else port.pause,
             confirm=confirm,
             journal=settings.journal,
             state=settings.units,

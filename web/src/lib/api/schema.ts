@@ -404,6 +404,8 @@ export interface components {
              * @enum {string}
              */
             echo: "auto" | "on" | "off";
+            /** @description least seconds from a response to the next request; null: as the program was started, as a rule found by trying */
+            pause?: number | null;
             /**
              * @default auto
              * @enum {string}
@@ -878,6 +880,8 @@ export interface components {
             adapter: string;
             port: string;
             echo: boolean;
+            /** @description seconds kept between a response and the next request: as set, or as found */
+            pause: number;
             baud: number;
             /** @description of the adapter's chip, if the system reports it */
             latency_ms: number | null;

@@ -12,6 +12,7 @@ const PASSPORT: Passport = {
   port: "/dev/ttyUSB0",
   adapter: "FT232R",
   echo: true,
+  pause: 0.1,
   baud: 9600,
   latency_ms: 16,
   method: "stroke2",
@@ -62,11 +63,13 @@ describe("the lines of a passport", () => {
       ["stream (71): the unit sends by itself", "104.3 readings/s"],
       [methodText("single"), "does not work"],
       ["Longest list in one request", "8 parameters"],
+      ["Pause from a response to the next request", "100 ms"],
       ["Largest block of RAM", "32 bytes"],
       ["Parameters it does not support", "0A FF"],
     ]);
     const none = { ...PASSPORT, limits: { ...PASSPORT.limits, refused: [] } };
     expect(measuredLines(none).at(-1)?.[1]).toBe("none");
+    expect(measuredLines({ ...PASSPORT, pause: 0 })).toContainEqual(["Pause from a response to the next request", "not needed"]);
   });
   it("say of a command whether the unit knows it, or why that is unknown", () => {
     expect(commandLines(PASSPORT)).toEqual([

@@ -46,6 +46,7 @@ export function lineLines(passport: Passport): Line[] {
 
 export function measuredLines(passport: Passport): Line[] {
   const { max_list: list, max_block: blocks, refused } = passport.limits;
+  const { pause } = passport;
   const rates = Object.entries(passport.rates);
   return [
     [t("method"), methodText(passport.method)],
@@ -53,6 +54,7 @@ export function measuredLines(passport: Passport): Line[] {
       return [methodText(name), rate > 0 ? t("rate_value", { n: number(rate, 1) }) : t("rate_none")];
     }),
     [t("max_list"), t("max_list_value", { n: list })],
+    [t("pause"), pause > 0 ? t("latency_value", { n: number(pause * 1000, 0) }) : t("pause_none")],
     ...Object.entries(blocks).map(([space, count]): Line => {
       return [t("max_block", { space: space.toUpperCase() }), t("bytes", { n: count })];
     }),

@@ -43,6 +43,8 @@ export const t = dictionary({
   method: { en: "Sampling method in use", ru: "Способ опроса сейчас" },
   rate_value: { en: "{n} readings/s", ru: "{n} опр/с" },
   rate_none: { en: "does not work", ru: "не работает" },
+  pause: { en: "Pause from a response to the next request", ru: "Пауза между ответом и следующим запросом" },
+  pause_none: { en: "not needed", ru: "не нужна" },
   max_list: { en: "Longest list in one request", ru: "Самый длинный список в запросе" },
   max_list_value: { en: { one: "{n} parameter", other: "{n} parameters" }, ru: { one: "{n} параметр", few: "{n} параметра", many: "{n} параметров" } },
   max_block: { en: "Largest block of {space}", ru: "Самый большой блок {space}" },

@@ -52,10 +52,12 @@ def info(context: CommandContext, *, quick: bool) -> None:
                 "echo": found.echo,
                 "supported": {support.name: support.known for support in supported},
                 "not_tried": {it.name: it.reason._asdict() for it in supported if it.reason},
+                "pause": found.pause,
                 "limits": {
                     "max_list": found.limits.max_list,
                     "max_block": found.limits.max_block,
                     "refused": [f"{code:02X}" for code in found.limits.refused],
+                    "pause": found.limits.pause,
                     "methods": {
                         adapter: {method: round(rate, 1) for method, rate in rates.items()}
                         for adapter, rates in _rates(found, catalog).items()
@@ -96,6 +98,8 @@ def _rows(found: Info, catalog: Catalog, unknown: str) -> list[list[str]]:
         ],
         [tr("echo", "эхо"), tr("yes", "есть") if found.echo else tr("no", "нет")],
     ]
+    if found.pause:
+        rows.append([tr("pause", "пауза"), _pause(found.pause)])
     limits = found.limits
     if limits.max_list != STARTING_LIST or limits.max_block or limits.refused:
         blocks = ", ".join(f"{space} {count}" for space, count in limits.max_block.items())
@@ -124,6 +128,15 @@ def _rows(found: Info, catalog: Catalog, unknown: str) -> list[list[str]]:
             ]
         )
     return rows
+
+
+def _pause(seconds: float) -> str:
+    """Return the pause before each request, in words."""
+    milliseconds = f"{seconds * 1000:g}"
+    return tr(
+        f"{milliseconds} ms between a response and the next request",
+        f"{decimal(milliseconds)} мс между ответом и следующим запросом",
+    )
 
 
 def _rates(found: Info, catalog: Catalog) -> dict[str, dict[FixedMethod, float]]:
