@@ -53,7 +53,7 @@ _NOT_HERE = (
     "dashboard/page", "dashboard/running.py",
     "dashboard/server.py", "dissectors", "fleet", "link/failures.py", "link/network.py",
     "link/serial.py", "publish", "recording/export/mdf.py", "recording/export/parquet.py",
-    "recording/parquet.py", "replay/routine.py", "testing",
+    "recording/parquet.py", "replay/routine.py", "survey", "testing",
     "virtual/profiles", "virtual/unit_profile.py",
     *(f"recording/exchanges/columns/{each}.py" for each in (
         "directions", "frames", "matcher", "packets", "turn_runs",

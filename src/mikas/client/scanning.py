@@ -8,7 +8,7 @@ many requests without a response as the line requires, each followed by D13's `0
 
 from __future__ import annotations
 
-from collections.abc import Generator, Sequence
+from collections.abc import Generator, Iterable, Sequence
 from dataclasses import dataclass
 from enum import Enum
 
@@ -52,11 +52,15 @@ class ScannedCode:
 
 
 class Scan:
-    """One scan. `known`: codes to request first, so that the way of asking is known early."""
+    """One scan of `codes`. `known`: those to request first, so that the way of asking is known
+    early.
+    """
 
-    def __init__(self, tester: Tester, known: Sequence[int] = ()) -> None:
+    def __init__(
+        self, tester: Tester, known: Sequence[int] = (), codes: Iterable[int] = range(0x100)
+    ) -> None:
         self._tester = tester
-        self._order = tuple(dict.fromkeys((*known, *range(0x100))))
+        self._order = tuple(dict.fromkeys((*known, *codes)))
         self._pairs: bool | None = None  # whether the unit answers a code twice in one request
         self._failed_pairs = 0
         self._only_several = False  # whether it answers several codes only

@@ -7,7 +7,7 @@ The streams by strokes are tried only with the engine turning (D15); every strea
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Container, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
@@ -68,14 +68,17 @@ def each_command() -> Iterator[tuple[type[c.Command[Any]], tuple[int, ...]]]:
             yield command, command.CODES
 
 
-def try_commands(parameters: Parameters) -> Iterator[Support]:
+def try_commands(
+    parameters: Parameters, leaving_out: Container[int] = frozenset()
+) -> Iterator[Support]:
     """Try every command of §3 that changes nothing but the unit's list; yield the results.
 
-    Raises `NoConnection` if the unit is gone.
+    `leaving_out`: the codes of commands that are not tried. Raises `NoConnection` if the unit is
+    gone.
     """
     trials = _Trials(parameters)
     for command, (code, *_) in sorted(each_command(), key=_after_its_list):
-        known, reason = trials.result(code)
+        known, reason = (None, None) if code in leaving_out else trials.result(code)
         yield Support(command, code, known, reason)
 
 

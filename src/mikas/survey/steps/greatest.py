@@ -1,0 +1,70 @@
+"""The greatest number that a unit takes: of codes in a list (D11), of bytes in a block.
+
+Numbers go up by doubling, never straight to the largest: a unit without a check of its own has then
+been asked for little more than it takes. What failed is asked for again before it counts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Final, Self
+
+from mikas.tester import Reply
+
+MOST: Final = 255
+_FIRST: Final = (2, 4, 8, 16, 32, 64, 128, MOST)
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """The response to a request for a number of things.
+
+    `count`: of those that came; `form`: None if all, else `short`, `01`, `silent` or `other`.
+    """
+
+    count: int
+    form: str | None
+
+    @classmethod
+    def of(cls, reply: Reply | None, count: int, *, size: int = 1, overhead: int = 0) -> Self:
+        """Return the outcome of a response that repeats `overhead` bytes before `size` bytes each.
+
+        None is silence.
+        """
+        if reply is None:
+            return cls(0, "silent")
+        came, rest = divmod(len(reply.body) - overhead, size)
+        if came == count and not rest:
+            return cls(count, None)
+        if reply.body == b"\x01":
+            return cls(0, "01")
+        return cls(came, "short") if 0 < came < count and not rest else cls(0, "other")
+
+
+def greatest(
+    ask: Callable[[int], Outcome], progress: Callable[[int], None] = lambda _: None
+) -> dict[str, Any]:
+    """Return the greatest number that comes whole, and the form of the response to a greater one.
+
+    `limit` None: not even two come; `beyond` None: the most that can be asked for comes.
+    """
+    good, bad, beyond = 0, MOST + 1, None
+    tried = 0
+    while bad - good > 1:
+        following = next((number for number in _FIRST if number > good), MOST)
+        number = following if bad > MOST else (good + bad) // 2
+        outcome = ask(number)
+        tried += 1
+        progress(tried)
+        if outcome.form is None:
+            good = number
+            continue
+        bad, beyond = number, outcome.form
+        if outcome.form == "short" and outcome.count > good and _comes(ask, outcome.count):
+            good, bad = outcome.count, outcome.count + 1
+    return {"limit": good or None, "beyond": beyond}
+
+
+def _comes(ask: Callable[[int], Outcome], number: int) -> bool:
+    return ask(number).form is None

@@ -1,0 +1,240 @@
+"""One survey from its begin, or from where it was stopped, to the ZIP."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import closing
+from dataclasses import dataclass
+from importlib.metadata import version as installed_version
+from pathlib import Path
+from typing import Final
+
+from mikas.client import Ecu
+from mikas.commands.unit import version_text
+from mikas.errors import usage_error
+from mikas.i18n import Text
+from mikas.link import CaptureTee
+from mikas.survey.answers import SurveyAnswer
+from mikas.survey.archive import SurveyFile, archive
+from mikas.survey.concluding import conclude
+from mikas.survey.folder import SurveyFolder
+from mikas.survey.person import Prompter
+from mikas.survey.profile import profile
+from mikas.survey.readme import readme
+from mikas.survey.recording import SurveyCapture, joined_captures
+from mikas.survey.states import bring
+from mikas.survey.steps.codes import known_sizes
+from mikas.survey.steps.step import CarState, Measured, SurveyStep
+from mikas.survey.steps.table import STANDING_AGAIN, STEPS
+from mikas.survey.unit import SurveyedUnit
+
+__all__ = ["Survey", "SurveyOptions"]
+
+_SAVED_EVERY: Final = 5.0  # s of the link's clock, within a step
+_NO_ENGINE: Final = Text(
+    "the survey was made without the engine", "обследование сделано без пуска двигателя"
+)
+_DAMAGED: Final = (ValueError, TypeError, LookupError, AttributeError)
+
+
+@dataclass(frozen=True, slots=True)
+class SurveyOptions:
+    """What the owner consents to."""
+
+    memory: bool = False
+    """Whether memory may be read (11, 13, 15, 21, 23, 25, 31)."""
+    passports: bool = False
+    """Whether the texts of the passports may be kept."""
+    engine: bool = True
+    """Whether the engine may be started."""
+
+
+class Survey:
+    """A survey of the connected `ecu` for the ZIP `out`.
+
+    `run` measures, `answers` concludes, `save` writes. A survey that was stopped goes on: its
+    folder beside `out` has what was measured; the consents of its begin stay in force.
+    """
+
+    def __init__(self, ecu: Ecu, out: Path, options: SurveyOptions, person: Prompter) -> None:
+        self.folder: SurveyFolder = SurveyFolder(out)
+        """What is kept until the ZIP is written."""
+        self._person = person
+        self._unit = SurveyedUnit(ecu)
+        code = version_text(ecu.version_code)
+        self._kept_at = ecu.tester.link.now()
+        before = self.folder.load()
+        self.goes_on: bool = before is not None
+        """Whether a survey that was stopped goes on."""
+        try:
+            self._measured = _begun(ecu, options) if before is None else before
+            self._done: list[str] = self._measured["done"]
+            self._seconds: dict[str, float] = self._measured["seconds"]
+            self._unit.sizes = known_sizes(self._measured)
+            self._unit.use_what_is_known(self._measured)
+            known = self._measured["version_code"]
+        except _DAMAGED as error:
+            raise self.folder.damaged() from error
+        if known != code:
+            raise usage_error(
+                f"{self.folder.path} is of another unit ({known}, this one is {code}): finish it "
+                "there, remove it, or name another file",
+                f"{self.folder.path}: это другой блок ({known}, а здесь {code}): закончите с тем, "
+                "удалите папку или назовите другой файл",
+            )
+
+    def run(self, on_step: Callable[[SurveyStep, int, int], None] = lambda *_: None) -> None:
+        """Do the steps that are left. `on_step` gets each before it begins, its place, and all.
+
+        Whatever ends it, what was measured is kept: Ctrl-C, a `MikasError` of the line or the disk.
+        """
+        unit, link = self._unit, self._unit.tester.link
+        self.folder.save(self._measured)  # so that a folder that can't be written is known now
+        unit.ecu.forget_list()
+        capture = SurveyCapture(
+            self.folder.path,
+            url=link.url,
+            baud=link.baud,
+            began=link.now(),
+            before=self._measured["lasted"],
+        )
+        unit.capture, self._kept_at = capture, link.now()
+        unit.tester.wrap_link(lambda inner: CaptureTee(inner, capture, on_failure=_raise))
+        saving = _Saving(self._person, unit, self._keep)
+        with closing(capture):
+            try:
+                self._run(saving, on_step)
+            finally:
+                self._keep()
+
+    def _run(self, person: _Saving, on_step: Callable[[SurveyStep, int, int], None]) -> None:
+        has_engine = self._measured["engine"]
+        steps = STEPS if has_engine else (*_standing(), STANDING_AGAIN)
+        if not has_engine:
+            self._measured["skipped"][CarState.STARTING.value] = _NO_ENGINE._asdict()
+        for state in CarState:
+            left = [it for it in steps if it.state is state and it.name not in self._done]
+            if not left or state.value in self._measured["skipped"]:
+                continue
+            if not self._may_begin(state, person):
+                continue
+            for step in left:
+                on_step(step, steps.index(step), len(steps))
+                began = self._unit.now()
+                step.measure(self._unit, self._measured, person)
+                self._seconds[step.name] = round(self._unit.now() - began, 2)
+                self._done.append(step.name)
+                self._unit.use_what_is_known(self._measured)
+                self._keep()
+
+    def _may_begin(self, state: CarState, person: _Saving) -> bool:
+        if state is CarState.STANDING and not self._unit.sizes:
+            person.say(_BEGIN)  # which code is the engine's speed is not known yet
+            return True
+        why = bring(self._unit, state, person)
+        if why is not None:
+            person.say(why)
+            self._measured["skipped"][state.value] = why._asdict()
+        return why is None
+
+    def _keep(self) -> None:
+        now = self._unit.now()
+        self._measured["lasted"] += round(now - self._kept_at, 1)
+        self._kept_at = now
+        self.folder.save(self._measured)
+
+    @property
+    def answers(self) -> tuple[SurveyAnswer, ...]:
+        """The answers by what was measured so far. Raises `UsageError` for a damaged folder."""
+        try:
+            return conclude(self._measured)
+        except _DAMAGED as error:
+            raise self.folder.damaged() from error
+
+    @property
+    def measured(self) -> Measured:
+        """The figures so far."""
+        return self._measured
+
+    @property
+    def seconds(self) -> dict[str, float]:
+        """The duration of each step that was done, without waiting for the car."""
+        return dict(self._seconds)
+
+    def save(self, *, overwrite: bool = False) -> SurveyFile:
+        """Write the ZIP and remove the folder; return its content.
+
+        Raises `UsageError` if it can't be written; the folder then stays.
+        """
+        answers = self.answers
+        content = SurveyFile(
+            answers,
+            self._measured,
+            profile(self._measured, answers),
+            {"mikas": installed_version("mikas"), "catalog": self._unit.catalog.version},
+            joined_captures(self.folder.path),
+        )
+        self.folder.finish(archive(content, readme(content)), overwrite=overwrite)
+        return content
+
+
+class _Saving:
+    """The person, and a save now and then: each sign of progress may be the last."""
+
+    def __init__(self, person: Prompter, unit: SurveyedUnit, keep: Callable[[], None]) -> None:
+        self._person = person
+        self._unit = unit
+        self._keep = keep
+        self._kept_at = unit.now()
+
+    def say(self, text: Text) -> None:
+        """As the person's."""
+        self._person.say(text)
+
+    def progress(self, done: int, total: int) -> None:
+        """As the person's, and save."""
+        self._person.progress(done, total)
+        if (now := self._unit.now()) - self._kept_at > _SAVED_EVERY:
+            self._kept_at = now
+            self._keep()
+
+    def ready(self, text: Text) -> bool:
+        """As the person's."""
+        return self._person.ready(text)
+
+    def number(self, name: str, text: Text, unit: Text, low: float, high: float) -> float | None:
+        """As the person's."""
+        return self._person.number(name, text, unit, low, high)
+
+
+def _begun(ecu: Ecu, options: SurveyOptions) -> Measured:
+    """Return what is known before the first step."""
+    tester = ecu.tester
+    return {
+        "version_code": version_text(ecu.version_code),
+        "echo": tester.line.echo,
+        "chip": tester.link.chip,
+        "granularity": tester.link.granularity,
+        "baud": tester.link.baud,
+        "memory": options.memory,
+        "passports_consent": options.passports,
+        "engine": options.engine,
+        "done": [],
+        "seconds": {},
+        "skipped": {},
+        "lasted": 0.0,
+    }
+
+
+def _standing() -> tuple[SurveyStep, ...]:
+    return tuple(step for step in STEPS if step.state is CarState.STANDING)
+
+
+def _raise(error: Exception) -> None:
+    raise error
+
+
+_BEGIN: Final = Text(
+    "Ignition on, engine OFF, for about four minutes.",
+    "Зажигание включено, двигатель ЗАГЛУШЕН — около четырёх минут.",
+)
