@@ -21,6 +21,7 @@ from mikas.catalog import Catalog, Interpretation, load
 from mikas.cleaning import clean_line
 from mikas.errors import MikasError, library, reason_of, usage_error
 from mikas.i18n import Text
+from mikas.instruments.definition import InstrumentDefinition
 from mikas.options import check_choice
 from mikas.recording import recording
 from mikas.recording.table.channels import with_gaps
@@ -48,13 +49,15 @@ def open(  # noqa: A001  (read as `mikas.open`)
     catalogs: str | os.PathLike[str] | Iterable[str | os.PathLike[str]] = (),
     names: str | Iterable[str] = (),
     language: Language | None = None,
+    instruments: str | InstrumentDefinition | Iterable[str | InstrumentDefinition] = (),
 ) -> Recording:
     """Read a recording (.pcapng) and return it as a table.
 
     `interpretation`: corrected, literal, alternative or family (errata). `catalogs`: your own
     files, which add to and override the shipped definitions. `names`: the wanted channels in their
     order; by default all recorded ones. `language`: `en` or `ru`, for what a notebook shows; by
-    default that of MIKAS_LANG, of the config file, or of the system.
+    default that of MIKAS_LANG, of the config file, or of the system. `instruments`: definitions, by
+    file or themselves, that decode the recorded instruments of their names again.
 
     Raises `CaptureError` for a file that is no capture, `UsageError` for an invalid name or
     setting. `problems` lists damage in the file.
@@ -65,11 +68,16 @@ def open(  # noqa: A001  (read as `mikas.open`)
             f"Языка «{language}» нет; есть: en, ru",
         )
     files = [catalogs] if isinstance(catalogs, str | os.PathLike) else catalogs
-    return Recording(path, load(*map(Path, files)), interpretation, names, language)
+    if isinstance(instruments, str | InstrumentDefinition):
+        instruments = (instruments,)
+    return Recording(
+        path, load(*map(Path, files)), interpretation, names, language, instruments=instruments
+    )
 
 
 class Recording(recording.Recording):
-    """One recording. `channels`: its columns, parameters first, then those derived from them.
+    """One recording. `channels`: its columns, parameters first, then those derived from them,
+    then those of instruments beside the unit.
 
     `absent`: the wanted channels without recorded values; their columns are empty.
 
@@ -85,8 +93,10 @@ class Recording(recording.Recording):
         interpretation: str = "corrected",
         names: Iterable[str] = (),
         language: Language | None = None,
+        *,
+        instruments: Iterable[str | InstrumentDefinition] = (),
     ) -> None:
-        super().__init__(path, catalog, interpretation, names)
+        super().__init__(path, catalog, interpretation, names, instruments=instruments)
         self._language = language
 
     def __len__(self) -> int:

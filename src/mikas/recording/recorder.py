@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import os
 import threading
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -32,6 +32,7 @@ from mikas.sampling.events import ClockChanged, Event, Marker, TextNote, UnitFou
 
 if TYPE_CHECKING:
     from mikas.i18n import Text
+    from mikas.recording.capture import blocks as pcapng
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +78,8 @@ class Recorder:
 
     `interpretation`: of values, for the notes of plans. `joined`: a packet for each response, not
     for each chunk. `on_file`: called with each file that follows another one, in the thread that
-    caused it. `car`: as of `SessionAnnotator`. Only `start` and `note` raise; any thread may call.
+    caused it. `car`: as of `SessionAnnotator`. `instruments`: the ports beside the unit's that
+    each file describes. Only `start` and `note` raise; any thread may call.
 
     `conclude`: called before a file ends, for the events that its session still holds back.
     """
@@ -89,7 +91,9 @@ class Recorder:
         joined: bool = True,
         on_file: Callable[[Path], None] | None = None,
         car: Callable[[UnitFound], Note | None] | None = None,
+        instruments: Sequence[pcapng.Interface] = (),
     ) -> None:
+        self._instruments = tuple(instruments)
         self.on_file = on_file
         self.conclude: Callable[[], object] = lambda: None
         """To be set before the first event."""
@@ -202,6 +206,17 @@ class Recorder:
                 except CaptureError as error:
                     self._fail(running, error)
 
+    def record_instrument(self, number: int, data: bytes, time: float, comment: str = "") -> None:
+        """Take what the instrument of this number sent; as `CaptureWriter.record_instrument`.
+
+        Nothing waits here for a packet of the unit, and nothing of the unit is joined with it.
+        """
+        with self._lock:
+            if (running := self._running) is not None:
+                with self._failing(running):
+                    time += running.later
+                    running.writer.record_instrument(number, data, time, comment)
+
     def note(self, note: Note) -> None:
         """Write a note of the caller. Raises `ValueError` for data that JSON can't hold."""
         with self._lock:
@@ -232,7 +247,7 @@ class Recorder:
         return self._open if self._open is not None and self._open.failure is None else None
 
     def _create(self, path: Path, named: Path, url: str, *, pipe: bool = False) -> _Open:
-        writer = CaptureWriter(path, url=url, pipe=pipe)
+        writer = CaptureWriter(path, url=url, pipe=pipe, instruments=self._instruments)
         sink = Coalescer(writer) if self._joined else writer
         return _Open(named, url, writer, sink, self._time, self.later)
 

@@ -15,11 +15,20 @@ from typing import TYPE_CHECKING, Literal, get_args
 from mikas.catalog import Catalog
 from mikas.cleaning import clean_line
 from mikas.errors import usage_error
+from mikas.i18n import Text
 from mikas.options import check_choice
 from mikas.recording.annotations.events import RecordedUnit, catalogs_of, events_of, first_unit
 from mikas.recording.capture.notes import Note
 from mikas.recording.capture.reader import Problem, Source
-from mikas.recording.table.channels import Channel, Rows, all_channels, calendar, is_recorded, named
+from mikas.recording.table.channels import (
+    Channel,
+    Rows,
+    all_channels,
+    calendar,
+    is_recorded,
+    known_but,
+    named,
+)
 from mikas.sampling.events import Event, MethodChosen
 
 if TYPE_CHECKING:
@@ -27,6 +36,7 @@ if TYPE_CHECKING:
     import polars as pl
     import pyarrow as pa
 
+    from mikas.instruments import InstrumentDefinition
     from mikas.recording.table.dataframes import Table
     from mikas.recording.table.raw_recording import RawRecording
     from mikas.recording.table.window import Windows
@@ -36,7 +46,11 @@ Clock = Literal["elapsed", "clock"]
 
 
 class Recording:
-    """One recording. `channels`: its columns, parameters first, then those derived from them.
+    """One recording. `channels`: its columns, parameters first, then those derived from them,
+    then those of instruments beside the unit.
+
+    `instruments`: definitions, by name, file or themselves, that decode the instruments of these
+    names, in place of the known ones.
 
     `absent`: the wanted channels without recorded values; their columns are empty.
 
@@ -53,13 +67,15 @@ class Recording:
         *,
         raw: RawRecording | None = None,
         last_car: bool = False,
+        instruments: Iterable[str | InstrumentDefinition] = (),
     ) -> None:
         from mikas.recording.table.conversion import Converter
+        from mikas.recording.table.instrument_columns import InstrumentColumns, given_definitions
         from mikas.recording.table.raw_recording import RawRecording
 
-        if isinstance(names, str):
-            names = (names,)
-        wanted = [named(catalog, name) for name in names]
+        names = (names,) if isinstance(names, str) else tuple(names)
+        self._definitions = tuple(given_definitions(instruments, catalog).values())
+        unknown = known_but(catalog, names)
         Converter(catalog, interpretation, ())  # raises, before the file is read
         self.raw: RawRecording = raw or RawRecording(path, catalog.size_of, last_car=last_car)
         """The bytes and exchanges of the file."""
@@ -71,14 +87,26 @@ class Recording:
         """The interpretation of the source's errata."""
         self._converter = Converter(catalog, interpretation, self.raw.codes)
         recorded = {channel.name: channel for channel in self._converter.channels}
-        known = all_channels(recorded, catalog, wanted)
+        self._instruments = InstrumentColumns(self.raw.instruments, catalog, self._definitions)
+        beside = self._instruments.channels
+
+        def meant(name: str) -> str:
+            own = name.strip().upper()
+            if own in beside or (name in unknown and own in catalog.instruments):
+                return own
+            return named(catalog, name)
+
+        wanted = [meant(name) for name in names]
+        known = all_channels(recorded, catalog, wanted, beside)
         self.channels: tuple[Channel, ...] = tuple(
             known[name] for name in dict.fromkeys(wanted or known)
         )
         """The columns, in their order."""
         self._derived = [each.name for each in self.channels if each.name in catalog.derived]
         self.absent: tuple[str, ...] = tuple(
-            each.name for each in self.channels if not is_recorded(each.name, catalog, recorded)
+            each.name
+            for each in self.channels
+            if each.name not in beside and not is_recorded(each.name, catalog, recorded)
         )
         """The wanted channels that the file lacks."""
         self._begins: dict[int, float] = {}  # of sessions, by number: the time of the first row
@@ -125,7 +153,7 @@ class Recording:
         and about 130 MB for ten hours); the others are quick.
         """
         known = [each.name for each in self.channels]
-        wanted = known if names is None else [named(self.catalog, name) for name in names]
+        wanted = known if names is None else [self._named(name) for name in names]
         for name in wanted:
             if name not in known:
                 raise usage_error(
@@ -133,6 +161,10 @@ class Recording:
                     f"{name} нет среди каналов этой записи",
                 )
         return self._windows.window(begin, end, points, wanted)
+
+    def _named(self, name: str) -> str:
+        own = name.strip().upper()
+        return own if own in self._instruments.channels else named(self.catalog, name)
 
     @cached_property
     def span(self) -> tuple[float, float] | None:
@@ -178,6 +210,11 @@ class Recording:
             if len(rows.times):
                 self._begins.setdefault(source.recording, float(rows.times[0]))
             yield rows
+
+    @property
+    def instruments_unread(self) -> tuple[Text, ...]:
+        """Why instruments of the file have no channels: their definitions can't be used."""
+        return tuple(error.reason for _, error in self._instruments.unread)
 
     @property
     def problems(self) -> tuple[Problem, ...]:
@@ -230,7 +267,8 @@ class Recording:
                 if source not in derivers:
                     derivers[source] = Deriver(self.catalog, self._derived)
                 derived = derivers[source].columns(corrected)
-            yield source, self._chosen(Rows(rows.times, {**rows.values, **derived}))
+            beside = self._instruments.values(source.recording, rows.times, wanted)
+            yield source, self._chosen(Rows(rows.times, {**rows.values, **derived, **beside}))
 
     def interpreted(
         self,
@@ -246,7 +284,15 @@ class Recording:
         catalog = catalog or self.catalog
         raw = self.raw if catalog.codes == self.catalog.codes else None
         several = len(self.raw.cars) > 1
-        return Recording(self.path, catalog, interpretation, names, raw=raw, last_car=several)
+        return Recording(
+            self.path,
+            catalog,
+            interpretation,
+            names,
+            raw=raw,
+            last_car=several,
+            instruments=self._definitions,
+        )
 
     def to_pandas(self, *, time: Clock = "elapsed", zone: str = "UTC") -> pd.DataFrame:
         """Return a `pandas.DataFrame`; its index is `time`, units are in `attrs`.

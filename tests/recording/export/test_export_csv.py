@@ -39,7 +39,7 @@ def test_a_csv_file_has_these_bytes(tmp_path):
 
 
 def test_units_are_in_the_header_s_language(tmp_path):
-    channels = all_channels({}, shipped(), ["FREQ", "SSM"]).values()
+    channels = all_channels({}, shipped(), ["FREQ", "SSM"], {}).values()
     for language, units in (("en", ["(rpm)", "(step)"]), ("ru", ["(об/мин)", "(шаг)"])):
         out = tmp_path / f"{language}.csv"
         export(out, channels, [], language=language)

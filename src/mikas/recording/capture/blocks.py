@@ -29,6 +29,7 @@ CUSTOM: Final = 0x0BAD
 CUSTOM_PRIVATE: Final = 0x40000BAD  # a tool that edits the file must not copy it
 
 LINKTYPE_USER0: Final = 147  # for private use: no registered type means "bytes of a serial line"
+LINKTYPE_USER1: Final = 148  # likewise: the bytes of an instrument beside the unit
 INBOUND: Final = 1  # epb_flags, bits 0-1
 OUTBOUND: Final = 2
 
@@ -56,7 +57,10 @@ class Section:
 
 @dataclass(frozen=True, slots=True)
 class Interface:
-    """Interface Description Block: one port. `tsresol` and `tsoffset` define a tick."""
+    """Interface Description Block: one port. `tsresol` and `tsoffset` define a tick.
+
+    `comment`: of an instrument's port, the text of its definition.
+    """
 
     link_type: int = LINKTYPE_USER0
     name: str = ""
@@ -64,6 +68,7 @@ class Interface:
     speed: int = 0
     tsresol: int = _MICROSECONDS
     tsoffset: int = 0
+    comment: str = ""
 
     @property
     def ticks_per_second(self) -> int:
@@ -110,6 +115,7 @@ Block = Section | Interface | EnhancedPacket | SimplePacket | Custom
 _OPTIONS: Final[dict[type[Block], dict[int, tuple[str, str]]]] = {
     Section: {2: ("hardware", ""), 4: ("application", "")},
     Interface: {
+        1: ("comment", ""),
         2: ("name", ""),
         3: ("description", ""),
         8: ("speed", "Q"),

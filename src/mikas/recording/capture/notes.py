@@ -70,6 +70,8 @@ _KINDS: Final = frozenset(Kind)
 LEFT_OUT: Final = "left-out"
 """Kind of a note that stands only in a capture as it was made ready for reading (`opening`): what
 could not be placed in it, or was moved. It becomes a problem."""
+INSTRUMENT_PORT: Final = "instrument-port"
+"""Kind of a note that stands in no file: a reader of the unit has met the port of an instrument."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,7 +1,8 @@
 """Reading a capture: packets in the order of the file, and problems where it is damaged.
 
-A capture is a pcapng file with interfaces of link type 147 whose packets have a direction. Other
-interfaces, unknown blocks and other programs' notes are skipped.
+A capture is a pcapng file with interfaces of link type 147 whose packets have a direction. Those of
+instruments (148) have readers of their own (`capture.instruments`); other interfaces, unknown
+blocks and other programs' notes are skipped.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from mikas.link.base import BITS_PER_BYTE, Direction
 from mikas.recording.capture import blocks as pcapng
 from mikas.recording.capture.clock import RecordingClock
 from mikas.recording.capture.dating import corrections_in, dated_index, moved
-from mikas.recording.capture.notes import LEFT_OUT, Note, read_block
+from mikas.recording.capture.notes import INSTRUMENT_PORT, LEFT_OUT, Note, read_block
 from mikas.recording.capture.opening import opened, opened_capture
 from mikas.recording.capture.scan import (
     RawBlock,
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
 FLAGS: Final = {Direction.SENT: pcapng.OUTBOUND, Direction.RECEIVED: pcapng.INBOUND}
 _DIRECTIONS: Final = {flags: direction for direction, flags in FLAGS.items()}
 _HERE: Final = "mikas"  # begin of this program's name in a section
+_OURS: Final = (pcapng.LINKTYPE_USER0, pcapng.LINKTYPE_USER1)
 FASTEST: Final = 10_000_000  # baud; a higher rate is damage
 _LATEST: Final = 1 << 52  # µs; in 2112: a later time is in another unit
 _BAUDS: Final = range(50, 4_000_001)  # no adapter has other ones
@@ -51,6 +53,8 @@ class Source:
     baud: int = 0
     application: str = ""
     hardware: str = ""
+    definition: str = ""
+    """Of an instrument: the text of its definition."""
 
     @property
     def byte_time(self) -> float:
@@ -118,10 +122,16 @@ class Blocks:
     Blocks before the first section are those of a recording that has lost its beginning. If its
     first packet has the form that this program writes, its port is known except for the name.
     `clocks`: of the present ports, by number. `corrections`: seconds to add to the times of each
-    recording (`capture.dating`). A shallow copy goes on from the same place.
+    recording (`capture.dating`). A shallow copy goes on from the same place. `link_type`: of the
+    packets that are yielded: the unit's, or those of instruments.
     """
 
-    def __init__(self, corrections: Mapping[int, float] | None = None) -> None:
+    def __init__(
+        self,
+        corrections: Mapping[int, float] | None = None,
+        link_type: int = pcapng.LINKTYPE_USER0,
+    ) -> None:
+        self._link_type = link_type
         self._recording = -1
         self._corrections = corrections or {}
         self._section: pcapng.Section | None = None
@@ -175,7 +185,11 @@ class Blocks:
                     yield Problem(offset, _VERSION.filled(version=major))
             case pcapng.Interface():
                 yield from self._add(block, offset)
-                if block.link_type != pcapng.LINKTYPE_USER0:
+                if block.link_type == pcapng.LINKTYPE_USER1:
+                    yield Note(
+                        INSTRUMENT_PORT, 0.0, recording=max(0, self._recording), offset=offset
+                    )
+                if block.link_type not in _OURS:
                     yield Problem(offset, _OTHER_INTERFACE.filled(type=block.link_type))
             case pcapng.EnhancedPacket():
                 yield from self._packet(block, offset)
@@ -202,12 +216,13 @@ class Blocks:
             baud=interface.speed if interface.speed <= FASTEST else 0,
             application=clean_line(section.application),
             hardware=clean_line(section.hardware),
+            definition=interface.comment if interface.link_type != _OURS[0] else "",
         )
         self._interfaces += ((interface, source),)
         self.clocks += (RecordingClock(),)
 
     def _is_ours(self, number: int) -> bool:
-        return self._interfaces[number][0].link_type == pcapng.LINKTYPE_USER0
+        return self._interfaces[number][0].link_type == self._link_type
 
     def _is_as_written_here(self, block: pcapng.EnhancedPacket) -> bool:
         """Return whether a packet without an interface has the form that `CaptureWriter` writes."""

@@ -14,7 +14,7 @@ import errno
 import os
 import threading
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, Final, Self
 
@@ -37,10 +37,20 @@ from mikas.recording.capture.reader import FLAGS, CaptureReader
 from mikas.saving import write_all
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from mikas.link.base import Direction
 
 _LARGEST_CHUNK: Final = 1 << 16  # tools refuse packets over 256 KiB; a longer chunk is split
 _MICROSECOND = 1_000_000
+
+
+@dataclass(slots=True)
+class _Described:
+    """A port as the file describes it; `number`: of its latest description."""
+
+    interface: pcapng.Interface
+    number: int = 0
 
 
 class CaptureWriter:
@@ -54,6 +64,9 @@ class CaptureWriter:
     Every method that touches the file raises `CaptureError` if it can't be written: no room, no
     right, medium gone, file deleted meanwhile. The file stays valid: a half-written packet is
     removed. Any thread may add a note.
+
+    `instruments`: the ports beside that of the unit (`capture.instruments`), for
+    `record_instrument`.
     """
 
     def __init__(
@@ -64,11 +77,13 @@ class CaptureWriter:
         baud: int = 9600,
         overwrite: bool = False,
         pipe: bool = True,
+        instruments: Sequence[pcapng.Interface] = (),
     ) -> None:
         self.path: Path = Path(path)
         self.deleted: bool = False
         """The file was deleted while it was recorded; its contents are lost."""
-        self._interface = pcapng.Interface(name=public_port(url), speed=baud)
+        unit = pcapng.Interface(name=public_port(url), speed=baud)
+        self._ports = [_Described(each) for each in (unit, *instruments)]
         self._interfaces = 0
         self._end = 0  # of the last whole block
         self._checked = 0.0  # link's time of the last check that the file exists
@@ -84,7 +99,8 @@ class CaptureWriter:
             from importlib.metadata import version  # slow to import, and `watch` records nothing
 
             self._append(pcapng.Section(application=f"mikas {version('mikas')}"))
-            self._describe_interface(tsoffset=0)
+            for port in self._ports:
+                self._describe_interface(port, tsoffset=0)
             self._begun_at = self._end  # the end of what every recording begins with
         except BaseException as error:
             self._file.close()
@@ -103,21 +119,33 @@ class CaptureWriter:
     def record(self, direction: Direction, data: bytes, time: float) -> None:
         """Write one chunk; the operating system has it on return."""
         with self._lock:
-            self._check_writable()
-            ticks = round(time * _MICROSECOND) - self._interface.tsoffset * _MICROSECOND
-            if ticks < 0:
-                # Ticks are unsigned: for times before 1970, or before 0 of a simulated clock,
-                # another interface follows that counts from an earlier second.
-                earlier = ticks // _MICROSECOND
-                self._describe_interface(tsoffset=self._interface.tsoffset + earlier)
-                ticks -= earlier * _MICROSECOND
-            if abs(time - self._checked) >= 1:
-                self._checked = time
-                self._check_exists()
-            for start in range(0, len(data), _LARGEST_CHUNK):
-                piece = bytes(data[start : start + _LARGEST_CHUNK])
-                number = self._interfaces - 1
-                self._append(pcapng.EnhancedPacket(number, ticks, piece, FLAGS[direction]))
+            self._record(self._ports[0], data, time, FLAGS[direction])
+
+    def record_instrument(self, number: int, data: bytes, time: float, comment: str = "") -> None:
+        """Write a chunk that an instrument sent; of its begin or its end, a comment without data.
+
+        `number`: of `instruments`.
+        """
+        with self._lock:
+            self._record(self._ports[1 + number], data, time, pcapng.INBOUND, comment)
+
+    def _record(
+        self, port: _Described, data: bytes, time: float, flags: int, comment: str = ""
+    ) -> None:
+        self._check_writable()
+        ticks = round(time * _MICROSECOND) - port.interface.tsoffset * _MICROSECOND
+        if ticks < 0:
+            # Ticks are unsigned: for times before 1970, or before 0 of a simulated clock,
+            # another interface follows that counts from an earlier second.
+            earlier = ticks // _MICROSECOND
+            self._describe_interface(port, tsoffset=port.interface.tsoffset + earlier)
+            ticks -= earlier * _MICROSECOND
+        if abs(time - self._checked) >= 1:
+            self._checked = time
+            self._check_exists()
+        for start in range(0, max(len(data), bool(comment)), _LARGEST_CHUNK):
+            piece = bytes(data[start : start + _LARGEST_CHUNK])
+            self._append(pcapng.EnhancedPacket(port.number, ticks, piece, flags, comment))
 
     def note(self, note: Note) -> None:
         """Write a note; the operating system has it on return.
@@ -172,10 +200,11 @@ class CaptureWriter:
             raise
         return file
 
-    def _describe_interface(self, tsoffset: int) -> None:
-        interface = replace(self._interface, tsoffset=tsoffset)
+    def _describe_interface(self, port: _Described, tsoffset: int) -> None:
+        interface = replace(port.interface, tsoffset=tsoffset)
         self._append(interface)
-        self._interface = interface  # not before it is in the file: it defines a tick
+        # Not before it is in the file: it defines a tick.
+        port.interface, port.number = interface, self._interfaces
         self._interfaces += 1
 
     def _append(self, block: pcapng.Block) -> None:

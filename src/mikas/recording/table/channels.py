@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, Final
 from mikas.catalog import Catalog
 from mikas.catalog.conversion import NO_TEXT
 from mikas.cleaning import is_in_calendar
-from mikas.errors import usage_error
+from mikas.errors import UnknownParameter, usage_error
 from mikas.i18n import Language, Text
 from mikas.json_values import json_of
 from mikas.recording.capture.clock import LONGEST
@@ -113,6 +113,20 @@ def named(catalog: Catalog, name: str) -> str:
     return found
 
 
+def known_but(catalog: Catalog, names: Iterable[str]) -> frozenset[str]:
+    """Return the names that are no channel of the unit: perhaps an instrument's, with its label.
+
+    Raises `UsageError` for a bare code.
+    """
+    unknown = set()
+    for name in names:
+        try:
+            named(catalog, name)
+        except UnknownParameter:
+            unknown.add(name)
+    return frozenset(unknown)
+
+
 def is_recorded(name: str, catalog: Catalog, recorded: Collection[str]) -> bool:
     """Return whether the channel, or all inputs of a derived one, are recorded."""
     needed = catalog.required_by([name]) if name in catalog.derived else (name,)
@@ -120,14 +134,21 @@ def is_recorded(name: str, catalog: Catalog, recorded: Collection[str]) -> bool:
 
 
 def all_channels(
-    recorded: Mapping[str, Channel], catalog: Catalog, wanted: Iterable[str]
+    recorded: Mapping[str, Channel],
+    catalog: Catalog,
+    wanted: Iterable[str],
+    beside: Mapping[str, Channel],
 ) -> dict[str, Channel]:
-    """Return the recorded channels, those derived from them, and the wanted ones, by name."""
+    """Return the recorded channels, those derived from them, those of the instruments `beside` the
+    unit, and the wanted ones, by name.
+    """
     known = dict(recorded)
-    derived = [each.name for each in catalog.derived.values()]
-    for name in (*(name for name in derived if is_recorded(name, catalog, recorded)), *wanted):
-        if name not in known:
-            each = catalog.channel(name)
+    derived = [name for name in catalog.derived if is_recorded(name, catalog, recorded)]
+    for name in (*derived, *beside, *wanted):
+        if name in beside:
+            known[name] = beside[name]
+        elif name not in known:
+            each = catalog.instruments.get(name) or catalog.channel(name)
             known[name] = Channel(
                 name, each.unit, each.text, each.is_flag, each.decimals, each.unit_text
             )

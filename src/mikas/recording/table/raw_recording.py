@@ -12,7 +12,7 @@ from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Final
 
@@ -23,7 +23,7 @@ from mikas.cancellation import check_cancelled
 from mikas.commands import ERASE_FAULTS, ReadFaults
 from mikas.errors import MikasError, usage_error
 from mikas.recording.annotations.cars import PortSpan, RecordedCar, SeveralCars, cars_of, several
-from mikas.recording.capture.notes import Note
+from mikas.recording.capture.notes import INSTRUMENT_PORT, Note
 from mikas.recording.capture.reader import Problem, Source
 from mikas.recording.exchanges import read_exchanges
 from mikas.recording.exchanges.arrays import Bytes, Floats, Index, Mask
@@ -31,6 +31,7 @@ from mikas.recording.exchanges.groups import ResponseClassifier, ResponseGroup
 from mikas.recording.exchanges.layouts import Layout, Layouts
 from mikas.recording.exchanges.refusals import RefusalColumns
 from mikas.recording.exchanges.result import Exchanges
+from mikas.recording.table.instrument_columns import RawInstrument, raw_instruments
 from mikas.sampling.events import FaultReading
 
 _MOST_PROBLEMS: Final = 1000
@@ -122,6 +123,7 @@ class RawRecording:
         self.notes: list[Note] = []
         self.problems: list[Problem] = []
         self.problem_count: int = 0
+        self._has_instruments = False
         self._sources: list[Source] = []  # in the order of their first packets
         self.spans: dict[int, tuple[float, float]] = {}
         self.ports: set[Source] = set()
@@ -145,6 +147,12 @@ class RawRecording:
                 raise SeveralCars(str(self.path), several(self.cars))
             self._keep_last_car()
 
+    @cached_property
+    def instruments(self) -> list[RawInstrument]:
+        """The packets of the instruments beside the unit; read at the first use."""
+        found = raw_instruments(self.path) if self._has_instruments else []
+        return [it for it in found if self._kept is None or it.source.recording in self._kept]
+
     @property
     def codes(self) -> set[int]:
         """The codes with a value."""
@@ -163,7 +171,8 @@ class RawRecording:
     @property
     def held(self) -> int:
         """About as many bytes of memory as its rows take."""
-        return sum(rows.held for rows in self._held or ())
+        beside: list[RawInstrument] = self.__dict__.get("instruments", [])
+        return sum(each.held for each in (*(self._held or ()), *beside))
 
     def close(self) -> None:
         """Free the memory of the rows; they can't be had any more."""
@@ -250,7 +259,10 @@ class RawRecording:
 
     def _note(self, item: Problem | Note) -> None:
         if isinstance(item, Note):
-            self.notes.append(item)
+            if item.kind == INSTRUMENT_PORT:
+                self._has_instruments = True
+            else:
+                self.notes.append(item)
             return
         self.problem_count += 1
         if len(self.problems) < _MOST_PROBLEMS:

@@ -61,6 +61,16 @@ MOST_PROBLEMS = 20
     en="the format, whatever OUT's suffix: {listed}",
     ru="формат, каким бы ни было расширение OUT; есть: {listed}",
 )
+@option(
+    "--instrument",
+    "instruments",
+    multiple=True,
+    metavar="FILE.toml",
+    shell_complete=files("toml"),
+    en="a definition that decodes the recorded instrument of this name again, in place of the one "
+    "in the recording",
+    ru="описание прибора, по которому его запись разобрать заново, вместо того, что в записи",
+)
 @OVERWRITE
 def export(
     context: CommandContext,
@@ -69,6 +79,7 @@ def export(
     out: Path,
     dialect: str | None,
     format_name: str | None,
+    instruments: tuple[str, ...],
     overwrite: bool,
 ) -> None:
     from mikas.recording.export import PLAIN
@@ -76,8 +87,19 @@ def export(
     from mikas.recording.recording import Recording
 
     _check(file, out, dialect, format_name)
-    recording = Recording(file, context.options.catalog, context.options.interpretation, names)
+    recording = Recording(
+        file,
+        context.options.catalog,
+        context.options.interpretation,
+        names,
+        instruments=instruments,
+    )
     _tell_problems(context, recording)
+    for unread in recording.instruments_unread:
+        context.say(
+            f"An instrument is not exported: {unread.en}",
+            f"Прибор не экспортирован: {unread.ru}",
+        )
     if recording.absent:
         absent = ", ".join(recording.absent)
         context.say(f"Not in this recording: {absent}.", f"В этой записи нет: {absent}.")

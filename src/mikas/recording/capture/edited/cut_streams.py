@@ -128,6 +128,9 @@ class CutStreams:
             block = raw and _parsed(raw)
             if raw is None or not isinstance(block, pcapng.EnhancedPacket):
                 break
+            if not self._times.is_of_unit(block):
+                offset = raw.offset
+                continue
             if block.flags & 3 == pcapng.OUTBOUND:
                 return _is_exchange(block.data, received)
             offset, received = raw.offset, block.data + received
@@ -141,6 +144,9 @@ class CutStreams:
             block = _parsed(raw)
             if isinstance(block, pcapng.Section) or _is_plan(block):
                 break
+            if isinstance(block, pcapng.EnhancedPacket) and not self._times.is_of_unit(block):
+                offset = raw.end
+                continue
             is_sent = (
                 isinstance(block, pcapng.EnhancedPacket) and block.flags & 3 == pcapng.OUTBOUND
             )

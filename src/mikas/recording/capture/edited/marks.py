@@ -90,6 +90,12 @@ class PacketTimes:
             assert isinstance(block, pcapng.Interface)
             self._interfaces.append(block)
 
+    def is_of_unit(self, packet: pcapng.EnhancedPacket) -> bool:
+        """Return whether a packet is the unit's, and not an instrument's beside it."""
+        if packet.interface >= len(self._interfaces):
+            return True
+        return self._interfaces[packet.interface].link_type == pcapng.LINKTYPE_USER0
+
     def of(self, packet: RawBlock | None) -> float | None:
         """Return a packet's time; None for another block, or an unknown interface."""
         if packet is None or packet.kind != pcapng.ENHANCED:

@@ -275,7 +275,9 @@ class _Section:
             self._numbers.append(None)
             return
         stream = self._described
-        if interface.link_type != pcapng.LINKTYPE_USER0:
+        if interface.link_type == pcapng.LINKTYPE_USER1:  # it stands behind that of its unit
+            stream = stream or self._stream()
+        elif interface.link_type != pcapng.LINKTYPE_USER0:
             stream = self._stream()
         elif is_new:
             stream = self._described = self._stream() if stream is None else self._begin()
@@ -290,6 +292,9 @@ class _Section:
             self._stream().write(raw, undescribed + raw.body[4:])
             return
         stream, interface, number = place
+        if interface.link_type == pcapng.LINKTYPE_USER1:
+            self._instrument(stream, raw, interface.time(packet.ticks), number)
+            return
         if interface.link_type != pcapng.LINKTYPE_USER0:
             return
         time = interface.time(packet.ticks)
@@ -297,6 +302,13 @@ class _Section:
         stream.write(raw, struct.pack(raw.order + "I", number) + raw.body[4:])
         stream.begin = time if stream.begin is None else stream.begin
         stream.last, self._last = time, stream
+
+    def _instrument(self, stream: _Stream, raw: RawBlock, time: float, number: int) -> None:
+        """Write a packet of an instrument into the section of its unit."""
+        if stream.begin is not None:
+            self._place_notes(stream, time)
+            self._last = stream
+        stream.write(raw, struct.pack(raw.order + "I", number) + raw.body[4:])
 
     def _note(self, raw: RawBlock, note: Note) -> None:
         if len(self._waiting) < _MOST_NOTES:
