@@ -40,7 +40,10 @@ FIELDS = {
 
 
 def example(kind: type[MikasError]) -> MikasError:
-    if kind in (errors.CaptureError, errors.DiskFull, errors.ExportError, errors.FleetError):
+    if kind in (
+        errors.CaptureError, errors.DiskFull, errors.ExportError, errors.FleetError,
+        errors.ForeignLogError,
+    ):  # fmt: skip
         return kind("f", Text("p", "п"))
     if kind is errors.CatalogError:
         return kind("f", 1, Text("p", "п"))

@@ -27,6 +27,7 @@ TREE = {
     "CaptureError": ("UsageError", ValueError),
     "DiskFull": ("CaptureError", OSError),
     "ExportError": ("UsageError", ValueError),
+    "ForeignLogError": ("UsageError", ValueError),
     "FleetError": ("UsageError", ValueError),
     "JournalError": ("UsageError", ValueError),
     "MissingExtra": ("UsageError", ImportError),
@@ -81,7 +82,8 @@ TREE = {
 }
 # These stand for a whole branch, or carry what to try in their own words.
 WITHOUT_ADVICE = {
-    "MikasError", "UsageError", "CaptureError", "FormulaError", "NoConnection", "EcuRefused",
+    "MikasError", "UsageError", "CaptureError", "ForeignLogError", "FormulaError", "NoConnection",
+    "EcuRefused",
 }  # fmt: skip
 
 HEAVY = {"numpy", "pandas", "rich", "click", "serial", "asyncio", "sqlite3", "pyarrow", "starlette",
@@ -108,6 +110,7 @@ def test_the_package_exports_exactly_this_list():
         "DerivedValue",
         "Ecu",
         "Fault",
+        "ForeignLog",
         "Info",
         "MikasError",
         "Parameter",
@@ -119,6 +122,7 @@ def test_the_package_exports_exactly_this_list():
         "async_session",
         "connect",
         "errors",
+        "open_log",
         "session",
     ]
     for name in (*mikas.__all__, "open"):

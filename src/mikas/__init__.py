@@ -29,6 +29,8 @@ if TYPE_CHECKING:
         connect,
     )
     from mikas.errors import MikasError
+    from mikas.foreign_logs.opening import open_log
+    from mikas.foreign_logs.table import ForeignLog
     from mikas.live.asynchronous import AsyncSession, async_session
     from mikas.live.session import Session
     from mikas.live.starting import session
@@ -44,6 +46,7 @@ __all__ = [
     "DerivedValue",
     "Ecu",
     "Fault",
+    "ForeignLog",
     "Info",
     "MikasError",
     "Parameter",
@@ -55,17 +58,20 @@ __all__ = [
     "async_session",
     "connect",
     "errors",
+    "open_log",
     "session",
 ]
 
 _MODULES = dict.fromkeys(__all__, "mikas.client") | {
     "Fault": "mikas.catalog",
+    "ForeignLog": "mikas.foreign_logs.table",
     "MikasError": "mikas.errors",
     "Session": "mikas.live.session",
     "AsyncSession": "mikas.live.asynchronous",
     "async_session": "mikas.live.asynchronous",
     "session": "mikas.live.starting",
     "Parameter": "mikas.catalog",
+    "open_log": "mikas.foreign_logs.opening",
     "Recording": "mikas.notebook.recording",
     "open": "mikas.notebook.recording",  # not in `__all__`: `import *` would hide the built-in one
 }

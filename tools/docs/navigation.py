@@ -89,6 +89,7 @@ NAVIGATION: tuple[Entry | Section, ...] = (
             _page("reference/causes.md", "How causes are found", "Как ищутся причины"),
             _page("reference/report.md", "Sentences of the report", "Фразы отчёта"),
             _page("reference/exports.md", "Exports", "Экспорт"),
+            _page("reference/foreign-logs.md", "Other programs’ logs", "Логи других программ"),
             _page("reference/capture.md", "Captures", "Файлы записей"),
             _page("reference/catalog.md", "Catalog files", "Файлы каталога"),
             _page("reference/evidence.md", "Evidence", "На чём что держится"),

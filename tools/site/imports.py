@@ -19,6 +19,7 @@ _TLS = "for the network's HTTPS, which the site does not serve"
 _NETWORK = "where there are sockets: a page's actions have none"
 _NUMPY = "if there is the whole numpy"
 _NOTEBOOK = "for a notebook, which shows and draws `mikas.open`"
+_MDF = "if there is asammdf"
 DESKTOP: Mapping[str, Mapping[str, str]] = MappingProxyType(
     {
         "mikas/home.py": {"platformdirs": _PLACES},
@@ -27,6 +28,7 @@ DESKTOP: Mapping[str, Mapping[str, str]] = MappingProxyType(
             "mikas.conditions.webhooks": _NETWORK,
         },
         "mikas/dashboard/security/certificate.py": {"cryptography": _TLS},
+        "mikas/foreign_logs/opening.py": {"mikas.foreign_logs.mdf": _MDF},
         "mikas/link/ports.py": {"serial": "lists the system's ports; the site lists the browser's"},
         "mikas/notebook/recording.py": {"mikas.notebook": _NOTEBOOK},
         "mikas/recording/exchanges/__init__.py": {"mikas.recording.exchanges.columns": _NUMPY},

@@ -13,6 +13,7 @@
     │   ├── CaptureError               a capture file can't be read, or can't be written
     │   │   └── DiskFull (OSError)     there is no room for it
     │   ├── ExportError                an export can't be made
+    │   ├── ForeignLogError            another program's log can't be read: file, line or byte
     │   ├── FleetError                 a place of recordings or a dataset can't be used
     │   ├── JournalError               the journal of changes can't be written
     │   └── MissingExtra               an optional library is not installed
@@ -142,6 +143,7 @@ from mikas.errors.usage import CatalogError as CatalogError
 from mikas.errors.usage import DiskFull as DiskFull
 from mikas.errors.usage import ExportError as ExportError
 from mikas.errors.usage import FleetError as FleetError
+from mikas.errors.usage import ForeignLogError as ForeignLogError
 from mikas.errors.usage import FormulaError as FormulaError
 from mikas.errors.usage import JournalError as JournalError
 from mikas.errors.usage import MissingExtra as MissingExtra

@@ -193,6 +193,30 @@ class ExportError(UsageError):
         super().__init__(file=file, problem=problem)
 
 
+class ForeignLogError(UsageError):
+    """Another program's log can't be read. `line` or `offset`: where in the file, if known."""
+
+    what: ClassVar[Text] = Text("{file}{where}: {problem}", "{file}{where}: {problem}")
+
+    def __init__(
+        self, file: str, problem: Text, line: int | None = None, offset: int | None = None
+    ) -> None:
+        self.file: str = file
+        """The file's name."""
+        self.problem: Text = problem
+        """The problem, and what to do."""
+        self.line: int | None = line
+        """The line, from 1; None: unknown, or the file has none."""
+        self.offset: int | None = offset
+        """Where in the file, in bytes; None: unknown."""
+        where = Text("", "")
+        if line is not None:
+            where = Text(f", line {line}", f", строка {line}")
+        elif offset is not None:
+            where = Text(f", byte {offset}", f", байт {offset}")
+        super().__init__(file=file, where=where, problem=problem)
+
+
 class FleetError(UsageError):
     """A place of recordings or a dataset can't be used. `place`: its path or URL, no password."""
 

@@ -42,5 +42,6 @@ MEANINGS: Mapping[str, str] = MappingProxyType(
         "url": "the address of the port or the broker, without its password",
         "value": "the value that was given",
         "wanted": "the value that should be there; of a time-out, in seconds",
+        "where": "the line or the byte in the file, a `Text`; empty: unknown",
     }
 )

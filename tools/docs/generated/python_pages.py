@@ -122,6 +122,10 @@ PAGES = (
         ("Sheet", "Moment"),
     ),
     Module(
+        "mikas.foreign_logs",
+        Text("Logs of other programs as tables.", "Логи других программ как таблицы."),
+    ),
+    Module(
         "mikas.notebook.drawing",
         Text("What `Recording.plot` returns.", "То, что возвращает `Recording.plot`."),
         ("Plot",),
