@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 from cli_harness import is_hex
 
@@ -45,6 +47,40 @@ def test_params_describes_each_parameter_without_a_port(mikas):
     assert (inj["code"], inj["size"], inj["unit"]) == ("3F", 2, "ms")
     assert set(inj["text"]) == {"en", "ru"}
     assert parameters["FREQ"]["errata"][0]["name"] == "E1"
+
+
+def test_params_has_what_each_rests_on_and_the_readings_that_a_car_decides_on(mikas):
+    parameters = {it["name"]: it for it in mikas("params", "--json").object["parameters"]}
+    rcok = parameters["RCOK"]
+    assert rcok["otherwise"] == [
+        {"name": "alternative", "formula": "(b − 128)/256", "unit": ""},
+        {"name": "family", "formula": "(b + 128)/256", "unit": ""},
+    ]
+    assert rcok["evidence"]["source"] == {"en": "letter; odd", "ru": "буква; странная"}
+    assert rcok["evidence"]["seen"] == []
+    assert parameters["FREQ"]["otherwise"] == []
+    formulas = {row[0]: row[3] for row in (line.split("\t") for line in mikas("params").lines)}
+    assert formulas["RCOK"] == (
+        "(b − 128)/256 − 0.5; alternative: (b − 128)/256; family: (b + 128)/256"
+    )
+    chosen = mikas("params", "--interpretation", "family", "--lang", "ru").out
+    assert "(b + 128)/256; буквально: (b − 128)/256 − 0.5; иначе: (b − 128)/256" in chosen
+
+
+def test_read_has_the_readings_of_rcok_beside_each_other(mikas):
+    read = mikas("read", "RCOK", "RCOD", "TWAT", "--json").object["readings"]
+    raw = int(read["RCOK"]["raw"], 16)
+    assert read["RCOK"]["value"] == (raw - 128) / 256 - 0.5
+    assert read["RCOK"]["otherwise"] == {
+        "alternative": (raw - 128) / 256,
+        "family": (raw + 128) / 256,
+    }
+    assert list(read["RCOD"]["otherwise"]) == ["alternative"]
+    assert "otherwise" not in read["TWAT"]
+    row = next(line for line in mikas("read", "RCOK").lines if line.startswith("RCOK"))
+    assert re.search(r"\tFuel correction factor; alternative -?0\.\d{3}; family \d\.\d{3}\t", row)
+    row = mikas("read", "RCOK", "--interpretation", "family", "--lang", "ru").lines[1]
+    assert re.search(r"топливоподачи; буквально -0,\d{3}; иначе -?0,\d{3}\t", row)
 
 
 def test_a_write_reports_value_and_bytes_before_and_after(mikas):

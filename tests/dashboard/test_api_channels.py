@@ -185,6 +185,31 @@ def test_a_channel_has_its_values_at_a_moment_of_a_recording(warm):
     assert warm.get("/channels/FREQ/value", 400, at="nan")["code"] == "BadRequest"
 
 
+def test_rcok_has_its_value_by_each_reading_and_what_it_rests_on(warm):
+    rcok = channel(warm, "RCOK")
+    assert [each["name"] for each in rcok["otherwise"]] == ["alternative", "family"]
+    assert rcok["evidence"]["source"] == {"en": "letter; odd", "ru": "буква; странная"}
+    assert rcok["evidence"]["siblings"]["en"].startswith("`family` for RCOK")
+    assert rcok["evidence"]["sightings"] == []
+    assert channel(warm, "DUTY")["evidence"] is None
+    warm.put("/plan", {"wanted": [{"name": "RCOK"}, {"name": "FREQ"}]})
+    with warm.live() as live:
+        live.until(lambda it: values_of(it, "RCOK"))
+    got = warm.get("/channels/RCOK/value")
+    raw = int(got["raw"], 16)
+    assert got["value"] == (raw - 128) / 256 - 0.5
+    assert got["otherwise"] == {"alternative": (raw - 128) / 256, "family": (raw + 128) / 256}
+    assert warm.get("/channels/FREQ/value")["otherwise"] == {}
+    warm.post("/recording/start", {"name": "factors"})
+    warm.until(lambda it: (it["state"]["recording"] or {"samples": 0})["samples"] > 5)
+    warm.post("/recording/stop")
+    (file,) = warm.get("/recordings")["recordings"]
+    then = warm.get("/channels/RCOK/value", recording=file["id"])
+    raw = int(then["raw"], 16)
+    assert then["value"] == (raw - 128) / 256 - 0.5
+    assert then["otherwise"]["family"] == (raw + 128) / 256
+
+
 def test_other_names_are_listed_understood_and_kept_as_mnemonics(warm):
     assert {"rpm", "обороты", "оборот"} <= set(channel(warm, "FREQ")["names"])
     tried = warm.post("/channels/try", {"formula": "обороты / 2"})

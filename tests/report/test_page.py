@@ -174,6 +174,15 @@ def test_the_numbers_are_those_that_were_measured() -> None:
     assert "−7\N{NO-BREAK SPACE}°C" in parsed.printed
 
 
+def test_rcok_has_its_readings_beside_each_other() -> None:
+    both = found(rows(RCOK=-0.5, RCOD=-0.25))
+    shown = Parsed(page.render(both, "en")).printed
+    assert re.search(r"RCOK \(alternative 0\.000, family 1\.000\)\s*−0\.500", shown)
+    assert re.search(r"RCOD \(alternative 0\.250\)\s*−0\.250", shown)
+    shown = Parsed(page.render(both, "ru")).printed
+    assert "(иначе 0,000, как у родственных 1,000)" in shown
+
+
 def test_anybody_s_words_stay_words(tmp_path: Path) -> None:
     evil = '<script>alert("1")</script>&\'"><svg onload=x>'
     own = tmp_path / "own.toml"

@@ -68,9 +68,13 @@ class Grounds:
 
     def as_json(self) -> dict[str, Any]:
         """Return it as JSON values."""
-        names = ("name", "kind", "text", "source", "siblings", "sources", "confidence", "parts")
+        names = ("name", "kind", "text", "sources", "confidence", "parts")
+        return picked(self, *names) | self.statement_json()
+
+    def statement_json(self) -> dict[str, Any]:
+        """Return what is said of it, and what was seen, as JSON values."""
         seen = [picked(each, "unit", "agreement", "text") for each in self.sightings]
-        return picked(self, *names) | {"seen": json_of(seen)}
+        return picked(self, "source", "siblings") | {"seen": json_of(seen)}
 
 
 def grounds_of(catalog: Catalog) -> tuple[Grounds, ...]:

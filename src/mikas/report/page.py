@@ -17,7 +17,8 @@ from typing import TYPE_CHECKING, Any, Final
 from markupsafe import Markup
 
 from mikas.cancellation import check_cancelled
-from mikas.catalog import Fault
+from mikas.catalog import Fault, Parameter
+from mikas.catalog.undecided import READING_NAMES, otherwise, values_otherwise
 from mikas.errors import ExportError, system_error
 from mikas.files import absolute
 from mikas.i18n import Language, Text
@@ -181,7 +182,7 @@ class _Page:
         )
         codes = ", ".join(map(str, value.related))
         related = self._label("related", codes=codes) if codes else ""
-        why = [self._unrated(value), value.meaning.to(language), related]
+        why = [self._unrated(value), value.meaning.to(language), related, self._otherwise(value)]
         return {
             "off": value.mark in (BandPosition.LOW, BandPosition.HIGH),
             "text": channel.text.to(language),
@@ -208,13 +209,24 @@ class _Page:
         if not channel.is_flag and stats.low != stats.high:
             low, high = (number(e, channel.decimals, language) for e in (stats.low, stats.high))
             text += f" ({low} … {high})"
-        note = self._label("substitute") if value.sensor else ""
+        notes = [self._label("substitute") if value.sensor else "", self._otherwise(value)]
         return {
             "text": channel.text.to(language),
             "name": channel.name,
             "number": text,
-            "note": note,
+            "note": "; ".join(filter(None, notes)),
         }
+
+    def _otherwise(self, value: ChannelFinding) -> str:
+        """Return the median by the other readings that only a car decides on (E3)."""
+        channel, language = value.channel, self._language
+        if not isinstance(channel, Parameter) or not otherwise(channel):
+            return ""
+        others = values_otherwise(channel, channel.encode(value.stats.median))
+        return ", ".join(
+            f"{READING_NAMES[name].to(language)} {number(each, channel.decimals, language)}"
+            for name, each in others.items()
+        )
 
     def _number(self, value: ChannelFinding) -> str:
         if value.channel.is_flag:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Final
 
 from mikas.catalog import Confidence, Derived, Parameter
+from mikas.catalog.undecided import READING_NAMES, values_otherwise
 from mikas.cli.language import current_language, decimal, tr
 from mikas.cli.render.output import Output
 from mikas.client import Reading
@@ -30,11 +31,14 @@ def reading_json(reading: Reading | DerivedValue) -> dict[str, Any]:
     """Return `{"value", "unit", "raw", "time"}`: numbers are numbers, flags true or false.
 
     A derived value has no `raw`, and its `inputs`; where the formula has no result it is null.
+    A value that can be read otherwise (E3) has its `otherwise`, by interpretation.
     """
     time = round(reading.time, 6)
     if isinstance(reading, Reading):
         raw = reading.raw.hex().upper()
-        return picked(reading, "value", "unit") | {"raw": raw, "time": time}
+        found = picked(reading, "value", "unit") | {"raw": raw, "time": time}
+        others = _otherwise(reading)
+        return found | {"otherwise": others} if others else found
     value = reading.value if reading.has_value else None
     inputs = {name: each.value for name, each in reading.inputs.items()}
     return {"value": value, "unit": reading.unit, "raw": None, "time": time, "inputs": inputs}
@@ -49,6 +53,28 @@ def value_text(reading: Reading | DerivedValue) -> str:
     if isinstance(reading.value, bool):
         return tr("yes", "да") if reading.value else tr("no", "нет")
     return decimal(f"{reading.value:.{reading.parameter.decimals}f}")
+
+
+def reading_name(interpretation: str) -> str:
+    """Return the word for an interpretation, in the current language."""
+    return READING_NAMES[interpretation].to(current_language())
+
+
+def _otherwise(reading: Reading) -> dict[str, float]:
+    return values_otherwise(reading.parameter, reading.raw, reading.interpretation)
+
+
+def meaning_text(reading: Reading | DerivedValue) -> str:
+    """Return the channel's text; behind it the value by the readings that only a car decides on."""
+    text = reading.channel.text.to(current_language())
+    if isinstance(reading, DerivedValue):
+        return text
+    places = reading.parameter.decimals
+    others = [
+        f"{reading_name(name)} {decimal(f'{value:.{places}f}')}"
+        for name, value in _otherwise(reading).items()
+    ]
+    return "; ".join([text, *others])
 
 
 def unit_text(reading: Reading | DerivedValue) -> str:

@@ -8,6 +8,8 @@ from typing import Annotated, Final, Literal
 from pydantic import BaseModel, Field
 
 from mikas.catalog import Catalog, Confidence, Derived, Level, Parameter, shipped
+from mikas.catalog.evidence import Agreement
+from mikas.catalog.grounds import parameter_grounds
 from mikas.dashboard.api.errors import OptionalTexts, TwoTexts, made_of
 
 
@@ -42,6 +44,22 @@ class OtherReading(BaseModel):
     name: str = Field(examples=["literal", "alternative", "family"])
     formula: str
     unit: TwoTexts
+
+
+class UnitSighting(BaseModel):
+    """What a unit that was met has shown of a parameter."""
+
+    unit: str = Field(description="its model and a date")
+    agreement: Agreement
+    text: TwoTexts
+
+
+class ChannelEvidence(BaseModel):
+    """What a parameter of the protocol rests on; null: nothing, or none was met."""
+
+    source: TwoTexts = Field(description="what the protocol's source says")
+    siblings: OptionalTexts = Field(description="what sibling units and other texts say")
+    sightings: list[UnitSighting]
 
 
 class ChannelMeaning(BaseModel):
@@ -86,6 +104,7 @@ class ChannelInfo(BaseModel):
     otherwise: list[OtherReading] = Field(description="where the source is doubtful")
     confidence: Confidence
     source: str
+    evidence: ChannelEvidence | None = Field(description="of a parameter of the protocol")
     reference_confidence: Confidence
     range_kind: Literal["plausible", "representable", ""]
     meaning: ChannelMeaning | None
@@ -103,7 +122,7 @@ Entries = Mapping[tuple[str, str], Mapping[str, object]]
 _NO_PARAMETER: Final[dict[str, object]] = {
     "derived": True, "writable": False, "code": None, "size": None, "range": None,
     "reference": None, "reference_confidence": Confidence.UNKNOWN, "range_kind": "", "lamp": None,
-    "meaning": None, "errata": [], "otherwise": [],
+    "meaning": None, "errata": [], "otherwise": [], "evidence": None,
 }  # fmt: skip
 _NOT_DERIVED: Final[dict[str, object]] = {
     "derived": False, "mine": False, "inputs": None, "constants": {}, "accumulates": False,
@@ -119,7 +138,9 @@ def channel_info(known: Catalog, channel: Parameter | Derived, own: Entries) -> 
         special = _NO_PARAMETER | {"mine": mine, "constants": dict(channel.constants)}
     else:
         keys = own.get(("parameter", channel.name), {})
+        grounds = parameter_grounds(channel)
         special = _NOT_DERIVED | {
+            "evidence": grounds if channel.source != grounds.source.en else None,
             "writable": not channel.is_flag,
             "formula": channel.formula(),
             "errata": [{"id": it, "text": known.errata[it].reason} for it in channel.errata],

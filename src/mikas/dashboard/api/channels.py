@@ -18,13 +18,14 @@ from typing import Annotated, Any, Final
 from fastapi import APIRouter, Query
 from pydantic import BaseModel, Field
 
-from mikas.catalog import Catalog, Derived, Level, Parameter
+from mikas.catalog import Catalog, Level, Parameter
 from mikas.catalog.formula_syntax import Parsed, parse
 from mikas.catalog.formulas import Calculation
 from mikas.catalog.loading.build import does_not_exist
 from mikas.catalog.lookup import is_corrected
 from mikas.catalog.model import in_order
 from mikas.catalog.own import changes
+from mikas.catalog.undecided import values_otherwise
 from mikas.client import Reading
 from mikas.dashboard.api.catalog import CatalogResponse, catalog_of
 from mikas.dashboard.api.dependencies import (
@@ -178,6 +179,10 @@ class ChannelValue(BaseModel):
         str | None, Field(description="hex, low byte first; null: unknown, or computed")
     ] = None
     interpretation: Annotated[str | None, Field(description="that decoded it")] = None
+    otherwise: Annotated[
+        dict[str, float],
+        Field(description="by the other interpretations that only a car decides on (E3)"),
+    ] = {}
 
 
 class TrialRequest(FormulaRequest):
@@ -225,14 +230,14 @@ async def value(
     if (found := moments.get(channel.name)) is None:
         return ChannelValue(name=channel.name)
     time, number = found
-    interpretation = dashboard.library.interpretation
-    return ChannelValue(
-        name=channel.name,
-        value=number,
-        time=time,
-        raw=_raw(channel, number, interpretation),
-        interpretation=interpretation if isinstance(channel, Parameter) else None,
-    )
+    answer = ChannelValue(name=channel.name, value=number, time=time)
+    if isinstance(channel, Parameter):
+        answer.interpretation = dashboard.library.interpretation
+        raw = _raw(channel, number, answer.interpretation)
+        if raw is not None:
+            answer.raw = raw.hex().upper()
+            answer.otherwise = values_otherwise(channel, raw, answer.interpretation)
+    return answer
 
 
 @router.post("/channels/try", responses=errors(404, 409, 504))
@@ -279,9 +284,15 @@ def _now(dashboard: Dashboard, parameter: str) -> ChannelValue:
         reading = monitor.latest.get(parameter) if is_sampled else None
     if not isinstance(reading, Reading) or dashboard.connection.now() - reading.time > _REACH:
         return ChannelValue(name=parameter)
-    value, raw = float(reading.value), api_hex(reading.raw)
-    time = reading.time + dashboard.connection.later
-    return made_of(ChannelValue, reading, name=parameter, time=time, value=value, raw=raw)
+    return made_of(
+        ChannelValue,
+        reading,
+        name=parameter,
+        time=reading.time + dashboard.connection.later,
+        value=float(reading.value),
+        raw=api_hex(reading.raw),
+        otherwise=values_otherwise(reading.parameter, reading.raw, reading.interpretation),
+    )
 
 
 async def _moments(
@@ -329,11 +340,11 @@ def _last_values(rows: Rows, end: float) -> Moments:
     return found
 
 
-def _raw(channel: Parameter | Derived, number: float, interpretation: str) -> str | None:
-    if not isinstance(channel, Parameter) or channel.is_flag:
+def _raw(channel: Parameter, number: float, interpretation: str) -> bytes | None:
+    if channel.is_flag:
         return None
     try:
         raw = channel.encode(number, interpretation)
     except (ValueDoesNotFit, UnknownParameter):
         return None
-    return raw.hex().upper() if channel.decode(raw, interpretation) == number else None
+    return raw if channel.decode(raw, interpretation) == number else None

@@ -13,6 +13,11 @@ const coolant = channelOf("TWAT", {
     otherwise: [{ name: "family", formula: "(b + 128)/256", unit: words("") }],
     source: "§4.2",
     confidence: "confirmed",
+    evidence: {
+      source: words("the letter"),
+      siblings: words("another formula"),
+      sightings: [{ unit: "0A, 2026-12-05", agreement: "agrees", text: words("85 at warm idle") }],
+    },
     range: null,
     constants: {},
     range_kind: "",
@@ -28,7 +33,7 @@ const coolant = channelOf("TWAT", {
 });
 
 function card({ at = null }: { at?: number | null } = {}) {
-  const shown = page({ "/references": { virtual: [], recordings: [] }, "/channels/TWAT/value": { value: 87, raw: "7F", time: 99 } });
+  const shown = page({ "/references": { virtual: [], recordings: [] }, "/channels/TWAT/value": { value: 87, raw: "7F", time: 99, otherwise: { family: 1.004 } } });
   shown.say();
   shown.stores.catalog.use({ version: "1", parameters: [coolant], derived: [], faults: [] } as never);
   const onclose = vi.fn();
@@ -43,12 +48,16 @@ it("what a channel means and where it comes from is there", () => {
   expect(text()).toContain("The thermostat stays shut");
   expect(text()).toContain("x - 40");
   expect(text()).toContain("Otherwise: family (b + 128)/256");
+  expect(text()).toContain("What the source says the letter");
+  expect(text()).toContain("Sibling units, other texts another formula");
+  expect(text()).toContain("Seen on a unit 0A, 2026-12-05: 85 at warm idle (agrees)");
 });
 
 it("at a moment it has that moment's value, its bytes, and the limit that it is beyond", async () => {
   card({ at: 99 });
   await vi.waitFor(() => expect(text()).toContain("Above the limit 80"));
   expect(text()).toContain("7F");
+  expect(text()).toContain("(b + 128)/256 that is 1");
 });
 
 it("what is not read can be read", async () => {

@@ -64,6 +64,11 @@ export interface components {
             /** @description the file's name: another than asked for if that was in use */
             id: string;
         };
+        /**
+         * @description How what a unit did compares with a clause.
+         * @enum {string}
+         */
+        Agreement: "agrees" | "differs" | "shows";
         /** @description The alarm of the channel `name` changed from the level `before` to `level`. */
         AlarmEvent: {
             /**
@@ -246,6 +251,14 @@ export interface components {
             id: string;
             text: components["schemas"]["TwoTexts"];
         };
+        /** @description What a parameter of the protocol rests on; null: nothing, or none was met. */
+        ChannelEvidence: {
+            /** @description what the protocol's source says */
+            source: components["schemas"]["TwoTexts"];
+            /** @description what sibling units and other texts say */
+            siblings: components["schemas"]["TwoTexts"] | null;
+            sightings: components["schemas"]["UnitSighting"][];
+        };
         /**
          * @description A parameter, or a derived channel (`inputs`; no code and no size).
          *
@@ -292,6 +305,8 @@ export interface components {
             otherwise: components["schemas"]["OtherReading"][];
             confidence: components["schemas"]["Confidence"];
             source: string;
+            /** @description of a parameter of the protocol */
+            evidence: components["schemas"]["ChannelEvidence"] | null;
             reference_confidence: components["schemas"]["Confidence"];
             /** @enum {string} */
             range_kind: "plausible" | "representable" | "";
@@ -362,6 +377,13 @@ export interface components {
             raw?: string | null;
             /** @description that decoded it */
             interpretation?: string | null;
+            /**
+             * @description by the other interpretations that only a car decides on (E3)
+             * @default {}
+             */
+            otherwise: {
+                [key: string]: number;
+            };
         };
         /** @description The computer's date moved by `seconds` against its clock, from `before` to `after`. */
         ClockEvent: {
@@ -1507,6 +1529,13 @@ export interface components {
                 [key: string]: number;
             };
             refused: number[];
+        };
+        /** @description What a unit that was met has shown of a parameter. */
+        UnitSighting: {
+            /** @description its model and a date */
+            unit: string;
+            agreement: components["schemas"]["Agreement"];
+            text: components["schemas"]["TwoTexts"];
         };
         /** @description The time until writing is locked again. */
         UnlockRequest: {

@@ -7,13 +7,21 @@ from functools import partial
 from typing import Any
 
 from mikas.catalog import Catalog, Derived, Parameter
+from mikas.catalog.undecided import otherwise
 from mikas.cli.click_extensions import YES, argument, command, option
 from mikas.cli.completion.values import channel_names
 from mikas.cli.context import CommandContext
 from mikas.cli.language import localized, tr
 from mikas.cli.options.common import RELEARN
 from mikas.cli.options.parameter_types import hex_bytes
-from mikas.cli.render.values import reading_json, reference, unit_text, value_text
+from mikas.cli.render.values import (
+    meaning_text,
+    reading_json,
+    reading_name,
+    reference,
+    unit_text,
+    value_text,
+)
 from mikas.client import Reading
 from mikas.client.parameters.derived import DerivedValue
 from mikas.client.parameters.once import Once
@@ -57,14 +65,18 @@ def params(context: CommandContext) -> None:
         context.output.print_note(
             f"{name}: {localized(erratum.title)}. {localized(erratum.reason)}"
         )
+    context.say("What each rests on: mikas evidence", "На чём что держится: mikas evidence")
 
 
 def _parameter_row(parameter: Parameter, interpretation: str) -> list[str]:
+    formulas = [parameter.formula(interpretation)]
+    for name, each in otherwise(parameter, interpretation).items():
+        formulas.append(f"{reading_name(name)}: {each.formula}")
     return [
         parameter.name,
         f"{parameter.code:02X}",
         str(parameter.size),
-        parameter.formula(interpretation),
+        "; ".join(formulas),
         localized(parameter.interpretation(interpretation).unit_text),
         reference(parameter),
         localized(parameter.text),
@@ -86,7 +98,10 @@ def _derived_json(channel: Derived) -> dict[str, Any]:
 
 
 def _parameter_json(catalog: Catalog, parameter: Parameter, interpretation: str) -> dict[str, Any]:
+    from mikas.catalog.grounds import parameter_grounds
+
     errata = (catalog.errata[name] for name in parameter.errata)
+    others = otherwise(parameter, interpretation)
     return {
         "name": parameter.name,
         "code": f"{parameter.code:02X}",
@@ -96,6 +111,10 @@ def _parameter_json(catalog: Catalog, parameter: Parameter, interpretation: str)
         "limits": parameter.limits(interpretation),
         **picked(parameter, "plausible", "reference", "text", "source", "confidence"),
         "errata": [picked(each, "name", "title", "reason") for each in errata],
+        "otherwise": [
+            picked(each, "formula", "unit") | {"name": it} for it, each in others.items()
+        ],
+        "evidence": parameter_grounds(parameter).statement_json(),
     }
 
 
@@ -134,7 +153,7 @@ def show_readings(context: CommandContext, readings: Mapping[str, Reading | Deri
             tr("unit", "ед."): lambda it: unit_text(it[1]),
             tr("raw", "байты"): lambda it: it[1].raw.hex(" ").upper(),
             tr("warm idle", "на ХХ"): lambda it: _reference(it[1]),
-            tr("meaning", "параметр"): lambda it: localized(it[1].channel.text),
+            tr("meaning", "параметр"): lambda it: meaning_text(it[1]),
             tr("notes", "см."): lambda it: " ".join(it[1].channel.errata),
         },
         right="1",
