@@ -68,6 +68,7 @@ def first_marker(recording: Any) -> float:
     return next(it["time"] for it in recording["events"] if it["kind"] == "marker")
 
 
+FOREIGN = b"Time (s),AFR\n0,14.7\n1,13.9\n"
 CAR = "sim:?scenario=warm-idle"
 DOUBLE = {"formula": "TWAT * 2", "text": {"en": "double", "ru": "вдвое"}, "new": True}
 GAUGE = {"gauge": [0, 150]}
@@ -165,6 +166,8 @@ RECORDED = (
     get("/recordings", takes={"recording": lambda it: it["recordings"][0]["id"]}),
     get("/recordings/{identity}/file", f"{ONE}/file", takes={"bytes": lambda it: it}),
     post("/recordings", lambda kept: kept.bytes, "/recordings?name=other.pcapng"),
+    post("/foreign-logs/preview", FOREIGN, "/foreign-logs/preview?name=a.csv"),
+    post("/foreign-logs/values", FOREIGN, "/foreign-logs/values?name=a.csv&columns=1"),
     get("/recordings/{identity}", ONE, takes={"time": first_marker}),
     get("/recordings/{identity}/rows", f"{ONE}/rows?points=100"),
     put(

@@ -34,6 +34,7 @@ from mikas.dashboard.api.library import (
     causes,
     dumps,
     files,
+    foreign_logs,
     marks,
     recorded,
     recordings,
@@ -58,7 +59,7 @@ Live data: WebSocket `/api/live?client=…`, described in docs/reference/api.md.
 """
 
 _PARTS = (catalog, channels, connection, live, network, unit, virtual_cars,
-          guided_tests, dumps, changes, recordings, references, files, cars, recorded,
+          guided_tests, dumps, changes, recordings, references, files, foreign_logs, cars, recorded,
           marks, report, search, causes)  # fmt: skip
 
 # The routes themselves, of all applications of the process. Those of a router that is included are

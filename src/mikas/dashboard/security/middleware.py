@@ -17,12 +17,14 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from mikas.dashboard.error_responses import json_response, refusal_response
 from mikas.dashboard.errors import ApiRefusal, TokenRequired, TooLarge
 from mikas.dashboard.security.access import Access, is_encrypted
+from mikas.foreign_logs import MOST_BYTES
 from mikas.i18n import Text
 
 MAX_BODY = 1 << 16
 MAX_LONG_BODY = 1 << 20
 MAX_RECORDING = 1 << 28
 _LONG = re.compile(r"/api/(presets|dumps/[^/]+/compare)")
+_FOREIGN = re.compile(r"/api/foreign-logs/(preview|values)")
 POLICY = (
     "default-src 'self'; img-src 'self' data: blob:; object-src 'none'; base-uri 'none'; "
     "form-action 'self'; frame-ancestors 'none'"
@@ -88,9 +90,11 @@ class AccessMiddleware:
         return response
 
     def _most(self, scope: Scope) -> int:
-        """Return how long the body may be; only this computer adds recordings."""
+        """Return how long the body may be; only this computer sends files."""
         if scope["path"] == "/api/recordings" and self.access.is_local(scope):
             return MAX_RECORDING
+        if _FOREIGN.fullmatch(scope["path"]) and self.access.is_local(scope):
+            return MOST_BYTES + 1  # the reader says that such a file is too large
         return MAX_LONG_BODY if _LONG.fullmatch(scope["path"]) else MAX_BODY
 
     async def _limited(self, scope: Scope, receive: Receive, send: Send) -> None:

@@ -597,6 +597,56 @@ export interface components {
         FieldsMessage: {
             fields: string[] | null;
         };
+        /** @description A column of the file. `samples`: its first cells as in the file; of text only. */
+        ForeignColumnInfo: {
+            name: string;
+            unit: string;
+            samples: string[];
+        };
+        /**
+         * @description How a log of text is laid out, recognised or as requested. Lines count from 1; 0: none.
+         *
+         *     `time`, `time_unit` null: the file leaves it open, the user has to say.
+         */
+        ForeignLayout: {
+            encoding: string;
+            delimiter: string;
+            decimal: string;
+            names_line: number;
+            units_line: number;
+            time: number | null;
+            time_unit: string | null;
+        };
+        /** @description A mark of the log, at a time of its own clock. */
+        ForeignMarkInfo: {
+            time: number;
+            text: string;
+        };
+        /** @description What a log has. `layout` null: it is no text, and has a time of its own. */
+        ForeignPreview: {
+            /** @enum {string} */
+            format: "csv" | "msl" | "mlg" | "mdf";
+            columns: components["schemas"]["ForeignColumnInfo"][];
+            layout: components["schemas"]["ForeignLayout"] | null;
+        };
+        /**
+         * @description The values, as columns over time (seconds on the log's clock); null: none in that row.
+         *
+         *     `decimated`: only the minimum and maximum of each column in each interval. `rows`: of the file.
+         *     `started`: its date, UNIX seconds; null: it has none. `problems`: what was not taken.
+         */
+        ForeignValues: {
+            format: string;
+            names: string[];
+            units: string[];
+            times: number[];
+            values: (number | null)[][];
+            rows: number;
+            decimated: boolean;
+            started: number | null;
+            marks: components["schemas"]["ForeignMarkInfo"][];
+            problems: components["schemas"]["TwoTexts"][];
+        };
         /**
          * @description The first hits, and the `count` of all. `begin`, `end`: the limits of the searched time.
          *
