@@ -92,7 +92,7 @@ def test_the_contract_s_commands_are_all_there():
         "ports", "doctor", "info", "params", "read", "scan", "watch", "log", "faults", "write",
         "list set", "list read", "mem read", "mem write", "mem dump", "mem verify", "mem diff",
         "mem restore", "mem goto", "raw", "decode", "export", "find", "split", "test", "sim",
-        "dash", "demo", "report", "causes", "help", "completion",
+        "dash", "demo", "survey", "report", "causes", "help", "completion",
     } <= paths  # fmt: skip
 
 

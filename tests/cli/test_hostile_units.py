@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import inf
 from pathlib import Path
+from shutil import rmtree
 
 import pytest
 
@@ -82,6 +83,7 @@ CASES = {
     "test": Case("test sensors --duration 1"),
     "causes": Case("causes --duration 1"),
     "report": Case("report -o report.html --duration 1"),
+    "survey": Case("survey -o unit.zip --yes", interrupted=60.0),
 }
 WITHOUT_A_UNIT = {
     "ports", "params", "evidence", "decode", "export", "find", "split", "wireshark", "sigrok",
@@ -107,6 +109,7 @@ def unit(mikas, monkeypatch):
     def run(line, manner, **settings):
         for left in (RECORDING, Path("out.bin"), Path("out.bin.json"), Path("report.html")):
             left.unlink(missing_ok=True)
+        rmtree("unit.zip.part", ignore_errors=True)
         with hostile(manner, **settings) as world:
             return mikas(*line.split()), world
 

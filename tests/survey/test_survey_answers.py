@@ -57,6 +57,8 @@ def test_what_a_standing_engine_shows(tmp_path, settings, expected):
 @pytest.mark.parametrize(
     ("settings", "name", "value", "tolerance"),
     [
+        ({"least_pause": 0.083}, "least_pause", 0.083, 0.003),
+        ({"least_pause": 0.012, "echo": 0}, "least_pause", 0.012, 0.003),
         ({"turn_round": 0.03}, "turn_round", 0.03, 1e-4),
         ({"inter_byte": 0.0021}, "inter_byte", 0.0021, 1e-4),
         ({"stream_gap": 0.004, "inter_byte": 0.001}, "stream_gap", 0.004, 1e-4),

@@ -34,6 +34,7 @@ KNOWN = [
     "full-load",
     "key-off",
     "cranking-dip",
+    "survey",
 ]
 
 

@@ -48,6 +48,7 @@ NAVIGATION: tuple[Entry | Section, ...] = (
         Text("How to …", "Как сделать"),
         (
             _page("how-to/wiring.md", "Wire the cable", "Подключить кабель"),
+            _page("how-to/survey.md", "A car and ten minutes", "Машина и десять минут"),
             _page("how-to/phone.md", "With a phone", "С телефоном"),
             _page("how-to/install.md", "Install", "Установить"),
             _page("how-to/terminal.md", "Begin in a terminal", "Начать в терминале"),

@@ -11,7 +11,7 @@ from typing import Final
 
 from mikas.client import Ecu
 from mikas.commands.unit import version_text
-from mikas.errors import usage_error
+from mikas.errors import NotConfirmed, usage_error
 from mikas.i18n import Text
 from mikas.link import CaptureTee
 from mikas.survey.answers import SurveyAnswer
@@ -128,10 +128,12 @@ class Survey:
                 self._keep()
 
     def _may_begin(self, state: CarState, person: _Saving) -> bool:
-        if state is CarState.STANDING and not self._unit.sizes:
-            person.say(_BEGIN)  # which code is the engine's speed is not known yet
-            return True
+        """Have the car brought into `state`. Raises `NotConfirmed` without the first one."""
+        if state is CarState.STANDING:
+            self._unit.find_speed()
         why = bring(self._unit, state, person)
+        if why is not None and state is CarState.STANDING:
+            raise NotConfirmed(change=_SURVEY, how=_BEGINS.filled(why=why))
         if why is not None:
             person.say(why)
             self._measured["skipped"][state.value] = why._asdict()
@@ -234,7 +236,8 @@ def _raise(error: Exception) -> None:
     raise error
 
 
-_BEGIN: Final = Text(
-    "Ignition on, engine OFF, for about four minutes.",
-    "Зажигание включено, двигатель ЗАГЛУШЕН — около четырёх минут.",
+_SURVEY: Final = Text("survey the unit", "обследовать блок")
+_BEGINS: Final = Text(
+    "A survey begins with the ignition on and the engine off, and {why}.",
+    "Обследование начинается при включённом зажигании и заглушенном двигателе, а {why}.",
 )

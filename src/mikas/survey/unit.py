@@ -19,6 +19,7 @@ from mikas.commands.base import Command, MalformedRequest, SizeOf
 from mikas.i18n import Text
 from mikas.survey.recording import SurveyCapture
 from mikas.tester import Reply, Tester
+from mikas.tester.pauses import Pauses
 
 SPEED = 0x29  # FREQ, 40 rpm a step (§4, E1)
 IDLE_SPEED = 0x2C  # FREQX, 10 rpm a step
@@ -29,6 +30,7 @@ _RPM = {SPEED: FREQ_STEP, IDLE_SPEED: 10}
 _LONGEST = 4096  # bytes of a body, as the decoder takes
 _DAMAGED = 3  # exchanges in a row, after which a line is too bad
 _ROOM = 32  # codes in a request of the survey itself, at most
+_SPARE, _ROUNDED = 1.1, 0.005  # of the least pause: a factor, and s
 _HASTE = 0.12  # s to a response at least, where silence is usual
 
 
@@ -131,6 +133,17 @@ class SurveyedUnit:
         codes = self.speed_codes
         return speed_of(self.data(codes)) if codes else None
 
+    def find_speed(self) -> None:
+        """Find out whether the unit has FREQ or FREQX, before any other code is asked for."""
+        for code in _RPM:
+            if code not in self.sizes:
+                pair = self.ask(bytes([0x61, code, code]))
+                alone = self.ask(bytes([0x61, code])) if pair is None else None
+                if (pair is not None and len(pair.body) == 2) or (
+                    alone is not None and len(alone.body) == 1 and alone.body != b"\x01"
+                ):
+                    self.sizes[code] = 1
+
     @property
     def speed_codes(self) -> list[int]:
         """FREQ and FREQX, as far as the unit has them with one byte."""
@@ -164,18 +177,36 @@ class SurveyedUnit:
 
     @contextmanager
     def without_pause(self) -> Iterator[None]:
-        """Send requests as soon as they are given."""
-        yield
+        """Send requests as soon as they are given, and find no pause by trying."""
+        tester = self.tester
+        pauses, pause = tester.pauses, tester.line.pause
+        self._keep_pause(0.0)
+        try:
+            yield
+        finally:
+            tester.pauses, tester.line.pause = pauses, pause
+
+    def _keep_pause(self, seconds: float) -> None:
+        tester = self.tester
+        tester.pauses = Pauses(tester.line, tester.sync, seconds, tester.ends.check)
 
     def use_what_is_known(self, measured: dict[str, Any]) -> None:
-        """Ask as the unit was found to answer: the longest list, the form of the checksum (D3)."""
+        """Ask as the unit was found to answer: the pause that it needs, the longest list, the form
+        of the checksum (D3).
+        """
+        pause = measured.get("least_pause", {}).get("pause")
+        if pause is not None:
+            self._keep_pause(pause and pause * _SPARE + _ROUNDED)
         limit = measured.get("lists", {}).get("61", {}).get("limit")
         if limit is not None:
             self.longest = min(_ROOM, limit)
-        forms = [
-            form for each in measured.get("checksum_accepted", {}).values() for form in each.items()
-        ]
-        if ("raw", True) in forms and ("stuffed", True) not in forms:
+        forms = {
+            form
+            for each in measured.get("checksum_accepted", {}).values()
+            for form, is_understood in each.items()
+            if is_understood
+        }
+        if forms == {"raw"}:
             self.tester.line.raw_checksum = True
 
 

@@ -26,6 +26,7 @@ from mikas.cli.main import cli
 from mikas.files import beside
 
 SIM = ("--port", "sim:?clock=simulated")
+STANDING = ("--port", "sim:?clock=simulated&scenario=survey")
 STRANGER = (
     "setpriv", "--reuid=54321", "--regid=54321", "--clear-groups",
     "--inh-caps=-all,+dac_read_search", "--ambient-caps=+dac_read_search",
@@ -142,6 +143,7 @@ def lines(folder: str, prefix: str) -> list[list[str]]:
         ["fleet", "add", "--to", dataset, "--workers", "1", "--", drive],
         ["fleet", "sql", "--", dataset, "SELECT count(*) FROM samples"],
         ["fleet", "report", "-o", at("f.html"), "--", dataset],
+        ["survey", "-o", at("unit.zip"), "--yes", "--without-engine", *STANDING],
         ["test"], ["test", "idle", "--duration", "3", *SIM], ["sim"],
         ["dash", *serve, *SIM], ["dash", *serve, "--lan"], ["demo", *serve, "--record", at("recs")],
     ]  # fmt: skip

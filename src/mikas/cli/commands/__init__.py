@@ -63,6 +63,11 @@ COMMANDS: dict[str, tuple[str, Text]] = {
         "what clauses, channels and faults rest on (needs no port)",
         "на чём держатся пункты, каналы и ошибки (порт не нужен)",
     ),
+    "survey": home(
+        "unit.survey",
+        "help the project: survey a real unit in ten minutes, reads only",
+        "помочь проекту: обследовать настоящий блок за десять минут, только чтение",
+    ),
     "report": home(
         "recordings.report",
         "a report on the car, from a recording or measured now",

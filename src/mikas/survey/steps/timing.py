@@ -84,15 +84,15 @@ def _answered_after(unit: SurveyedUnit, seconds: float) -> bool:
     """Whether `01` is answered each time when it follows a response after `seconds`."""
     request = c.Availability().body()
     with unit.without_pause():
+        unit.pause(_PAUSES[-1])  # the response of a resynchronization may be the latest
+        reply = unit.ask(request, times=1)
         for _ in range(_TIMES):
-            reply = unit.ask(request)
             if reply is None:
                 return False
             if seconds:
                 unit.pause(seconds - (unit.now() - reply.ended))
-            if unit.ask(request, times=1) is None:
-                return False
-    return True
+            reply = unit.ask(request, times=1)
+    return reply is not None
 
 
 def slowest(measured: Measured) -> float:
