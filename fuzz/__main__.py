@@ -29,7 +29,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import Final
 
-TARGETS: Final = ("framing", "capture", "catalog", "foreign_logs", "guided", "notes")  # libFuzzer's
+# libFuzzer's
+TARGETS: Final = ("framing", "capture", "catalog", "foreign_logs", "guided", "notes", "units")
 RECORDINGS: Final = "recordings"
 CLIENTS: Final = "clients"
 EXCHANGES: Final = "exchanges"

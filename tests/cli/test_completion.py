@@ -121,6 +121,8 @@ def test_files_are_left_to_the_shell_with_their_endings(answered):
         ("mikas decode dr", [["file", PACKED, ""]]),
         ("mikas export a.pcapng -o ", [["file", "csv,mf4,parquet,msl,mlg", ""]]),
         ("mikas read --capture=dr", [["file", "pcapng", "--capture="]]),
+        ("mikas sim --unit ", [["file", "zip,json", ""]]),
+        ("mikas --port sim:?unit=", [["file", "zip,json", "sim:?unit="]]),
         ("mikas read --port replay:", [["file", PACKED, "replay:"]]),
         ("mikas read --port=replay:", [["file", PACKED, "--port=replay:"]]),
         ("mikas mem diff a.bin ", [["file", "", ""]]),

@@ -76,6 +76,7 @@ LINES = [
     ("find", NAME, "EVIL > 1"), ("find", NAME, ESC), ("find", f"a{ESC}.bin", "FREQ > 1"), ("test",),
     ("test", ESC), ("test", "idle", "--recording", NAME), ("test", "idle", "--recording", ESC),
     ("sim", "--replay", f"a{ESC}.bin"), ("sim", "--scenario", ESC), ("dash", "--record", NAME),
+    ("sim", "--unit", f"a{ESC}.bin"),
     ("dash", "--http", ESC), ("demo", ESC), (ESC,), (f"--{ESC}",), ("read", f"--{ESC}=1"),
     ("info", "--port", f"sim:?{ESC}=1"), ("info", "--port", f"/dev/{ESC}"), ("info", "--port", ESC),
     ("info", "--port", f"replay:{NAME}?clock=simulated"), ("info", "-v"), ("read", "EVIL", "-vv"),

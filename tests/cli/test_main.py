@@ -127,6 +127,8 @@ USAGE = [
     ["sim", "--car", "nosuch"],
     ["sim", "--car", "blind"],
     ["sim", "--answer", "leak:x"],
+    ["sim", "--unit", "nosuch.zip"],
+    ["sim", "--unit", "note.txt"],
     ["sim", "--set", "x"],
     ["sim", "--set", "nosuch=1"],
     ["sim", "--baud", "x"],

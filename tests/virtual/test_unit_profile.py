@@ -124,6 +124,7 @@ def test_a_wrong_value_is_reported_with_its_key_and_what_belongs_there(value, ke
     assert en.startswith(f"a.zip: unit.json: {key}".rstrip(" "))
     assert expected in en
     assert "survey the unit again" in en
+    assert ".." not in en + ru
     assert f": {key}" in ru
     assert "обследуйте" in ru
 

@@ -108,6 +108,7 @@ NAVIGATION: tuple[Entry | Section, ...] = (
                 tuple(_page(python.path_of(each), each.name, each.name) for each in python.PAGES),
             ),
             _page("reference/simulator.md", "The simulator", "Виртуальный блок"),
+            _page("reference/units-met.md", "Units met", "Блоки, которые встретились"),
             _page("reference/scenarios.md", "Scenarios", "Сценарии"),
             _page("reference/api.md", "The dashboard's interface", "Интерфейс панели"),
             _page("reference/security.md", "Security", "Безопасность"),

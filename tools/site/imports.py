@@ -18,6 +18,7 @@ _PLACES = "on Windows and macOS, which have no XDG folders"
 _TLS = "for the network's HTTPS, which the site does not serve"
 _NETWORK = "where there are sockets: a page's actions have none"
 _NUMPY = "if there is the whole numpy"
+_UNIT = "for a unit from a file of this computer"
 _NOTEBOOK = "for a notebook, which shows and draws `mikas.open`"
 _MDF = "if there is asammdf"
 DESKTOP: Mapping[str, Mapping[str, str]] = MappingProxyType(
@@ -33,6 +34,10 @@ DESKTOP: Mapping[str, Mapping[str, str]] = MappingProxyType(
         "mikas/notebook/recording.py": {"mikas.notebook": _NOTEBOOK},
         "mikas/recording/exchanges/__init__.py": {"mikas.recording.exchanges.columns": _NUMPY},
         "mikas/replay/build.py": {"mikas.replay.routine": _NUMPY},
+        "mikas/virtual/build.py": {
+            "mikas.virtual.met_unit": _UNIT,
+            "mikas.virtual.unit_files": _UNIT,
+        },
         "mikas/virtual/serve.py": {"pty": "serves a virtual unit", "tty": "serves a virtual unit"},
     }
 )

@@ -54,7 +54,8 @@ _NOT_HERE = (
     "dashboard/server.py", "dissectors", "fleet", "link/failures.py", "link/network.py",
     "link/serial.py", "publish", "recording/export/mdf.py", "recording/export/parquet.py",
     "recording/parquet.py", "replay/routine.py", "survey", "testing",
-    "virtual/profiles", "virtual/unit_profile.py",
+    "archives.py", "virtual/met_unit.py", "virtual/profiles", "virtual/unit_files.py",
+    "virtual/unit_profile.py",
     *(f"recording/exchanges/columns/{each}.py" for each in (
         "directions", "frames", "matcher", "packets", "turn_runs",
     )),

@@ -7,9 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 from mikas.catalog import shipped
 from mikas.catalog.ignition_only import DEAD
+from mikas.errors import usage_error
 from mikas.options import OptionParser, check_names, invalid_value
 from mikas.virtual import VIRTUAL_PASSPORT
 from mikas.virtual.bus import AdapterKind, Bus, Elm327, Stalls
@@ -23,15 +26,19 @@ from mikas.virtual.quirks import QUIRK_NAMES, words
 from mikas.virtual.responder import Identity, Responder
 from mikas.virtual.scenarios.scenario import DEFAULT, find
 
+if TYPE_CHECKING:
+    from mikas.virtual.unit_profile import UnitProfile
+
 MODELS = {"5.4": 0x09, "7.1": 0x0A}
 ADAPTERS = ("kkl", "elm327")
 _LINE_FAULTS = tuple(fault.value for fault in LineFault)
 SETTINGS = (
     "scenario", "car", "seed", "model", "ignition_only", "faults", "baud", "adapter", "echo",
-    "latency_ms", "supplied", "stall_every", "stall_ms", "late_by", *QUIRK_NAMES, *_LINE_FAULTS,
+    "unit", "latency_ms", "supplied", "stall_every", "stall_ms", "late_by", *QUIRK_NAMES,
+    *_LINE_FAULTS,
 )  # fmt: skip
 """Names of all settings; docs/reference/simulator.md describes each."""
-CAR_SETTINGS = ("scenario", "car", "model", "ignition_only", "faults")
+CAR_SETTINGS = ("scenario", "car", "model", "ignition_only", "faults", "unit")
 WIRE_SETTINGS = tuple(name for name in SETTINGS if name not in CAR_SETTINGS)
 """Settings that apply to any source of data."""
 
@@ -44,9 +51,53 @@ def build_bus(
 ) -> Bus:
     """Return the wire with a unit; the engine begins to run at `start` of the caller's clock.
 
-    Raises `UsageError` for an unknown setting or an invalid value.
+    Raises `UsageError` for an unknown setting or an invalid value, and for the file of a `unit`.
     """
     check_names(settings, SETTINGS)
+    if "unit" in settings:
+        from mikas.virtual.unit_files import load  # most virtual units are made of no file
+
+        return met_bus(load(Path(settings["unit"])), settings, start=start, watcher=watcher)
+    return wired(_responder(settings, start), settings, watcher=watcher)
+
+
+def met_bus(
+    profile: UnitProfile,
+    settings: Mapping[str, str] | None = None,
+    *,
+    start: float = 0.0,
+    watcher: Callable[[EcuEvent], None] | None = None,
+) -> Bus:
+    """Return the wire with a unit that behaves as `profile` says; `settings` change it further.
+
+    Raises `UsageError` for settings that do not fit.
+    """
+    from mikas.virtual.met_unit import MetCar, identity_of, quirks_of
+
+    settings = settings or {}
+    check_names(settings, SETTINGS)
+    if "model" in settings:
+        raise usage_error(
+            "model can't be set with a unit: the file says which one it is",
+            "model нельзя задать вместе с unit: какой это блок, сказано в файле",
+        )
+    models = {code: model for model, code in MODELS.items()}
+    found = {"model": models.get(profile.version_code or 0, "7.1")}
+    if profile.echo is not None:
+        found["echo"] = "1" if profile.echo else "0"
+    wanted = found | dict(settings)
+    responder = _responder(wanted, start)
+    responder.identity = identity_of(profile, responder.identity)
+    responder.quirks = quirks_of(profile)
+    car = responder.car
+    stored = profile.faults or ()
+    car.faults = [*stored, *(each for each in car.faults if each not in stored)]
+    responder.car = MetCar(car, profile)
+    return wired(responder, wanted, watcher=watcher)
+
+
+def _responder(settings: Mapping[str, str], start: float) -> Responder:
+    """Return the unit of the engine model."""
     given = OptionParser(settings)
     scenario, seed = find(settings.get("scenario", DEFAULT)), given.integer("seed", 0)
     if "car" in settings:
@@ -59,8 +110,7 @@ def build_bus(
     model = given.choice("model", "7.1", MODELS)
     passports = f"МИКАС {model}", VIRTUAL_PASSPORT, "", "2000.09.27", "ЗМЗ-4062.10", "", "", ""
     identity = Identity(MODELS[model], scenario.passports or passports)
-    responder = Responder(car, identity, memory=EcuMemory(scenario.memory))
-    return wired(responder, settings, watcher=watcher)
+    return Responder(car, identity, memory=EcuMemory(scenario.memory))
 
 
 def wired(

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from mikas.cli.click_extensions import command, flag, option
 from mikas.cli.completion.values import (
     RECORDING,
+    UNIT,
     cars,
     fault_codes,
     files,
@@ -49,6 +50,7 @@ _LINE_FAULTS = ", ".join(it.value for it in LineFault if it is not LineFault.DAM
         "mikas sim --answer blind:4711",
         "mikas sim --tcp 127.0.0.1:2000 --set unknown=01 --line-fault damaged=0.01",
         "mikas sim --replay drive.pcapng --set seek=600",
+        "mikas sim --unit survey.zip --scenario city",
     ),
 )
 @option(
@@ -57,6 +59,13 @@ _LINE_FAULTS = ", ".join(it.value for it in LineFault if it is not LineFault.DAM
     shell_complete=files(*RECORDING),
     en="a recorded unit that answers as it did; options: --set seek=600, speed=2, loop=1",
     ru="записанный блок: отвечает, как в записи; ещё --set seek=600, speed=2, loop=1",
+)
+@option(
+    "--unit",
+    metavar="FILE",
+    shell_complete=files(*UNIT),
+    en="answers as the unit of a survey does (FILE.zip, or its unit.json)",
+    ru="отвечает, как блок из обследования (ФАЙЛ.zip или unit.json из него)",
 )
 @option(
     "--tcp",

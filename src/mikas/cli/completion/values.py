@@ -20,6 +20,8 @@ Offering = Callable[[click.Context, click.Parameter, str], Offers]
 
 RECORDING: Final = ("pcapng", "gz", "bz2", "xz", "lzma", "zip", "zst", "lz4", "7z")
 """Endings of recordings, also packed ones (`mikas.recording.capture.packed`)."""
+UNIT: Final = ("zip", "json")
+"""Endings of the file of a unit's profile."""
 EXPORTED: Final = ("csv", "mf4", "parquet", "msl", "mlg")
 _AFTER_SCHEME: Final = {"socket": "socket://", "rfc2217": "rfc2217://"}
 
@@ -140,6 +142,8 @@ def _virtual_unit(options: str) -> Offers:
     begin, last = f"sim:{options[:sign]}", options[sign:]
     name, equals, value = last.partition("=")
     if equals:
+        if name == "unit":
+            return [_files(UNIT, f"{begin}{name}=")]
         return _begun(_values_of(name), value, f"{begin}{name}=")
     return _begun([f"{it}=" for it in ("clock", *SETTINGS)], last, begin)
 

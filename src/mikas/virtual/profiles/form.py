@@ -52,7 +52,7 @@ def read_key(path: str, value: object, read: Reader) -> Any:  # noqa: ANN401  (a
     try:
         return read(value)
     except UsageError as error:
-        raise WrongKey(path, error.text) from None
+        raise WrongKey(path, error.reason) from None
     except WrongKey as error:
         raise WrongKey(f"{path}.{error.path}" if error.path else path, error.problem) from None
 
@@ -158,8 +158,8 @@ def silence_or_bytes(value: object) -> str:
         return hex_bytes(value).hex().upper()
     except UsageError as error:
         raise usage_error(
-            f'must be "{SILENT}", or {error.text.en.removeprefix("must be ")}',
-            f'нужно "{SILENT}" или {error.text.ru.removeprefix("нужны ")}',
+            f'must be "{SILENT}", or {error.reason.en.removeprefix("must be ")}',
+            f'нужно "{SILENT}" или {error.reason.ru.removeprefix("нужны ")}',
         ) from None
 
 
