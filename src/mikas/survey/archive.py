@@ -14,9 +14,10 @@ from io import BytesIO
 from pathlib import Path
 from typing import Any, Final
 
+from mikas.archives import Archive
 from mikas.cleaning import clean_json
 from mikas.errors import UsageError, naming_file, usage_error
-from mikas.files import read_regular
+from mikas.files import open_regular
 from mikas.i18n import Text
 from mikas.survey.answers import SurveyAnswer
 
@@ -31,7 +32,6 @@ _MEMBERS: Final = {
     "README.txt": 1 << 20,
 }
 """The members and the most bytes of each."""
-_MOST_BYTES: Final = 1 << 27
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,10 +73,10 @@ def archive(content: SurveyFile, readme: str) -> bytes:
 
 def read_survey(path: Path) -> SurveyFile:
     """Read a survey's ZIP. Raises `UsageError` with the file and what is wrong with it."""
-    with naming_file(path):
-        data = read_regular(path, _MOST_BYTES)
+    with naming_file(path), open_regular(path) as file:
+        packed = Archive(file)
+        members = {name: packed.read(name, most) for name, most in _MEMBERS.items()}
     try:
-        members = _members(data)
         survey = json.loads(members["survey.json"])
         unit = json.loads(members["unit.json"])
         if survey["schema"] != SCHEMA:
@@ -94,11 +94,8 @@ def read_survey(path: Path) -> SurveyFile:
         raise _wrong(path, _NO_SURVEY) from error
 
 
-_UNFIT: Final = (
-    zipfile.BadZipFile, OSError, EOFError, ValueError, TypeError, LookupError, RecursionError,
-    NotImplementedError, RuntimeError,
-)  # fmt: skip
-"""What a file raises that is no ZIP, is encrypted, packed by another method, or is no survey."""
+_UNFIT: Final = (ValueError, TypeError, LookupError, RecursionError)
+"""What the members of another archive raise."""
 _NO_SURVEY: Final = Text(
     "this is no survey's ZIP, or a damaged one", "это не ZIP обследования, или он повреждён"
 )
@@ -106,17 +103,6 @@ _OTHER_VERSION: Final = Text(
     "another version of mikas has made this survey",
     "это обследование сделано другой версией mikas",
 )
-
-
-def _members(data: bytes) -> dict[str, bytes]:
-    found = {}
-    with zipfile.ZipFile(BytesIO(data)) as packed:
-        for name, most in _MEMBERS.items():
-            with packed.open(name) as member:
-                found[name] = member.read(most + 1)
-            if len(found[name]) > most:
-                raise ValueError(f"{name} is longer than {most} bytes")
-    return found
 
 
 def _answers(values: Sequence[Any]) -> tuple[SurveyAnswer, ...]:
