@@ -113,6 +113,11 @@ LIVE = (
     post("/channels/try", {"formula": "TWAT / 2"}),
     get("/causes"),
     get("/history/find", "/history/find?expression=TWAT>0"),
+    get("/actions"),
+    put("/actions", {"rules": [{"name": "ring", "when": "TWAT > 999", "sound": True}]}),
+    post("/actions/try", {"name": "ring", "when": "TWAT > 0"}),
+    post("/actions/{name}/perform", address="/actions/ring/perform"),
+    put("/actions", {"rules": []}),
     get("/searches"),
     put("/searches", {"searches": []}),
 )

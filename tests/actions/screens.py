@@ -9,7 +9,7 @@ from dashboard.recordings_rig import record_fault
 
 from .on_chart import CHART
 from .on_connection import CONNECTION, OFF
-from .on_live import FRAME, LIVE
+from .on_live import ACTIONS, FRAME, LIVE
 from .on_recordings import RECORDINGS
 from .on_unit import ANOTHER_CAR, UNIT
 from .routes import CAR, get, post, samples
@@ -36,7 +36,7 @@ READY = (
 in which a fault comes."""
 BEFORE = OFF
 """What is done before anything is connected."""
-ROWS = (*FRAME, *UNIT, *CHART, *RECORDINGS, *LIVE, *CONNECTION, *ANOTHER_CAR)
+ROWS = (*FRAME, *UNIT, *CHART, *RECORDINGS, *LIVE, *ACTIONS, *CONNECTION, *ANOTHER_CAR)
 
 NAMED = (
     "chart/time/ChartHeader {text}",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 
 import pytest
 from hypothesis import given
@@ -122,15 +123,30 @@ TIMES = st.lists(st.sampled_from([0.25, 0.5, 1.0, 1.75, 4.0]), min_size=1, max_s
 VALUES = st.sampled_from([90.0, 96.0, 101.0, None])
 
 
+def pauses(samples):
+    """The times that come too late after the value before: by the two steps before them."""
+    found, before = set(), []
+    for time, value in samples:
+        if value is None:
+            before = []
+            continue
+        steps = [later - earlier for earlier, later in pairwise(before)][-2:]
+        usual = 2.5 * min(steps) if steps else 0
+        if before and time - before[-1] > min(max(PAUSE, usual), 60):
+            found.add(time)
+        before.append(time)
+    return found
+
+
 def by_hand(hold, low, again, once, samples):
-    """The same rule, from the whole past of each moment. Values come at most `PAUSE` apart."""
-    acts = []
+    """The same rule, from the whole past of each moment."""
+    acts, begins = [], pauses(samples)
     for at, (time, value) in enumerate(samples):
         if value is None or value <= 100:
             continue
         since = time
         for earlier, before in reversed(samples[:at]):
-            if before is None or before <= 100:
+            if since in begins or before is None or before <= 100:
                 break
             since = earlier
         free = not acts or any(
@@ -149,24 +165,18 @@ def by_hand(hold, low, again, once, samples):
     st.sampled_from([0.0, 3.0, 10.0]), st.booleans(),
 )  # fmt: skip
 def test_against_the_rule_written_by_hand(steps, data, hold, low, again, once):
-    """A pause of 4 s is a moment without a value just before it."""
-    time, samples, plain = 0.0, [], []
+    time, samples = 0.0, []
     for step in steps:
         time += step
-        value = data.draw(VALUES)
-        if step > PAUSE:
-            plain.append((time - 0.125, None))
-        samples.append((time, value))
-        plain.append((time, value))
+        samples.append((time, data.draw(VALUES)))
     until = "TWAT < 95" if low == 95.0 else "TWAT <= 100"
-    it = rule(until=until, hold=hold, again=again, once=once)
-    watch = ConditionWatch([it], CATALOG)
+    watch = ConditionWatch([rule(until=until, hold=hold, again=again, once=once)], CATALOG)
     found = []
     for at, value in samples:
         if value is None:
-            watch.interrupt()  # no value at all, as after a gap
+            watch.interrupt()  # as after a gap
         found += [fired.time for fired in watch.add(at, {} if value is None else {"TWAT": value})]
-    assert found == by_hand(hold, 100.5 if low == 101.0 else 95.0, again, once, plain)
+    assert found == by_hand(hold, 100.5 if low == 101.0 else 95.0, again, once, samples)
 
 
 @given(

@@ -290,6 +290,26 @@ def test_from_the_network_what_is_in_use_may_be_examined(tmp_path):
         assert answer.status_code == 200
 
 
+def test_from_the_network_no_webhook_and_no_broker_can_be_named(tmp_path):
+    with rig(tmp_path, None, **FAR) as it:
+        ring = {"name": "ring", "when": "FREQ > 1", "sound": True}
+        hook = {"name": "hook", "when": "FREQ > 1", "webhook": "http://127.0.0.1:9/"}
+        secret = "mqtt://me:secret@garage"
+        me = from_far(it)
+        for wish in ({"rules": [hook]}, {"rules": [], "broker": "mqtt://garage"}):
+            assert it.put("/actions", wish, 403, headers=me)["code"] == "OnlyHere"
+        assert len(it.put("/actions", {"rules": [ring]}, headers=me)["rules"]) == 1
+        it.post("/control/release", headers=me)
+        here = it.put("/actions", {"rules": [ring, hook], "broker": secret})
+        assert "secret" not in str(here)
+        it.post("/control/release")
+        kept = {"rules": here["rules"][::-1], "broker": here["broker"]}
+        assert len(it.put("/actions", kept, headers=me)["rules"]) == 2
+        assert it.dashboard.actions.loaded.broker == secret
+        gone = {**kept, "rules": [ring]}
+        assert it.put("/actions", gone, 403, headers=me)["code"] == "OnlyHere"
+
+
 @pytest.fixture(scope="module")
 def far(tmp_path_factory):
     with rig(tmp_path_factory.mktemp("far"), None, **FAR) as it:

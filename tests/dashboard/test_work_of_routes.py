@@ -28,6 +28,7 @@ SMALL = {
     # GET: what is shown has a size of its own, whatever was recorded or sent
     "GET /api/about/qr.svg": "a picture of one address",
     "GET /api/state": "the present values",
+    "GET /api/actions": "fifty rules at most",
     "GET /api/ports": "the adapters of this computer",
     "GET /api/virtual-cars": "the scenarios and defects of the program",
     "GET /api/virtual-cars/answer": "some words",

@@ -5,8 +5,8 @@ from __future__ import annotations
 # Each part is a process of Node.
 PARTS = {
     "the API": (
-        "test_access.py", "test_api_cars.py", "test_api_causes.py", "test_api_channels.py",
-        "test_api_connection.py",
+        "test_access.py", "test_api_actions.py", "test_api_cars.py", "test_api_causes.py",
+        "test_api_channels.py", "test_api_connection.py",
         "test_api_errors.py", "test_api_exports.py", "test_api_foreign.py",
         "test_api_foreign_logs.py", "test_api_guided_tests.py",
         "test_api_live.py", "test_api_marks.py", "test_api_messages.py",
@@ -61,6 +61,7 @@ LEFT_OUT = {
     "test_access.py::test_a_viewer_from_the_network_sees_everything_and_touches_nothing": _HEADERS,
     "test_access.py::test_from_the_network_an_adapter_or_a_virtual_car_may_be_chosen": _HEADERS,
     "test_access.py::test_from_the_network_no_file_and_no_address_can_be_named": _HEADERS,
+    "test_access.py::test_from_the_network_no_webhook_and_no_broker_can_be_named": _HEADERS,
     "test_access.py::test_from_the_network_what_is_in_use_may_be_examined": _HEADERS,
     "test_access.py::test_no_header_names_the_sender_whatever_the_environment_says": _HEADERS,
     "test_access.py::test_the_link_becomes_a_cookie_and_leaves_the_address_bar": _HEADERS,

@@ -19,6 +19,8 @@ import { Shortcuts } from "./lib/frame/shortcuts";
 import { Toasts } from "./lib/frame/toasts.svelte";
 import { AlarmBuzz } from "./lib/live/alarmBuzz.svelte";
 import { AlarmSound } from "./lib/live/alarmSound.svelte";
+import { PageActions } from "./lib/live/pageActions.svelte";
+import { actionTeller } from "./lib/live/actionNews";
 import { faultTeller } from "./lib/live/faultNews";
 import { Live } from "./lib/live/live.svelte";
 import { WhileAway } from "./lib/live/whileAway";
@@ -64,6 +66,7 @@ export class Stores extends OnHost {
   readonly live = new Live(this.host, this.api);
   readonly alarmSound = new AlarmSound(this.live);
   readonly alarmBuzz = new AlarmBuzz(this);
+  readonly pageActions = new PageActions(this.alarmSound);
   readonly whileAway = new WhileAway(this);
   readonly battery = new Battery(this);
   readonly control = new Control(this.live);
@@ -108,7 +111,8 @@ export class Stores extends OnHost {
   constructor(host: Host) {
     super(host);
     const { catalog, channelEditor, comparison, display, live, memory, moments, player, route, toasts, view } = this;
-    live.onevents = faultTeller(this);
+    const tellers = [faultTeller(this), actionTeller(this)];
+    live.onevents = (events) => tellers.forEach((tell) => tell(events));
     live.onother = () => memory.drop();
     // On the first visit without a connection, start at the Connection screen.
     live.onfirst = ({ line }) => line === "off" && location.hash === "" && route.go("connection");

@@ -122,6 +122,7 @@ def _compose() -> Dashboard:
             tests=KEPT / "tests",
             causes=KEPT / "causes",
             made_again=_MADE_AGAIN,
+            sockets=False,
         )
     )
 

@@ -161,6 +161,11 @@ class ConditionWatch:
         """Return what the rule's formula gives by the latest values; NaN: no value."""
         return _number(Calculation(rule.condition), self._known(self._time))
 
+    def values(self, rule: ActionRule) -> dict[str, float]:
+        """Return the latest values of the channels of the rule's condition, as far as known."""
+        known = self._known(self._time)
+        return {name: known[name] for name in rule.condition.inputs if name in known}
+
     def _known(self, time: float) -> dict[str, float]:
         known = {
             name: each.value for name, each in self._latest.items() if time - each.time <= each.span

@@ -65,6 +65,11 @@ def read_actions(name: str, text: str, catalog: Catalog) -> LoadedActions:
     return _Builder(parse_source(name, text.encode("utf-8", "surrogatepass")), catalog).actions()
 
 
+def actions_in(tables: Mapping[str, Any], catalog: Catalog) -> LoadedActions:
+    """Return the rules in the tables of a file that does not exist yet. Raises `CatalogError`."""
+    return _Builder(CatalogFile("actions.toml", "", dict(tables)), catalog).actions()
+
+
 class _Builder:
     def __init__(self, source: CatalogFile, catalog: Catalog) -> None:
         self._source, self._catalog = source, catalog

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from mikas.conditions.webhooks import Webhooks
 
 SCHEMA: Final = 1
+_NONE: Final = Text("–", "–")
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,14 +76,14 @@ class ActionRunner:
 
             self._messages = ActionMessages(actions, on_failure)
 
-    def perform(self, fired: Fired) -> None:
-        """Do what the rule says."""
+    def perform(self, fired: Fired, *, recording: bool = True) -> None:
+        """Do what the rule says; without `recording` none is started or stopped: a trial."""
         rule, hands = fired.rule, self._hands
         if rule.mark and hands.mark:
             hands.mark(self.filled(rule.mark, fired))
-        if rule.record is RecordAction.START and hands.start:
+        if recording and rule.record is RecordAction.START and hands.start:
             hands.start()
-        if rule.record is RecordAction.STOP and hands.stop:
+        if recording and rule.record is RecordAction.STOP and hands.stop:
             hands.stop()
         if rule.sound and hands.sound:
             hands.sound()
@@ -95,10 +96,12 @@ class ActionRunner:
             self._webhooks.send(rule.webhook, body)
 
     def filled(self, text: Text, fired: Fired) -> Text:
-        """Return a text with the values of its channels, with their units."""
+        """Return a text with the values of its channels, with their units; a dash for none."""
         shown = {
-            name: quantity(value, self._catalog.channel(name))
-            for name, value in fired.values.items()
+            name: quantity(fired.values[name], self._catalog.channel(name))
+            if name in fired.values
+            else _NONE
+            for name in fired.rule.condition.inputs
         }
         return text.filled(**shown)
 

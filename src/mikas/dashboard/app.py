@@ -29,6 +29,7 @@ from mikas.dashboard.api import (
     unit,
     virtual_cars,
 )
+from mikas.dashboard.api.actions import routes as actions
 from mikas.dashboard.api.library import (
     cars,
     causes,
@@ -60,7 +61,7 @@ Live data: WebSocket `/api/live?client=…`, described in docs/reference/api.md.
 
 _PARTS = (catalog, channels, connection, live, network, unit, virtual_cars,
           guided_tests, dumps, changes, recordings, references, files, foreign_logs, cars, recorded,
-          marks, report, search, causes)  # fmt: skip
+          marks, report, search, causes, actions)  # fmt: skip
 
 # The routes themselves, of all applications of the process. Those of a router that is included are
 # analysed by FastAPI once more, at the first request: a second in a browser.

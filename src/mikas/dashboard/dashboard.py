@@ -29,6 +29,7 @@ from mikas.dashboard.security.control import (
     ControlLease,
     WriteLock,
 )
+from mikas.dashboard.session.actions import SessionActions
 from mikas.dashboard.session.catalog_in_use import (
     CatalogInUse,
     changed_channels,
@@ -128,6 +129,14 @@ class Dashboard:
             self.catalogs,
             StartValues(settings.in_state("start-values.json"), settings.virtual_units),
         )
+        self.actions: SessionActions = SessionActions(
+            settings.in_state("actions.toml"),
+            settings.sockets,
+            self.connection,
+            self.recorder,
+            lambda: self.catalog,
+            settings.language,
+        )
         self.diagnosis: Diagnosis | None = None
         """The diagnosis that has the port."""
         self.info: Info | None = None
@@ -137,10 +146,13 @@ class Dashboard:
     async def running(self) -> AsyncIterator[None]:
         """Run as long as the application; at its end the recording and the port are closed."""
         await asyncio.to_thread(self.dump_jobs.find)
+        await asyncio.to_thread(self.actions.load)
+        self.actions.start()
         self.connection.start()
         async with AsyncExitStack() as closing:  # from the last on, each whatever another raises
             closing.callback(self._follow_date)
             closing.callback(self.recorder.close)
+            closing.push_async_callback(asyncio.to_thread, self.actions.close)
             closing.push_async_callback(self.connection.close)
             closing.push_async_callback(self.recorder.read_last)
             closing.push_async_callback(self._end_diagnosis)
@@ -187,6 +199,7 @@ class Dashboard:
         options = replace(self.settings.connection, catalog=catalog)
         self.settings = replace(self.settings, connection=options)
         self.library.use_catalog(catalog)
+        self.actions.load()
         changed = changed_channels(catalog, before)
         self.monitor.await_catalog(catalog.version, changed)
         self.plan.use_catalog(catalog)
@@ -239,6 +252,7 @@ class Dashboard:
             if isinstance(it, events.UnitFound) and it.another:
                 self._clear_unit()
                 self.fault_history.clear()
+            self.actions.add_event(it)
             self.freeze_frames.add_event(it)
             self.freeze_frames.follow(it.time)
             if isinstance(it, events.StateChanged):

@@ -100,6 +100,8 @@ class Settings:
     """Whether an icon has started the program: no terminal ends it (`mikas.dashboard.program`)."""
     made_again: Path | None = None
     """The folder of what can be made again; None: that of the state."""
+    sockets: bool = True
+    """Whether the program reaches a network: MQTT and webhooks; not so in a browser."""
 
     @property
     def _state(self) -> Path:

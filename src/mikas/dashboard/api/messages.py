@@ -16,7 +16,7 @@ from mikas.catalog import Level
 from mikas.client import Passport
 from mikas.dashboard.api.errors import TwoTexts
 from mikas.dashboard.api.state import State
-from mikas.dashboard.session.history import ExchangeFailed, RecordingChanged
+from mikas.dashboard.session.history import ActionDone, ExchangeFailed, RecordingChanged
 from mikas.i18n import Text
 from mikas.sampling import events
 from mikas.sampling.alarms import Side
@@ -73,7 +73,13 @@ _IN_BOTH: Final = (
     _model(events.FaultReading, codes=list[int], added=list[int] | None),
 )
 LiveEvent = Annotated[
-    Any, _one_of(*_IN_BOTH, _model(ExchangeFailed, text=TwoTexts), _model(RecordingChanged))
+    Any,
+    _one_of(
+        *_IN_BOTH,
+        _model(ExchangeFailed, text=TwoTexts),
+        _model(RecordingChanged),
+        _model(ActionDone, text=TwoTexts),
+    ),
 ]
 """Any event of the running connection."""
 RecordedEvent = Annotated[Any, _one_of(*_IN_BOTH, _model(events.TextNote))]

@@ -293,6 +293,23 @@ class RecordingChanged(Event):
     failure: Text | None = None
 
 
+@dataclass(frozen=True, slots=True)
+class ActionDone(Event):
+    """A rule of actions has acted, or (`failed`) something of it did not succeed.
+
+    `sound` and `speak`: what the pages do; `speak` None: nothing is said.
+    """
+
+    kind = "action"
+    name: str
+    """The rule; empty: a failure, which may be of any."""
+    text: Text
+    """What has happened, in words."""
+    sound: bool = False
+    speak: Text | None = None
+    failed: bool = False
+
+
 class EventLog:
     """The latest events. Errors have a queue of their own: a bad line has thousands, which must not
     displace markers, gaps and units.

@@ -109,6 +109,10 @@ export function createApi(host: Transport) {
     lock: () => post<Api.State>("/lock"),
     prepareChange: (change: Api.Change) => post<Api.ChangeProposal>("/changes", change),
     confirmChange: (nonce: string) => post<Api.ChangeResult>(`/changes/${part(nonce)}`),
+    actions: () => get<Api.Actions>("/actions"),
+    writeActions: (actions: Api.ActionsToWrite) => put<Api.Actions>("/actions", actions),
+    tryAction: (rule: Api.ActionRule) => post<Api.ActionTrial>("/actions/try", rule),
+    performAction: (name: string) => post<Api.Actions>(`/actions/${part(name)}/perform`),
     parameter: (name: string) => get<Api.WritableParameter>(`/parameters/${part(name)}`),
     journal: () => get<Api.Journal>("/journal"),
 

@@ -38,6 +38,89 @@ export interface components {
             /** @description files of the user's that can't be used, things that can't be saved, and why; empty without control rights */
             problems: components["schemas"]["TwoTexts"][];
         };
+        /** @description A rule of actions has acted, or (`failed`) something of it did not succeed. */
+        ActionEvent: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "action";
+            time: number;
+            name: string;
+            text: components["schemas"]["TwoTexts"];
+            sound: boolean;
+            speak: components["schemas"]["TwoTexts"] | null;
+            failed: boolean;
+        };
+        /** @description A rule, as docs/reference/actions.md describes it; empty, null and false: not there. */
+        ActionModel: {
+            name: string;
+            when: string;
+            /**
+             * @description `for`, in s
+             * @default 0
+             */
+            hold: number;
+            /** @default  */
+            until: string;
+            /**
+             * @description s
+             * @default 0
+             */
+            again: number;
+            /** @default false */
+            once: boolean;
+            mark?: components["schemas"]["ActionTexts"] | null;
+            record?: ("start" | "stop") | null;
+            /** @default false */
+            sound: boolean;
+            speak?: components["schemas"]["ActionTexts"] | null;
+            /** @default false */
+            mqtt: boolean;
+            /** @default  */
+            webhook: string;
+        };
+        /** @description A text in both languages; one that is empty is taken from the other. */
+        ActionTexts: {
+            /** @default  */
+            en: string;
+            /** @default  */
+            ru: string;
+        };
+        /**
+         * @description What a rule would have done in the last minutes.
+         *
+         *     `value`: what the formula gives now; null: no value, or `problem`.
+         */
+        ActionTrial: {
+            problem: components["schemas"]["TwoTexts"] | null;
+            value: number | null;
+            /** @description at which it would have acted, the first hundred */
+            times: number[];
+            count: number;
+            /** @description of data that were looked at */
+            seconds: number;
+        };
+        /** @description All rules, and the broker of those with `mqtt`. */
+        ActionsRequest: {
+            rules: components["schemas"]["ActionModel"][];
+            /** @default  */
+            broker: string;
+            /** @default  */
+            topic: string;
+        };
+        /** @description `problem`: why the file is not used; `network`: whether MQTT and webhooks can be reached. */
+        ActionsResponse: {
+            rules: components["schemas"]["ActionModel"][];
+            /** @default  */
+            broker: string;
+            /** @default  */
+            topic: string;
+            problem: components["schemas"]["TwoTexts"] | null;
+            network: boolean;
+            /** @description where the rules are kept */
+            file: string;
+        };
         /** @description A channel beyond a limit. */
         ActiveAlarm: {
             name: string;
@@ -706,7 +789,7 @@ export interface components {
             names: string[];
             times: number[];
             values: (number | null)[][];
-            events: (components["schemas"]["StateEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["AdapterEvent"] | components["schemas"]["ClockEvent"] | components["schemas"]["UnitEvent"] | components["schemas"]["MethodEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["ReturnedEvent"] | components["schemas"]["AlarmEvent"] | components["schemas"]["MarkerEvent"] | components["schemas"]["FaultsEvent"] | components["schemas"]["ErrorEvent"] | components["schemas"]["RecordingEvent"])[];
+            events: (components["schemas"]["StateEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["AdapterEvent"] | components["schemas"]["ClockEvent"] | components["schemas"]["UnitEvent"] | components["schemas"]["MethodEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["ReturnedEvent"] | components["schemas"]["AlarmEvent"] | components["schemas"]["MarkerEvent"] | components["schemas"]["FaultsEvent"] | components["schemas"]["ErrorEvent"] | components["schemas"]["RecordingEvent"] | components["schemas"]["ActionEvent"])[];
             /** @description as in live data */
             later: number;
         };
@@ -818,7 +901,7 @@ export interface components {
             /** @description with data or events: by how many seconds the date was set since the program began; when it changes, all times that were sent before are to be moved by the difference */
             later?: number;
             data?: components["schemas"]["LiveRows"];
-            events?: (components["schemas"]["StateEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["AdapterEvent"] | components["schemas"]["ClockEvent"] | components["schemas"]["UnitEvent"] | components["schemas"]["MethodEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["ReturnedEvent"] | components["schemas"]["AlarmEvent"] | components["schemas"]["MarkerEvent"] | components["schemas"]["FaultsEvent"] | components["schemas"]["ErrorEvent"] | components["schemas"]["RecordingEvent"])[];
+            events?: (components["schemas"]["StateEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["AdapterEvent"] | components["schemas"]["ClockEvent"] | components["schemas"]["UnitEvent"] | components["schemas"]["MethodEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["ReturnedEvent"] | components["schemas"]["AlarmEvent"] | components["schemas"]["MarkerEvent"] | components["schemas"]["FaultsEvent"] | components["schemas"]["ErrorEvent"] | components["schemas"]["RecordingEvent"] | components["schemas"]["ActionEvent"])[];
             pong?: number | string;
         };
         /** @description Columns over time. null: no value in that row. */

@@ -72,6 +72,10 @@ export type Change =
 /** What a change would do; shown before a person confirms it with its nonce. */
 export type ChangeProposal = Schemas["ChangeProposal"];
 export type ChangeResult = Pick<Schemas["ChangeResult"], "before" | "after">;
+export type ActionRule = Schemas["ActionModel"];
+export type Actions = Schemas["ActionsResponse"];
+export type ActionsToWrite = Schemas["ActionsRequest"];
+export type ActionTrial = Schemas["ActionTrial"];
 export type WritableParameter = Schemas["WritableParameter"];
 export type Journal = Schemas["JournalResponse"];
 

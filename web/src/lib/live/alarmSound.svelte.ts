@@ -70,6 +70,12 @@ export class AlarmSound {
     };
   }
 
+  /** A short sound of its own, for what is no alarm; silent until the browser has allowed sound. */
+  async chime(): Promise<void> {
+    await this.start();
+    this.play({ tones: [880, 1175], length: 0.15, every: 0 });
+  }
+
   private async start(): Promise<void> {
     // A context made before the first click or key would be refused, with a complaint in the browser's log.
     if (!this.context && navigator.userActivation?.hasBeenActive === false) {

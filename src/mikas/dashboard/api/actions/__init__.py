@@ -1,0 +1,1 @@
+"""Routes of the actions on conditions."""

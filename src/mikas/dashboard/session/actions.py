@@ -1,0 +1,176 @@
+"""Actions on conditions of the running connection: followed in the sampling thread, done at once.
+
+The rules are those of `actions.toml` in the state folder, which a person may edit, too: a file with
+a mistake is not used, and `problem` has file and line. Sounds and words go to the pages as events
+(`ActionDone`); what takes time or the line, a recording's begin and end, to the event loop.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+from mikas.catalog import Catalog
+from mikas.conditions import (
+    ActionRule,
+    ConditionWatch,
+    Fired,
+    LoadedActions,
+    actions_toml,
+    load_actions,
+)
+from mikas.conditions.performing import ActionRunner, Hands
+from mikas.dashboard.errors import ADVICE
+from mikas.dashboard.session.connection import Connection
+from mikas.dashboard.session.history import ActionDone
+from mikas.dashboard.session.recorder import SessionRecorder
+from mikas.errors import CatalogError, MikasError, naming_file
+from mikas.files import ABSENT
+from mikas.i18n import Language, Text
+from mikas.sampling.events import Event
+from mikas.saving import save
+
+
+@dataclass(eq=False)
+class SessionActions:
+    """The rules in use. `_catalog` returns the catalog in use; `network`: as of `Hands`.
+
+    `_language`: of the markers; None: English.
+    """
+
+    path: Path
+    network: bool
+    _connection: Connection
+    _recorder: SessionRecorder
+    _catalog: Callable[[], Catalog]
+    _language: Language | None
+
+    def __post_init__(self) -> None:
+        self.problem: Text | None = None
+        """Why the file is not used; None: it is, or there is none."""
+        self.loaded: LoadedActions = LoadedActions()
+        self._loop: asyncio.AbstractEventLoop | None = None
+        self._tasks: set[asyncio.Task[None]] = set()
+        self._saving = threading.Lock()
+        self._watch: ConditionWatch | None = None
+        self._runner: ActionRunner | None = None
+
+    def start(self) -> None:
+        """Take requests of the event loop that runs."""
+        self._loop = asyncio.get_running_loop()
+
+    def load(self) -> None:
+        """Use the file; called at the start, and when the catalog has changed."""
+        try:
+            self._use(load_actions(self.path, self._catalog()))
+            self.problem = None
+        except CatalogError as error:
+            absent = isinstance(error.__cause__, ABSENT)
+            self.problem = None if absent else error.text
+            self._use(LoadedActions())
+        except MikasError as error:  # a webhook elsewhere, no library for MQTT
+            self.problem = error.text
+            self._use(LoadedActions())
+
+    def replace(self, actions: LoadedActions) -> None:
+        """Use these rules, and keep them. Raises `UsageError`; then those before stay.
+
+        A file with a mistake, whose rules are not in use, is put aside as `actions.toml.broken`.
+        """
+        with self._saving:
+            self._use(actions)
+            with naming_file(self.path):
+                self.path.parent.mkdir(parents=True, exist_ok=True)
+                if self.problem is not None and self.path.exists():
+                    self.path.replace(self.path.with_name(f"{self.path.name}.broken"))
+                save(self.path, actions_toml(actions))
+            self.problem = None
+
+    def close(self) -> None:
+        """End the connections to a broker and to webhooks; may take seconds."""
+        self._use(LoadedActions())
+
+    def _use(self, actions: LoadedActions) -> None:
+        catalog = self._catalog()
+        watch = ConditionWatch(actions.rules, catalog) if actions.rules else None
+        runner = ActionRunner(
+            actions, catalog, self.hands, self._failed, lambda: self._connection.later
+        )
+        before, self._runner = self._runner, runner
+        self._watch, self.loaded = watch, actions
+        if before is not None:
+            before.close()
+
+    @property
+    def hands(self) -> Hands:
+        """What this program can do; sound and words are done by its pages."""
+        return Hands(
+            mark=self._mark,
+            start=partial(self._soon, self._start),
+            stop=partial(self._soon, self._stop),
+            sound=lambda: None,
+            speak=lambda _: None,
+            network=self.network,
+        )
+
+    def add_event(self, event: Event) -> None:
+        """Follow an event of the session; in the sampling thread."""
+        watch, runner = self._watch, self._runner
+        if watch is None or runner is None:
+            return
+        for fired in watch.follow(event):
+            self._perform(fired, runner)
+
+    def perform(self, rule: ActionRule) -> None:
+        """Do what a rule in use says, now, as a trial: but for the recording."""
+        runner = self._runner
+        if runner is not None:
+            now = self._connection.now()
+            values = self._watch.values(rule) if self._watch else {}
+            self._perform(Fired(rule, now, now, values), runner, trial=True)
+
+    def _perform(self, fired: Fired, runner: ActionRunner, *, trial: bool = False) -> None:
+        rule = fired.rule
+        spoken = runner.filled(rule.speak, fired) if rule.speak else None
+        text = Text(f"Action {rule.name}: {rule.when}", f"Действие {rule.name}: {rule.when}")
+        self._log(ActionDone(fired.time, rule.name, text, sound=rule.sound, speak=spoken))
+        runner.perform(fired, recording=not trial)
+
+    def _mark(self, text: Text) -> None:
+        self._recorder.marker(text.to(self._language or "en"))
+
+    async def _start(self) -> None:
+        if self._recorder.file_name is None:
+            await self._recorder.start(None)
+
+    async def _stop(self) -> None:
+        if self._recorder.file_name is not None:
+            await self._recorder.read_last()
+            self._recorder.stop()
+
+    def _soon(self, work: Callable[[], object]) -> None:
+        if (loop := self._loop) is not None:
+            loop.call_soon_threadsafe(self._begin, work)
+
+    def _begin(self, work: Callable[[], object]) -> None:
+        async def done() -> None:
+            try:
+                result = work()
+                if asyncio.iscoroutine(result):
+                    await result
+            except MikasError as error:
+                self._failed(ADVICE.text(error))
+
+        task = asyncio.create_task(done())
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)
+
+    def _failed(self, failure: Text) -> None:
+        self._log(ActionDone(self._connection.now(), "", failure, failed=True))
+
+    def _log(self, event: ActionDone) -> None:
+        self._connection.monitor.log(event)
