@@ -15,6 +15,7 @@ from .steps import (
     SHEET,
     Press,
     Shot,
+    choose,
     fill,
     go,
     gone,
@@ -63,6 +64,20 @@ class AddsAgain(Press):
         data = {"name": "again.pcapng", "mimeType": "application/octet-stream"}
         chooser.value.set_files([{**data, "buffer": file.read_bytes()}])
         expect(tab.find(FIRST)).to_have_count(before + 1)
+
+
+FOREIGN = "t;AFR;gear\n0;14,7;R\n500;13,9;1\n1000;14,1;1\n"
+
+
+@dataclass(frozen=True)
+class OpensLog(Press):
+    """Press it, and choose a log of another program."""
+
+    def __call__(self, tab: Tab) -> None:
+        with tab.page.expect_file_chooser() as chooser:
+            super().__call__(tab)
+        data = {"name": "wideband.csv", "mimeType": "text/csv", "buffer": FOREIGN.encode("cp1251")}
+        chooser.value.set_files([data])
 
 
 def shares(tab: Tab) -> None:
@@ -270,6 +285,33 @@ PLAYED = (
         on_screen("report"),
     ),
 )
+LOGS = (
+    row(
+        "recordings",
+        "another program's log is compared with",
+        press("recordings/RowActions compare_of"),
+        OpensLog("recordings/compare/CompareSheet open"),
+        shows("dialog .samples", "14,7"),
+        Shot("columns"),
+        press("recordings/compare/ForeignSheet cancel"),
+        OpensLog("recordings/compare/CompareSheet open"),
+        choose("Which column is the time", "t: 0"),
+        choose("What it counts", "milliseconds"),
+        press("recordings/compare/ForeignSheet all"),
+        press("recordings/compare/ForeignSheet none"),
+        press("recordings/compare/ForeignSheet all"),
+        press("recordings/compare/ForeignSheet compare"),
+        shows(BAR, "wideband.csv"),
+        shows('[data-second="log:AFR"]', "14.7"),
+        Shot("log"),
+        press("recordings/compare/CompareBar remarks", within=BAR),
+        shows(f"{BAR} details p", "gear: cells that are no number"),
+        press("recordings/compare/CompareBar end"),
+        gone(BAR),
+        gone('[data-second="log:AFR"]'),
+        SHUT,
+    ),
+)
 REPORT = (
     row(
         "report",
@@ -307,4 +349,4 @@ PHONE = (
         laptop,
     ),
 )
-RECORDINGS = (*PLAYED, *REPORT, *LIST, *PHONE)
+RECORDINGS = (*PLAYED, *LOGS, *REPORT, *LIST, *PHONE)

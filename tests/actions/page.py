@@ -38,8 +38,9 @@ BY_MESSAGES = r"""([method, address, headers, body]) => new Promise((done) => {
   const last = /^(rows|find|faults|causes|file|export|report|tests)$/
   const [, first, , below] = path.split("/")
   const read = first === "recordings" && (below === undefined || last.test(below))
+  const log = first === "foreign-logs"
   const trial = path === "api/channels/try" && atob(body).includes('"recording"')
-  const reads = trial || (method === "GET" && (read || /[?&]recording=/.test(address)))
+  const reads = log || trial || (method === "GET" && (read || /[?&]recording=/.test(address)))
   const worker = (reads && workers.reader) || workers.line
   const id = ++asked, parts = []
   let status = 0

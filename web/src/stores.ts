@@ -122,6 +122,10 @@ export class Stores extends OnHost {
     };
     moments.onturn = (moment) => view.bringMoment(moment);
     comparison.onshown = () => view.showAll();
+    comparison.onforeign = (log) => {
+      catalog.lent = log?.channels ?? [];
+      view.lend(log?.detail.channels ?? []);
+    };
     channelEditor.ondeleted = (name) => view.remove(name);
     // Another source, on any screen: the chart follows live data, or shows the recording completely; the cursors of the one before mean nothing.
     display.onshown = () => view.begin(display.source.kind === "live" ? "live" : (player.detail?.id ?? ""));

@@ -128,6 +128,11 @@ export function createApi(host: Transport) {
     note: (text: string) => post<unknown>("/recording/note", { text }),
     recordings: () => get<Api.Recordings>("/recordings"),
     addRecording: (name: string, file: Blob) => json<Api.AddedRecording>("POST", "/recordings", { query: { name }, bytes: file }),
+    /** What a log of another program has. */
+    foreignPreview: (file: File, settings: Query) =>
+      json<Api.ForeignPreview>("POST", "/foreign-logs/preview", { query: { name: file.name, ...settings }, bytes: file }),
+    foreignValues: (file: File, choice: Query) =>
+      json<Api.ForeignValues>("POST", "/foreign-logs/values", { query: { name: file.name, ...choice }, bytes: file }),
     recording: (id: string) => get<Api.RecordingDetail>(`/recordings/${part(id)}`),
     rows: (id: string, query: { from: number | null; to: number | null; points: number; names?: string[] }, signal?: AbortSignal) =>
       get<Api.RecordingRows>(`/recordings/${part(id)}/rows`, query, signal),

@@ -9,7 +9,9 @@ import type { Stores } from "../../stores";
 export class CatalogStore {
   loaded = $state.raw<Catalog | null>(null);
   readonly channels = $derived<Channel[]>(this.loaded ? [...this.loaded.parameters, ...this.loaded.derived] : []);
-  private readonly byName = $derived(new Map(this.channels.map((channel) => [channel.name, channel])));
+  /** The columns of another program's log while it is shown: they have names and units, and are no channels. */
+  lent = $state.raw<readonly Channel[]>([]);
+  private readonly byName = $derived(new Map([...this.channels, ...this.lent].map((channel) => [channel.name, channel])));
   /** Called with the channels that a change computes otherwise, or that it has added or removed. */
   onrecomputed: (names: readonly string[]) => void = () => undefined;
 

@@ -45,6 +45,10 @@ export type TestVerdict = Schemas["TestVerdict"];
 export type RecordedTest = Schemas["RecordedTest"];
 export type TestCurve = Schemas["TestCurve"];
 
+export type ForeignPreview = Schemas["ForeignPreview"];
+export type ForeignLayout = Schemas["ForeignLayout"];
+export type ForeignValues = Schemas["ForeignValues"];
+
 export type Causes = Schemas["CausesResponse"];
 export type Cause = Schemas["CauseInfo"];
 export type CauseEvidence = Schemas["CauseEvidence"];

@@ -5,6 +5,7 @@
 // taken by a selection made here; without a selection only when no other page is connected.
 import { ApiError } from "../api/http";
 import type { State, Wanted } from "../api/types";
+import { isForeign } from "../recording/foreign";
 import type { Stores } from "../../stores";
 import { watch } from "../platform/watch.svelte";
 
@@ -37,7 +38,7 @@ export class Subscriptions {
   }
 
   get names(): string[] {
-    return [...new Set([...this.preset, ...this.chart])].filter((name) => this.app.catalog.get(name));
+    return [...new Set([...this.preset, ...this.chart])].filter((name) => this.app.catalog.get(name) && !isForeign(name));
   }
 
   /** Add every channel to the plan. Returns false when the request failed; a toast has shown why. */

@@ -3,6 +3,7 @@
 import { frameClock } from "../platform/frameClock.svelte";
 import { dictionary, localized } from "../i18n";
 import type { Text } from "../api/types";
+import type { ForeignLog } from "./foreign";
 import { RecordingData } from "./recordingData.svelte";
 
 const t = dictionary({
@@ -18,6 +19,11 @@ export class Comparison extends RecordingData {
   aligning = $state.raw<Aligning>(null);
   /** Called when a comparison begins. */
   onshown: () => void = () => undefined;
+  /** Called when another program's log begins or ends (null). */
+  onforeign: (log: ForeignLog | null) => void = () => undefined;
+  private foreign = $state.raw<ForeignLog | null>(null);
+  /** What of another program's log was not taken. */
+  readonly remarks = $derived(this.foreign?.remarks ?? []);
   private zero = $state(0);
 
   readonly active = $derived(this.detail !== null);
@@ -40,8 +46,29 @@ export class Comparison extends RecordingData {
     return true;
   }
 
+  /** Another program's log in place of a recording. */
+  startForeign(log: ForeignLog, zero: number): void {
+    this.end();
+    this.named = null;
+    this.zero = zero;
+    this.adopt(log.detail, log.columns);
+    this.foreign = log;
+    this.onforeign(log);
+    this.onshown();
+    frameClock.request();
+  }
+
+  /** Nothing is decoded otherwise in another program's log. */
+  override async reload(): Promise<void> {
+    if (this.foreign === null) await super.reload();
+  }
+
   end(): void {
     this.reset();
+    if (this.foreign !== null) {
+      this.foreign = null;
+      this.onforeign(null);
+    }
     this.offset = 0;
     this.aligning = null;
   }

@@ -88,6 +88,16 @@ export class RecordingData {
     return this.replace(id);
   }
 
+  /** Show what is no recording of the program, whole as it is. */
+  protected adopt(detail: RecordingDetail, columns: Columns): void {
+    this.reset();
+    this.columns = columns;
+    this.firstSample = detail.first ?? 0;
+    this.detail = detail;
+    this.loaded = 1;
+    this.tick += 1;
+  }
+
   /** Load the recording again: the catalog that decodes it has changed. Until then, or if it can't be read, what is shown stays. */
   async reload(): Promise<void> {
     if (this.detail === null) return;

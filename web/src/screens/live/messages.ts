@@ -70,6 +70,7 @@ export const t = dictionary({
   search: { en: "Search: name or code", ru: "Поиск: название или код" },
   cost: { en: "+{ms} ms, {before} → {after} readings/s", ru: "+{ms} мс, {before} → {after} опр/с" },
   free: { en: "no extra time", ru: "без потери скорости" },
+  otherLog: { en: "another program’s log", ru: "лог другой программы" },
   alreadyShown: { en: "already shown", ru: "уже на экране" },
   nothing: { en: "Nothing found. Try a part of the name.", ru: "Ничего не найдено. Попробуйте часть названия." },
   computed: { en: "computed: {formula}", ru: "вычисляется: {formula}" },

@@ -21,6 +21,7 @@ it("the reader answers what only reads recordings", () => {
   ];
   for (const address of read) expect([address, whoAnswers("GET", address)]).toEqual([address, "reader"]);
   expect(whoAnswers("POST", "api/channels/try", '{"recording":"a"}')).toBe("reader");
+  expect(whoAnswers("POST", "api/foreign-logs/values?name=a.csv", new Blob(["t"]))).toBe("reader");
 });
 
 it("the line's worker answers all else, and every change", () => {

@@ -1,5 +1,6 @@
 // The view of the chart: panes with their traces (stored in this browser), time window, value zoom, stacking. It outlives the screen.
 import { loadSetting, saveSetting } from "../../../lib/platform/storage";
+import { isForeign } from "../../../lib/recording/foreign";
 import { around, SHORTEST, within, zoomed, type Window } from "./window";
 import type { Stores } from "../../../stores";
 
@@ -75,7 +76,7 @@ export class View {
     const kept = panes.map((pane) => ({ ...pane, traces: [...pane.traces, ...(left.find(({ id }) => id === pane.id)?.traces ?? [])] }));
     const gone = left.filter(({ id }) => !panes.some((pane) => pane.id === id));
     this.all = tidy([...kept, ...gone]);
-    saveSetting("chart", JSON.stringify(this.all));
+    saveSetting("chart", JSON.stringify(ownOnly(this.all)));
   }
 
   private present(panes: Pane[]): Pane[] {
@@ -232,6 +233,15 @@ export class View {
     this.place({ name, colour, hidden: false }, to, this.panes);
   }
 
+  /** The traces of another program's log, in a pane of their own, in place of those of the one before. */
+  lend(names: readonly string[]): void {
+    this.change(ownOnly(this.all));
+    for (const [index, name] of names.entries()) {
+      const pane = this.panes.find(({ traces }) => traces.some((trace) => trace.name === names[0]));
+      this.add(name, index === 0 ? -1 : (pane?.id ?? -1));
+    }
+  }
+
   move(name: string, to: number): void {
     const trace = this.panes.flatMap(({ traces }) => traces).find((one) => one.name === name);
     if (trace) this.place(trace, to, this.without(name));
@@ -274,6 +284,10 @@ export class View {
     this.app.cursors.a ??= from + ((to - from) * 2) / 3;
   }
 }
+
+/** Without the traces of another program's log, which is not there the next time. */
+const ownOnly = (panes: readonly Pane[]): Pane[] =>
+  tidy(panes.map((pane) => ({ ...pane, traces: pane.traces.filter(({ name }) => !isForeign(name)) })));
 
 /** Remove empty panes and merge those beyond the maximum into the last. */
 function tidy(panes: Pane[]): Pane[] {

@@ -3,10 +3,13 @@
 // the second one, this recording minus the second one.
 import { valueText } from "../../../../lib/channels/valueText";
 import { localized, number, signed } from "../../../../lib/i18n";
+import { isForeign } from "../../../../lib/recording/foreign";
 import type { Stores } from "../../../../stores";
 import { meanOf } from "../data/value";
 
 export interface LegendRow {
+  /** A column of another program's log: only the second recording has it. */
+  foreign: boolean;
   title: string;
   short: string;
   unit: string;
@@ -33,6 +36,7 @@ export function legendRow(stores: Stores, name: string): LegendRow {
   const minus = (one: number | null, two: number | null) =>
     one === null || two === null || channel?.flag ? "" : signed(one - two, decimals);
   return {
+    foreign: isForeign(name),
     title: channel ? localized(channel.text) : name,
     short: channel ? localized(channel.short) : name,
     unit: channel?.flag ? "" : localized(channel?.unit),
