@@ -25,7 +25,7 @@ from mikas.errors import CaptureError
 from mikas.fleet.interpreting import InterpretingSettings, interpret
 from mikas.link.base import Direction
 from mikas.recording.capture.notes import Note
-from mikas.recording.capture.reader import CaptureReader, Problem, Source
+from mikas.recording.capture.reader import CaptureReader, Packet, Problem, Source
 from mikas.recording.exchanges.columns.matcher import column_exchanges
 from mikas.recording.exchanges.result import Exchanges
 from mikas.recording.exchanges.scalar import DecodedDamage, DecodedFrame
@@ -110,7 +110,7 @@ def _row(values: dict[str, float]) -> Row:
 def _by_frames(parts: list[Item]) -> dict[Place, Any]:
     found: dict[Place, Any] = {}
     for it in parts:
-        if isinstance(it, Problem):
+        if isinstance(it, Problem | Packet):
             continue
         requests, responses, counts = found.setdefault(place_of(it.source), ([], [], [0, 0]))
         if isinstance(it, DecodedDamage) and it.abandoned:

@@ -22,6 +22,8 @@ def teed(rig: Rig) -> Rig:
 
 
 class TestAskedPort(RealTimeContract):
+    can_set_baud = True
+
     @pytest.fixture
     def rig(self):
         with asked_rig() as rig:
@@ -29,6 +31,7 @@ class TestAskedPort(RealTimeContract):
 
 
 class TestSocket(RealTimeContract):
+    can_set_baud = False
     can_break = False
     gathers = False
 
@@ -39,6 +42,7 @@ class TestSocket(RealTimeContract):
 
 
 class TestRfc2217(RealTimeContract):
+    can_set_baud = True
     gathers = False
 
     @pytest.fixture

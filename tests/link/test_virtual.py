@@ -24,6 +24,7 @@ class PlainBus:
         car = SimpleNamespace(engine_speed=lambda now: 0.0)  # a link's follower asks each second
         self.ecu = SimpleNamespace(baud=9600, responder=SimpleNamespace(car=car))
         self.adapter = Adapter(AdapterKind())
+        self.baud = 9600
         self.sent = b""
         self.breaks: list[float] = []
         self._coming: deque[tuple[float, bytes]] = deque()
@@ -38,6 +39,9 @@ class PlainBus:
 
     def send_break(self, seconds: float, now: float) -> None:
         self.breaks.append(seconds)
+
+    def set_baud(self, baud: int) -> None:
+        self.baud = baud
 
     def advance(self, now: float) -> None:
         pass
@@ -75,6 +79,8 @@ class BusPeer:
 
 
 class TestSimulated(LinkContract):
+    can_set_baud = True
+
     @pytest.fixture
     def rig(self):
         with VirtualLink(PlainBus()) as link:
@@ -107,6 +113,8 @@ class TestSimulated(LinkContract):
 
 @pytest.mark.realtime
 class TestRealTime(RealTimeContract):
+    can_set_baud = True
+
     @pytest.fixture
     def rig(self):
         with RealTimeVirtualLink(PlainBus()) as link:

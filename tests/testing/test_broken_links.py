@@ -32,6 +32,9 @@ class Broken(Link):
     def send_break(self, seconds):
         pass
 
+    def set_baud(self, baud):
+        return True
+
     def close(self):
         pass
 
@@ -70,6 +73,7 @@ def rig(monkeypatch):
         ("what_gathers_meanwhile_is_there_afterwards", "or set `gathers = False`"),
         ("a_loss_does_not_show_while_bytes_gather", "read() after close() raised nothing; let it"),
         ("a_break_takes_its_time_and_leaves_the_link_usable", "let send_break() last as long"),
+        ("the_baud_rate_changes_or_stays_as_it_was", "let `baud` follow set_baud()"),
         ("leaving_its_context_closes_it", "raised nothing; let it raise mikas.errors.LinkLost("),
         ("a_vanished_adapter_ends_the_read_and_stays_lost", "let it wait until then"),
         ("a_vanished_adapter_takes_no_bytes", "raised nothing; let it raise"),

@@ -15,7 +15,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
 from math import inf
-from typing import NamedTuple, Protocol, Self
+from typing import NamedTuple, Protocol, Self, runtime_checkable
 
 from mikas.errors import LineError, LinkClosed, LinkLost, NoConnection, PortKind
 from mikas.i18n import Text
@@ -183,6 +183,13 @@ class Link(ABC):
         If the port can't, `can_break` turns false and the time passes. Raises `LinkLost`.
         """
 
+    def set_baud(self, baud: int) -> bool:  # noqa: ARG002  (a back end may)
+        """Change the baud rate of the open port; return whether the link can. `baud` follows.
+
+        What was written before has to have left. The default changes nothing. Raises `LinkLost`.
+        """
+        return False
+
     @abstractmethod
     def close(self) -> None:
         """Close the port; a second call does nothing.
@@ -259,6 +266,11 @@ class LinkWrapper(Link):
     def send_break(self, seconds: float) -> None:
         self.link.send_break(seconds)
 
+    def set_baud(self, baud: int) -> bool:
+        can = self.link.set_baud(baud)
+        self.baud = self.link.baud
+        return can
+
     def close(self) -> None:
         self.link.close()
 
@@ -283,6 +295,14 @@ class Sink(Protocol):
 
     def record(self, direction: Direction, data: bytes, time: float) -> None:
         """Record `data`; `time` is the link's clock and never runs back."""
+
+
+@runtime_checkable
+class BaudSink(Protocol):
+    """A sink that keeps the bytes of another baud rate apart."""
+
+    def change_baud(self, baud: int) -> None:
+        """Take all bytes from here on as of this rate."""
 
 
 @dataclass(slots=True)
@@ -338,6 +358,12 @@ class CaptureTee(LinkWrapper):
         if chunk.data:
             self._record(Direction.RECEIVED, chunk.data, chunk.time)
         return chunk
+
+    def set_baud(self, baud: int) -> bool:
+        can = super().set_baud(baud)
+        if can and self.failure is None and isinstance(self._sink, BaudSink):
+            self._sink.change_baud(self.baud)
+        return can
 
     def write_after(self, answer: AwaitedAnswer, data: bytes) -> bool:
         self._prepared = data

@@ -65,6 +65,7 @@ MOST_AT_ONCE = 4096  # bytes
 # pyserial raises these in the middle of a call when another thread closes the port.
 _CLOSED_MEANWHILE: tuple[type[Exception], ...] = (TypeError, AttributeError)
 _ERRORS = SYSTEM_ERRORS + _CLOSED_MEANWHILE
+_NOT_SET: tuple[type[Exception], ...] = (*_ERRORS, ValueError)
 
 
 OpenPort: TypeAlias = serial.Serial | RawTcpPort
@@ -157,6 +158,21 @@ class SerialLink(Link):
             time.sleep(seconds)
         finally:
             self._pull_low(False)
+
+    def set_baud(self, baud: int) -> bool:
+        """As `Link.set_baud`; not through plain TCP, where the other end has the port."""
+        self._must_be_open()
+        if isinstance(self.port, RawTcpPort) and not self.port.can_break:
+            return False
+        before = self.baud
+        try:
+            self.port.baudrate = self.baud = baud
+        except _NOT_SET as error:
+            self.baud = before
+            if self._gone is not None or not is_unable(error):
+                raise self._failed(error) from error
+            return False
+        return True
 
     def close(self) -> None:
         if self._gone is None:

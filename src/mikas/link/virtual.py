@@ -33,7 +33,7 @@ class BusLink(Link):
     def __init__(self, bus: Bus, url: str) -> None:
         self.bus = bus
         self.url = url
-        self.baud: int = bus.ecu.baud
+        self.baud: int = bus.baud
         latency, stalls = bus.adapter.kind.latency, bus.adapter.stalls
         self.granularity: float = latency + (stalls.longest if stalls.every else 0.0)
         self._problem: Text | None = None
@@ -46,6 +46,12 @@ class BusLink(Link):
     def write(self, data: bytes) -> None:
         self._check()
         self.bus.send(data, self.now())
+
+    def set_baud(self, baud: int) -> bool:
+        self._check()
+        self.bus.set_baud(baud)
+        self.baud = baud
+        return True
 
     def unplug(self) -> None:
         """Pull out the adapter, for tests."""

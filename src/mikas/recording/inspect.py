@@ -41,7 +41,8 @@ NOT_TRUSTED: Final = Text("not trusted: {why}", "не в счёт: {why}")
 _RAW_CHECKSUM = Text("raw checksum", "контрольная сумма без замены")
 _IRREGULAR = _REASONS["irregular escape"]
 
-Item = DecodedFrame | DecodedDamage | Problem
+Item = DecodedFrame | DecodedDamage | Problem | Packet
+"""A packet: bytes of another protocol, at another baud rate."""
 
 
 def decode(
@@ -50,6 +51,8 @@ def decode(
     size_of: SizeOf | None = None,
 ) -> Iterator[Item]:
     """Yield the frames of `items` as soon as each is whole; pass problems through. Never raise.
+
+    So pass packets of another protocol.
 
     `describer` makes the `Describe` of one line: a list that 64 sets belongs to it alone.
     `size_of`: bytes of a parameter's datum by its code (None: not known); by default those of the
@@ -71,6 +74,9 @@ def decode(
             for port, _ in lines.values():
                 yield from port.finish()
             lines.clear()
+        if item.source.foreign:
+            yield item
+            continue
         if item.source not in lines:
             lines[item.source] = PortDecoder(item.source, fitting), describer and describer()
         port, describe = lines[item.source]
@@ -98,10 +104,22 @@ def _described(
 
 
 def to_json(item: Item) -> dict[str, object]:
-    """Return a line of `mikas decode --json`: `type` is frame, damage or problem; bytes in hex."""
+    """Return a line of `mikas decode --json`: `type` is frame, damage, problem or bytes."""
     if isinstance(item, Problem):
         text = json_of(item.text)
         return {"schema": SCHEMA, "type": "problem", "offset": item.offset, "text": text}
+    if isinstance(item, Packet):
+        return {
+            "schema": SCHEMA,
+            "type": "bytes",
+            "recording": item.source.recording,
+            "port": item.source.url,
+            "baud": item.source.baud,
+            "time": item.time,
+            "direction": item.direction.value,
+            "offset": item.offset,
+            "data": _hex(item.data),
+        }
     line: dict[str, object] = {
         "schema": SCHEMA,
         "type": "frame" if isinstance(item, DecodedFrame) else "damage",
@@ -135,6 +153,9 @@ def to_text(item: Item, language: Language = "en", *, zero: float = 0.0) -> str:
     if isinstance(item, Problem):
         return f"{'!':>14} {item.text.to(language)}"
     arrow = ">" if item.direction is Direction.SENT else "<"
+    if isinstance(item, Packet):
+        of = Text(f"({item.source.baud} baud)", f"({item.source.baud} бод)").to(language)
+        return f"{item.time - zero:12.6f} {arrow} {item.data.hex(' ').upper()}  {of}"
     start = f"{item.begin - zero:12.6f} {arrow} "
     if isinstance(item, DecodedDamage):
         data, notes = f"! {item.data.hex(' ').upper()}", [_REASONS[item.reason]]

@@ -118,6 +118,8 @@ class LinkContract:
 
     can_break = True
     """Whether the link pulls the wire low."""
+    can_set_baud: bool | None = None
+    """Whether `set_baud` changes the rate of the open port; None: either is right."""
     gathers = True
     """Whether `gather` sleeps, so that bytes come together."""
 
@@ -255,6 +257,18 @@ class LinkContract:
         )
         rig.link.write(b"x")
         assert rig.peer.received(1)[-1:] == b"x", "let the link work on after send_break()"
+
+    def test_the_baud_rate_changes_or_stays_as_it_was(self, rig: Rig) -> None:
+        usual = rig.link.baud
+        can = rig.link.set_baud(10_400)
+        if self.can_set_baud is not None:
+            assert can is self.can_set_baud, "let set_baud() return what `can_set_baud` says"
+        assert rig.link.baud == (10_400 if can else usual), "let `baud` follow set_baud()"
+        assert rig.link.byte_time == 10 / rig.link.baud, "leave byte_time as it is in Link"
+        assert rig.link.set_baud(usual) is can, "let set_baud() go back to the first rate"
+        assert rig.link.baud == usual, "let `baud` follow set_baud()"
+        rig.link.write(b"x")
+        assert rig.peer.received(1)[-1:] == b"x", "let the link work on after set_baud()"
 
     @pytest.mark.parametrize("use", ["read", "write", "send_break"])
     def test_a_closed_link_is_lost(self, rig: Rig, use: str) -> None:

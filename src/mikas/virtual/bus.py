@@ -19,6 +19,7 @@ from random import Random
 
 from mikas.virtual.ecu import VirtualEcu
 from mikas.virtual.fault_injector import FaultInjector
+from mikas.virtual.rates import seen
 
 PACKET = 62  # bytes that an FT232 delivers without waiting for its timer
 
@@ -181,6 +182,7 @@ class Bus:
         stalls: Stalls | None = None,
     ) -> None:
         self.ecu = ecu
+        self.baud: int = ecu.baud  # of the adapter
         self.byte_time: float = 10 / ecu.baud
         self.fault_injector: FaultInjector = fault_injector or FaultInjector()
         self.adapter: Adapter = Adapter(adapter or AdapterKind(), stalls)
@@ -200,6 +202,11 @@ class Bus:
             self._next = self._next_on_wire()
         else:  # they take their time, and go nowhere
             self.tester.free_at = max(start, self.tester.free_at) + len(data) * self.byte_time
+
+    def set_baud(self, baud: int) -> None:
+        """Set the adapter to this rate; a unit of another one and it receive each other wrongly."""
+        self.baud, self.byte_time = baud, 10 / baud
+        self.tester.byte_time = self.byte_time
 
     @property
     def sending_until(self) -> float:
@@ -271,11 +278,13 @@ class Bus:
         transmitter.last = byte
         self.bytes_carried += 1
         if transmitter is self.tester:
-            self.ecu.receive(bytes([value]), byte.end)
+            if heard := bytes(seen(value, self.baud, self.ecu.baud)):
+                self.ecu.receive(heard, byte.end)
             if self.adapter.kind.echo:
                 self.adapter.receive(self.fault_injector.echo(value), byte.end)
         elif self.adapter.kind.supplied:
-            self.adapter.receive(value, byte.end)
+            for each in seen(value, self.ecu.baud, self.baud):
+                self.adapter.receive(each, byte.end)
 
     def _deliver_rest(self, until: float) -> None:
         """Deliver the unit's bytes that end by `until`, the tester's last one having ended.
@@ -288,7 +297,8 @@ class Bus:
             self._at = byte.end
             self.bytes_carried += 1
             if self.adapter.kind.supplied:
-                self.adapter.receive(byte.value, byte.end)
+                for each in seen(byte.value, self.ecu.baud, self.baud):
+                    self.adapter.receive(each, byte.end)
 
 
 VERSION = b"ELM327 v1.5"

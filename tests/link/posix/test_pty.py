@@ -106,6 +106,8 @@ def is_raw(rig: Rig) -> bool:
 
 
 class TestPty(RealTimeContract):
+    can_set_baud = True
+
     @pytest.fixture
     def rig(self):
         with pty_rig() as rig:
@@ -117,6 +119,8 @@ class TestPty(RealTimeContract):
 
 
 class TestTeeOverPty(RealTimeContract):
+    can_set_baud = True
+
     @pytest.fixture
     def rig(self):
         with pty_rig() as rig:

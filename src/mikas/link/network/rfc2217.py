@@ -11,7 +11,7 @@ import errno
 import select
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 from typing import Final
 
@@ -169,6 +169,16 @@ class Rfc2217Port(RawTcpPort):
     @break_condition.setter
     def break_condition(self, low: bool) -> None:
         self._command(_CONTROL, _BREAK[low])
+
+    @property
+    def baudrate(self) -> int:
+        """The baud rate that the server was asked for."""
+        return self._settings.baud
+
+    @baudrate.setter
+    def baudrate(self, baud: int) -> None:
+        self._settings = replace(self._settings, baud=baud)
+        self._command(Setting.BAUD_RATE, baud.to_bytes(4, "big"))
 
     def _negotiate(self) -> None:
         ours, theirs = (True, _COM_PORT), (False, _COM_PORT)

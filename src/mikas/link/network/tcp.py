@@ -66,6 +66,7 @@ class RawTcpPort:
     telnet = False
     can_break = False
     break_condition: bool = False
+    baudrate: int = 0  # the other end has the port
     _socket: socket.socket
 
     def __init__(self, *, patience: float) -> None:

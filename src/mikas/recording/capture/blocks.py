@@ -30,6 +30,7 @@ CUSTOM_PRIVATE: Final = 0x40000BAD  # a tool that edits the file must not copy i
 
 LINKTYPE_USER0: Final = 147  # for private use: no registered type means "bytes of a serial line"
 LINKTYPE_USER1: Final = 148  # likewise: the bytes of an instrument beside the unit
+LINKTYPE_USER2: Final = 149  # likewise: the K-Line at another baud rate, in another protocol
 INBOUND: Final = 1  # epb_flags, bits 0-1
 OUTBOUND: Final = 2
 

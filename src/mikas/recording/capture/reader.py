@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 FLAGS: Final = {Direction.SENT: pcapng.OUTBOUND, Direction.RECEIVED: pcapng.INBOUND}
 _DIRECTIONS: Final = {flags: direction for direction, flags in FLAGS.items()}
 _HERE: Final = "mikas"  # begin of this program's name in a section
-_OURS: Final = (pcapng.LINKTYPE_USER0, pcapng.LINKTYPE_USER1)
+_OURS: Final = (pcapng.LINKTYPE_USER0, pcapng.LINKTYPE_USER1, pcapng.LINKTYPE_USER2)
 FASTEST: Final = 10_000_000  # baud; a higher rate is damage
 _LATEST: Final = 1 << 52  # µs; in 2112: a later time is in another unit
 _BAUDS: Final = range(50, 4_000_001)  # no adapter has other ones
@@ -55,6 +55,8 @@ class Source:
     hardware: str = ""
     definition: str = ""
     """Of an instrument: the text of its definition."""
+    foreign: bool = False
+    """Whether these bytes are of another protocol, at another baud rate."""
 
     @property
     def byte_time(self) -> float:
@@ -107,6 +109,15 @@ class CaptureReader:
                     if not isinstance(each, Note):
                         yield each
 
+    def with_other_protocols(self) -> Iterator[Packet | Problem]:
+        """Iterate as over this; the K-Line's packets of other protocols come too, as `foreign`."""
+        with opened(self.path) as file:
+            blocks = Blocks(corrections_in(file), foreign=True)
+            for item in scan(file):
+                for each in blocks.read(item):
+                    if not isinstance(each, Note):
+                        yield each
+
     def notes(self) -> Iterator[Note]:
         """Yield the notes of the file, in its order; damaged and foreign ones are left out.
 
@@ -123,15 +134,18 @@ class Blocks:
     first packet has the form that this program writes, its port is known except for the name.
     `clocks`: of the present ports, by number. `corrections`: seconds to add to the times of each
     recording (`capture.dating`). A shallow copy goes on from the same place. `link_type`: of the
-    packets that are yielded: the unit's, or those of instruments.
+    packets that are yielded: the unit's, or those of instruments; `foreign`: and those of other
+    protocols.
     """
 
     def __init__(
         self,
         corrections: Mapping[int, float] | None = None,
         link_type: int = pcapng.LINKTYPE_USER0,
+        *,
+        foreign: bool = False,
     ) -> None:
-        self._link_type = link_type
+        self._link_types = {link_type, *([pcapng.LINKTYPE_USER2] if foreign else [])}
         self._recording = -1
         self._corrections = corrections or {}
         self._section: pcapng.Section | None = None
@@ -216,13 +230,14 @@ class Blocks:
             baud=interface.speed if interface.speed <= FASTEST else 0,
             application=clean_line(section.application),
             hardware=clean_line(section.hardware),
-            definition=interface.comment if interface.link_type != _OURS[0] else "",
+            definition=interface.comment if interface.link_type == _OURS[1] else "",
+            foreign=interface.link_type == pcapng.LINKTYPE_USER2,
         )
         self._interfaces += ((interface, source),)
         self.clocks += (RecordingClock(),)
 
     def _is_ours(self, number: int) -> bool:
-        return self._interfaces[number][0].link_type == self._link_type
+        return self._interfaces[number][0].link_type in self._link_types
 
     def _is_as_written_here(self, block: pcapng.EnhancedPacket) -> bool:
         """Return whether a packet without an interface has the form that `CaptureWriter` writes."""

@@ -84,6 +84,7 @@ class CaptureWriter:
         """The file was deleted while it was recorded; its contents are lost."""
         unit = pcapng.Interface(name=public_port(url), speed=baud)
         self._ports = [_Described(each) for each in (unit, *instruments)]
+        self._line = self._ports[0]  # of the bytes on the K-Line: another at another baud rate
         self._interfaces = 0
         self._end = 0  # of the last whole block
         self._checked = 0.0  # link's time of the last check that the file exists
@@ -119,7 +120,21 @@ class CaptureWriter:
     def record(self, direction: Direction, data: bytes, time: float) -> None:
         """Write one chunk; the operating system has it on return."""
         with self._lock:
-            self._record(self._ports[0], data, time, FLAGS[direction])
+            self._record(self._line, data, time, FLAGS[direction])
+
+    def change_baud(self, baud: int) -> None:
+        """Take the bytes on the K-Line as of another protocol, unless at the unit's baud rate.
+
+        They get a port of their own in the file, of link type 149. Implements `BaudSink`.
+        """
+        with self._lock:
+            unit = self._ports[0]
+            self._line = unit
+            if baud != unit.interface.speed:
+                kind = pcapng.LINKTYPE_USER2
+                self._line = _Described(replace(unit.interface, link_type=kind, speed=baud))
+                self._check_writable()
+                self._describe_interface(self._line, tsoffset=unit.interface.tsoffset)
 
     def record_instrument(self, number: int, data: bytes, time: float, comment: str = "") -> None:
         """Write a chunk that an instrument sent; of its begin or its end, a comment without data.

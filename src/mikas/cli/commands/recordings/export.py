@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 from mikas.recording import CaptureReader
-from mikas.recording.capture.reader import Problem
+from mikas.recording.capture.reader import Packet, Problem
 from mikas.recording.inspect import Describer, to_json, to_text
 from mikas.recording.inspect import decode as decode_frames
 
@@ -189,14 +189,16 @@ def decode(context: CommandContext, file: Path) -> None:
     describer = partial(Describer, catalog, context.options.interpretation)
     zero: float | None = None
     number = 0
-    for item in decode_frames(CaptureReader(file), describer, catalog.size_of):
+    for item in decode_frames(
+        CaptureReader(file).with_other_protocols(), describer, catalog.size_of
+    ):
         if context.output.json:
             line = to_json(item)
             line.pop("schema", None)
             context.output.data(line)
             continue
         if zero is None:
-            zero = getattr(item, "begin", None)
+            zero = item.time if isinstance(item, Packet) else getattr(item, "begin", None)
         if not isinstance(item, Problem) and item.source.recording != number:
             number = item.source.recording
             context.output.line(
