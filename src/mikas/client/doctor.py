@@ -88,11 +88,15 @@ class Step:
 
 
 def examine(
-    open_port: Callable[[], Link], create_ecu: Callable[[Link], Ecu]
+    open_port: Callable[[], Link],
+    create_ecu: Callable[[Link], Ecu],
+    *,
+    others: Callable[[Link], Iterator[Step]] | None = None,
 ) -> Generator[Step, None, None]:
     """Yield the steps in the order of `STEPS`, until no ECU can answer. Closes the port.
 
     `create_ecu`: as `ConnectionOptions.create_ecu`; the unit's list (64) is the one thing changed.
+    `others`: yields further steps where no Mikas answers on the line (`other_units`).
     Raises the errors of `open_port`, except `NoConnection`, which is a result.
     """
     try:
@@ -102,7 +106,22 @@ def examine(
         return
     with link:
         yield _port(link)
-        yield from _on_the_line(create_ecu(link))
+        ecu, silent = create_ecu(link), False
+        for step in _on_the_line(ecu):
+            silent = _is_silent(step)
+            yield step
+        if silent and others is not None:
+            try:
+                yield from others(ecu.tester.link)
+            except errors.NoConnection as error:
+                yield _failed("port", error)
+
+
+def _is_silent(step: Step) -> bool:
+    """Whether the line works as far as it goes, and no Mikas was found on it."""
+    is_wrong = isinstance(step.error, errors.NotAKLineAdapter | errors.LinkLost)
+    on_line = isinstance(step.error, errors.LineError | errors.NoEcho | errors.EchoOnly)
+    return step.name in ("echo", "ecu") and on_line and not is_wrong
 
 
 def _on_the_line(ecu: Ecu) -> Iterator[Step]:

@@ -31,11 +31,12 @@ if TYPE_CHECKING:
 
 MODELS = {"5.4": 0x09, "7.1": 0x0A}
 ADAPTERS = ("kkl", "elm327")
+PROTOCOLS = ("mikas", "kwp2000", "kwp2000-fast", "kwp2000-slow")
 _LINE_FAULTS = tuple(fault.value for fault in LineFault)
 SETTINGS = (
-    "scenario", "car", "seed", "model", "ignition_only", "faults", "baud", "adapter", "echo",
-    "unit", "latency_ms", "supplied", "stall_every", "stall_ms", "late_by", *QUIRK_NAMES,
-    *_LINE_FAULTS,
+    "scenario", "car", "seed", "model", "ignition_only", "faults", "baud", "adapter", "protocol",
+    "adapter_baud", "echo", "unit", "latency_ms", "supplied", "stall_every", "stall_ms", "late_by",
+    *QUIRK_NAMES, *_LINE_FAULTS,
 )  # fmt: skip
 """Names of all settings; docs/reference/simulator.md describes each."""
 CAR_SETTINGS = ("scenario", "car", "model", "ignition_only", "faults", "unit")
@@ -149,7 +150,14 @@ def wired(
             seed=given.integer("seed", 0),
         ),
     )
-    return bus if given.choice("adapter", "kkl", ADAPTERS) == "kkl" else Elm327(bus.ecu)
+    if given.choice("adapter", "kkl", ADAPTERS) != "kkl":
+        return Elm327(bus.ecu)
+    if (protocol := given.choice("protocol", "mikas", PROTOCOLS)) != "mikas":
+        from mikas.virtual.kwp2000_unit import Kwp2000Bus, Kwp2000Unit, Wake
+
+        return Kwp2000Bus(bus.ecu, Kwp2000Unit(Wake(protocol)), adapter=bus.adapter.kind)
+    bus.set_baud(given.integer("adapter_baud", bus.ecu.baud, lowest=50, highest=4_000_000))
+    return bus
 
 
 def _faults(text: str) -> list[int]:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, closing
 
 from mikas.cli.advice import DOCTOR_ADVICE
-from mikas.cli.click_extensions import command
+from mikas.cli.click_extensions import command, flag
 from mikas.cli.context import CommandContext
 from mikas.cli.failures import NO_CONNECTION
 from mikas.cli.language import localized, tr
@@ -26,13 +27,30 @@ from mikas.link import CaptureTee, Link, choose_port, open_link
         "mikas doctor --port /dev/ttyUSB0",
         "mikas doctor --port socket://192.168.1.5:2000 --inter-byte 0.5",
         "mikas doctor --checksum raw --strict",
+        "mikas doctor --other-units",
     ),
 )
-def doctor(context: CommandContext) -> int:
+@flag(
+    "--other-units",
+    en="where no Mikas answers, look for another kind of unit: bytes that come unasked, `01` at "
+    "other baud rates, one fast and one slow wake-up of KWP2000 at 10400 baud; changes nothing "
+    "in a unit, 15 s",
+    ru="если Микас не отвечает, искать блок другого рода: байты без запроса, `01` на других "
+    "скоростях, одно быстрое и одно медленное пробуждение KWP2000 на 10400 бод; в блоке ничего не "
+    "меняется, 15 с",
+)
+def doctor(context: CommandContext, *, other_units: bool) -> int:
     steps = []
+    others: Callable[[Link], Iterator[Step]] | None = None
+    if other_units:
+        from mikas.client.other_units import other_units as looking
+
+        others = looking
     with (
         ExitStack() as stack,
-        closing(examine(lambda: _open(context, stack), context.options.create_ecu)) as found,
+        closing(
+            examine(lambda: _open(context, stack), context.options.create_ecu, others=others)
+        ) as found,
     ):
         for step in found:
             steps.append(step)
@@ -41,6 +59,11 @@ def doctor(context: CommandContext) -> int:
     if context.output.json:
         listed = [{"name": s.name, "ok": s.ok, "detail": localized(_detail(s))} for s in steps]
         context.output.data({"steps": listed})
+    if other_units and any(step.name == "ecu" and step.ok for step in steps):
+        context.say(
+            "A Mikas answers, so no other kind of unit was looked for.",
+            "Микас отвечает, поэтому блок другого рода не искали.",
+        )
     failed = any(step.ok is False for step in steps)
     if not failed and not context.output.json:
         context.output.line(_end(all(step.ok for step in steps)))
@@ -81,5 +104,9 @@ def _line(step: Step) -> str:
         "line": tr("line", "линия"),
         "ecu": tr("ECU", "блок"),
         "commands": tr("commands", "команды"),
+        "unasked": tr("bytes unasked", "байты без запроса"),
+        "other-baud": tr("`01` at other baud rates", "`01` на других скоростях"),
+        "kwp2000-fast": tr("KWP2000, fast wake-up", "KWP2000, быстрое пробуждение"),
+        "kwp2000-slow": tr("KWP2000, slow wake-up", "KWP2000, медленное пробуждение"),
     }
     return f"{mark} {names[step.name]}: {localized(_detail(step))}"
