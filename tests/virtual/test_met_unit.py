@@ -303,6 +303,19 @@ def test_a_sample_can_be_written_until_the_key_is_turned():
     assert tester.ask(b"\x61\x1a") != b"\x11"
 
 
+def test_a_stored_fault_of_the_unit_does_not_stop_the_engine():
+    """53 is the crankshaft's sensor: present, it lets no engine run."""
+    profile = UnitProfile(faults=(53, 13, 13))
+    for given_faults, runs in (({}, True), ({"faults": "53"}, False)):
+        tester = MetTester(profile, **given_faults)
+        assert bool(tester.ask(b"\x61\x29")[0]) is runs
+        assert tester.ask(b"\x61\x72") == bytes([13])  # MINERR
+        assert tester.ask(b"\x02") == b"\x03\x35\xe0\x0d\xe0\x0d\xe0"
+        assert tester.ask(b"\x62\x0e\x08") == tester.ask(b"\x62\x0e\x00") == b"\x00"
+        assert tester.ask(b"\x02") == b"\x00"
+        assert tester.ask(b"\x61\x72") == b"\x00"
+
+
 def test_a_profile_without_answers_is_the_usual_unit():
     usual, met = met_bus(UnitProfile()), met_bus(UnitProfile(), {})
     assert usual.ecu.responder.quirks == met.ecu.responder.quirks

@@ -59,7 +59,7 @@ def build_bus(
         from mikas.virtual.unit_files import load  # most virtual units are made of no file
 
         return met_bus(load(Path(settings["unit"])), settings, start=start, watcher=watcher)
-    return wired(_responder(settings, start), settings, watcher=watcher)
+    return wired(_responder(_car(settings, start), settings), settings, watcher=watcher)
 
 
 def met_bus(
@@ -87,18 +87,19 @@ def met_bus(
     if profile.echo is not None:
         found["echo"] = "1" if profile.echo else "0"
     wanted = found | dict(settings)
-    responder = _responder(wanted, start)
+    car = _car(wanted, start)
+    stored = profile.faults or ()
+    car.past = frozenset(stored) - frozenset(car.faults)  # the engine of that unit ran with them
+    car.faults = [*stored, *(each for each in car.faults if each not in stored)]
+    responder = _responder(car, wanted)
     responder.identity = identity_of(profile, responder.identity)
     responder.quirks = quirks_of(profile)
-    car = responder.car
-    stored = profile.faults or ()
-    car.faults = [*stored, *(each for each in car.faults if each not in stored)]
     responder.car = MetCar(car, profile)
     return wired(responder, wanted, watcher=watcher)
 
 
-def _responder(settings: Mapping[str, str], start: float) -> Responder:
-    """Return the unit of the engine model."""
+def _car(settings: Mapping[str, str], start: float) -> EngineCar:
+    """Return the car of the engine model."""
     given = OptionParser(settings)
     scenario, seed = find(settings.get("scenario", DEFAULT)), given.integer("seed", 0)
     if "car" in settings:
@@ -107,8 +108,13 @@ def _responder(settings: Mapping[str, str], start: float) -> Responder:
         zeros = {name: bytes(shipped().parameter(name).size) for name in DEAD}
         scenario = replace(scenario, raw={**zeros, **scenario.raw})
     engine = Engine(scenario, seed)
-    car = EngineCar(engine, shipped(), faults=_faults(settings.get("faults", "")), start=start)
-    model = given.choice("model", "7.1", MODELS)
+    return EngineCar(engine, shipped(), faults=_faults(settings.get("faults", "")), start=start)
+
+
+def _responder(car: EngineCar, settings: Mapping[str, str]) -> Responder:
+    """Return the unit in `car`."""
+    scenario = car.engine.scenario
+    model = OptionParser(settings).choice("model", "7.1", MODELS)
     passports = f"МИКАС {model}", VIRTUAL_PASSPORT, "", "2000.09.27", "ЗМЗ-4062.10", "", "", ""
     identity = Identity(MODELS[model], scenario.passports or passports)
     return Responder(car, identity, memory=EcuMemory(scenario.memory))

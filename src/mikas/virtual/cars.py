@@ -20,6 +20,7 @@ class EngineCar:
     Values pinned by a scenario and written values (62) replace the engine's. `codes`: those of the
     catalog that the model computes. `faults`: the stored faults in the unit's order, may be changed
     at any time. A stored fault is also present: its sensor gives the substitute until it is erased.
+    But those of `past` are only stored.
     """
 
     def __init__(
@@ -32,6 +33,7 @@ class EngineCar:
     ) -> None:
         self.engine = engine
         self.faults: list[int] = list(dict.fromkeys([*sorted(engine.scenario.faults), *faults]))
+        self.past: frozenset[int] = frozenset()
         self._start = start
         self._latest = -inf  # when the engine's state was last used
         self._pinned = pinned(catalog, engine.scenario.raw, engine.scenario.values)
@@ -68,7 +70,7 @@ class EngineCar:
             return fixed
         if now != self._latest:  # one response reads many data at one time
             self._latest = now
-            self.engine.faults = self.faults
+            self.engine.faults = [each for each in self.faults if each not in self.past]
             self.engine.advance(now - self._start)
         return self._encoders[code](self.engine.state)
 
