@@ -11,6 +11,8 @@ from catalog_harness import ALSO_FREE, FREE, NEW, Write, refused
 import mikas.catalog
 from mikas.catalog import Catalog, Confidence, load, shipped
 from mikas.catalog.loading.fields import FAMILIES
+from mikas.catalog.loading.loader import load_changed
+from mikas.errors import CatalogError
 from mikas.i18n import Text
 
 # --- adding and overriding
@@ -47,6 +49,16 @@ def test_a_text_of_ones_own_replaces_the_shipped_short_one(write: Write) -> None
     assert renamed.short == renamed.text == Text("Air valve", shipped_one.text.ru)
     both = load(write('[parameter.FSM]\nshort = "V"\ntext.en = "Air valve"\n')).parameter("FSM")
     assert both.short == Text("V", "V")
+
+
+def test_a_changed_text_of_a_shipped_file_takes_its_place() -> None:
+    models = '[model.0x09]\ntext = { en = "Nine", ru = "Девять" }\n'
+    changed = load_changed({"models.toml": models})
+    assert changed.model(0x09).text.en == "Nine"
+    assert not changed.model(0x0A).known
+    assert changed.parameters == shipped().parameters
+    with pytest.raises(CatalogError, match=r"models\.toml:1: `model.0x999`"):
+        load_changed({"models.toml": "[model.0x999]\n"})
 
 
 def test_the_docstring_shows_the_same_five_lines() -> None:

@@ -15,7 +15,7 @@ from mikas.errors import CatalogError
 HOMES = {"en": DOCS, "ru": RUSSIAN}
 BASIS = '[[basis]]\nof = ["D11"]\nsource = { en = "silent", ru = "молчит" }\n'
 SEEN = """[[sighting]]
-of = "D11"
+of = ["D11", "61"]
 unit = "0A, 2026-12-05"
 agreement = "agrees"
 text = { en = "16 codes", ru = "16 кодов" }
@@ -62,12 +62,14 @@ def test_the_basis_of_a_name_is_that_of_its_group() -> None:
     assert evidence().sightings_of("D11") == ()
 
 
-def test_a_sighting_belongs_to_one_name() -> None:
+def test_a_sighting_belongs_to_its_names() -> None:
     known = read(BASIS + SEEN)
     (seen,) = known.sightings_of("D11", "D12")
     assert (seen.unit, seen.agreement, seen.text.en) == (
         "0A, 2026-12-05", Agreement.AGREES, "16 codes",
     )  # fmt: skip
+    assert seen.of == ("D11", "61")
+    assert known.sightings_of("61") == (seen,)
     assert known.sightings_of("D12") == ()
     assert known.basis_of("D11").siblings.en == ""
 

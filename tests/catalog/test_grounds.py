@@ -84,7 +84,7 @@ def test_an_entry_of_the_user_s_own_rests_on_the_file(tmp_path) -> None:
 def test_what_a_unit_has_shown_stands_with_what_it_concerns(monkeypatch) -> None:
     known = evidence_module.evidence()
     seen = tuple(
-        Sighting(of, "0A, 2026-12-05", Agreement.AGREES, Text("seen", "видели"))
+        Sighting((of,), "0A, 2026-12-05", Agreement.AGREES, Text("seen", "видели"))
         for of in ("D11", "UACC", "fault 13", "model 0A", "61")
     )
     table = EvidenceTable(known.bases, known.titles, known.sources, seen)

@@ -52,8 +52,8 @@ class Agreement(StrEnum):
 class Sighting:
     """What one unit that was met has shown of a clause, a parameter or an erratum."""
 
-    of: str
-    """The name of what it concerns: `D11`, `61`, `UACC`, `E3`."""
+    of: tuple[str, ...]
+    """The names of what it concerns: `D11`, `61`, `UACC`, `E3`."""
     unit: str
     """Which unit, and when: a model and a date, nothing of its owner's."""
     agreement: Agreement
@@ -97,7 +97,7 @@ class EvidenceTable:
 
     def sightings_of(self, *names: str) -> tuple[Sighting, ...]:
         """Return what units have shown of these."""
-        return tuple(each for each in self.sightings if each.of in names)
+        return tuple(each for each in self.sightings if not set(names).isdisjoint(each.of))
 
 
 @cache
@@ -111,7 +111,7 @@ _SCHEMAS: Final[Mapping[str, Schema]] = {
     "title": {ANY: TEXT},
     "basis": {"of": strings, "source": TEXT, "siblings": TEXT},
     "sighting": {
-        "of": string,
+        "of": strings,
         "unit": string,
         "agreement": choice(Agreement, *Agreement),
         "text": TEXT,

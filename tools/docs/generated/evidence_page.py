@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from mikas.catalog import Catalog
-from mikas.catalog.evidence import evidence
+from mikas.catalog.evidence import Basis, Sighting, evidence
 from mikas.i18n import Language, Text
 from tools.docs.checking.citations import CITED, anchor_of
 from tools.docs.generated.places import filled
@@ -27,12 +27,15 @@ def bases(catalog: Catalog, language: Language) -> str:
     for basis in known.bases:
         names = " ".join(f"[{name}](#{_anchor(name, catalog)})" for name in basis.of)
         said = (basis.source.to(language), basis.siblings.to(language) or _NOTHING)
-        seen = "; ".join(
-            f"{each.of}, {each.unit}: {each.text.to(language)}"
-            for each in known.sightings_of(*basis.of)
-        )
+        seen = "; ".join(_seen(basis, each, language) for each in known.sightings_of(*basis.of))
         rows.append((names, *map(_linked, said), _linked(seen or _NO.to(language))))
     return table(language, headers, rows)
+
+
+def _seen(basis: Basis, sighting: Sighting, language: Language) -> str:
+    """Return `D11, 0A, survey 3f2a90c1: …`, the names without those of other rows."""
+    names = " ".join(each for each in sighting.of if each in basis.of)
+    return f"{names}, {sighting.unit}: {sighting.text.to(language)}"
 
 
 def facts(_: Catalog, language: Language) -> str:

@@ -16,7 +16,7 @@ docs/reference/catalog.md describes all keys. A file with any mistake is refused
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cache
 from os import PathLike
 from pathlib import Path
@@ -52,6 +52,19 @@ def load_text(name: str, text: str, *more: Path) -> Catalog:
     """As `load`, of a file `name` that has not been written yet, and of `more` files over it."""
     own = parse_source(name, text.encode())
     return combined([*_shipped_sources(), own, *map(read_source, more)])
+
+
+def load_changed(texts: Mapping[str, str]) -> Catalog:
+    """Return the shipped catalog with `texts` in the place of its own files of these names.
+
+    CatalogError: such a catalog would be wrong.
+    """
+    return combined(
+        [
+            parse_source(each.name, texts[each.name].encode()) if each.name in texts else each
+            for each in _shipped_sources()
+        ]
+    )
 
 
 @cache

@@ -99,13 +99,13 @@ def channel_names(ctx: click.Context, parameter: click.Parameter, incomplete: st
 
 
 def evidence_names(ctx: click.Context, _: click.Parameter, incomplete: str) -> Offers:
-    """Offer clauses, channels and so on; a fault by its number, a model by its answer to 01."""
+    """Offer clauses, channels and so on, and surveys; a fault and a model by their numbers."""
     from mikas.catalog.grounds import grounds_of
     from mikas.cli.language import localized
 
     every = grounds_of(_catalog(ctx))
     known = {each.name.rpartition(" ")[2]: localized(each.text) for each in every}
-    return _begun(known, incomplete)
+    return [*_begun(known, incomplete), _files(["zip"])]
 
 
 def fault_codes(ctx: click.Context, _: click.Parameter, incomplete: str) -> Offers:

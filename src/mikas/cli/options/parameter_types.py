@@ -6,6 +6,7 @@ text too. click's own types report errors in English only.
 
 from __future__ import annotations
 
+import errno
 import os
 import re
 from collections.abc import Callable, Iterable
@@ -20,6 +21,7 @@ import click
 from mikas.cli.completion.values import Offering, files
 from mikas.cli.config import MAX_PAUSE, MAX_TIMEOUT, MIN_TIMEOUT
 from mikas.cli.language import tr
+from mikas.errors import system_error, usage_error
 from mikas.i18n import Text
 from mikas.options import with_nearest
 
@@ -243,3 +245,16 @@ METAVARS: Final[dict[object, str]] = {
 """How an option of such a type is shown."""
 OFFERED: Final[dict[object, Offering]] = {any_file: files(), existing_file: files()}
 """What a shell is offered for a value of such a type."""
+
+
+def check_writable(out: Path, *, overwrite: bool) -> None:
+    """Raise `UsageError` if `out` exists or can't be written: after the work would be late."""
+    if os.path.lexists(out) and not overwrite:
+        there = usage_error(
+            f"{out}: it exists already; choose another name, or --overwrite",
+            f"{out}: такой файл уже есть; выберите другое имя или добавьте --overwrite",
+        )
+        raise there.caused_by(system_error(errno.EEXIST), out)
+    if not os.access(out if out.exists() else out.parent, os.W_OK):
+        refused = usage_error(f"{out}: it can't be written", f"{out}: файл не записать")
+        raise refused.caused_by(system_error(errno.EACCES), out)

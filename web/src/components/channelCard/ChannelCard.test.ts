@@ -33,7 +33,10 @@ const coolant = channelOf("TWAT", {
 });
 
 function card({ at = null }: { at?: number | null } = {}) {
-  const shown = page({ "/references": { virtual: [], recordings: [] }, "/channels/TWAT/value": { value: 87, raw: "7F", time: 99, otherwise: { family: 1.004 } } });
+  const shown = page({
+    "/references": { virtual: [], recordings: [] },
+    "/channels/TWAT/value": { value: 87, raw: "7F", time: 99, otherwise: { family: 1.004 } },
+  });
   shown.say();
   shown.stores.catalog.use({ version: "1", parameters: [coolant], derived: [], faults: [] } as never);
   const onclose = vi.fn();

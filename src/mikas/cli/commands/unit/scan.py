@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import errno
-import os
 from collections.abc import Mapping
 from math import ceil
 from pathlib import Path
@@ -14,6 +12,7 @@ from mikas.cli.click_extensions import OVERWRITE, command, output_option
 from mikas.cli.context import CommandContext
 from mikas.cli.language import current_language, localized, tr
 from mikas.cli.options.common import RELEARN
+from mikas.cli.options.parameter_types import check_writable
 from mikas.cli.render.output import progress
 from mikas.cli.render.values import unit_text, value_text
 from mikas.client import Answer, Ecu, ScannedCode
@@ -23,8 +22,6 @@ from mikas.commands import ReadUnknownSize
 from mikas.errors import (
     NotSupported,
     naming_file,
-    system_error,
-    usage_error,
 )
 from mikas.i18n import plural
 from mikas.saving import save
@@ -53,7 +50,7 @@ _CODES = 0x100
 @RELEARN
 def scan(context: CommandContext, out: Path | None, *, overwrite: bool) -> None:
     if out is not None:
-        _check_writable(out, overwrite=overwrite)
+        check_writable(out, overwrite=overwrite)
     found: dict[int, ScannedCode] = {}
     with context.ecu() as ecu:
         heading = [] if out is None else _heading(ecu)
@@ -73,19 +70,6 @@ def scan(context: CommandContext, out: Path | None, *, overwrite: bool) -> None:
                 _write(context, out, ecu.catalog, found, heading)
         if {each.answer for each in found.values()} <= {Answer.SILENT, Answer.REFUSED}:
             raise NotSupported(command=ReadUnknownSize.of(0, 1).name)
-
-
-def _check_writable(out: Path, *, overwrite: bool) -> None:
-    """Raise `UsageError` now: after a scan of ten minutes would be late."""
-    if os.path.lexists(out) and not overwrite:
-        there = usage_error(
-            f"{out}: it exists already; choose another name, or --overwrite",
-            f"{out}: такой файл уже есть; выберите другое имя или добавьте --overwrite",
-        )
-        raise there.caused_by(system_error(errno.EEXIST), out)
-    if not os.access(out if out.exists() else out.parent, os.W_OK):
-        refused = usage_error(f"{out}: it can't be written", f"{out}: файл не записать")
-        raise refused.caused_by(system_error(errno.EACCES), out)
 
 
 def _silence(ecu: Ecu) -> float:
