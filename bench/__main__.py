@@ -33,6 +33,7 @@ from bench.themes import (
     stalls,
     startup,
     static_site,
+    survey,
     viewers,
     wire,
 )
@@ -55,6 +56,7 @@ THEMES = {
     "causes": causes,
     "crash": crash,
     "hostile": hostile,
+    "survey": survey,
 }
 DOCUMENT = Path(__file__).parent.parent / "docs" / "development" / "benchmarks.md"
 

@@ -35,6 +35,10 @@ FOUND, OPEN, NOT_ASKED = SurveyVerdict.FOUND, SurveyVerdict.OPEN, SurveyVerdict.
          {"max_list_61": 40, "long_list": "short", "bad_write": "silent"}),
         ({"counted_blocks": 1, "max_block": 33},
          {"counted_blocks": True, "max_block": {"21": 33, "23": 33, "25": 33}}),
+        ({"max_list": 1, "unknown": "01", "accepts": "raw", "raw_checksum": 1},
+         {"max_list_61": 1, "checksum_accepted": "raw", "checksum_sent": "raw"}),
+        ({"max_block": 1, "counted_blocks": 1},
+         {"counted_blocks": True, "max_block": {"21": 1, "23": 1, "25": 1}}),
         ({"missing": "21+25"}, {"counted_blocks": False, "max_block": {"23": 255}}),
         ({"faults": "13+53"}, {"faults": [13, 53]}),
         ({"model": "5.4"}, {"version": "09"}),
@@ -111,7 +115,7 @@ def test_what_is_not_certain_stays_open(tmp_path):
     other = by_name(surveyed(url_of(file), tmp_path / "b.zip", odd, engine=False))
     assert other["uacc_scale"].verdict is OPEN
     assert other["uacc_scale"].value["formula"] is None
-    bare = by_name(surveyed(url_of(file, missing="61"), tmp_path / "c.zip", engine=False))
+    bare = by_name(surveyed(url_of(file, missing="61"), tmp_path / "c.zip", Beside(), engine=False))
     for name in ("codes", "max_list_61", "checksum_accepted", "checksum_sent"):
         assert bare[name].verdict is OPEN, name
     slow = by_name(surveyed(url_of(file, latency_ms=16), tmp_path / "d.zip", engine=False))

@@ -15,7 +15,8 @@ from mikas.survey.unit import COOLANT, SurveyedUnit
 
 _PATIENCE: Final = 300.0  # s for a person to do it
 _WARMING: Final = 1800.0  # s for a cold engine in winter
-_REMINDED: Final = 30.0  # s
+_REMINDED: Final = 30.0  # s; of a long wait,
+_REMINDED_OF_LONG: Final = 300.0
 _LOOKED: Final = 0.5  # s between two looks at the unit
 _WARM: Final = 75 + 40  # raw TWAT (§4)
 _IDLE: Final = (RUNNING, 1900.0)  # rpm, of a cold engine too
@@ -47,7 +48,7 @@ def bring(unit: SurveyedUnit, state: CarState, person: Prompter) -> Text | None:
     while (now := unit.now()) < began + instruction.patience:
         if _looked(unit, instruction):
             return None
-        if now - said > _REMINDED:
+        if now - said > (_REMINDED if instruction.patience == _PATIENCE else _REMINDED_OF_LONG):
             person.say(instruction.text)
             said = now
         unit.pause(_LOOKED)

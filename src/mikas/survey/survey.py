@@ -137,6 +137,9 @@ class Survey:
         if why is not None:
             person.say(why)
             self._measured["skipped"][state.value] = why._asdict()
+            if state is CarState.IDLE:  # nor does it get warm, or faster
+                rest = dict.fromkeys((each.value for each in _WITH_IDLE), why._asdict())
+                self._measured["skipped"] |= rest
         return why is None
 
     def _keep(self) -> None:
@@ -236,6 +239,7 @@ def _raise(error: Exception) -> None:
     raise error
 
 
+_WITH_IDLE: Final = (CarState.WARM, CarState.RAISED, CarState.AFTER)
 _SURVEY: Final = Text("survey the unit", "обследовать блок")
 _BEGINS: Final = Text(
     "A survey begins with the ignition on and the engine off, and {why}.",

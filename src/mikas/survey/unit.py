@@ -81,7 +81,7 @@ class SurveyedUnit:
         self.tester: Tester = ecu.tester
         self.catalog: Catalog = ecu.catalog
         self.sizes: dict[int, int] = {}
-        self.longest = 2
+        self.longest = 1
 
     def now(self) -> float:
         """Return the link's clock."""
@@ -134,14 +134,18 @@ class SurveyedUnit:
         return speed_of(self.data(codes)) if codes else None
 
     def find_speed(self) -> None:
-        """Find out whether the unit has FREQ or FREQX, before any other code is asked for."""
+        """Find out whether the unit has FREQ or FREQX, before any other code is asked for.
+
+        Listed twice, for `01` alone may be a refusal (D10); alone, for a unit that takes one code.
+        """
         for code in _RPM:
             if code not in self.sizes:
                 pair = self.ask(bytes([0x61, code, code]))
-                alone = self.ask(bytes([0x61, code])) if pair is None else None
-                if (pair is not None and len(pair.body) == 2) or (
-                    alone is not None and len(alone.body) == 1 and alone.body != b"\x01"
-                ):
+                if pair is not None and len(pair.body) == 2:
+                    self.sizes[code] = 1
+                    continue
+                alone = self.ask(bytes([0x61, code]))
+                if alone is not None and len(alone.body) == 1 and alone.body != b"\x01":
                     self.sizes[code] = 1
 
     @property

@@ -23,12 +23,14 @@ def codes(measured: Measured) -> Conclusion:
     sizes = known_sizes(measured)
     final = {**measured["codes"], **measured.get("codes_again", {})}
     unclear = [code for code, each in final.items() if each["answer"] == Answer.UNCLEAR.value]
+    always_one = [code for code in unclear if _is_refused(measured, code)]
+    unclear = [code for code in unclear if code not in always_one]
     number = {
         answer: sum(each["answer"] == answer.value for each in final.values()) for answer in Answer
     }
     value = {
         "sizes": {f"{code:02X}": size for code, size in sorted(sizes.items())},
-        "refused": number[Answer.REFUSED],
+        "refused": number[Answer.REFUSED] + len(always_one),
         "silent": number[Answer.SILENT],
         "unclear": unclear,
     }
@@ -48,6 +50,19 @@ def codes(measured: Measured) -> Conclusion:
             value,
         )
     return found(value, en, ru)
+
+
+def _is_refused(measured: Measured, code: str) -> bool:
+    """Whether a unit that takes one code a request refuses this one by 01 (D10).
+
+    A datum could be 01, too: it counts as a refusal if all of them are, of a unit that answers
+    unknown commands so and was never silent.
+    """
+    scans = [measured[name] for name in ("codes", "codes_again") if name in measured]
+    answers = [scan[code] for scan in scans if code in scan]
+    by_one = set(measured.get("unknown", {}).values()) == {"01"}
+    silent = any(each["answer"] == Answer.SILENT.value for scan in scans for each in scan.values())
+    return by_one and not silent and all(each["raw"] == "01" for each in answers)
 
 
 def moves(measured: Measured) -> Conclusion:

@@ -9,7 +9,6 @@ from mikas.survey.concluding.conclusion import (
     found,
     is_open,
     milliseconds,
-    no_codes,
     unmeasured,
 )
 from mikas.survey.steps.step import CarState, Measured
@@ -131,7 +130,10 @@ def checksum_accepted(measured: Measured) -> Conclusion:
     if answers is None:
         return unmeasured(measured, CarState.STANDING)
     if not answers:
-        return no_codes()
+        return is_open(
+            "no list of known codes has such a checksum; a byte of RAM would have (--memory)",
+            "ни у одного списка известных кодов нет такой суммы; подошёл бы байт RAM (--memory)",
+        )
     kinds = {
         value: tuple(form for form, is_ok in each.items() if is_ok)
         for value, each in answers.items()

@@ -1,7 +1,8 @@
 """Checksums 0D and 40: which form the unit understands, and which it sends (D3).
 
 Requests are lists of known codes (61) chosen so that the checksum is that byte; so are responses,
-of codes whose data stand still.
+of codes whose data stand still. A unit that takes one code only has no such list: there a byte of
+RAM (11) does it, if memory may be read.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from mikas.survey.unit import SurveyedUnit
 
 SPECIAL = (0x0D, 0x40)
 FORMS = ("stuffed", "raw")
+_RAM = 0x11  # reads one byte; its response repeats the address
 _LONGEST = 24  # codes in such a list
 _TRIES = 8  # of a response, whose data may have moved
 
@@ -26,10 +28,13 @@ def accepted(unit: SurveyedUnit, measured: Measured, _: Prompter) -> None:
     found: dict[str, dict[str, bool]] = {}
     for value in SPECIAL:
         listed = _listed(weights, (-value - 0x61) & 0xFF, _room(measured))
-        if listed is None:
+        if listed is not None:
+            body, length = bytes([0x61, *listed]), sum(unit.sizes[code] for code in listed)
+        elif _reads_ram(measured):
+            body, length = bytes([_RAM, (-value - _RAM) & 0xFF]), 2
+        else:
             continue
-        body = bytes([0x61, *listed])
-        found[f"{value:02X}"] = {form: _answers(unit, body, listed, form) for form in FORMS}
+        found[f"{value:02X}"] = {form: _answers(unit, body, length, form) for form in FORMS}
     measured["checksum_accepted"] = found
 
 
@@ -44,24 +49,37 @@ def sent(unit: SurveyedUnit, measured: Measured, person: Prompter) -> None:
             listed = _listed(weights, -value & 0xFF, _room(measured))
             if listed is None:
                 break
-            reply = unit.ask(bytes([0x61, *listed]))
-            if reply is None or checksum(reply.body) != value:
-                continue
-            frames = [each for each in Decoder().feed(reply.wire) if isinstance(each, Frame)]
-            if len(frames) == 1:
-                found[f"{value:02X}"] = FORMS[frames[0].raw_checksum]
+            if (form := _form_of(unit, bytes([0x61, *listed]), value)) is not None:
+                found[f"{value:02X}"] = form
                 break
+        if f"{value:02X}" not in found and _reads_ram(measured):
+            forms = (_form_of(unit, bytes([_RAM, address]), value) for address in range(0x100))
+            if (form := next(filter(None, forms), None)) is not None:
+                found[f"{value:02X}"] = form
     measured["checksum_sent"] = found
+
+
+def _form_of(unit: SurveyedUnit, body: bytes, value: int) -> str | None:
+    """Return the form of the response's checksum; None: it is not `value`."""
+    reply = unit.ask(body)
+    if reply is None or checksum(reply.body) != value:
+        return None
+    frames = [each for each in Decoder().feed(reply.wire) if isinstance(each, Frame)]
+    return FORMS[frames[0].raw_checksum] if len(frames) == 1 else None
+
+
+def _reads_ram(measured: Measured) -> bool:
+    return bool(measured["memory"] and measured["commands"].get(f"{_RAM:02X}"))
 
 
 def _room(measured: Measured) -> int:
     return min(_LONGEST, measured["lists"]["61"]["limit"] or 1)
 
 
-def _answers(unit: SurveyedUnit, body: bytes, listed: tuple[int, ...], form: str) -> bool:
+def _answers(unit: SurveyedUnit, body: bytes, length: int, form: str) -> bool:
     with _sending(unit, form):
         reply = unit.ask(body)
-    return reply is not None and len(reply.body) == sum(unit.sizes[code] for code in listed)
+    return reply is not None and len(reply.body) == length
 
 
 @contextmanager

@@ -22,7 +22,7 @@ _STROKES = frozenset(c.StreamAtStroke.CODES)
 _NEVER_COMMANDS = (0x00, 0xFF)
 """No row of §3, and one byte alone: without an address and a datum such a request writes none."""
 _BLOCKS = {0x21: 1, 0x23: 2, 0x25: 2}  # bytes of the address by command
-_COUNTED = 4  # bytes of the block that shows whether the count is repeated (D7)
+_COUNTED = (4, 1)  # bytes of the block that shows whether the count is repeated (D7)
 
 
 def unknown(unit: SurveyedUnit, measured: Measured, _: Prompter) -> None:
@@ -53,12 +53,12 @@ def blocks(unit: SurveyedUnit, measured: Measured, person: Prompter) -> None:
     found = {}
     for done, (code, address) in enumerate(_BLOCKS.items()):
         person.progress(done, len(_BLOCKS))
-        if not measured["commands"].get(f"{code:02X}"):
-            continue
         counted = _counted(unit, code, address)
         overhead = address + (code == 0x21 or bool(counted))
-        ask = partial(_block, unit, code, address, overhead)
-        found[f"{code:02X}"] = {**greatest(ask), "counted": counted}
+        limits = greatest(partial(_block, unit, code, address, overhead))
+        if limits["limit"] is not None:  # a unit that gives one byte only has seemed to lack it
+            measured["commands"][f"{code:02X}"] = True
+            found[f"{code:02X}"] = {**limits, "counted": counted}
     measured["blocks"] = found
 
 
@@ -68,10 +68,12 @@ def _block(unit: SurveyedUnit, code: int, address: int, overhead: int, count: in
 
 
 def _counted(unit: SurveyedUnit, code: int, address: int) -> bool | None:
-    reply = unit.ask(bytes([code, *bytes(address), _COUNTED]))
-    if reply is None or len(reply.body) not in (address + _COUNTED, address + _COUNTED + 1):
-        return None
-    return len(reply.body) > address + _COUNTED and reply.body[address] == _COUNTED
+    for count in _COUNTED:
+        reply = unit.ask(bytes([code, *bytes(address), count]))
+        beyond = -1 if reply is None else len(reply.body) - address - count
+        if reply is not None and beyond in (0, 1):
+            return beyond == 1 and reply.body[address] == count
+    return None
 
 
 def passports(unit: SurveyedUnit, measured: Measured, person: Prompter) -> None:

@@ -131,6 +131,9 @@ def _stroke(
         return
     stroke = c.StreamAtStroke.CODES.index(code)
     items = _items(unit, c.StreamAtStroke(_data(unit, codes), stroke), seconds)
+    if not items and len(codes) > 1:  # a unit may take one code only
+        codes = codes[:1]
+        items = _items(unit, c.StreamAtStroke(_data(unit, codes), stroke), seconds)
     lasted = items[-1].time - items[0].time if len(items) > 2 else 0.0
     rate = (len(items) - 1) / lasted if lasted else None
     found[f"{code:02X}"] = {"rate": rate and round(rate, 4), "rpm": _rpm(codes, items)}

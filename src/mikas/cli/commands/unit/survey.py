@@ -12,6 +12,7 @@ from mikas.cli.context import CommandContext
 from mikas.cli.language import current_language, localized, tr
 from mikas.cli.options.parameter_types import positive
 from mikas.errors import MikasError, NotConfirmed, usage_error
+from mikas.files import absolute
 from mikas.i18n import Text
 
 if TYPE_CHECKING:
@@ -119,7 +120,7 @@ def survey(
 def _check_name(out: Path) -> None:
     if out.suffix.lower() != ".zip":
         raise usage_error(f"{out}: a survey is a .zip file", f"{out}: обследование — это файл .zip")
-    if not out.absolute().parent.is_dir():
+    if not absolute(out).parent.is_dir():
         raise usage_error(f"{out}: there is no such folder", f"{out}: такой папки нет")
 
 
