@@ -218,6 +218,7 @@ def rig(
         desktop=desktop,
         tests=tmp_path / "tests",
         causes=tmp_path / "causes",
+        sockets=sys.platform != "emscripten",
     )
     dashboard = Dashboard(settings, port=begin, lan=access.get("lan", False))
     dashboard.plan.request = PlanSettings(dict.fromkeys(names, 1), method, rate)
