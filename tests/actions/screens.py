@@ -64,6 +64,9 @@ ELSEWHERE = {
     "connection/Ports others": "browser/test_browser_connection.py",
     "connection/Program program_end": "browser/test_browser_connection.py",
     "connection/Screen choose": "static_site/test_site_car.py",
+    "connection/diagnosis/Doctor other_units": (
+        "../web/src/screens/connection/diagnosis/Doctor.test.ts"
+    ),
     "connection/diagnosis/ProblemReport report_form": (
         "../web/src/screens/connection/diagnosis/ProblemReport.test.ts"
     ),

@@ -95,7 +95,7 @@ def test_a_missing_port_is_shown_and_waited_for(off, visitor, tmp_path):
 def deliberate(monkeypatch):
     """A doctor that takes no step behind that of the speed until its port is taken away."""
 
-    def examined(open_port, create_ecu):
+    def examined(open_port, create_ecu, *, others=None):
         opened = []
 
         def open_and_note():

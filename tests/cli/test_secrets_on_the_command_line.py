@@ -126,7 +126,7 @@ def test_what_threads_and_libraries_print_has_no_secret_of_it(mikas, monkeypatch
     def fail() -> None:
         raise ValueError("socket://me:zq0000001%2b@127.0.0.1:9, zq0000003")
 
-    def examine(*_: object) -> Iterator[None]:
+    def examine(*_: object, **__: object) -> Iterator[None]:
         thread = threading.Thread(target=fail)
         thread.start()
         thread.join()

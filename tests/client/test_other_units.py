@@ -77,6 +77,35 @@ def test_nothing_but_the_wake_ups_goes_to_the_unit():
     assert not bus.kwp2000.awake
 
 
+def test_the_wake_ups_have_the_standards_times():
+    """To the microsecond, on simulated time: ISO 14230-2 allows 1 ms, and 5 % at 5 baud."""
+    link = a_link(protocol="kwp2000")
+    bus = link.bus
+    assert isinstance(bus, Kwp2000Bus)
+    lows, requests = [], []
+    low, send = bus.kwp2000.low, bus.send
+
+    def watched(begin, end):
+        lows.append((begin, end))
+        low(begin, end)
+
+    def sent(data, now):
+        if link.baud == kwp2000.BAUD:
+            requests.append((now, data))
+        send(data, now)
+
+    bus.kwp2000.low, bus.send = watched, sent
+    list(other_units(link))
+    (begin, end), *slow = lows
+    assert end - begin == pytest.approx(0.025, abs=1e-6)
+    started = next(now for now, data in requests if data == kwp2000.encode(kwp2000.START))
+    assert started - begin == pytest.approx(0.05, abs=1e-6)
+    # 33 at 5 baud, the lowest bit first: low are the start bit and the bits 2, 3, 6, 7.
+    first = slow[0][0]
+    bits = [(round((a - first) / 0.2, 6), round((b - first) / 0.2, 6)) for a, b in slow]
+    assert bits == [(0, 1), (3, 5), (7, 9)]
+
+
 def test_a_mikas_that_answers_ends_the_search():
     """The wake-ups would be noise to it."""
     steps = examined(a_link())

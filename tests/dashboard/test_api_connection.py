@@ -9,6 +9,7 @@ import pytest
 
 from dashboard.rig import ADAPTER, ME, OTHER, rig
 from mikas.client.doctor import Step
+from mikas.client.other_units import NAMES
 from mikas.errors import LinkLost
 from mikas.i18n import Text
 
@@ -237,11 +238,26 @@ def test_the_doctor_without_a_connection_leaves_none(off):
     assert off.get("/state")["line"] == "off"
 
 
+def test_the_doctor_names_another_kind_of_unit_on_request(off):
+    port = "sim:?baud=19200&adapter_baud=9600"
+    for asked in (False, True):
+        body = {"port": port, "other_units": asked}
+        lines = off.client.post("/api/doctor", json=body, headers=ME).text.splitlines()
+        steps = {step["name"]: step for step in map(json.loads, lines)}
+        assert steps["ecu"]["code"] == "EchoOnly"
+        assert (NAMES[0] in steps) is asked
+    assert tuple(steps)[-4:] == NAMES
+    assert steps["other-baud"]["ok"] is True
+    assert "19200" in steps["other-baud"]["detail"]["ru"]
+    assert steps["kwp2000-slow"]["ok"] is None
+    assert steps["kwp2000-slow"]["title"]["ru"] == "KWP2000, медленное пробуждение"
+
+
 @pytest.fixture
 def patient(monkeypatch):
     """A doctor that never comes to an end by itself."""
 
-    def examine(open_port, create_ecu):
+    def examine(open_port, create_ecu, *, others):
         with open_port() as link:
             yield Step("port", True, Text("open", "открыт"))
             try:

@@ -67,10 +67,11 @@ def test_it_is_asleep_until_it_is_woken_up():
     [
         (0.025, 0.025, True),
         (0.0242, 0.0258, True),
+        (0.027, 0.025, True),
         (0.020, 0.030, False),
         (0.030, 0.020, False),
-        (0.025, 0.028, False),
-        (0.025, 0.022, False),
+        (0.025, 0.030, False),
+        (0.025, 0.020, False),
     ],
 )
 def test_the_fast_wake_up_has_the_standards_times(low, high, wakes):

@@ -49,7 +49,7 @@ _OWN_LINKS = dict.fromkeys(("webserial", "webusb"), "mikas.browser.web_serial:op
 # recording of `mikas.open`, links and formats of libraries that are not here, what tests by pytest,
 # and what computes with arrays of bytes by numpy, in place of which there is a loop.
 _NOT_HERE = (
-    "amendments", "cli", "__main__.py", "client/other_units.py", "conditions/messages.py",
+    "amendments", "cli", "__main__.py", "conditions/messages.py",
     "conditions/webhooks.py", "py.typed", "dashboard/page", "dashboard/running.py",
     "foreign_logs/mdf.py",
     "dashboard/server.py", "dissectors", "fleet", "link/failures.py", "link/network.py",

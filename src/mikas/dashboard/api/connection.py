@@ -53,6 +53,10 @@ _TITLES = {
     "line": Text("line", "линия"),
     "ecu": Text("ECU", "блок"),
     "commands": Text("commands", "команды"),
+    "unasked": Text("bytes unasked", "байты без запроса"),
+    "other-baud": Text("01 at other baud rates", "01 на других скоростях"),
+    "kwp2000-fast": Text("KWP2000, fast wake-up", "KWP2000, быстрое пробуждение"),
+    "kwp2000-slow": Text("KWP2000, slow wake-up", "KWP2000, медленное пробуждение"),
 }
 
 
@@ -242,6 +246,9 @@ class DiagnosisRequest(BaseModel):
     """`port` null: that of the connection, or the one likely adapter."""
 
     port: str | None = Field(None, max_length=500)
+    other_units: bool = Field(
+        default=False, description="where no Mikas answers, look for another kind of unit"
+    )
 
 
 class DiagnosisStep(BaseModel):
@@ -273,7 +280,7 @@ async def doctor(
     if dashboard.connection.changing or dashboard.diagnosis is not None:
         raise Busy(problem=CHANGING)
     steps: asyncio.Queue[DiagnosisStep | None] = asyncio.Queue()
-    diagnosis = Diagnosis(port, dashboard.settings)
+    diagnosis = Diagnosis(port, dashboard.settings, other_units=body.other_units)
     dashboard.diagnosis = diagnosis
     diagnosis.task = asyncio.create_task(_run(dashboard, diagnosis, steps))
 

@@ -19,6 +19,7 @@ from mikas.cleaning import without_secrets
 from mikas.client.doctor import Step, examine
 from mikas.client.gate import Confirm
 from mikas.client.identity import UnitIdentity
+from mikas.client.other_units import other_units
 from mikas.dashboard.errors import InternalError
 from mikas.dashboard.settings import PlanSettings, PortSettings, Settings
 from mikas.errors import MikasError
@@ -179,11 +180,12 @@ class SamplingThread(threading.Thread):
 
 
 class Diagnosis(StoppablePort):
-    """Examines the port `url` once."""
+    """Examines the port `url` once. `other_units`: as `mikas.client.other_units`."""
 
-    def __init__(self, url: str, settings: Settings) -> None:
+    def __init__(self, url: str, settings: Settings, *, other_units: bool = False) -> None:
         super().__init__(settings.open_port)
         self.url = url
+        self._other_units = other_units
         self._options = replace(settings.connection, journal=settings.journal, state=settings.units)
         self.task: asyncio.Task[None] | None = None
         """The task that calls `run` and gives the port back; set by its creator."""
@@ -193,7 +195,11 @@ class Diagnosis(StoppablePort):
 
         Raises as `examine`, and `InternalError` for a bug.
         """
-        steps = examine(lambda: self.open(self.url), self._options.create_ecu)
+        steps = examine(
+            lambda: self.open(self.url),
+            self._options.create_ecu,
+            others=other_units if self._other_units else None,
+        )
         try:
             for step in steps:
                 if not self.stopping.is_set():  # else the step failed by the closed link

@@ -53,9 +53,10 @@ export function createApi(host: Transport) {
     carAnswer: (car: string) => get<Api.CarAnswer>("/virtual-cars/answer", { car }),
     connect: (port: string | null) => post<Api.State>("/connect", { port, echo: "auto", method: "auto", rate: null }),
     disconnect: () => post<Api.State>("/disconnect"),
-    doctor: (port: string | null, onStep: (step: Api.DoctorStep) => void) =>
+    /** `others`: where no Mikas answers, look for another kind of unit. */
+    doctor: (port: string | null, onStep: (step: Api.DoctorStep) => void, others = false) =>
       waiting.wait({}, (signal, came) =>
-        lines<Api.DoctorStep>(host, "/doctor", { body: { port }, signal }, (step) => {
+        lines<Api.DoctorStep>(host, "/doctor", { body: { port, other_units: others }, signal }, (step) => {
           came();
           onStep(step);
         }),

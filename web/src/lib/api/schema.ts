@@ -540,6 +540,11 @@ export interface components {
         /** @description `port` null: that of the connection, or the one likely adapter. */
         DiagnosisRequest: {
             port?: string | null;
+            /**
+             * @description where no Mikas answers, look for another kind of unit
+             * @default false
+             */
+            other_units: boolean;
         };
         /** @description One line of the response. `ok` null: not known, or could be better. */
         DiagnosisStep: {

@@ -133,6 +133,15 @@ export const t = dictionary({
   n_latency: { en: "Delay", ru: "Задержка" },
   n_line: { en: "Line", ru: "Линия" },
   n_ecu: { en: "ECU", ru: "Блок" },
+  other_units: { en: "Another kind of unit?", ru: "Блок другого рода?" },
+  other_units_more: {
+    en: "Listens for bytes that come unasked, and tries 01 at other baud rates and one fast and one slow wake-up of KWP2000: 15 seconds, nothing is changed in a unit.",
+    ru: "Слушает, не идут ли байты без запроса, пробует 01 на других скоростях, одно быстрое и одно медленное пробуждение KWP2000: 15 секунд, в блоке ничего не меняется.",
+  },
+  n_unasked: { en: "Bytes unasked", ru: "Байты без запроса" },
+  "n_other-baud": { en: "01 at other baud rates", ru: "01 на других скоростях" },
+  "n_kwp2000-fast": { en: "KWP2000, fast wake-up", ru: "KWP2000, быстрое пробуждение" },
+  "n_kwp2000-slow": { en: "KWP2000, slow wake-up", ru: "KWP2000, медленное пробуждение" },
   n_commands: { en: "Commands", ru: "Команды" },
 
   report: { en: "Report a problem with the cable", ru: "Сообщить о неполадке с кабелем" },

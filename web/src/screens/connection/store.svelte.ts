@@ -36,6 +36,8 @@ export class ConnectionStore {
   readonly stopping = new ApiRequest<State>();
   /** The port that a check was requested of; null: left to the program. */
   examined = $state<string | null>(null);
+  /** The check looks for another kind of unit, too. */
+  others = $state(false);
   /** When the check began, in seconds of this computer. */
   checkedAt = $state(0);
 
@@ -140,9 +142,11 @@ export class ConnectionStore {
     return state !== undefined;
   }
 
-  async examine(port: string | null): Promise<void> {
+  /** Check the connection; `others`: where no Mikas answers, look for another kind of unit. */
+  async examine(port: string | null, others = false): Promise<void> {
     const { api, live } = this.app;
     this.steps = [];
+    this.others = others;
     this.check.reset();
     this.stopping.reset();
     this.examined = port;
@@ -153,7 +157,7 @@ export class ConnectionStore {
         (it) => live.use(it),
         () => undefined,
       );
-    await this.check.run(() => api.doctor(port, (step) => (this.steps = [...this.steps, step])).finally(state));
+    await this.check.run(() => api.doctor(port, (step) => (this.steps = [...this.steps, step]), others).finally(state));
   }
 
   /** Stop the check; the server releases the port and ends the steps. */

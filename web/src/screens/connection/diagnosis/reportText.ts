@@ -2,7 +2,7 @@
 import type { DoctorStep, Port } from "../../../lib/api/types";
 import { localized } from "../../../lib/i18n";
 import { t } from "../messages";
-import { markSteps } from "./steps";
+import { markSteps, OTHER_UNITS } from "./steps";
 
 export interface Reported {
   version: string;
@@ -36,7 +36,8 @@ export function problemReport({ version, browser, ports, port, says, unit, steps
 }
 
 function stepLines(steps: readonly DoctorStep[]): string[] {
-  return markSteps(steps, false).map(({ name, mark, step }) => {
+  const others = steps.some(({ name }) => OTHER_UNITS.some((it) => it === name));
+  return markSteps(steps, false, others).map(({ name, mark, step }) => {
     const said = step ? [localized(step.detail), localized(step.to_try)].filter(Boolean).join(" ") : "";
     return `- ${t(`n_${name}`)}: ${t(`step_${mark}`)}${said && `. ${said}`}`;
   });

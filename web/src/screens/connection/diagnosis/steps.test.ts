@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import type { DoctorStep } from "../../../lib/api/types";
-import { markSteps, outcomeOf } from "./steps";
+import { foundNoMikas, markSteps, outcomeOf } from "./steps";
 
 describe("the connection check", () => {
   const text = { en: "", ru: "" };
@@ -24,6 +24,28 @@ describe("the connection check", () => {
     expect(marks(steps, true)).toEqual(["ok", "ok", "skipped", "unsure", "running", "todo", "todo"]);
     const broken = [step("port", true), step("echo", false)];
     expect(marks(broken, false)).toEqual(["ok", "bad", "skipped", "skipped", "skipped", "skipped", "skipped"]);
+  });
+  it("has the tries for another kind of unit where they were asked for", () => {
+    const silent = [step("port", true), step("echo", true), step("baud", true), step("ecu", false)];
+    // Without an answer the commands are skipped, and only the next result shows it.
+    expect(
+      markSteps(silent, true, true)
+        .slice(-5)
+        .map((it) => it.mark),
+    ).toEqual(["running", "todo", "todo", "todo", "todo"]);
+    const named = [...silent, step("unasked", null), step("other-baud", null), step("kwp2000-fast", true)];
+    expect(
+      markSteps(named, true, true)
+        .slice(-5)
+        .map((it) => it.mark),
+    ).toEqual(["skipped", "unsure", "unsure", "ok", "running"]);
+    expect(markSteps(named, false).length).toBe(7);
+    expect(outcomeOf(named)).toBe("broken");
+  });
+  it("found no Mikas if the way ended at the echo or the unit", () => {
+    expect(foundNoMikas([step("port", true), step("echo", false)])).toBe(true);
+    expect(foundNoMikas([step("port", false)])).toBe(false);
+    expect(foundNoMikas([step("ecu", true), step("commands", true)])).toBe(false);
   });
   it("has an outcome", () => {
     const last = step("commands", true);

@@ -3,7 +3,9 @@
 import type { DoctorStep } from "../../../lib/api/types";
 
 export const STEPS = ["port", "echo", "baud", "latency", "line", "ecu", "commands"] as const;
-export type StepName = (typeof STEPS)[number];
+/** The tries for another kind of unit, where no Mikas answers. */
+export const OTHER_UNITS = ["unasked", "other-baud", "kwp2000-fast", "kwp2000-slow"] as const;
+export type StepName = (typeof STEPS)[number] | (typeof OTHER_UNITS)[number];
 export type StepMark = "ok" | "bad" | "unsure" | "running" | "todo" | "skipped";
 
 export interface MarkedStep {
@@ -12,14 +14,19 @@ export interface MarkedStep {
   step: DoctorStep | null;
 }
 
+/** Whether the line works as far as it goes, and the check found no Mikas on it. */
+export const foundNoMikas = (steps: readonly DoctorStep[]): boolean =>
+  steps.some(({ name, ok }) => (name === "echo" || name === "ecu") && ok === false);
+
 /**
- * Mark each step. A step without a result before one with a result was left out (an adapter without echo has no speed to measure); one
+ * Mark each step; those of other units if they were asked for. A step without a result before one with a result was left out (an adapter without echo has no speed to measure); one
  * after the end was not reached.
  */
-export function markSteps(steps: readonly DoctorStep[], running: boolean): MarkedStep[] {
+export function markSteps(steps: readonly DoctorStep[], running: boolean, others = false): MarkedStep[] {
+  const all: readonly StepName[] = others ? [...STEPS, ...OTHER_UNITS] : STEPS;
   const known = new Map(steps.map((step) => [step.name, step]));
-  const reached = Math.max(-1, ...steps.map((step) => STEPS.findIndex((name) => name === step.name)));
-  return STEPS.map((name, at) => {
+  const reached = Math.max(-1, ...steps.map((step) => all.findIndex((name) => name === step.name)));
+  return all.map((name, at) => {
     const step = known.get(name) ?? null;
     if (step) return { name, step, mark: step.ok === null ? "unsure" : step.ok ? "ok" : "bad" };
     const mark = !running || at < reached ? "skipped" : at === reached + 1 ? "running" : "todo";
