@@ -114,3 +114,52 @@ def test_the_report_is_the_desktops(listed, at_home, drives):
     expect(listed.page.frame_locator("#screen iframe").locator("h1")).to_be_visible()
     made = listed.download(listed.button("Save HTML"))
     assert made == at_home.api.get(f"/api/recordings/{drives[0]}/report?lang=en").content
+
+
+LOG = "t;AFR\n0;14,7\n500;13,9\n1000;14,1\n"
+
+
+def test_a_log_of_another_program_is_compared_with_on_a_phone_too(listed, drives):
+    for size in ({"width": 1280, "height": 800}, {"width": 390, "height": 844}):
+        listed.page.set_viewport_size(size)
+        listed.show("recordings")
+        place = listed.find("#screen article, #screen tbody tr", has_text=drives[0])
+        place.locator("visible=true").get_by_role("button", name=re.compile("^Compare")).click()
+        dialog = listed.page.get_by_role("dialog")
+        expect(dialog).to_contain_text("MDF4 is read by mikas installed on a computer")
+        accepted = dialog.locator("input[type=file]").get_attribute("accept")
+        assert ".mlg" in accepted
+        assert ".mf4" not in accepted
+        with listed.page.expect_file_chooser() as chooser:
+            dialog.get_by_role("button", name="Another program’s log…").click()
+        data = {"name": "bench.csv", "mimeType": "text/csv", "buffer": LOG.encode()}
+        chooser.value.set_files([data])
+        dialog.get_by_label("Which column is the time").select_option(label="t: 0")
+        dialog.get_by_label("What it counts").select_option(label="milliseconds")
+        dialog.get_by_role("button", name="Compare", exact=True).click()
+        bar = listed.page.get_by_role("group", name="Comparison")
+        expect(bar).to_contain_text("bench.csv")
+        expect(listed.find('[data-second="log:AFR"] b')).to_have_text("14.7")
+        bar.get_by_role("button", name="End the comparison").click()
+        listed.find("header").get_by_role("button", name="Back to live").click()
+    listed.page.set_viewport_size({"width": 1280, "height": 800})
+
+
+def test_an_export_of_the_site_is_read_by_the_site_with_the_same_values(listed, drives):
+    listed.press(f"Export {drives[0]}")
+    button = listed.page.get_by_role("button", name=".mlg", exact=True)
+    with listed.page.expect_download() as saved:
+        button.click()
+    data = saved.value.path().read_bytes()
+    listed.page.keyboard.press("Escape")
+    listed.press(f"Compare {drives[0]} with…")
+    dialog = listed.page.get_by_role("dialog")
+    with listed.page.expect_file_chooser() as chooser:
+        dialog.get_by_role("button", name="Another program’s log…").click()
+    file = {"name": "again.mlg", "mimeType": "application/octet-stream", "buffer": data}
+    chooser.value.set_files([file])
+    dialog.get_by_role("button", name="All", exact=True).click()
+    dialog.get_by_role("button", name="Compare", exact=True).click()
+    expect(listed.find('[data-second="log:CLT"] b')).to_have_text("87")
+    bar = listed.page.get_by_role("group", name="Comparison")
+    bar.get_by_role("button", name="End the comparison").click()
