@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import sys
 import zipfile
 from pathlib import Path
 
@@ -131,6 +132,14 @@ def test_a_missing_file_and_a_folder_are_named(tmp_path):
         with pytest.raises(UsageError) as caught:
             load(tmp_path / name)
         assert isinstance(caught.value, OSError)
+
+
+def test_the_page_without_files_says_so(monkeypatch):
+    """It has not the modules that read them."""
+    monkeypatch.setitem(sys.modules, "mikas.virtual.unit_files", None)
+    with pytest.raises(BadPortUrl, match="needs mikas on a computer") as caught:
+        mikas.connect("sim:?clock=simulated&unit=survey.zip")
+    assert "на компьютере" in caught.value.text.ru
 
 
 SURVEY = survey(PROFILE)

@@ -34,10 +34,7 @@ DESKTOP: Mapping[str, Mapping[str, str]] = MappingProxyType(
         "mikas/notebook/recording.py": {"mikas.notebook": _NOTEBOOK},
         "mikas/recording/exchanges/__init__.py": {"mikas.recording.exchanges.columns": _NUMPY},
         "mikas/replay/build.py": {"mikas.replay.routine": _NUMPY},
-        "mikas/virtual/build.py": {
-            "mikas.virtual.met_unit": _UNIT,
-            "mikas.virtual.unit_files": _UNIT,
-        },
+        "mikas/virtual/build.py": {"mikas.virtual.met_unit": _UNIT},
         "mikas/virtual/serve.py": {"pty": "serves a virtual unit", "tty": "serves a virtual unit"},
     }
 )

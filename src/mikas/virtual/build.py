@@ -56,9 +56,7 @@ def build_bus(
     """
     check_names(settings, SETTINGS)
     if "unit" in settings:
-        from mikas.virtual.unit_files import load  # most virtual units are made of no file
-
-        return met_bus(load(Path(settings["unit"])), settings, start=start, watcher=watcher)
+        return met_bus(_profile(Path(settings["unit"])), settings, start=start, watcher=watcher)
     return wired(_responder(_car(settings, start), settings), settings, watcher=watcher)
 
 
@@ -96,6 +94,18 @@ def met_bus(
     responder.quirks = quirks_of(profile)
     responder.car = MetCar(car, profile)
     return wired(responder, wanted, watcher=watcher)
+
+
+def _profile(path: Path) -> UnitProfile:
+    """Read the profile of a unit. Raises `UsageError`."""
+    try:
+        from mikas.virtual.unit_files import load  # most virtual units are made of no file
+    except ImportError as error:  # the page without installation, which has no files
+        raise usage_error(
+            "a unit from a file needs mikas on a computer; this page has no files",
+            "блок из файла возможен в программе на компьютере; у этой страницы нет файлов",
+        ) from error
+    return load(path)
 
 
 def _car(settings: Mapping[str, str], start: float) -> EngineCar:
