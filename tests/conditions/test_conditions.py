@@ -12,10 +12,11 @@ from hypothesis import strategies as st
 from mikas.catalog import shipped
 from mikas.catalog.formula_syntax import parse
 from mikas.client import Passport
+from mikas.client.parameters.readings import decode
 from mikas.conditions import ActionRule, ConditionWatch, read_actions
 from mikas.conditions.evaluation import PAUSE
 from mikas.errors import UnknownParameter
-from mikas.sampling.events import Gap, UnitFound
+from mikas.sampling.events import Gap, Sampled, UnitFound
 
 CATALOG = shipped()
 HOT = ActionRule("hot", parse("TWAT > 100", {}), when="TWAT > 100", sound=True)
@@ -108,6 +109,16 @@ def test_derived_channels_are_computed_from_what_was_read():
     (fired,) = watch.add(1.0, values)
     assert fired.values["FUEL_FLOW"] > 0
     assert watch.value(it) == 1.0
+
+
+def test_another_interpretation_of_the_session_changes_no_condition():
+    parameter = CATALOG.parameter("RCOK")
+    raw = b"\x80"
+    corrected = parameter.decode(raw)
+    assert parameter.decode(raw, "alternative") != corrected
+    watch = ConditionWatch([rule(f"abs(RCOK - ({corrected})) < 0.001")], CATALOG)
+    shown = decode(parameter, raw, 1.0, "alternative")
+    assert len(watch.follow(Sampled(1.0, {"RCOK": shown}, {}))) == 1
 
 
 def test_a_formula_without_a_value_does_not_act():

@@ -20,6 +20,7 @@ from typing import Final
 from mikas.catalog import Catalog
 from mikas.catalog.formulas import Calculation
 from mikas.catalog.model import in_order
+from mikas.client import Reading
 from mikas.conditions.definition import ActionRule
 from mikas.sampling.events import Event, Gap, Sampled, UnitFound
 
@@ -123,11 +124,8 @@ class ConditionWatch:
     def follow(self, event: Event) -> tuple[Fired, ...]:
         """Take an event of sampling; return the rules that act now."""
         if isinstance(event, Sampled):
-            values = {
-                name: float(reading.value)
-                for name, reading in event.fresh.items()
-                if name in self._wanted
-            }
+            fresh = event.fresh
+            values = {name: _corrected(fresh[name]) for name in self.requires if name in fresh}
             return self.add(event.time, values)
         if isinstance(event, Gap) or (isinstance(event, UnitFound) and event.another):
             self.interrupt()
@@ -197,6 +195,13 @@ class ConditionWatch:
     def _span(self, names: Iterable[str]) -> float:
         """Return the longest time between two samples over which a condition on `names` goes on."""
         return max((self._latest[it].span for it in names if it in self._latest), default=PAUSE)
+
+
+def _corrected(reading: Reading) -> float:
+    """Return the value of the corrected interpretation, which formulas are in."""
+    if reading.interpretation == "corrected":
+        return float(reading.value)
+    return float(reading.parameter.decode(reading.raw))
 
 
 def _number(calculation: Calculation, known: Mapping[str, float]) -> float:

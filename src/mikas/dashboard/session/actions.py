@@ -56,6 +56,7 @@ class SessionActions:
         self._loop: asyncio.AbstractEventLoop | None = None
         self._tasks: set[asyncio.Task[None]] = set()
         self._saving = threading.Lock()
+        self._following = threading.Lock()  # a trial looks at the values, too
         self._watch: ConditionWatch | None = None
         self._runner: ActionRunner | None = None
 
@@ -122,7 +123,9 @@ class SessionActions:
         watch, runner = self._watch, self._runner
         if watch is None or runner is None:
             return
-        for fired in watch.follow(event):
+        with self._following:
+            acting = watch.follow(event)
+        for fired in acting:
             self._perform(fired, runner)
 
     def perform(self, rule: ActionRule) -> None:
@@ -130,7 +133,8 @@ class SessionActions:
         runner = self._runner
         if runner is not None:
             now = self._connection.now()
-            values = self._watch.values(rule) if self._watch else {}
+            with self._following:
+                values = self._watch.values(rule) if self._watch else {}
             self._perform(Fired(rule, now, now, values), runner, trial=True)
 
     def _perform(self, fired: Fired, runner: ActionRunner, *, trial: bool = False) -> None:

@@ -9,6 +9,7 @@ from fastapi import APIRouter, Path
 from fastapi.responses import Response
 
 from mikas.cancellation import check_cancelled
+from mikas.catalog.lookup import is_corrected
 from mikas.cleaning import public_port
 from mikas.conditions import ConditionWatch
 from mikas.conditions.loading import actions_in
@@ -107,7 +108,12 @@ def _tried(dashboard: Dashboard, body: ActionModel) -> ActionTrial:
     watch = ConditionWatch(loaded.rules, dashboard.catalog)
     rows = dashboard.history.rows(_SECONDS, watch.requires)
     later, times = dashboard.connection.later, []
-    columns = [(name, rows.values[name]) for name in watch.requires if name in rows.values]
+    chosen = dashboard.library.interpretation
+    columns = [  # formulas are in the corrected interpretation
+        (name, rows.values[name])
+        for name in watch.requires
+        if name in rows.values and is_corrected(dashboard.catalog.channel(name), chosen)
+    ]
     for at, time in enumerate(rows.times):
         if at % 256 == 0:
             check_cancelled()
