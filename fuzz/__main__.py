@@ -30,7 +30,16 @@ from pathlib import Path
 from typing import Final
 
 # libFuzzer's
-TARGETS: Final = ("framing", "capture", "catalog", "foreign_logs", "guided", "notes", "units")
+TARGETS: Final = (
+    "actions",
+    "framing",
+    "capture",
+    "catalog",
+    "foreign_logs",
+    "guided",
+    "notes",
+    "units",
+)
 RECORDINGS: Final = "recordings"
 CLIENTS: Final = "clients"
 EXCHANGES: Final = "exchanges"
