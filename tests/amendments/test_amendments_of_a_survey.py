@@ -8,9 +8,12 @@ import shutil
 import subprocess
 import sys
 import zipfile
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from mikas.amendments import patch, propose
 from mikas.catalog import shipped
@@ -155,6 +158,51 @@ def test_figures_that_no_survey_measures_are_refused_with_the_file(survey, tmp_p
     damaged = remade(survey, tmp_path / "damaged.zip", **change)
     with pytest.raises(UsageError, match=r"damaged\.zip"):
         propose(damaged, shipped())
+
+
+def places(value, path=()):
+    """Yields the path of every value in JSON, of a long list of its first three."""
+    inside = value.items() if isinstance(value, dict) else ()
+    inside = enumerate(value[:3]) if isinstance(value, list) else inside
+    for key, each in inside:
+        yield (*path, key)
+        yield from places(each, (*path, key))
+
+
+VALUES = (
+    None, True, -1, 0, 1e308, 10**40, "", "zz", "0A", "FFFFFF", "é" * 5000, [], {}, [1], ["FF"],
+    ["FFFF"], {"a": 1},
+)  # fmt: skip
+
+
+@given(
+    st.lists(st.tuples(st.integers(0, 1 << 20), st.sampled_from(VALUES)), min_size=1, max_size=3)
+)
+@settings(max_examples=30)  # each makes a patch of four files
+def test_whatever_the_figures_are_they_are_judged_or_refused(survey, changes):
+    def damage(content):
+        for number, value in changes:
+            known = list(places(content["measured"]))
+            *path, last = known[number % len(known)]
+            inside = content["measured"]
+            for key in path:
+                inside = inside[key]
+            inside[last] = value
+        return content
+
+    damaged = remade(survey, survey.with_name("any.zip"), survey=damage)
+    with suppress(UsageError):
+        proposal = propose(damaged, shipped())
+        patch(proposal.amendments, proposal.unit)
+
+
+def test_a_voltmeter_without_a_byte_of_uacc_settles_nothing(survey, tmp_path):
+    def without(content):
+        content["measured"]["voltage"]["raw"] = ["FFFF"]
+        return content
+
+    proposal = propose(remade(survey, tmp_path / "other.zip", survey=without), shipped())
+    assert "uacc_scale" in {each.id for each in proposal.open}
 
 
 def test_what_is_no_survey_is_refused(tmp_path):

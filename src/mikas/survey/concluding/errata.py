@@ -90,10 +90,10 @@ def uacc_sign(measured: Measured) -> Conclusion:
 def uacc_scale(measured: Measured) -> Conclusion:
     """Conclude on E2's formula: b/10, or the siblings' 5.2 + b/20, by a voltmeter."""
     figures = measured.get("voltage")
-    if not figures or not figures["raw"]:
+    raw = _middle(figures["raw"]) if figures else None
+    if not figures or raw is None:
         return unmeasured(measured, CarState.STANDING)
-    raw, meter = _middle(figures["raw"]), figures["meter"]
-    assert raw is not None
+    meter = figures["meter"]
     readings = {"b/10": raw / 10, "5.2+b/20": 5.2 + raw / 20}
     value = {"raw": raw, "meter": meter, "formula": None}
     listed = ", ".join(f"{name}: {volts:.1f}" for name, volts in readings.items())
