@@ -20,10 +20,14 @@ def test_another_unit_is_named_in_both_languages_and_as_json(mikas):
     ]  # fmt: skip
 
 
-def test_without_the_option_nothing_is_woken_up(mikas):
+def test_without_the_option_nothing_is_woken_up_and_it_is_advised(mikas):
     ran = mikas("doctor", sim="&protocol=kwp2000")
     assert ran.status == 3
     assert "KWP2000" not in ran.out
+    assert "`mikas doctor --other-units`" in ran.out
+    assert "`mikas doctor --other-units`" in mikas("read", sim="&protocol=kwp2000").err
+    with_it = mikas("doctor", "--other-units", sim="&protocol=kwp2000")
+    assert "--other-units" not in with_it.out
 
 
 def test_with_a_mikas_nothing_is_looked_for(mikas):

@@ -15,6 +15,7 @@ from mikas.recording import CaptureReader, CaptureWriter
 from mikas.recording.capture.reader import Packet, Problem
 from mikas.recording.inspect import decode, to_json, to_text
 from mikas.recording.recording import Recording
+from mikas.virtual.build import build_bus
 from virtual_harness import make_bus
 
 SENT, RECEIVED = Direction.SENT, Direction.RECEIVED
@@ -41,7 +42,7 @@ def recorded(path, foreign=()):
                 if after == number:
                     writer.change_baud(baud)
                     writer.record(direction, data, time)
-                    writer.change_baud(9600)
+                    writer.change_baud(None)
     return path
 
 
@@ -103,12 +104,28 @@ def test_a_tee_tells_its_sink_when_the_rate_changes(tmp_path):
     assert sent == [b"\x01\xff\x0d"]
 
 
+def test_the_units_rate_is_the_links_own_and_need_not_be_9600(tmp_path):
+    """A capture says 9600 of every port."""
+    link = VirtualLink(build_bus({"baud": "19200"}))
+    with CaptureWriter(tmp_path / "a.pcapng", url=link.url) as writer:
+        tee = CaptureTee(link, writer)
+        for baud in (10_400, 19_200):
+            assert tee.set_baud(baud)
+            tee.write(b"\x01\xff\x0d")
+            while tee.read(tee.now() + 0.1).data:
+                pass
+    packets = list(CaptureReader(writer.path).with_other_protocols())
+    assert {it.source.baud for it in packets if it.source.foreign} == {10_400}
+    frames = list(decode(CaptureReader(writer.path)))
+    assert [it.frame.body for it in frames] == [b"\x01", b"\x01", b"\x0a"]
+
+
 def test_a_time_before_the_clocks_zero_has_its_own_port_too(tmp_path):
     with CaptureWriter(tmp_path / "a.pcapng", url="sim:") as writer:
         writer.change_baud(10_400)
         for time in (5.0, -3.25, 2.0):
             writer.record(RECEIVED, b"\x55", time)
-        writer.change_baud(9600)
+        writer.change_baud(None)
         writer.record(RECEIVED, b"\x01", -4.0)
     items = list(CaptureReader(writer.path).with_other_protocols())
     assert [(it.time, it.source.foreign) for it in items] == [

@@ -57,8 +57,10 @@ _HINTS = {
         "The option is `--timeout {wanted:g}`.", "Ключ: `--timeout {wanted:g}`."
     ),
     errors.EchoOnly: Text(
-        "For a slow unit, `--timeout 2` waits longer.",
-        "Если блок медленный, `--timeout 2` ждёт дольше.",
+        "For a slow unit, `--timeout 2` waits longer; `mikas doctor --other-units` looks for "
+        "another kind of unit.",
+        "Если блок медленный, `--timeout 2` ждёт дольше; `mikas doctor --other-units` ищет блок "
+        "другого рода.",
     ),
     errors.EchoDiffers: Text(
         "The option is `--echo`; `mikas doctor` checks the connection step by step.",

@@ -301,8 +301,8 @@ class Sink(Protocol):
 class BaudSink(Protocol):
     """A sink that keeps the bytes of another baud rate apart."""
 
-    def change_baud(self, baud: int) -> None:
-        """Take all bytes from here on as of this rate."""
+    def change_baud(self, baud: int | None) -> None:
+        """Take all bytes from here on as of this rate; None: of the one at the begin."""
 
 
 @dataclass(slots=True)
@@ -341,6 +341,7 @@ class CaptureTee(LinkWrapper):
         self._wire = wire or WireCount()
         self._sink = sink
         self._prepared = b""
+        self._usual_baud = link.baud
         self._wall = WallClock()
 
     @property
@@ -362,7 +363,7 @@ class CaptureTee(LinkWrapper):
     def set_baud(self, baud: int) -> bool:
         can = super().set_baud(baud)
         if can and self.failure is None and isinstance(self._sink, BaudSink):
-            self._sink.change_baud(self.baud)
+            self._sink.change_baud(None if self.baud == self._usual_baud else self.baud)
         return can
 
     def write_after(self, answer: AwaitedAnswer, data: bytes) -> bool:

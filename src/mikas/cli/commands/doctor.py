@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, closing
+from dataclasses import replace
 
 from mikas.cli.advice import DOCTOR_ADVICE
 from mikas.cli.click_extensions import command, flag
@@ -11,6 +12,7 @@ from mikas.cli.context import CommandContext
 from mikas.cli.failures import NO_CONNECTION
 from mikas.cli.language import localized, tr
 from mikas.client.doctor import Step, examine
+from mikas.errors import EchoOnly
 from mikas.i18n import Text
 from mikas.link import CaptureTee, Link, choose_port, open_link
 
@@ -52,7 +54,9 @@ def doctor(context: CommandContext, *, other_units: bool) -> int:
             examine(lambda: _open(context, stack), context.options.create_ecu, others=others)
         ) as found,
     ):
-        for step in found:
+        for each in found:
+            is_advised = other_units and isinstance(each.error, EchoOnly)  # to do what is done
+            step = replace(each, error=None) if is_advised else each
             steps.append(step)
             if not context.output.json:
                 context.output.line(_line(step))

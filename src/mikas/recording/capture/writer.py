@@ -122,15 +122,15 @@ class CaptureWriter:
         with self._lock:
             self._record(self._line, data, time, FLAGS[direction])
 
-    def change_baud(self, baud: int) -> None:
-        """Take the bytes on the K-Line as of another protocol, unless at the unit's baud rate.
+    def change_baud(self, baud: int | None) -> None:
+        """Take the bytes on the K-Line as of another protocol; None: of the unit again.
 
         They get a port of their own in the file, of link type 149. Implements `BaudSink`.
         """
         with self._lock:
             unit = self._ports[0]
             self._line = unit
-            if baud != unit.interface.speed:
+            if baud is not None:
                 kind = pcapng.LINKTYPE_USER2
                 self._line = _Described(replace(unit.interface, link_type=kind, speed=baud))
                 self._check_writable()
