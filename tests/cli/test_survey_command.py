@@ -73,6 +73,21 @@ def test_a_survey_that_is_not_saved_is_kept_and_goes_on(mikas):
     assert read_survey(Path("unit.zip")).measured["voltage"]["meter"] == 12.5
 
 
+def test_a_terminal_that_is_gone_stops_it_as_ctrl_c_does(mikas, monkeypatch):
+    class Gone:
+        def isatty(self) -> bool:
+            return True
+
+        def readline(self) -> str:
+            raise OSError(5, "Input/output error")
+
+    mikas.answers("n\n", "n\n", "12.5\n", "n\n")
+    assert survey(mikas, "--without-engine").status == 6
+    monkeypatch.setattr("sys.stdin", Gone())
+    assert survey(mikas, "--without-engine").status == 130
+    assert survey(mikas, "--yes").status == 0
+
+
 def test_without_a_terminal_and_without_yes_nothing_is_sent(mikas):
     ran = survey(mikas)
     assert ran.status == 6

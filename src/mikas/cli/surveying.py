@@ -88,11 +88,18 @@ class TerminalPrompter:
         return self._answer(f"{localized(question)} {choice} ").lower() in _YES
 
     def _answer(self, question: str) -> str:
-        self._status.clear()
-        write_error(question)
-        answer = sys.stdin.readline()
-        if not answer.endswith("\n"):
-            write_error("\n")  # Ctrl-D leaves the cursor after the question
+        """Ask, and return the answer; the end of input is an empty one.
+
+        A terminal that is gone stops the survey, as Ctrl-C does: it can go on at another one.
+        """
+        try:
+            self._status.clear()
+            write_error(question)
+            answer = sys.stdin.readline()
+            if not answer.endswith("\n"):
+                write_error("\n")  # Ctrl-D leaves the cursor after the question
+        except OSError as error:
+            raise KeyboardInterrupt from error
         return answer.strip()
 
     def _progress(self) -> str:

@@ -76,6 +76,13 @@ PAGES = (
         but=_OF_MIKAS,
     ),
     Module(
+        "mikas.survey",
+        Text(
+            "A survey of a real unit, and the file that it makes.",
+            "Обследование настоящего блока и файл с результатом.",
+        ),
+    ),
+    Module(
         "mikas.sampling.events",
         Text(
             "What a session reports: samples, gaps, states of the line, alarms, faults.",
