@@ -34,7 +34,7 @@ def record(
         )
         for each, label in definitions
     ]
-    recorder = Recorder(instruments=ports)
+    recorder = Recorder()
     url = f"sim:?clock=simulated&seed={seed}{port}"
     session = prepared(
         url,
@@ -43,9 +43,10 @@ def record(
         Length(count, None, None),
         method="batch",
         recorder=recorder,
-        record=path,
         wants_faults=lambda: False,
     )
+    recorder.instruments = ports
+    recorder.start(path, url=url)
     after = dict(heard)
     number = 0
 

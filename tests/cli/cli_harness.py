@@ -99,6 +99,7 @@ def is_one_short_paragraph(text: str) -> None:
 NAMES = re.compile(
     r"`[^`]*`|«[^»]*»|(?<![\w-])--?[\w-]+|\b[A-Z][A-Z0-9]{1,8}\b|0x[0-9A-Fa-f]+|\S*[/\\:.]\S+|\b\w+=\w*|"
     r"MIKAS_MQTT_\w+|MQTT|Home Assistant|homeassistant|Node-RED|"
+    r"\b(aem|14point7|innovate|nmea|gpsd)\b|"  # instruments beside the unit
     r"K-Line|VAG-COM|PulseView|Wireshark|tshark|Lua|ModemManager|brltty|"
     r"Wi-Fi|Telnet|ESPHome|esp-link|ser2net|"
     r"udev|Linux|Ctrl-C|mikas( [a-z]+){0,3}|pcapng|usermod.*USER"

@@ -39,3 +39,56 @@ def test_export_names_an_instrument_that_it_can_not_decode(mikas: Mikas, tmp_pat
     assert "gone" in done.err
     mikas.speaks("ru")
     assert "Прибор не экспортирован" in mikas("export", "a.pcapng", "-o", "b.csv").err
+
+
+def test_log_records_instruments_and_watch_shows_them(mikas: Mikas, tmp_path: Path) -> None:
+    beside = ("--instrument", "aem=sim:", "--instrument", "roof:nmea=sim:")
+    done = mikas(
+        "log", "-o", "a.pcapng", "FREQ", "--rate", "5", "--duration", "5", "--json", *beside,
+        sim="&scenario=city",
+    )  # fmt: skip
+    assert done.status == 0
+    assert "The instrument aem is connected at sim:" in done.err
+    last = done.objects[-1]["values"]
+    assert list(last) == [
+        "FREQ", "LAMBDA", "AFR", "GPS_SPEED_ROOF", "GPS_LAT_ROOF", "GPS_LON_ROOF", "GPS_ALT_ROOF",
+        "GPS_COURSE_ROOF",
+    ]  # fmt: skip
+    assert 0.7 < last["LAMBDA"] < 1.4
+    assert last["GPS_LAT_ROOF"] > 56
+    done = mikas("export", "a.pcapng", "-o", "a.csv")
+    assert done.status == 0
+    header = (tmp_path / "a.csv").read_text("utf-8").splitlines()[0]
+    assert "GPS_LAT_ROOF Latitude by GPS roof (°)" in header
+    done = mikas("watch", "FREQ", "--count", "40", "--rate", "5", *beside)
+    assert done.lines[0].split("\t")[1:4] == ["FREQ", "LAMBDA", "AFR"]
+    assert done.lines[-1].count("–") == 0
+    done = mikas("watch", "FREQ", "--count", "2", "--instrument", "aem=/no/such/port")
+    assert done.status == 0  # the unit is sampled all the same
+
+
+def test_a_wrong_instrument_is_refused_before_anything_is_recorded(
+    mikas: Mikas, tmp_path: Path
+) -> None:
+    for wrong, problem in (("aem", "NAME=URL"), ("ame=COM3", "Did you mean aem")):
+        done = mikas("log", "-o", "a.pcapng", "FREQ", "--instrument", wrong)
+        assert (done.status, (tmp_path / "a.pcapng").exists()) == (2, False)
+        assert problem in done.err
+
+
+def test_the_tab_key_offers_instruments_and_their_ports(mikas: Mikas) -> None:
+    import click
+    from click.shell_completion import CompletionItem
+
+    from mikas.cli.completion.values import instruments
+    from mikas.cli.options.sampling import INSTRUMENTS
+
+    assert callable(INSTRUMENTS)
+    context = click.Context(click.Command("watch"))
+
+    def offered(text: str) -> list[CompletionItem]:
+        return instruments(context, click.Argument(["x"]), text)
+
+    assert {it.value for it in offered("a")} >= {"aem="}
+    assert "gpsd=gpsd:localhost:2947" in {it.value for it in offered("gpsd=")}
+    assert "aem=sim:" in {it.value for it in offered("aem=s")}

@@ -34,7 +34,7 @@ def session(channels=CHANNELS):
     """As much of a session as a table looks at."""
     acquisition = SimpleNamespace(channels=channels, method="stream")
     model = CATALOG.model(0x0A).text
-    return SimpleNamespace(acquisition=acquisition, model=model, errors=3)
+    return SimpleNamespace(acquisition=acquisition, channels=channels, model=model, errors=3)
 
 
 def console(width: int, height: int, **settings):

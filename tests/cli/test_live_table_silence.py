@@ -41,7 +41,9 @@ class Drawn:
         self.screen = console()
         acquisition = SimpleNamespace(channels=self.channels, method="stream")
         model = CATALOG.model(0x0A).text
-        session = SimpleNamespace(acquisition=acquisition, model=model, errors=3)
+        session = SimpleNamespace(
+            acquisition=acquisition, channels=acquisition.channels, model=model, errors=3
+        )
         self.table = LiveTable(session, Output(), self.screen, lambda: self.now)
 
     def sample(self, *names: str) -> None:

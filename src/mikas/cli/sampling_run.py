@@ -8,7 +8,7 @@ without limit for a lost link or unit.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Iterator
+from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,14 +18,17 @@ from mikas.cli.advice import ADVICE
 from mikas.cli.context import CommandContext
 from mikas.cli.language import localized, tr
 from mikas.errors import MikasError
+from mikas.instruments.choosing import chosen_instruments
 from mikas.live.progress import Length
 from mikas.live.starting import prepared
 from mikas.recording.recorder import Recorder
 from mikas.sampling.events import ClockChanged, FaultReading, Gap, Sampled, StateChanged, UnitFound
+from mikas.sampling.instrument_changes import InstrumentChanged
 
 if TYPE_CHECKING:
     from concurrent.futures import Future
 
+    from mikas.catalog import Derived, InstrumentChannel, Parameter
     from mikas.cli.options.sampling import SamplingOptions
     from mikas.cli.port_ahead import PortAhead
     from mikas.errors import RecordingOver
@@ -58,6 +61,11 @@ class SamplingRun:
     def acquisition(self) -> Acquisition:
         """The loop that samples."""
         return self.live.acquisition
+
+    @property
+    def channels(self) -> tuple[Parameter | Derived | InstrumentChannel, ...]:
+        """The channels of the unit, then those of the instruments."""
+        return self.live.channels
 
     @property
     def recorder(self) -> Recorder:
@@ -113,7 +121,7 @@ class SamplingRun:
             while (event := self.live.following()) is not None:
                 self._follow(event)
                 yield event
-                if isinstance(event, FaultReading | Gap | ClockChanged):
+                if isinstance(event, FaultReading | Gap | ClockChanged | InstrumentChanged):
                     continue
                 if self._last_reading is not None and self._last_reading.done():
                     raise KeyboardInterrupt
@@ -162,11 +170,13 @@ def sampling_session(
     patient: bool = False,
     in_streams: float | None = None,
     car: Callable[[UnitFound], Note | None] | None = None,
+    instruments: Sequence[str] = (),
 ) -> Iterator[SamplingRun]:
     """Open a run on the port `ahead`; everything on the wire is recorded to `out`, if given.
 
     `patient`: the first connection is waited for, too. `in_streams`: as of `FaultWatch`; each
-    reading interrupts a stream. `car`: gives the recording's note on a unit's car.
+    reading interrupts a stream. `car`: gives the recording's note on a unit's car. `instruments`:
+    beside the unit, as NAME=URL.
     """
     live = prepared(
         ahead.url,
@@ -182,6 +192,7 @@ def sampling_session(
         in_streams=in_streams,
         patient=patient,
         open_port=ahead.open,
+        instruments=chosen_instruments(instruments, context.options.catalog),
     )
     if context.relearn:
         live.acquisition.relearn()

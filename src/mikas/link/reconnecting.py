@@ -102,6 +102,11 @@ class ReconnectingPort:
             self.adapter.opened(port)
         return link
 
+    @property
+    def link(self) -> Link | None:
+        """The latest link, open or lost; None before the first."""
+        return self._link
+
     def now(self) -> float:
         """Return the seconds of a clock that runs without a link and never runs back."""
         now = self._clock() + self._ahead

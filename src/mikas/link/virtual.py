@@ -8,6 +8,7 @@ bus forward to the present, and the waits are real.
 from __future__ import annotations
 
 import threading
+from contextlib import AbstractContextManager, nullcontext
 from math import inf
 from threading import Thread
 from typing import Final
@@ -52,6 +53,10 @@ class BusLink(Link):
         self.bus.set_baud(baud)
         self.baud = baud
         return True
+
+    def held(self) -> AbstractContextManager[object]:
+        """Return what keeps other threads from the bus while the car in it is read."""
+        return nullcontext()
 
     def unplug(self) -> None:
         """Pull out the adapter, for tests."""
@@ -155,6 +160,9 @@ class RealTimeVirtualLink(BusLink):
     def __init__(self, bus: Bus, *, url: str = "sim:") -> None:
         super().__init__(bus, url)
         self._follower = follower_of(bus)
+
+    def held(self) -> AbstractContextManager[object]:
+        return self._follower.lock
 
     def now(self) -> float:
         return self._follower.clock.now()

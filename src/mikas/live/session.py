@@ -16,6 +16,7 @@ import threading
 from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import CancelledError, Future
 from contextlib import closing, suppress
+from dataclasses import replace
 from math import inf
 from typing import TYPE_CHECKING, Any, Self, TypeVar
 
@@ -29,13 +30,16 @@ from mikas.options import check_number
 from mikas.recording.recorder import Recorder, RecordingStatus
 from mikas.sampling.acquisition import Acquisition
 from mikas.sampling.events import ClockChanged, CycleFailed, Event, FaultReading, Gap, Sampled
+from mikas.sampling.instrument_changes import InstrumentChanged
 from mikas.sampling.session import SamplingSession
 
 if TYPE_CHECKING:
     import pandas as pd
 
+    from mikas.catalog import Derived, InstrumentChannel, Parameter
     from mikas.client import Ecu
     from mikas.client.identity import UnitIdentity
+    from mikas.instruments.session_instruments import SessionInstruments
 
 E = TypeVar("E", bound=Event)
 T = TypeVar("T")
@@ -60,7 +64,10 @@ class Session(Iterator[Sampled]):
         *,
         on_record_failure: Callable[[CaptureError], object] | None = None,
         keeps_unanswered: bool = False,
+        instruments: SessionInstruments | None = None,
     ) -> None:
+        self.instruments = instruments
+        """The instruments beside the unit; None: there are none."""
         self.acquisition = acquisition
         """The loop that connects, plans and samples."""
         self.recorder = recorder
@@ -96,6 +103,12 @@ class Session(Iterator[Sampled]):
     def method(self) -> str | None:
         """The present method of sampling; None before it is chosen."""
         return self.acquisition.method
+
+    @property
+    def channels(self) -> tuple[Parameter | Derived | InstrumentChannel, ...]:
+        """The channels of the unit, then those of the instruments."""
+        beside = () if self.instruments is None else self.instruments.channels
+        return (*self.acquisition.channels, *beside)
 
     @property
     def line_errors(self) -> int:
@@ -189,7 +202,7 @@ class Session(Iterator[Sampled]):
             remove()
         later = self.sampling.later  # of all times: also of those before the date was set
         index = found.to_datetime([time + later for time in times], unit="s", utc=True)
-        names = [channel.name for channel in self.acquisition.channels]
+        names = [channel.name for channel in self.channels]
         frame: pd.DataFrame = found.DataFrame(rows, index=index, columns=names)
         return frame.rename_axis("time")
 
@@ -260,6 +273,8 @@ class Session(Iterator[Sampled]):
         """Leave the line quiet and close the port; the recording has that, too."""
         if self._source is not None:
             self._source.close()
+        if self.instruments is not None:
+            self.instruments.close()
         self.acquisition.refuse_jobs()
 
     def end_recording(self) -> RecordingStatus | None:
@@ -312,8 +327,8 @@ class Session(Iterator[Sampled]):
             return
         with closing(self.sampling.run(self.acquisition)) as events:
             try:
-                for event in events:
-                    if isinstance(event, FaultReading | Gap | ClockChanged):
+                for event in self._with_instruments(events):
+                    if isinstance(event, FaultReading | Gap | ClockChanged | InstrumentChanged):
                         yield event
                         continue
                     if isinstance(event, CycleFailed) and progress.is_searching(event):
@@ -331,6 +346,16 @@ class Session(Iterator[Sampled]):
                 if not progress.samples:
                     raise
                 self.recording_over = error
+
+    def _with_instruments(self, events: Iterator[Event]) -> Iterator[Event]:
+        """Yield the events, the samples with the values of the instruments; and their changes."""
+        beside = self.instruments
+        for event in events:
+            if beside is not None:
+                yield from map(InstrumentChanged.of, beside.follow())
+                if isinstance(event, Sampled):
+                    event = replace(event, instruments=beside.fresh(event.time))  # noqa: PLW2901
+            yield event
 
     def _last_faults(self, events: Iterator[Event]) -> Iterator[Event]:
         """Read the faults before the run ends, for a second of events at most."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from os import PathLike
 from pathlib import Path
 from typing import Final, Unpack
@@ -11,10 +11,13 @@ from mikas.catalog import load
 from mikas.client.connecting import ConnectionKeywords, ConnectionOptions, StrPath, named_port
 from mikas.client.parameters.polling import Method
 from mikas.errors import CaptureError
+from mikas.instruments.choosing import ChosenInstrument, chosen_instruments
+from mikas.instruments.session_instruments import SessionInstruments
 from mikas.link import Link, choose_port, open_link
 from mikas.link.reconnecting import ReconnectingPort
 from mikas.live.progress import Length
 from mikas.live.session import Session, listed
+from mikas.recording.capture.instruments import CONNECTED, instrument_port, loss
 from mikas.recording.recorder import Recorder
 from mikas.sampling.acquisition import Acquisition
 from mikas.sampling.fault_watch import IN_STREAMS
@@ -38,14 +41,27 @@ def prepared(
     in_streams: float | None = IN_STREAMS,
     patient: bool = False,
     open_port: Callable[[str], Link] = open_link,
+    instruments: Sequence[ChosenInstrument] = (),
+    open_instrument: Callable[..., Link] = open_link,
 ) -> Session:
     """Prepare a session with these parts. `in_streams`: as of `FaultWatch`.
 
     `keeps_unanswered`: a recording in which no unit has answered stays. The other
-    arguments and the errors: as of `session`.
+    arguments and the errors: as of `session`. `open_instrument`: opens the instruments' ports.
     """
+    reconnecting = ReconnectingPort(
+        port, open_port=open_port, sink=recorder, timeout=connection.timeout
+    )
+    recorder.instruments = tuple(
+        instrument_port(each.definition, each.url, each.label) for each in instruments
+    )
+    beside = None
+    if instruments:
+        beside = SessionInstruments(
+            instruments, reconnecting, recorder, (CONNECTED, loss), open_port=open_instrument
+        )
     acquisition = Acquisition(
-        ReconnectingPort(port, open_port=open_port, sink=recorder, timeout=connection.timeout),
+        reconnecting,
         connection.create_ecu,
         connection.catalog,
         channels,
@@ -62,6 +78,7 @@ def prepared(
         length,
         on_record_failure=on_record_failure,
         keeps_unanswered=keeps_unanswered,
+        instruments=beside,
     )
     if record is not None:
         recorder.start(record, url=port)
@@ -87,6 +104,7 @@ def session(
     patient: bool = False,
     catalogs: StrPath | Iterable[StrPath] = (),
     open_port: Callable[[str], Link] = open_link,
+    instruments: str | Iterable[str] = (),
     **options: Unpack[ConnectionKeywords],
 ) -> Session:
     """Prepare a session; its port is opened when it is iterated.
@@ -98,7 +116,10 @@ def session(
     error and sampling goes on, else it is raised. `faults`: read the stored faults from time to
     time. `patient`: wait for the first port and unit as well. `catalogs`: the user's own files.
     `open_port`: opens the port, for tests and links of your own; it gets `url`, and is called again
-    after a loss. The other `options` are those of `ConnectionOptions`.
+    after a loss. `instruments`: λ meters and GPS receivers beside the unit, as
+    `aem=/dev/ttyUSB1`, `gpsd=gpsd:localhost:2947` or, at a virtual unit, `nmea=sim:`; a sample has
+    their values, a recording their bytes, and their errors never stop it. The other `options` are
+    those of `ConnectionOptions`.
 
     Raises `UsageError` for an invalid option, `UnknownParameter`, `CaptureError` for the file.
     """
@@ -121,4 +142,5 @@ def session(
         wants_faults=lambda: faults,
         patient=patient,
         open_port=open_port,
+        instruments=chosen_instruments(listed(instruments), connection.catalog),
     )

@@ -93,7 +93,8 @@ class Recorder:
         car: Callable[[UnitFound], Note | None] | None = None,
         instruments: Sequence[pcapng.Interface] = (),
     ) -> None:
-        self._instruments = tuple(instruments)
+        self.instruments: Sequence[pcapng.Interface] = tuple(instruments)
+        """The ports of instruments; to be set before the first file."""
         self.on_file = on_file
         self.conclude: Callable[[], object] = lambda: None
         """To be set before the first event."""
@@ -247,7 +248,7 @@ class Recorder:
         return self._open if self._open is not None and self._open.failure is None else None
 
     def _create(self, path: Path, named: Path, url: str, *, pipe: bool = False) -> _Open:
-        writer = CaptureWriter(path, url=url, pipe=pipe, instruments=self._instruments)
+        writer = CaptureWriter(path, url=url, pipe=pipe, instruments=self.instruments)
         sink = Coalescer(writer) if self._joined else writer
         return _Open(named, url, writer, sink, self._time, self.later)
 

@@ -23,6 +23,7 @@ from mikas.client.parameters.derived import DerivedValue
 from mikas.commands.unit import version_text
 from mikas.errors import MikasError, PortKind
 from mikas.i18n import Text, joined
+from mikas.instruments.reading import InstrumentReading
 from mikas.sampling.plan import Plan
 from mikas.sampling.states import STATE_TEXTS as STATE_TEXTS  # noqa: PLC0414  (its public place)
 from mikas.sampling.states import LineState as LineState  # noqa: PLC0414  (so too)
@@ -72,7 +73,7 @@ class Sampled(Event):
     """One cycle. `fresh` was read in it; `stale`: the last values of the other parameters.
 
     `time`: the beginning of its first response. `derived`: from fresh values alone; a channel with
-    a stale input has no value here.
+    a stale input has no value here. `instruments`: beside the unit, in a session that has some.
     """
 
     kind = "sample"
@@ -80,12 +81,16 @@ class Sampled(Event):
     """The readings of this cycle, by name."""
     stale: Mapping[str, Reading]
     derived: Mapping[str, DerivedValue] = field(default_factory=dict)
+    instruments: Mapping[str, InstrumentReading] = field(
+        default_factory=dict, metadata=_NOT_IN_JSON
+    )
+    """The values of instruments that are not too old, by channel."""
 
     @property
     def values(self) -> dict[str, float | bool]:
-        """The fresh values and the derived ones, by name."""
-        found = {name: reading.value for name, reading in self.fresh.items()}
-        return found | {name: derived.value for name, derived in self.derived.items()}
+        """The fresh values, the derived ones and the instruments', by name."""
+        both = (self.fresh, self.derived, self.instruments)
+        return {name: it.value for group in both for name, it in group.items()}
 
 
 @dataclass(frozen=True, slots=True)

@@ -84,6 +84,11 @@ class EngineCar:
         self.engine.advance(now - self._start)
         return self.engine.state.rpm
 
+    def state(self, now: float) -> EngineState:
+        """Return the car at `now`, for an instrument in it; what the unit sends is as without."""
+        self.engine.advance(now - self._start)
+        return self.engine.state
+
     def powered(self, now: float) -> bool:
         """Return whether the ignition is on."""
         return self.engine.scenario.timeline.key_on(now - self._start)

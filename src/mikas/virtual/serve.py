@@ -15,6 +15,7 @@ import asyncio
 import os
 import selectors
 import socket
+import sys
 from collections.abc import Callable, Coroutine
 from contextlib import suppress
 from math import ceil, inf, nextafter
@@ -23,6 +24,7 @@ from typing import Any, TypeVar
 from mikas.errors import PortFailed, reason_of
 from mikas.i18n import Text
 from mikas.virtual.bus import Bus
+from mikas.virtual.instruments import VirtualInstrument
 
 T = TypeVar("T")
 _READ = 4096
@@ -35,6 +37,7 @@ _OTHER_ADDRESS = Text(
     "Choose another port number, or an address of this computer.",
     "Выберите другой номер порта или адрес этого компьютера.",
 )
+_MOST_UNREAD = 512  # bytes of an instrument
 _SOCKET_BUFFER = 1 << 14  # bytes of the system's buffers for a tester, in each direction
 
 
@@ -163,6 +166,47 @@ class PtyPort(ServedBus):
         """Remove the port: a tester sees an unplugged adapter."""
         self.stop()
         self._loop.remove_reader(self._master)
+        os.close(self._slave)
+        os.close(self._master)
+
+
+class InstrumentPty:
+    """A virtual instrument on a pseudo-terminal of its own, in real time. POSIX only.
+
+    What nobody reads is dropped, as a serial port without a program drops it.
+    """
+
+    def __init__(self, instrument: VirtualInstrument, clock: Callable[[], float]) -> None:
+        import pty
+        import tty
+
+        self._instrument, self._clock = instrument, clock
+        self._loop = asyncio.get_running_loop()
+        self._master, self._slave = pty.openpty()
+        tty.setraw(self._slave)
+        os.set_blocking(self._master, False)
+        self.url: str = os.ttyname(self._slave)
+        self.name: str = instrument.name
+        self._timer = self._loop.call_soon(self._send)
+
+    def _send(self) -> None:
+        import fcntl
+        import termios
+
+        for _, message in self._instrument.sent(self._clock()):
+            waiting = int.from_bytes(
+                fcntl.ioctl(self._slave, termios.FIONREAD, bytes(4)), sys.byteorder
+            )
+            if waiting > _MOST_UNREAD:
+                termios.tcflush(self._slave, termios.TCIFLUSH)
+            with suppress(BlockingIOError):
+                os.write(self._master, message)
+        delay = max(0.0, self._instrument.next_time - self._clock())
+        self._timer = self._loop.call_later(delay, self._send)
+
+    def close(self) -> None:
+        """Remove the port: a reader sees an unplugged adapter."""
+        self._timer.cancel()
         os.close(self._slave)
         os.close(self._master)
 

@@ -143,6 +143,13 @@ PAGES = (
         but=("Parameter", "Fault"),
     ),
     Module(
+        "mikas.instruments",
+        Text(
+            "Instruments beside the unit: definitions, and decoders from bytes to values.",
+            "Приборы рядом с блоком: описания и декодеры, от байтов к значениям.",
+        ),
+    ),
+    Module(
         "mikas.commands",
         Text(
             "The commands of §3: the bytes of each request, and what a response means.",

@@ -17,7 +17,7 @@ from mikas.cli.language import capital, decimal, localized, tr
 from mikas.cli.options.actions import ActionOptions, action_options
 from mikas.cli.options.car import CarOptions, car_options
 from mikas.cli.options.parameter_types import Portion, portion
-from mikas.cli.options.sampling import SamplingOptions, sampling_options
+from mikas.cli.options.sampling import INSTRUMENTS, SamplingOptions, sampling_options
 from mikas.cli.render.output import StatusLine
 from mikas.errors import usage_error
 from mikas.i18n import plural
@@ -50,6 +50,7 @@ if TYPE_CHECKING:
         "mikas log -o drive.pcapng",
         "mikas log -o idle.pcapng FREQ JAIR INJ TWAT/10 --duration 60",
         "mikas log -o long.pcapng --rotate 1h",
+        "mikas log -o drive.pcapng --instrument aem=/dev/ttyUSB1 --instrument nmea=/dev/ttyUSB2",
     ),
 )
 @output_option(
@@ -65,6 +66,7 @@ if TYPE_CHECKING:
     en="continue in FILE-2, FILE-3 … after this size or time: 100MB, 30min, 2h",
     ru="продолжать в FILE-2, FILE-3 … после такого объёма или времени: 100MB, 30min, 2h",
 )
+@INSTRUMENTS
 @action_options
 @car_options
 @sampling_options
@@ -76,6 +78,7 @@ def log(
     *,
     out: Path,
     rotate: Portion | None,
+    instruments: tuple[str, ...],
 ) -> int:
     if context.capture is not None:
         raise usage_error(
@@ -91,7 +94,9 @@ def log(
         from mikas.cli.sampling_run import sampling_session
 
         _check_name(out)
-        with sampling_session(context, options, ahead, out, car=car.note_maker()) as current:
+        with sampling_session(
+            context, options, ahead, out, car=car.note_maker(), instruments=instruments
+        ) as current:
             return _record(context, current, rotate, loaded)
 
 

@@ -28,8 +28,10 @@ from mikas.link.clocks import AwakeClock
 from mikas.virtual import serve
 from mikas.virtual.build import CAR_SETTINGS, MODELS, SETTINGS, build_bus
 from mikas.virtual.bus import Bus
+from mikas.virtual.cars import EngineCar
 from mikas.virtual.ecu import EcuEvent
 from mikas.virtual.fault_injector import LineFault
+from mikas.virtual.instruments import BAUDS, VirtualInstrument
 
 if TYPE_CHECKING:
     from mikas.replay import ReplayCar
@@ -51,6 +53,7 @@ _LINE_FAULTS = ", ".join(it.value for it in LineFault if it is not LineFault.DAM
         "mikas sim --tcp 127.0.0.1:2000 --set unknown=01 --line-fault damaged=0.01",
         "mikas sim --replay drive.pcapng --set seek=600",
         "mikas sim --unit survey.zip --scenario city",
+        "mikas sim --scenario city --instrument aem --instrument nmea",
     ),
 )
 @option(
@@ -145,6 +148,14 @@ _LINE_FAULTS = ", ".join(it.value for it in LineFault if it is not LineFault.DAM
     en="any other setting, as unknown=01, max_list=8, missing=stream+list, supplied=0",
     ru="любая другая настройка: unknown=01, max_list=8, missing=stream+list, supplied=0",
 )
+@option(
+    "--instrument",
+    "instruments",
+    multiple=True,
+    words=tuple(BAUDS),
+    en="also a λ meter or GPS in this car, on a pty of its own",
+    ru="ещё лямбда-прибор или GPS в этой машине, на своём pty",
+)
 def sim(
     context: CommandContext,
     replay: Path | None,
@@ -152,6 +163,7 @@ def sim(
     answer: str | None,
     line_faults: Sequence[str],
     settings: Sequence[str],
+    instruments: Sequence[str],
     *,
     no_echo: bool,
     **named: str | None,
@@ -168,7 +180,7 @@ def sim(
         bus = build_bus(wanted, start=clock.now(), watcher=_watcher(context))
     else:
         bus = _recorded(context, replay, wanted)
-    serve.run(_serve(context, bus, clock, _host_and_port(tcp) if tcp else None))
+    serve.run(_serve(context, bus, clock, _host_and_port(tcp) if tcp else None, instruments))
 
 
 def _say_answer(context: CommandContext, car: str) -> None:
@@ -237,8 +249,13 @@ def _reporting_the_end(
 
 
 async def _serve(
-    context: CommandContext, bus: Bus, clock: AwakeClock, tcp: tuple[str, int] | None
+    context: CommandContext,
+    bus: Bus,
+    clock: AwakeClock,
+    tcp: tuple[str, int] | None,
+    instruments: Sequence[str],
 ) -> None:
+    beside = _instruments(bus, clock, instruments)
     if tcp is None:
         if os.name != "posix":
             raise usage_error(
@@ -250,10 +267,35 @@ async def _serve(
         port = await serve.TcpPort.open(bus, clock.now, *tcp)
     try:
         context.output.result({"url": port.url}, port.url)
+        for each in beside:
+            shown = f"{each.name}={each.url}"
+            context.output.result({"instrument": each.name, "url": each.url}, shown)
         context.say("Ctrl-C ends it.", "Выход: Ctrl-C.")
         await asyncio.Event().wait()
     finally:
+        for each in beside:
+            each.close()
         port.close()
+
+
+def _instruments(bus: Bus, clock: AwakeClock, names: Sequence[str]) -> list[serve.InstrumentPty]:
+    """Return the instruments in the car, each on a pty."""
+    car = bus.ecu.responder.car
+    if names and not isinstance(car, EngineCar):
+        raise usage_error(
+            "--instrument can't be used with --replay: a recording has its own instruments",
+            "--instrument нельзя указать вместе с --replay: у записи свои приборы",
+        )
+    if names and os.name != "posix":
+        raise usage_error(
+            "This system has no pseudo-terminals, which --instrument needs",
+            "В этой системе нет псевдотерминалов, а они нужны для --instrument",
+        )
+    return [
+        serve.InstrumentPty(VirtualInstrument(name, car, clock.now()), clock.now)
+        for name in names
+        if isinstance(car, EngineCar)
+    ]
 
 
 def _watcher(context: CommandContext) -> Callable[[EcuEvent], None] | None:

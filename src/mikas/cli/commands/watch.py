@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from mikas.cli.click_extensions import command, flag
 from mikas.cli.context import CommandContext
 from mikas.cli.options.actions import ActionOptions, action_options
-from mikas.cli.options.sampling import SamplingOptions, sampling_options
+from mikas.cli.options.sampling import INSTRUMENTS, SamplingOptions, sampling_options
 
 if TYPE_CHECKING:
     from mikas.cli.port_ahead import PortAhead
@@ -34,6 +34,7 @@ if TYPE_CHECKING:
         "mikas watch FREQ --rate 2 --json",
         "mikas watch FREQ JAIR TWAT/10 --price",
         "mikas watch FREQ TWAT --actions hot.toml",
+        "mikas watch FREQ INJ --instrument aem=/dev/ttyUSB1",
     ),
 )
 @flag(
@@ -41,10 +42,16 @@ if TYPE_CHECKING:
     en="only show the time these names take with each method (needs no port)",
     ru="только показать, сколько времени займут эти имена при каждом способе (порт не нужен)",
 )
+@INSTRUMENTS
 @action_options
 @sampling_options
 def watch(
-    context: CommandContext, options: SamplingOptions, actions: ActionOptions, *, price: bool
+    context: CommandContext,
+    options: SamplingOptions,
+    actions: ActionOptions,
+    *,
+    instruments: tuple[str, ...],
+    price: bool,
 ) -> None:
     if price:
         from mikas.cli.render.line_load import show_line_load
@@ -57,7 +64,7 @@ def watch(
 
         loaded, options = load(context, actions.actions, options)
     with context.open_ahead() as ahead:  # imports take as long as the handshake listens
-        _watch(context, options, loaded, ahead)
+        _watch(context, options, loaded, ahead, instruments)
 
 
 def _watch(
@@ -65,6 +72,7 @@ def _watch(
     options: SamplingOptions,
     actions: LoadedActions | None,
     ahead: PortAhead,
+    instruments: tuple[str, ...],
 ) -> None:
     from mikas.cli.acting import acting
     from mikas.cli.render.live_table import LiveTable
@@ -77,7 +85,9 @@ def _watch(
     drawable = sys.stdout.isatty() and os.environ.get("TERM") not in ("dumb", "unknown")
     with ExitStack() as stack:
         run = stack.enter_context(
-            sampling_session(context, options, ahead, context.capture, joined=False)
+            sampling_session(
+                context, options, ahead, context.capture, joined=False, instruments=instruments
+            )
         )
         note: Callable[[str], None] = output.print_note
         show: Callable[[Event], None] = partial(

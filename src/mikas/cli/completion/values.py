@@ -132,6 +132,21 @@ def ports(_: click.Context, __: click.Parameter, incomplete: str) -> Offers:
     return offers + _begun([_AFTER_SCHEME.get(it, f"{it}:") for it in schemes], incomplete)
 
 
+def instruments(ctx: click.Context, param: click.Parameter, incomplete: str) -> Offers:
+    """Offer the instruments beside the unit, and behind `=` their ports."""
+    from mikas.instruments import definition_named, definition_names
+
+    name, equals, port = incomplete.partition("=")
+    if not equals:
+        known = {f"{it}=": definition_named(it).text.en for it in definition_names()}
+        return [*_begun(known, incomplete), _files(["toml"])]
+    offers = _begun(["gpsd:localhost:2947"] if name.endswith("gpsd") else [], port, f"{name}=")
+    for each in ports(ctx, param, port):
+        if each.type not in ("file", "dir"):  # a recording has no instrument that could be read
+            offers.append(CompletionItem(f"{name}={each.value}", type=each.type, help=each.help))
+    return offers
+
+
 def _virtual_unit(options: str) -> Offers:
     """Offer the options of `sim:`, each behind ? or &, and their values."""
     from mikas.virtual.build import SETTINGS

@@ -9,8 +9,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from mikas.cli.click_extensions import argument, grouped, option_field, optional_field
-from mikas.cli.completion.values import channel_names, methods
+from mikas.cli.click_extensions import argument, grouped, option, option_field, optional_field
+from mikas.cli.completion.values import channel_names, instruments, methods
 from mikas.cli.options.common import RELEARN
 from mikas.cli.options.parameter_types import OneOf, positive, whole
 
@@ -70,3 +70,16 @@ sampling_options: Final = grouped(
     RELEARN,
 )
 """The options that `watch` and `log` share."""
+
+INSTRUMENTS: Final = option(
+    "--instrument",
+    "instruments",
+    multiple=True,
+    metavar="NAME=URL",
+    shell_complete=instruments,
+    en="a λ meter or GPS beside the unit: aem, 14point7, innovate, nmea, gpsd or a file.toml, at "
+    "its port: aem=/dev/ttyUSB1, gpsd=gpsd:localhost:2947",
+    ru="лямбда-прибор или GPS рядом с блоком: aem, 14point7, innovate, nmea, gpsd или файл.toml, "
+    "на своём порту: aem=/dev/ttyUSB1, gpsd=gpsd:localhost:2947",
+)
+"""Instruments beside the unit."""

@@ -28,11 +28,14 @@ from mikas.sampling.gaps import Arrivals, Silence
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
 
-    from mikas.catalog import Derived, Parameter
+    from mikas.catalog import Derived, InstrumentChannel, Parameter
     from mikas.cli.sampling_run import SamplingRun
     from mikas.client import Reading
     from mikas.client.parameters.derived import DerivedValue
+    from mikas.instruments.reading import InstrumentReading
     from mikas.sampling.events import Event
+
+    AnyChannel = Parameter | Derived | InstrumentChannel
 
 _PER_SECOND = 5  # refreshes
 _SPARK = "▁▂▃▄▅▆▇█"
@@ -58,11 +61,11 @@ class LiveTable:
     def __post_init__(self) -> None:
         from rich.live import Live
 
-        names = [channel.name for channel in self.session.acquisition.channels]
+        names = [channel.name for channel in self.session.channels]
         self._history: dict[str, deque[float]] = {name: deque(maxlen=_MEMORY) for name in names}
-        self._latest: dict[str, Reading | DerivedValue] = {}
-        self._lowest: dict[str, Reading | DerivedValue] = {}
-        self._highest: dict[str, Reading | DerivedValue] = {}
+        self._latest: dict[str, Reading | DerivedValue | InstrumentReading] = {}
+        self._lowest: dict[str, Reading | DerivedValue | InstrumentReading] = {}
+        self._highest: dict[str, Reading | DerivedValue | InstrumentReading] = {}
         self._times: deque[float] = deque(maxlen=100)
         self._arrivals = Arrivals()
         self._cycle: Sampled | CycleFailed | None = None
@@ -120,7 +123,7 @@ class LiveTable:
         """
         with self._changing:
             silence = Silence() if ended else self._arrivals.silence(self.clock())
-            rows = [self._row(channel, silence) for channel in self.session.acquisition.channels]
+            rows = [self._row(channel, silence) for channel in self.session.channels]
             state = self._state(silence)
             is_well = isinstance(self._cycle, Sampled) and not self._broken and not silence.seconds
             alarms = self._in_alarm()
@@ -131,7 +134,7 @@ class LiveTable:
         )
         return table_layout.draw(head, rows, width, lines or height)
 
-    def _row(self, channel: Parameter | Derived, silence: Silence) -> table_layout.Row:
+    def _row(self, channel: AnyChannel, silence: Silence) -> table_layout.Row:
         name = channel.name
         lowest = self._lowest.get(name)
         ranged = lowest if not channel.is_flag else None
@@ -148,7 +151,7 @@ class LiveTable:
             curve=sparkline(self._history[name]),
         )
 
-    def _value(self, channel: Parameter | Derived, silence: Silence) -> tuple[str, str]:
+    def _value(self, channel: AnyChannel, silence: Silence) -> tuple[str, str]:
         """Return the text of the value and its style."""
         latest = self._latest.get(channel.name)
         is_lost = self._broken is not None or silence.gone
@@ -156,7 +159,7 @@ class LiveTable:
             return "–", ""
         alarm = self._alarms.get(channel.name)
         style = _STYLES[alarm.level] if alarm else ""
-        fresh = channel.name in self._cycle.fresh or channel.name in self._cycle.derived
+        fresh = channel.name in fresh_values(self._cycle)
         if fresh and not silence.seconds:
             return value_text(latest), style
         age = silence.seconds + (0.0 if fresh else max(0.0, self._cycle.time - latest.time))

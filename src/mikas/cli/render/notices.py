@@ -12,6 +12,7 @@ from mikas import errors
 from mikas.cli.advice import ADVICE
 from mikas.cli.language import capital, decimal, localized, tr
 from mikas.sampling import events
+from mikas.sampling.instrument_changes import InstrumentChanged
 
 if TYPE_CHECKING:
     from mikas.cli.sampling_run import SamplingRun
@@ -70,7 +71,7 @@ class Notices:
                 yield from self._failed(event)
             case events.StateChanged():
                 yield from self._state(event)
-            case events.AdapterMoved() | events.ClockChanged():
+            case events.AdapterMoved() | events.ClockChanged() | InstrumentChanged():
                 yield f"{capital(localized(event.text))}."
             case events.UnitFound(another=True):
                 self._shown_state = None  # the earlier unit is not back

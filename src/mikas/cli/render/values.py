@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Final
 
-from mikas.catalog import Confidence, Derived, Parameter
+from mikas.catalog import Confidence, Derived, InstrumentChannel, Parameter
 from mikas.catalog.undecided import READING_NAMES, values_otherwise
 from mikas.cli.language import current_language, decimal, tr
 from mikas.cli.render.output import Output
 from mikas.client import Reading
 from mikas.client.parameters.derived import DerivedValue
 from mikas.i18n import Text
+from mikas.instruments.reading import InstrumentReading
 from mikas.json_values import picked
 from mikas.sampling.events import CycleFailed, Sampled
 
@@ -44,8 +45,10 @@ def reading_json(reading: Reading | DerivedValue) -> dict[str, Any]:
     return {"value": value, "unit": reading.unit, "raw": None, "time": time, "inputs": inputs}
 
 
-def value_text(reading: Reading | DerivedValue) -> str:
+def value_text(reading: Reading | DerivedValue | InstrumentReading) -> str:
     """Return the value with its channel's decimals; a flag as yes or no."""
+    if isinstance(reading, InstrumentReading):
+        return decimal(f"{reading.value:.{reading.channel.decimals}f}")
     if isinstance(reading, DerivedValue):
         if not reading.has_value:
             return "–"
@@ -77,16 +80,16 @@ def meaning_text(reading: Reading | DerivedValue) -> str:
     return "; ".join([text, *others])
 
 
-def unit_text(reading: Reading | DerivedValue) -> str:
+def unit_text(reading: Reading | DerivedValue | InstrumentReading) -> str:
     """Return the unit in the current language."""
-    if isinstance(reading, DerivedValue):
+    if isinstance(reading, DerivedValue | InstrumentReading):
         return reading.channel.unit_text.to(current_language())
     return reading.parameter.interpretation(reading.interpretation).unit_text.to(current_language())
 
 
-def reference(parameter: Parameter | Derived) -> str:
+def reference(parameter: Parameter | Derived | InstrumentChannel) -> str:
     """Return `13 … 16`, the reference range at warm idle; empty without one."""
-    if parameter.reference is None:
+    if isinstance(parameter, InstrumentChannel) or parameter.reference is None:
         return ""
     low, high = parameter.reference
     return decimal(f"{low:g} … {high:g}" if high > low else f"{low:g}")
@@ -96,7 +99,7 @@ def json_line(session: SamplingRun, output: Output, event: Event) -> None:
     """Print `{"time", "values", "gap"}`, one a cycle; in a gap one a try, with its `reason`."""
     if not isinstance(event, Sampled | CycleFailed):
         return
-    fresh, names = fresh_values(event), [each.name for each in session.acquisition.channels]
+    fresh, names = fresh_values(event), [each.name for each in session.channels]
     line: dict[str, object] = {
         "time": round(event.time + session.later, 6),
         "values": {name: fresh[name].value if name in fresh else None for name in names},
@@ -111,13 +114,17 @@ def plain_line(session: SamplingRun, output: Output, event: Event) -> None:
     """Print one line per cycle, the first one after a heading: an error alone needs no heading."""
     if not isinstance(event, Sampled | CycleFailed):
         return
-    fresh, names = fresh_values(event), [each.name for each in session.acquisition.channels]
+    fresh, names = fresh_values(event), [each.name for each in session.channels]
     if session.samples + session.gap_cycles == 1:
         output.line("\t".join([tr("time", "время"), *names]))
     cells = (value_text(fresh[name]) if name in fresh else "–" for name in names)
     output.line("\t".join([decimal(f"{event.time + session.later:.3f}"), *cells]))
 
 
-def fresh_values(event: Sampled | CycleFailed) -> dict[str, Reading | DerivedValue]:
-    """Return the values read in this cycle, by name; none in a gap."""
-    return {**event.fresh, **event.derived} if isinstance(event, Sampled) else {}
+def fresh_values(
+    event: Sampled | CycleFailed,
+) -> dict[str, Reading | DerivedValue | InstrumentReading]:
+    """Return the values read in this cycle, by name, and the instruments'; none in a gap."""
+    if not isinstance(event, Sampled):
+        return {}
+    return {**event.fresh, **event.derived, **event.instruments}

@@ -48,6 +48,7 @@ class EngineState:
     cycles: float  # engine cycles (two turns each) since the start
     fuel_used: float  # l since the start
     speed: float  # km/h
+    burnt: float  # λ in the exhaust, whatever the unit counts; infinity: air
     coolant: float = _of("TWAT")  # °C
     coolant_at_start: float = _of("TWATI")  # °C
     intake_air: float = _of("TAIR")  # °C
@@ -111,6 +112,7 @@ def state_of(plant: Plant, time: float, *, powered: bool) -> EngineState:
         cycles=plant.cycles + (time - plant.step_number * STEP) * plant.rpm / 120,
         fuel_used=plant.fuel_used,
         speed=plant.vehicle.speed * 3.6,
+        burnt=plant.burnt,
     )
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import random
 from copy import copy
 from functools import lru_cache
+from math import inf
 
 from mikas.virtual.model import physics as ph
 from mikas.virtual.model.physics import STEP, TO_RADIANS
@@ -163,6 +164,11 @@ class Plant:
         self._turn(rpm, charge, table[number % NOISE])
         if number % SLOW == 0:
             self._warm(rpm, charge)
+
+    @property
+    def burnt(self) -> float:
+        """λ in the exhaust; infinity while nothing burns: air."""
+        return self._burnt if self._burning and self.rpm > 0 else inf
 
     def _turn_key(self, key: bool) -> None:
         if key and not self.key:

@@ -1,0 +1,106 @@
+"""`--instrument aem=/dev/ttyUSB1`: which instruments a session has, and at which ports."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Final
+
+from mikas.catalog import Catalog, InstrumentChannel
+from mikas.errors import usage_error
+from mikas.instruments.definition import InstrumentDefinition
+from mikas.instruments.loading import definition_named
+from mikas.link.urls import parse
+
+GPSD: Final = "gpsd:"
+SIM: Final = "sim:"
+_LABEL: Final = re.compile(r"([A-Za-z][A-Za-z0-9_]{1,19}):(.+)")  # C:\my.toml has none
+_MOST: Final = 16
+
+
+@dataclass(frozen=True, slots=True)
+class ChosenInstrument:
+    """An instrument of a session. `label`: the end of its channels' names; or empty."""
+
+    definition: InstrumentDefinition
+    """What it is."""
+    url: str
+    """Its port: as of a unit, `gpsd:HOST:PORT`, or `sim:`."""
+    label: str = ""
+
+    @property
+    def channels(self) -> tuple[InstrumentChannel, ...]:
+        """Its channels, with the label at the end of their names."""
+        return self.definition.labelled(self.label).channels
+
+    @property
+    def title(self) -> str:
+        """The name for a person's eyes: `left:aem`."""
+        return f"{self.label}:{self.definition.name}" if self.label else self.definition.name
+
+
+def chosen_instruments(texts: Iterable[str], catalog: Catalog) -> tuple[ChosenInstrument, ...]:
+    """Return the instruments that texts `[LABEL:]NAME=URL` name. NAME: a definition, or a file.
+
+    Raises `UsageError` for a text in another form, an unknown instrument, two with a channel of one
+    name; `CatalogError` for a wrong file; `BadPortUrl`.
+    """
+    found: list[ChosenInstrument] = []
+    owners: dict[str, str] = {}
+    for text in texts:
+        one = _chosen(text, catalog)
+        found.append(one)
+        for channel in one.channels:
+            if channel.name in catalog.channels:
+                raise usage_error(
+                    f"{one.title}: {channel.name} is a channel of the unit; give another label",
+                    f"{one.title}: {channel.name} — канал самого блока; дайте другую метку",
+                )
+            if (other := owners.setdefault(channel.name, text)) != text:
+                raise usage_error(
+                    f"Two instruments give {channel.name}: {other} and {text}; label one of them: "
+                    f"--instrument rear:{text}",
+                    f"Канал {channel.name} дают два прибора: {other} и {text}; дайте одному метку: "
+                    f"--instrument rear:{text}",
+                )
+    if len(found) > _MOST:
+        raise usage_error(
+            f"More than {_MOST} instruments; leave some out",
+            f"Больше {_MOST} приборов; уберите лишние",
+        )
+    return tuple(found)
+
+
+def _chosen(text: str, catalog: Catalog) -> ChosenInstrument:
+    name, equals, url = text.partition("=")
+    name, url = name.strip(), url.strip()
+    if not equals or not name or not url:
+        raise usage_error(
+            f"Write NAME=URL, not “{text}”: aem=/dev/ttyUSB1, nmea=COM4, gpsd=gpsd:localhost:2947",
+            f"Пишите NAME=URL, а не «{text}»: aem=/dev/ttyUSB1, nmea=COM4, "
+            "gpsd=gpsd:localhost:2947",
+        )
+    match = _LABEL.fullmatch(name)
+    label, name = match.groups() if match else ("", name)
+    definition = definition_named(name, catalog)
+    if url.lower().startswith(GPSD):
+        if definition.decoder == "nmea":  # the receiver is the same one, its language gpsd's
+            definition = definition_named("gpsd", catalog)
+        if definition.decoder != "gpsd":
+            raise usage_error(
+                f"gpsd serves GPS receivers, not “{name}”: gpsd={url}",
+                f"Через gpsd работают приёмники GPS, а не «{name}»: gpsd={url}",
+            )
+        parse(network_url(url))
+    elif url.lower().partition("?")[0] != SIM:
+        parse(url)
+    return ChosenInstrument(definition, url, label)
+
+
+def network_url(url: str) -> str:
+    """Return the URL of gpsd's TCP port: `socket://localhost:2947` of `gpsd:` or `gpsd:HOST`."""
+    host, _, port = url[len(GPSD) :].removeprefix("//").rpartition(":")
+    if not port.isdecimal():
+        host, port = (f"{host}:{port}" if host else port), "2947"
+    return f"socket://{host or 'localhost'}:{port}"

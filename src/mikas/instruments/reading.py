@@ -1,0 +1,189 @@
+"""One instrument of a session: its bytes recorded as they came, its values, its connection.
+
+    source ──► InstrumentReader.poll ──► sink (the recorder)
+                     │ decoder ──► the last values, with their times
+                     └ changes: connected, silent, giving values, lost
+
+A loss is tried again after a second, then two, four, five. Nothing here knows the unit's line.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Final, Protocol
+
+from mikas.catalog.instrument_channels import InstrumentChannel
+from mikas.errors import MikasError
+from mikas.i18n import Text
+from mikas.instruments.choosing import ChosenInstrument
+from mikas.instruments.decoding import decoder_of
+from mikas.instruments.events import InstrumentValues
+from mikas.instruments.sources import InstrumentSource
+from mikas.instruments.timing import TimedDecoder
+from mikas.link.base import BITS_PER_BYTE
+
+_FIRST_RETRY: Final = 1.0  # s
+_LONGEST_RETRY: Final = 5.0
+_SILENT: Final = 3.0  # s without a value, at least
+
+
+class InstrumentState(StrEnum):
+    """The state of an instrument's connection."""
+
+    CONNECTED = "connected"
+    VALUES = "values"
+    SILENT = "silent"
+    LOST = "lost"
+
+
+@dataclass(frozen=True, slots=True)
+class InstrumentChange:
+    """A new state of an instrument. `reason`: why it is lost, or gives no values."""
+
+    time: float
+    """When, on the session's clock."""
+    chosen: ChosenInstrument
+    """Which one."""
+    state: InstrumentState
+    """The new state."""
+    reason: Text | None = None
+
+
+class InstrumentSink(Protocol):
+    """The receiver of the bytes: a recorder."""
+
+    def record_instrument(self, number: int, data: bytes, time: float, comment: str = "") -> None:
+        """Record bytes, or by a comment the begin or the end of a connection."""
+
+
+@dataclass(frozen=True, slots=True)
+class InstrumentReading:
+    """A value of an instrument."""
+
+    channel: InstrumentChannel
+    """Its channel, with the label in its name."""
+    value: float
+    """The value, in the channel's unit."""
+    time: float
+    """When its last byte came, on the session's clock."""
+
+    @property
+    def name(self) -> str:
+        """The channel's name."""
+        return self.channel.name
+
+    @property
+    def unit(self) -> str:
+        """The key of the unit."""
+        return self.channel.unit
+
+
+class InstrumentReader:
+    """Reads the instrument `chosen` from `source`; `number`: its place among the recorder's.
+
+    `clock`: the session's. `report`: gets the changes of the connection. `comments`: of a begin and
+    of a loss, as the recorder writes them. One thread calls `poll`; any thread may call `fresh`.
+    """
+
+    def __init__(
+        self,
+        number: int,
+        chosen: ChosenInstrument,
+        source: InstrumentSource,
+        sink: InstrumentSink,
+        *,
+        clock: Callable[[], float],
+        report: Callable[[InstrumentChange], None],
+        comments: tuple[str, Callable[[Text], str]],
+    ) -> None:
+        self.chosen = chosen
+        self._number, self._source, self._sink, self._report = number, source, sink, report
+        self._clock = clock
+        self._begun, self._lost_because = comments
+        definition = chosen.definition
+        plain = (channel.name for channel in definition.channels)
+        self._channels = dict(zip(plain, chosen.channels, strict=True))
+        self._decoder = TimedDecoder(decoder_of(definition), BITS_PER_BYTE / definition.baud)
+        self._latest: dict[str, InstrumentReading] = {}
+        self._lock = threading.Lock()
+        self.state: InstrumentState | None = None
+        """The state reported last; None before the first."""
+        self._retry, self._due = _FIRST_RETRY, float("-inf")
+        self._valued = 0.0  # when it last gave a value, or was connected
+        self._why: Text | None = None  # the reason of the last bytes without a value
+        self._is_open = False
+        self._closed = False
+
+    def poll(self) -> bool:
+        """Take what has come; return whether it is connected."""
+        try:
+            if not self._is_open:
+                if self._clock() < self._due:
+                    return False
+                self._source.open()
+                self._is_open = True
+                now = self._valued = self._clock()
+                self._decoder.drop()
+                self._sink.record_instrument(self._number, b"", now, self._begun)
+                self._change(now, InstrumentState.CONNECTED)
+            for data, time in self._source.read():
+                self._take(data, time)
+        except MikasError as error:
+            self._lose(self._clock(), error)
+            return False
+        now = self._clock()
+        limit = max(_SILENT, 2 * self.chosen.definition.stale)
+        if now - self._valued > limit and self.state is not InstrumentState.SILENT:
+            self._change(now, InstrumentState.SILENT, self._why or _NOTHING)
+        return True
+
+    def fresh(self, time: float) -> Mapping[str, InstrumentReading]:
+        """Return the values that are not too old at `time`, by the channels' names."""
+        stale = self.chosen.definition.stale
+        with self._lock:
+            found = [it for it in self._latest.values() if abs(time - it.time) <= stale]
+        return {reading.name: reading for reading in found}
+
+    def close(self) -> None:
+        """Close the source; any thread may call."""
+        self._closed = True
+        self._source.close()
+
+    def _take(self, data: bytes, time: float) -> None:
+        self._sink.record_instrument(self._number, data, time)
+        for event, at in self._decoder.feed(data, time):
+            if not isinstance(event, InstrumentValues):
+                self._why = event.reason
+                continue
+            with self._lock:
+                for name, value in event.values.items():
+                    reading = InstrumentReading(self._channels[name], value, at)
+                    self._latest[name] = reading
+            self._retry, self._valued, self._why = _FIRST_RETRY, time, None
+            if self.state is not InstrumentState.VALUES:
+                self._change(time, InstrumentState.VALUES)
+
+    def _lose(self, now: float, error: MikasError) -> None:
+        was_open, self._is_open = self._is_open, False
+        if self._closed:  # the session ends, which is no loss
+            return
+        self._source.reset()
+        with self._lock:
+            self._latest.clear()
+        self._due = now + self._retry
+        self._retry = min(2 * self._retry, _LONGEST_RETRY)
+        if was_open:
+            comment = self._lost_because(error.reason)
+            self._sink.record_instrument(self._number, b"", now, comment)
+        if self.state is not InstrumentState.LOST:
+            self._change(now, InstrumentState.LOST, error.reason)
+
+    def _change(self, time: float, state: InstrumentState, reason: Text | None = None) -> None:
+        self.state = state
+        self._report(InstrumentChange(time, self.chosen, state, reason))
+
+
+_NOTHING: Final = Text("nothing comes", "ничего не приходит")
