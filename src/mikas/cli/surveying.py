@@ -65,7 +65,8 @@ class TerminalPrompter:
         """Ask for a figure until it is one from `low` to `high`, or none."""
         if name in self.figures or not self.asks:
             return self.figures.get(name)
-        while answer := self._answer(f"{localized(text)} "):
+        none = tr("(Enter: there is none)", "(Enter — прибора нет)")
+        while answer := self._answer(f"{localized(text)} {none} "):
             try:
                 figure = float(answer.replace(",", "."))
             except ValueError:

@@ -80,6 +80,12 @@ class SurveyFolder:
             whole.replace(self.out)
         shutil.rmtree(self.path, ignore_errors=True)
 
+    def forget(self) -> None:
+        """Remove what was measured so far. Raises `UsageError` if it can't be removed."""
+        with naming_file(self.path):
+            if self.path.exists():
+                shutil.rmtree(self.path)
+
 
 def check_free(out: Path, *, overwrite: bool) -> None:
     """Raise `UsageError` for a ZIP that exists, or in no folder."""

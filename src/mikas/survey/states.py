@@ -130,10 +130,8 @@ _INSTRUCTIONS: Final = {
     ),
     CarState.WARM: _Instruction(
         Text(
-            "Let it idle until it is warm (75 °C). The survey goes on by itself; Ctrl-C stops, "
-            "and the same command goes on later.",
-            "Дайте прогреться на холостом ходу до 75 °C. Дальше само; Ctrl-C прерывает, та же "
-            "команда потом продолжит.",
+            "Let it idle until it is warm (75 °C). The survey goes on by itself.",
+            "Дайте прогреться на холостом ходу до 75 °C. Дальше само.",
         ),
         _is_warm,
         _WARMING,
@@ -144,8 +142,8 @@ _INSTRUCTIONS: Final = {
     ),
     CarState.RAISED: _Instruction(
         Text(
-            "Hold the engine at 2,500 rpm until the next line, about 15 seconds.",
-            "Держите 2500 об/мин до следующей строки, около 15 секунд.",
+            "Hold the engine at 2,500 rpm until the next instruction, about 15 seconds.",
+            "Держите 2500 об/мин до следующей команды, около 15 секунд.",
         ),
         _between(*_RAISED),
         _PATIENCE,

@@ -108,9 +108,8 @@ class Survey:
                 self._keep()
 
     def _run(self, person: _Saving, on_step: Callable[[SurveyStep, int, int], None]) -> None:
-        has_engine = self._measured["engine"]
-        steps = STEPS if has_engine else (*_standing(), STANDING_AGAIN)
-        if not has_engine:
+        steps = self.steps
+        if not self._measured["engine"]:
             self._measured["skipped"][CarState.STARTING.value] = _NO_ENGINE._asdict()
         for state in CarState:
             left = [it for it in steps if it.state is state and it.name not in self._done]
@@ -149,12 +148,14 @@ class Survey:
         self.folder.save(self._measured)
 
     @property
+    def steps(self) -> tuple[SurveyStep, ...]:
+        """All steps in their order, those that are done too."""
+        return STEPS if self._measured["engine"] else (*_standing(), STANDING_AGAIN)
+
+    @property
     def answers(self) -> tuple[SurveyAnswer, ...]:
         """The answers by what was measured so far. Raises `UsageError` for a damaged folder."""
-        try:
-            return conclude(self._measured)
-        except _DAMAGED as error:
-            raise self.folder.damaged() from error
+        return concluded(self.folder, self._measured)
 
     @property
     def measured(self) -> Measured:
@@ -171,16 +172,31 @@ class Survey:
 
         Raises `UsageError` if it can't be written; the folder then stays.
         """
-        answers = self.answers
-        content = SurveyFile(
-            answers,
-            self._measured,
-            profile(self._measured, answers),
-            {"mikas": installed_version("mikas"), "catalog": self._unit.catalog.version},
-            joined_captures(self.folder.path),
-        )
+        content = content_of(self.folder, self._measured, self._unit.catalog.version)
         self.folder.finish(archive(content, readme(content)), overwrite=overwrite)
         return content
+
+
+def concluded(folder: SurveyFolder, measured: Measured) -> tuple[SurveyAnswer, ...]:
+    """Return the answers by what was `measured`. Raises `UsageError` for a damaged folder."""
+    try:
+        return conclude(measured)
+    except _DAMAGED as error:
+        raise folder.damaged() from error
+
+
+def content_of(folder: SurveyFolder, measured: Measured, catalog: str) -> SurveyFile:
+    """Return what the ZIP of `measured` holds; `catalog`: the version of the one in use.
+
+    Raises `UsageError` for a damaged folder.
+    """
+    answers = concluded(folder, measured)
+    try:
+        unit = profile(measured, answers)
+    except _DAMAGED as error:
+        raise folder.damaged() from error
+    versions = {"mikas": installed_version("mikas"), "catalog": catalog}
+    return SurveyFile(answers, measured, unit, versions, joined_captures(folder.path))
 
 
 class _Saving:

@@ -26,10 +26,9 @@ def voltage(unit: SurveyedUnit, measured: Measured, person: Prompter) -> None:
     meter = person.number(
         "voltmeter",
         Text(
-            "Voltmeter at the battery's terminals, ignition on, engine off: how many volts? "
-            "(Enter: no voltmeter)",
+            "Voltmeter at the battery's terminals, ignition on, engine off: how many volts?",
             "Вольтметр на клеммах аккумулятора, зажигание включено, двигатель заглушен: сколько "
-            "вольт? (Enter — вольтметра нет)",
+            "вольт?",
         ),
         _VOLT, 6.0, 18.0,
     )  # fmt: skip
@@ -43,8 +42,8 @@ def tachometer(unit: SurveyedUnit, measured: Measured, person: Prompter) -> None
     shown = person.number(
         "tachometer",
         Text(
-            "The tachometer on the dashboard: how many rpm now? (Enter: there is none)",
-            "Тахометр на щитке: сколько оборотов сейчас? (Enter — тахометра нет)",
+            "The tachometer on the dashboard: how many rpm now?",
+            "Тахометр на щитке: сколько оборотов сейчас?",
         ),
         _RPM, 200.0, 3000.0,
     )  # fmt: skip
