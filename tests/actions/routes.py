@@ -218,10 +218,20 @@ VIRTUAL = tuple(
         get("/recordings/{identity}/rows", f"{identity}/rows?names=TWAT,FREQ&points=500"),
     )
 )
+SURVEY = (
+    post("/survey/start", {"port": "sim:?scenario=survey", "engine": False}),
+    get("/survey", until=lambda it: it["step"] is not None and it["step"]["place"] > 1),
+    post("/survey/answer", {"id": 0}, status=409),
+    post("/survey/stop"),
+    get("/survey/result"),
+    post("/survey/save"),
+    get("/survey/file"),
+    delete("/survey"),
+)
 END = (
     post("/doctor", {"port": CAR}),
     post("/doctor/stop"),
     post("/disconnect"),
     post("/control/release"),
 )
-ROUTES = (*BEGIN, *LIVE, *UNIT, *TESTS, *RECORDED, *VIRTUAL, *END)
+ROUTES = (*BEGIN, *LIVE, *UNIT, *TESTS, *RECORDED, *VIRTUAL, *SURVEY, *END)

@@ -43,6 +43,7 @@ SMALL = {
     # files as they are: read in pieces, as fast as the client takes them
     "GET /api/dumps/{id}/file": "a file",
     "GET /api/recordings/{identity}/file": "a file",
+    "GET /api/survey/file": "a file",
     # the page
     "GET /": "a file of the page",
     "GET /{path:path}": "a file of the page",

@@ -12,7 +12,7 @@ PARTS = {
         "test_api_live.py", "test_api_marks.py", "test_api_messages.py",
         "test_api_recorded_faults.py",
         "test_api_recordings.py", "test_api_references.py", "test_api_report.py",
-        "test_api_search.py", "test_api_unit.py", "test_api_virtual_cars.py",
+        "test_api_search.py", "test_api_survey.py", "test_api_unit.py", "test_api_virtual_cars.py",
         "test_api_writing.py",
         "test_unkept_things.py",
     ),

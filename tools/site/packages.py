@@ -54,7 +54,7 @@ _NOT_HERE = (
     "foreign_logs/mdf.py",
     "dashboard/server.py", "dissectors", "fleet", "link/failures.py", "link/network.py",
     "link/serial.py", "publish", "recording/export/mdf.py", "recording/export/parquet.py",
-    "recording/parquet.py", "replay/routine.py", "survey", "testing",
+    "recording/parquet.py", "replay/routine.py", "testing",
     "archives.py", "virtual/met_unit.py", "virtual/profiles", "virtual/unit_files.py",
     "virtual/unit_profile.py",
     *(f"recording/exchanges/columns/{each}.py" for each in (

@@ -36,7 +36,13 @@ from mikas.dashboard.session.catalog_in_use import (
     computing,
 )
 from mikas.dashboard.session.changes import UnitChanges
-from mikas.dashboard.session.connection import DIAGNOSIS, RECONNECTED, Connection, SamplingPlanner
+from mikas.dashboard.session.connection import (
+    DIAGNOSIS,
+    RECONNECTED,
+    SURVEY,
+    Connection,
+    SamplingPlanner,
+)
 from mikas.dashboard.session.dump_jobs import DumpJobs
 from mikas.dashboard.session.freeze_frames import FreezeFrameStore
 from mikas.dashboard.session.guided_tests import GuidedTests
@@ -46,6 +52,7 @@ from mikas.dashboard.session.parameter_writing import ParameterWriting
 from mikas.dashboard.session.port_threads import Diagnosis, SamplingThread
 from mikas.dashboard.session.recorder import SessionRecorder
 from mikas.dashboard.session.start_values import StartValues
+from mikas.dashboard.session.surveys import Surveys
 from mikas.dashboard.settings import PortSettings, Settings
 from mikas.errors import MikasError
 from mikas.i18n import Text
@@ -137,6 +144,7 @@ class Dashboard:
             lambda: self.catalog,
             settings.language,
         )
+        self.surveys: Surveys = Surveys(self.connection, lambda: self.settings)
         self.diagnosis: Diagnosis | None = None
         """The diagnosis that has the port."""
         self.info: Info | None = None
@@ -156,6 +164,7 @@ class Dashboard:
             closing.push_async_callback(self.connection.close)
             closing.push_async_callback(self.recorder.read_last)
             closing.push_async_callback(self._end_diagnosis)
+            closing.push_async_callback(self.surveys.stop)
             closing.push_async_callback(self.dump_jobs.close)
             closing.push_async_callback(self.library.close)
             yield
@@ -231,7 +240,7 @@ class Dashboard:
         return thread
 
     def _on_request_end(self, thread: SamplingThread, why: Text) -> None:
-        if why in (RECONNECTED, DIAGNOSIS):
+        if why in (RECONNECTED, DIAGNOSIS, SURVEY):
             self.recorder.recorder.interrupt(thread.now(), why)
         self.monitor.end_connection(thread.now(), None, why)
         self._clear_unit()

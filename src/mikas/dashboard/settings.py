@@ -148,6 +148,11 @@ class Settings:
         """The folder of dumps."""
         return self.recordings / "dumps"
 
+    @property
+    def surveys(self) -> Path:
+        """The folder of surveys for the project."""
+        return self.recordings / "surveys"
+
 
 @dataclass(frozen=True, slots=True)
 class PortSettings:

@@ -277,7 +277,8 @@ async def doctor(
     if port is None:
         port = await asyncio.to_thread(dashboard.connection.likely)
     parse(port)
-    if dashboard.connection.changing or dashboard.diagnosis is not None:
+    dashboard.connection.check_unchanged()
+    if dashboard.diagnosis is not None or dashboard.surveys.runs:
         raise Busy(problem=CHANGING)
     steps: asyncio.Queue[DiagnosisStep | None] = asyncio.Queue()
     diagnosis = Diagnosis(port, dashboard.settings, other_units=body.other_units)

@@ -94,6 +94,7 @@ class State(OwnState):
     since: float
     port: str | None
     checking: bool = Field(description="a connection check has the port; line is off meanwhile")
+    surveying: bool = Field(description="a survey has the port; line is off meanwhile")
     adapter: str
     model: OptionalTexts
     version_code: str | None = Field(description="hex, as 0A")
@@ -131,6 +132,7 @@ _OFF = Text("not connected", "не подключено")
 _OPENING = Text("opening the port", "открываем порт")
 _STOPPED = Text("stopped", "остановлено")
 _CHECKING = Text("connection check", "проверка связи")
+_SURVEYING = Text("survey of the unit", "обследование блока")
 
 
 def state_of(dashboard: Dashboard, client: Client) -> State:
@@ -162,7 +164,8 @@ def shared_state(dashboard: Dashboard) -> State:
     recording = _recording(dashboard)  # not under the monitor's lock: the recorder logs files there
     with monitor.lock:
         checking = dashboard.diagnosis is not None
-        text, line = _CHECKING if checking else _OFF, _NO_LINE
+        surveying = dashboard.surveys.runs
+        text, line = _CHECKING if checking else _SURVEYING if surveying else _OFF, _NO_LINE
         if thread is not None and thread.ended:
             text = _STOPPED
         elif thread is not None:
@@ -181,6 +184,7 @@ def shared_state(dashboard: Dashboard) -> State:
             reason_code=type(error).__name__ if error else None,
             port=port.shown if port else None,
             checking=checking,
+            surveying=surveying,
             adapter=thread.adapter if thread else "",
             model=unit.model if unit else None,
             version_code=version_text(unit.version_code) if unit else None,

@@ -42,9 +42,11 @@ _MAY_ANSWER = (None, LineState.ECU_ALIVE, LineState.SAMPLING)
 """States of the line in which a job waits for its turn; None: the port is being opened."""
 RECONNECTED = Text("The connection was restarted.", "Соединение установлено заново.")
 DIAGNOSIS = Text("Paused for the connection check.", "Пауза на время проверки связи.")
+SURVEY = Text("Paused for the survey of the unit.", "Пауза на время обследования блока.")
 OTHER_REQUEST = Text("The line was used for another request.", "Линия была занята другим запросом.")
 _OTHER_PORT = Text("Another connection was chosen.", "Выбрано другое соединение.")
 CHANGING = Text("the connection is being changed", "соединение как раз меняется")
+SURVEYING = Text("a survey of the unit is running", "идёт обследование блока")
 _LINE_BUSY = Text("the line is busy; the request was cancelled", "линия занята; запрос отменён")
 
 
@@ -85,6 +87,7 @@ class Connection:
 
     def __post_init__(self) -> None:
         self._changing = asyncio.Lock()
+        self._busy_with = CHANGING
         self._first_state = asyncio.Event()
         self._loop: asyncio.AbstractEventLoop | None = None  # None: the server does not run yet
 
@@ -135,11 +138,14 @@ class Connection:
             self.port = None
 
     @asynccontextmanager
-    async def lent(self) -> AsyncIterator[None]:
-        """Close the port meanwhile, and open it again."""
-        async with self._alone():
+    async def lent(self, why: Text = DIAGNOSIS, busy_with: Text = CHANGING) -> AsyncIterator[None]:
+        """Close the port meanwhile, and open it again.
+
+        `why`: of the pause; `busy_with`: why other requests are refused meanwhile.
+        """
+        async with self._alone(busy_with):
             port, adapter = self.port, self.thread.port.adapter if self.thread else None
-            await self.close(DIAGNOSIS)
+            await self.close(why)
             try:
                 yield
             finally:
@@ -213,11 +219,16 @@ class Connection:
         return NotConnected(advice=ADVICE.text(error)) if error else NotConnected()
 
     @asynccontextmanager
-    async def _alone(self) -> AsyncIterator[None]:
-        if self._changing.locked():
-            raise Busy(problem=CHANGING)
+    async def _alone(self, busy_with: Text = CHANGING) -> AsyncIterator[None]:
+        self.check_unchanged()
         async with self._changing:
+            self._busy_with = busy_with
             yield
+
+    def check_unchanged(self) -> None:
+        """Raise `Busy`, with the reason, while the connection is being changed or lent."""
+        if self._changing.locked():
+            raise Busy(problem=self._busy_with)
 
     def _open(self, port: PortSettings, adapter: KnownAdapter | None = None) -> None:
         self._first_state.clear()

@@ -1331,6 +1331,11 @@ export interface components {
             /** @description more than `every` where each channel costs time and others come first */
             cycles: number;
         };
+        /** @description A ZIP that was saved. */
+        SavedSurvey: {
+            name: string;
+            bytes: number;
+        };
         /** @description The user's conditions. */
         SearchList: {
             searches: components["schemas"]["KeptSearch"][];
@@ -1368,6 +1373,8 @@ export interface components {
             port: string | null;
             /** @description a connection check has the port; line is off meanwhile */
             checking: boolean;
+            /** @description a survey has the port; line is off meanwhile */
+            surveying: boolean;
             adapter: string;
             model: components["schemas"]["TwoTexts"] | null;
             /** @description hex, as 0A */
@@ -1438,6 +1445,125 @@ export interface components {
             first_seen: number;
             /** @description the id of its freeze frame; null: there is none of this appearance */
             frame: string | null;
+        };
+        /** @description The answer to one question about the unit. */
+        SurveyAnswerInfo: {
+            id: string;
+            clauses: string[];
+            /** @enum {string} */
+            verdict: "found" | "open" | "not-asked";
+            title: components["schemas"]["TwoTexts"];
+            text: components["schemas"]["TwoTexts"];
+        };
+        /** @description The answer to the question `id`: `done` to a `ready`, `figure` to a `number` (null: none). */
+        SurveyAnswerRequest: {
+            id: number;
+            /** @default false */
+            done: boolean;
+            figure?: number | null;
+        };
+        /** @description What the owner consents to. */
+        SurveyConsents: {
+            /**
+             * @description the texts of the passports may be kept
+             * @default false
+             */
+            passports: boolean;
+            /**
+             * @description memory may be read: 11 13 15 21 23 25 31
+             * @default false
+             */
+            memory: boolean;
+            /**
+             * @description the engine may be started
+             * @default true
+             */
+            engine: boolean;
+        };
+        /** @description A file in the ZIP. `text` null: bytes of the line, which are no text. */
+        SurveyMemberInfo: {
+            name: string;
+            bytes: number;
+            text: string | null;
+        };
+        /** @description A question to the person that waits for an answer. `name`: of the instrument. */
+        SurveyPrompt: {
+            id: number;
+            /** @enum {string} */
+            kind: "ready" | "number";
+            name: string;
+            text: components["schemas"]["TwoTexts"];
+            unit: components["schemas"]["TwoTexts"];
+            low: number;
+            high: number;
+        };
+        /**
+         * @description `port` null: that of the connection, or the one likely adapter. Of a survey that goes on, the
+         *     consents of its begin stay in force.
+         */
+        SurveyRequest: {
+            /**
+             * @description the texts of the passports may be kept
+             * @default false
+             */
+            passports: boolean;
+            /**
+             * @description memory may be read: 11 13 15 21 23 25 31
+             * @default false
+             */
+            memory: boolean;
+            /**
+             * @description the engine may be started
+             * @default true
+             */
+            engine: boolean;
+            port?: string | null;
+            /** @description V at the battery, ignition on, engine off; null: none */
+            voltmeter?: number | null;
+        };
+        /** @description All that the ZIP would hold now. */
+        SurveyResult: {
+            answers: components["schemas"]["SurveyAnswerInfo"][];
+            members: components["schemas"]["SurveyMemberInfo"][];
+        };
+        /**
+         * @description The survey. `idle`: none is under way; `stopped`: it can go on, or be saved as it is;
+         *     `finished`: all is asked, and it can be saved.
+         */
+        SurveyState: {
+            /** @enum {string} */
+            phase: "idle" | "running" | "stopped" | "finished";
+            /** @description while it runs */
+            port: string | null;
+            /** @description null: none, or the port is being opened */
+            step: components["schemas"]["SurveyStepState"] | null;
+            /** @description what the person shall do, while the car is waited for */
+            instruction: components["schemas"]["TwoTexts"] | null;
+            asked: components["schemas"]["SurveyPrompt"] | null;
+            /** @description questions about the unit that it has answered */
+            found: number;
+            /** @description questions that it has not */
+            open: number;
+            /** @description seconds of measuring, without the person's own */
+            left: number | null;
+            /** @description in force; null: none is under way */
+            consents: components["schemas"]["SurveyConsents"] | null;
+            /** @description why it ended before its end */
+            error: components["schemas"]["ErrorBody"] | null;
+            /** @description the ZIP that was saved last */
+            saved: components["schemas"]["SavedSurvey"] | null;
+        };
+        /** @description The step under way. `done` of `of`; `of` 0: it does not count. */
+        SurveyStepState: {
+            name: string;
+            title: components["schemas"]["TwoTexts"];
+            /** @enum {string} */
+            regime: "standing" | "starting" | "idle" | "warm" | "raised" | "after";
+            /** @description among `steps`, from 0 */
+            place: number;
+            steps: number;
+            done: number;
+            of: number;
         };
         /** @description `force`: also from another client. */
         TakeControlRequest: {
