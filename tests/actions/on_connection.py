@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from .on_live import BAND
-from .steps import CLOSED, SHEET, Shot, fill, go, on_screen, press, row, shows
+from .steps import CLOSED, SHEET, Shot, fill, go, on_screen, press, row, saves, says, shows
 
 SAMPLES = shows(f"{BAND}[data-line=sampling]")
 SCREEN = "#screen"
@@ -61,6 +61,36 @@ CONNECTION = (
         press("connection/Ports other_port"),
         fill("Another port", "sim:?scenario=warm-idle"),
         press("connection/Ports connect", css=f"{SCREEN} details form [type=submit]"),
+        SAMPLES,
+    ),
+    row(
+        "connection",
+        "the survey for the project, stopped, shown and saved",
+        press("connection/survey/SurveyCard open"),
+        says("What is allowed"),
+        press("connection/survey/Screen back"),
+        press("connection/survey/SurveyCard open"),
+        press("connection/survey/Before virtual"),
+        shows(f"{SCREEN} .todo", "Ignition on, engine off"),
+        Shot("leading"),
+        go("connection"),
+        press("connection/survey/SurveyCard open_running"),
+        press("connection/survey/Leading stop"),
+        says("What was measured is kept"),
+        press("connection/survey/Content forget"),
+        press("dialogs/Confirm cancel"),
+        CLOSED,
+        press("connection/survey/Content go_on"),
+        shows(f"{SCREEN} .todo", "Ignition on, engine off"),
+        press("connection/survey/Leading stop"),
+        press(
+            "connection/survey/Content {member.name}", css=f"{SCREEN} details:first-of-type summary"
+        ),
+        Shot("content"),
+        press("connection/survey/Content save"),
+        shows(f"{SCREEN} h2", "Saved: mikas-survey.zip"),
+        saves("connection/survey/Saved download"),
+        go("connection"),
         SAMPLES,
     ),
     row(

@@ -70,6 +70,13 @@ ELSEWHERE = {
     "connection/diagnosis/ProblemReport report_form": (
         "../web/src/screens/connection/diagnosis/ProblemReport.test.ts"
     ),
+    "connection/survey/Asked answer": "../web/src/screens/connection/survey/Survey.test.ts",
+    "connection/survey/Asked cannot": "../web/src/screens/connection/survey/Survey.test.ts",
+    "connection/survey/Asked done": "../web/src/screens/connection/survey/Survey.test.ts",
+    "connection/survey/Asked no_figure": "../web/src/screens/connection/survey/Survey.test.ts",
+    "connection/survey/Before choose": "../web/src/screens/connection/survey/Survey.test.ts",
+    "connection/survey/Before start": "../web/src/screens/connection/survey/Survey.test.ts",
+    "connection/survey/Saved issues": "../web/src/screens/connection/survey/Survey.test.ts",
     "faults/EraseSheet erase_yes": "../web/src/screens/faults/EraseSheet.test.ts",
     "faults/FaultCard watch": "../web/src/screens/faults/Faults.test.ts",
     "faults/FreezeFrame frame_delete": "browser/test_browser_faults.py",

@@ -40,6 +40,7 @@ import { TraceDrag } from "./screens/chart/time/traceDrag.svelte";
 import { View } from "./screens/chart/time/view.svelte";
 import { CauseStore } from "./screens/causes/store.svelte";
 import { ConnectionStore } from "./screens/connection/store.svelte";
+import { SurveyStore } from "./screens/connection/survey/store.svelte";
 import { FaultStore } from "./screens/faults/store.svelte";
 import { Big } from "./screens/live/big/big.svelte";
 import { Presets } from "./screens/live/presets.svelte";
@@ -107,6 +108,7 @@ export class Stores extends OnHost {
   readonly recordings = new RecordingStore(this);
   readonly comparing = new Comparing(this);
   readonly connection = new ConnectionStore(this);
+  readonly survey = new SurveyStore(this);
 
   constructor(host: Host) {
     super(host);

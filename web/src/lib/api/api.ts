@@ -85,6 +85,15 @@ export function createApi(host: Transport) {
       ),
     testInReport: (id: string, wanted: boolean) => put<Api.TestVerdict>(`/tests/results/${part(id)}`, { in_report: wanted }),
 
+    survey: () => get<Api.SurveyState>("/survey"),
+    startSurvey: (request: Api.SurveyRequest) => post<Api.SurveyState>("/survey/start", request),
+    answerSurvey: (answer: Api.SurveyAnswer) => post<Api.SurveyState>("/survey/answer", answer),
+    stopSurvey: () => post<Api.SurveyState>("/survey/stop"),
+    surveyResult: () => get<Api.SurveyResult>("/survey/result"),
+    saveSurvey: () => post<Api.SurveyState>("/survey/save"),
+    forgetSurvey: () => remove<Api.SurveyState>("/survey"),
+    surveyFile: () => address("/survey/file"),
+
     network: (on: boolean, control: boolean) => put<Api.About>("/network", { on, control }),
     end: () => post<Api.About>("/end"),
     networkQr: (host: string) => address("/about/qr.svg", { address: host }),

@@ -49,6 +49,13 @@ export type ForeignPreview = Schemas["ForeignPreview"];
 export type ForeignLayout = Schemas["ForeignLayout"];
 export type ForeignValues = Schemas["ForeignValues"];
 
+export type SurveyState = Schemas["SurveyState"];
+export type SurveyRequest = Schemas["SurveyRequest"];
+export type SurveyAnswer = Schemas["SurveyAnswerRequest"];
+export type SurveyPrompt = Schemas["SurveyPrompt"];
+export type SurveyResult = Schemas["SurveyResult"];
+export type SavedSurvey = Schemas["SavedSurvey"];
+
 export type Causes = Schemas["CausesResponse"];
 export type Cause = Schemas["CauseInfo"];
 export type CauseEvidence = Schemas["CauseEvidence"];
