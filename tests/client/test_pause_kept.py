@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from mikas import commands as c
 from mikas.client import Ecu, connect
 from mikas.client.connecting import ConnectionOptions
+from mikas.client.doctor import examine
 from mikas.client.limits import Limits, LimitsStore
 from mikas.client.memory.dumps import Dump
 from mikas.errors import UsageError
@@ -101,6 +102,20 @@ def test_another_unit_is_not_slowed_once_it_is_identified(it, tmp_path):
         assert len(ecu.read()) == 23
         assert (ecu.tester.line.pause, ecu.limits()) == (0.0, Limits())
     assert LimitsStore(tmp_path).longest_pause == PAUSE
+
+
+@pytest.mark.parametrize(("least", "said"), [(PAUSE, "100 ms"), (0.0, "none failed")])
+def test_the_doctor_says_so_of_this_unit_alone(it, tmp_path, least, said):
+    learnt(it, tmp_path)
+    other = it if least else bench(identity=OTHER)
+    options = ConnectionOptions(state=tmp_path, virtual_units=True)
+    link = VirtualLink(other.bus, start=other.link.now() if other.link else 0.0)
+    steps = {step.name: step for step in examine(lambda: link, options.create_ecu)}
+    assert steps["commands"].ok
+    assert steps["line"].ok
+    assert said in steps["line"].detail.en
+    assert ("ignores a request" in steps["line"].detail.en) is bool(least)
+    assert ("не слышит запрос" in steps["line"].detail.ru) is bool(least)
 
 
 def test_another_unit_on_the_same_line_has_a_pause_of_its_own(it, tmp_path):

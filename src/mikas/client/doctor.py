@@ -146,6 +146,8 @@ def _on_the_line(ecu: Ecu) -> Iterator[Step]:
             yield _baud(measured, tester.link)
             rate = min(rate, measured) if isinstance(measured, float) else rate
         name = "line"
+        if tester.pauses.seconds and tester.pauses.setting is None:
+            ecu.limits()  # the unit that needs that pause may be another one than this
         answered = yield from _availability(tester, 10 / rate)
         if not answered:  # to try each command would take minutes, and show nothing
             return
