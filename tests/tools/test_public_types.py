@@ -17,8 +17,10 @@ PUBLIC_MODULES = [
     "mikas.client.identity",
     "mikas.commands",
     "mikas.errors",
+    "mikas.foreign_logs",
     "mikas.framing",
     "mikas.i18n",
+    "mikas.instruments",
     "mikas.link",
     "mikas.notebook.drawing",
     "mikas.recording.export",
@@ -27,6 +29,7 @@ PUBLIC_MODULES = [
     "mikas.recording.table.channels",
     "mikas.sampling.events",
     "mikas.sampling.plan",
+    "mikas.survey",
     "mikas.testing",
     "mikas.testing.plugin",
 ]
