@@ -314,6 +314,14 @@ class HostileLink(VirtualLink):
         self._coming.clear()
         self.world.pass_until(self.world.time + seconds)
 
+    def set_baud(self, baud: int) -> bool:
+        self.world.count()
+        self._check()
+        self.baud = baud
+        if not self.world.is_hostile:
+            self.world.bus.set_baud(baud)
+        return True
+
 
 @contextmanager
 def hostile(

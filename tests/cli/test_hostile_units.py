@@ -62,7 +62,7 @@ def changing(line: str, *codes: int, confirmed: str = "--yes") -> Case:
 
 
 CASES = {
-    "doctor": Case("doctor"),
+    "doctor": Case("doctor --other-units"),
     "info": Case("info"),
     "read": Case(f"read FREQ TWAT --capture {RECORDING}"),
     "scan": Case("scan", interrupted=30.0),
