@@ -27,7 +27,7 @@ def accepted(unit: SurveyedUnit, measured: Measured, _: Prompter) -> None:
     weights = {code: code for code in unit.sizes}
     found: dict[str, dict[str, bool]] = {}
     for value in SPECIAL:
-        listed = _listed(weights, (-value - 0x61) & 0xFF, _room(measured))
+        listed = listed_codes(weights, (-value - 0x61) & 0xFF, _room(measured))
         if listed is not None:
             body, length = bytes([0x61, *listed]), sum(unit.sizes[code] for code in listed)
         elif _reads_ram(measured):
@@ -46,7 +46,7 @@ def sent(unit: SurveyedUnit, measured: Measured, person: Prompter) -> None:
             person.progress(place * _TRIES + done, len(SPECIAL) * _TRIES)
             data = unit.data(sorted(unit.sizes))
             weights = {code: sum(raw) & 0xFF for code, raw in data.items()}
-            listed = _listed(weights, -value & 0xFF, _room(measured))
+            listed = listed_codes(weights, -value & 0xFF, _room(measured))
             if listed is None:
                 break
             if (form := _form_of(unit, bytes([0x61, *listed]), value)) is not None:
@@ -92,7 +92,7 @@ def _sending(unit: SurveyedUnit, form: str) -> Iterator[None]:
         line.raw_checksum = usual
 
 
-def _listed(weights: Mapping[int, int], total: int, longest: int) -> tuple[int, ...] | None:
+def listed_codes(weights: Mapping[int, int], total: int, longest: int) -> tuple[int, ...] | None:
     """Return the shortest list of two codes or more whose weights sum to `total` modulo 256."""
     layer: dict[int, tuple[int, ...]] = {0: ()}
     for length in range(1, longest + 1):
