@@ -32,7 +32,7 @@ def test_everything_that_is_known_has_its_grounds_once() -> None:
         "command": len(COMMANDS_BY_CODE),
         "erratum": len(catalog.errata),
         "parameter": len(catalog.parameters),
-        "channel": len(catalog.derived),
+        "channel": len(catalog.derived) + len(catalog.instruments),
         "fault": len(catalog.faults),
         "model": len(catalog.models),
     }
@@ -64,6 +64,10 @@ def test_a_fault_a_model_and_a_channel_have_those_of_their_entries() -> None:
     duty = BY_NAME["DUTY"]
     assert duty.source.en == "facts: arithmetic"
     assert duty.parts == (Part("limits", Confidence.UNCONFIRMED, "arithmetic"),)
+    assert shipped().instruments
+    for name, channel in shipped().instruments.items():
+        assert BY_NAME[name].source.en == channel.source
+        assert BY_NAME[name].confidence is channel.confidence
 
 
 def test_an_entry_of_the_user_s_own_rests_on_the_file(tmp_path) -> None:

@@ -15,7 +15,8 @@ from typing import Any, Final, Literal
 
 from mikas.catalog.conversion import NO_TEXT
 from mikas.catalog.evidence import Basis, EvidenceTable, Sighting, evidence
-from mikas.catalog.limits import Confidence
+from mikas.catalog.instrument_channels import InstrumentChannel
+from mikas.catalog.limits import AlarmLimits, Confidence
 from mikas.catalog.lookup import Catalog
 from mikas.catalog.model import Derived, Fault, Model, Parameter
 from mikas.commands import COMMANDS_BY_CODE
@@ -87,6 +88,7 @@ def grounds_of(catalog: Catalog) -> tuple[Grounds, ...]:
         *filter(None, on_page),
         *(_parameter(each, known) for each in catalog.parameters),
         *map(_channel, catalog.derived.values()),
+        *map(_channel, catalog.instruments.values()),
         *(_fault(each, known) for _, each in sorted(catalog.faults.items())),
         *(_model(each, known) for each in catalog.models.values()),
     )
@@ -145,7 +147,6 @@ def _parameter(parameter: Parameter, known: EvidenceTable) -> Grounds:
     name, source = parameter.name, parameter.source
     basis = known.basis_of(name) if source == _LAW else None
     said = basis or Basis((), Text(source, source))
-    idle = (Part("reference", parameter.reference_confidence),) if parameter.reference else ()
     return Grounds(
         name,
         "parameter",
@@ -153,20 +154,26 @@ def _parameter(parameter: Parameter, known: EvidenceTable) -> Grounds:
         said.source,
         said.siblings,
         confidence=parameter.confidence,
-        parts=(*idle, *_parts(parameter)),
+        parts=tuple(_parts(parameter)),
         sightings=known.sightings_of(name) if basis else (),
     )
 
 
-def _parts(channel: Parameter | Derived) -> Iterator[Part]:
-    if limits := channel.alarm_limits:
-        yield Part("limits", limits.confidence, limits.source)
-    if meaning := channel.meaning:
+def _parts(parameter: Parameter) -> Iterator[Part]:
+    if parameter.reference:
+        yield Part("reference", parameter.reference_confidence)
+    yield from _limits(parameter.alarm_limits)
+    if meaning := parameter.meaning:
         yield Part("meaning", meaning.confidence, meaning.source)
 
 
-def _channel(channel: Derived) -> Grounds:
-    source, parts = Text(channel.source, channel.source), tuple(_parts(channel))
+def _limits(limits: AlarmLimits | None) -> Iterator[Part]:
+    if limits:
+        yield Part("limits", limits.confidence, limits.source)
+
+
+def _channel(channel: Derived | InstrumentChannel) -> Grounds:
+    source, parts = Text(channel.source, channel.source), tuple(_limits(channel.alarm_limits))
     sure = channel.confidence
     return Grounds(channel.name, "channel", channel.text, source, confidence=sure, parts=parts)
 

@@ -144,6 +144,7 @@ def lines(folder: str, prefix: str) -> list[list[str]]:
         ["fleet", "sql", "--", dataset, "SELECT count(*) FROM samples"],
         ["fleet", "report", "-o", at("f.html"), "--", dataset],
         ["survey", "-o", at("unit.zip"), "--yes", "--without-engine", *STANDING],
+        ["evidence", "--patch", at("unit.diff"), "--", at("unit.zip")],
         ["test"], ["test", "idle", "--duration", "3", *SIM], ["sim"],
         ["dash", *serve, *SIM], ["dash", *serve, "--lan"], ["demo", *serve, "--record", at("recs")],
     ]  # fmt: skip
