@@ -291,7 +291,7 @@ LOGS = (
         "another program's log is compared with",
         press("recordings/RowActions compare_of"),
         OpensLog("recordings/compare/CompareSheet open"),
-        shows("dialog .samples", "14,7"),
+        shows("dialog .samples", "0 · 500"),
         Shot("columns"),
         press("recordings/compare/ForeignSheet cancel"),
         OpensLog("recordings/compare/CompareSheet open"),
