@@ -37,6 +37,7 @@ TARGETS: Final = (
     "catalog",
     "foreign_logs",
     "guided",
+    "instruments",
     "notes",
     "units",
 )
