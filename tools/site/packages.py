@@ -55,7 +55,7 @@ _NOT_HERE = (
     "dashboard/server.py", "dissectors", "fleet", "link/failures.py", "link/network.py",
     "link/serial.py", "publish", "recording/export/mdf.py", "recording/export/parquet.py",
     "recording/parquet.py", "replay/routine.py", "testing",
-    "archives.py", "virtual/met_unit.py", "virtual/profiles", "virtual/unit_files.py",
+    "virtual/met_unit.py", "virtual/profiles", "virtual/unit_files.py",
     "virtual/unit_profile.py",
     *(f"recording/exchanges/columns/{each}.py" for each in (
         "directions", "frames", "matcher", "packets", "turn_runs",
