@@ -22,7 +22,7 @@ from mikas.instruments.choosing import ChosenInstrument
 from mikas.instruments.decoding import decoder_of
 from mikas.instruments.events import InstrumentValues
 from mikas.instruments.sources import InstrumentSource
-from mikas.instruments.timing import TimedDecoder
+from mikas.instruments.timing import TimedInstrumentDecoder
 from mikas.link.base import BITS_PER_BYTE
 
 _FIRST_RETRY: Final = 1.0  # s
@@ -106,7 +106,9 @@ class InstrumentReader:
         definition = chosen.definition
         plain = (channel.name for channel in definition.channels)
         self._channels = dict(zip(plain, chosen.channels, strict=True))
-        self._decoder = TimedDecoder(decoder_of(definition), BITS_PER_BYTE / definition.baud)
+        self._decoder = TimedInstrumentDecoder(
+            decoder_of(definition), BITS_PER_BYTE / definition.baud
+        )
         self._latest: dict[str, InstrumentReading] = {}
         self._lock = threading.Lock()
         self.state: InstrumentState | None = None

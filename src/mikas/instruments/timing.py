@@ -10,7 +10,7 @@ from mikas.instruments.events import InstrumentDecoder, InstrumentEvent
 _MOST_BYTES: Final = 512  # behind an event in its chunk that count; a network's chunk has more
 
 
-class TimedDecoder:
+class TimedInstrumentDecoder:
     """A decoder, with the time of each event. `byte_time`: seconds of a byte on the wire."""
 
     def __init__(self, decoder: InstrumentDecoder, byte_time: float) -> None:

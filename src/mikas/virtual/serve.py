@@ -173,7 +173,7 @@ class PtyPort(ServedBus):
 class InstrumentPty:
     """A virtual instrument on a pseudo-terminal of its own, in real time. POSIX only.
 
-    What nobody reads is dropped, as a serial port without a program drops it.
+    Bytes that no program reads are dropped, as at a serial port.
     """
 
     def __init__(self, instrument: VirtualInstrument, clock: Callable[[], float]) -> None:

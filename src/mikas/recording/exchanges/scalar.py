@@ -137,7 +137,7 @@ class _Direction:
 
     def _place(self, start: int, length: int) -> _Place:
         """Locate a part. Its first byte began at the earliest time that any of its packets implies:
-        a packet may have been delayed (`mikas.tester.exchange.TimedDecoder`).
+        a packet may have been delayed (`mikas.tester.exchange.TimedInstrumentDecoder`).
         """
         self._drop_before(start)
         first = self._packets[0]

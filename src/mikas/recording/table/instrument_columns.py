@@ -25,7 +25,7 @@ from mikas.instruments import (
     definition_named,
     definition_of_text,
 )
-from mikas.instruments.timing import TimedDecoder
+from mikas.instruments.timing import TimedInstrumentDecoder
 from mikas.recording.capture.instruments import instrument_packets, label_and_name
 from mikas.recording.capture.reader import Packet, Source
 from mikas.recording.exchanges.arrays import Floats
@@ -128,7 +128,7 @@ class InstrumentColumns:
     def _add(self, raw: RawInstrument) -> None:
         label, name = label_and_name(raw.source)
         definition = self._definition(name, raw.source)
-        decoder = TimedDecoder(decoder_of(definition), raw.source.byte_time)
+        decoder = TimedInstrumentDecoder(decoder_of(definition), raw.source.byte_time)
         labelled = definition.labelled(label).channels
         names = dict(zip((each.name for each in definition.channels), labelled, strict=True))
         times: dict[str, list[float]] = {name: [] for name in names}
