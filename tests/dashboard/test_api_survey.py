@@ -71,9 +71,9 @@ def test_a_survey_without_the_engine_is_shown_and_then_saved(off, tmp_path):
     assert {it["verdict"] for it in shown["answers"]} >= {"found", "not-asked"}
     assert off.get("/survey/file", status=404)
     saved = off.post("/survey/save")
-    assert (saved["phase"], saved["saved"]["name"]) == ("idle", "mikas-survey.zip")
+    assert (saved["phase"], saved["saved"]["name"]) == ("idle", "virtual-survey.zip")
     answer = off.get("/survey/file")
-    assert answer.headers["content-disposition"] == 'attachment; filename="mikas-survey.zip"'
+    assert answer.headers["content-disposition"] == 'attachment; filename="virtual-survey.zip"'
     file = tmp_path / "got.zip"
     file.write_bytes(answer.content)
     kept = read_survey(file)
@@ -159,6 +159,7 @@ def test_a_pulled_cable_ends_it_and_it_goes_on(off):
     wait(off, lambda now: step_is("codes")(now) and now["step"]["done"] > 10)
     off.cars.pull()
     lost = wait(off, ended)
+    assert lost["virtual"] is False
     assert (lost["phase"], lost["error"]["code"]) == ("stopped", "LinkLost")
     assert lost["found"] > 3
     off.cars.put_back()

@@ -27,7 +27,11 @@ from mikas.survey.folder import SurveyFolder
 from mikas.survey.readme import readme
 from mikas.survey.survey import concluded, content_of
 
-_NAMES: Final = ("mikas-survey.zip", "mikas-survey-{number}.zip")
+_NAMES: Final = {
+    False: ("mikas-survey.zip", "mikas-survey-{number}.zip"),
+    True: ("virtual-survey.zip", "virtual-survey-{number}.zip"),
+}
+"""By whether the car is a virtual one: its survey never goes on with a real unit."""
 _END: Final = 3.0  # s for the end of a stream and of the handshake; then the link is closed
 _NOTHING: Final = Text("no survey is under way", "нет начатого обследования")
 
@@ -79,6 +83,15 @@ class Surveys:
         self.error: MikasError | None = None
         """Why the last run ended before its end."""
         self._task: asyncio.Task[None] | None = None
+        self._last_virtual: bool | None = None
+
+    @property
+    def virtual(self) -> bool:
+        """Whether the survey is of a virtual car: the one under way, or else the last one."""
+        if self._last_virtual is not None:
+            return self._last_virtual
+        of_virtual, of_real = (SurveyFolder(self._out(virtual=it)).path for it in (True, False))
+        return of_virtual.exists() and not of_real.exists()
 
     @property
     def runs(self) -> bool:
@@ -98,6 +111,7 @@ class Surveys:
         pause = settings.connection.pause if chosen.pause is None else chosen.pause
         ensure_folder(settings.surveys)
         self.error = None
+        self._last_virtual = port.startswith("sim:")
         self.latest = run = SurveyRun(
             port,
             self._out(),
@@ -178,12 +192,12 @@ class Surveys:
         """Remove what was measured and not saved. Raises `Busy`."""
         self._check_stopped()
         SurveyFolder(self._out()).forget()
-        self.latest = self.error = None
+        self.latest = self.error = self._last_virtual = None
 
     def saved(self) -> Path | None:
         """Return the ZIP that was saved last."""
         last = None
-        for file in self._files():
+        for file in self._files(virtual=self.virtual):
             if not file.exists():
                 return last
             last = file
@@ -202,12 +216,13 @@ class Surveys:
         if self.runs:
             raise Busy(problem=SURVEYING)
 
-    def _out(self) -> Path:
+    def _out(self, *, virtual: bool | None = None) -> Path:
         """Return the ZIP of the survey under way, or of the next one: the first free name."""
-        return next(file for file in self._files() if not file.exists())
+        kind = self.virtual if virtual is None else virtual
+        return next(file for file in self._files(virtual=kind) if not file.exists())
 
-    def _files(self) -> Iterator[Path]:
-        folder = self._settings().surveys
-        yield folder / _NAMES[0]
+    def _files(self, *, virtual: bool) -> Iterator[Path]:
+        folder, (first, more) = self._settings().surveys, _NAMES[virtual]
+        yield folder / first
         for number in count(2):
-            yield folder / _NAMES[1].format(number=number)
+            yield folder / more.format(number=number)

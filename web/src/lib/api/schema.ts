@@ -1535,6 +1535,8 @@ export interface components {
             phase: "idle" | "running" | "stopped" | "finished";
             /** @description while it runs */
             port: string | null;
+            /** @description of a virtual car: for trying, not for sending */
+            virtual: boolean;
             /** @description null: none, or the port is being opened */
             step: components["schemas"]["SurveyStepState"] | null;
             /** @description what the person shall do, while the car is waited for */

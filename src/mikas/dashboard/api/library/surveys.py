@@ -104,6 +104,7 @@ class SurveyState(BaseModel):
 
     phase: Literal["idle", "running", "stopped", "finished"]
     port: str | None = Field(description="while it runs")
+    virtual: bool = Field(description="of a virtual car: for trying, not for sending")
     step: SurveyStepState | None = Field(description="null: none, or the port is being opened")
     instruction: OptionalTexts = Field(
         description="what the person shall do, while the car is waited for"
@@ -237,6 +238,7 @@ def _state(dashboard: Dashboard) -> SurveyState:
         "port": None,
         "step": None,
         "consents": None,
+        "virtual": surveys.virtual,
         "error": body_of(surveys.error) if surveys.error else None,
         "saved": _saved(surveys.saved()),
     }

@@ -8,7 +8,7 @@ import Screen from "./Screen.svelte";
 eachOnItsOwnPage();
 const words = (text: string) => ({ en: text, ru: text });
 const IDLE: SurveyState = {
-  ...{ phase: "idle", port: null, step: null, instruction: null, asked: null },
+  ...{ phase: "idle", port: null, virtual: false, step: null, instruction: null, asked: null },
   ...{ found: 0, open: 0, left: null, consents: null, error: null, saved: null },
 };
 const RUNNING: SurveyState = {
@@ -142,6 +142,13 @@ it("all that the file would hold is shown before it is saved; forgetting is aske
   expect(document.body.textContent).toContain("not asked");
   await press("Go on");
   await waitFor(() => expect(sent(rig, "/survey/start")[0]?.body).toMatchObject({ port: "COM3" }));
+});
+
+it("a survey of the virtual car goes on with a virtual car, whatever is connected, and says so", async () => {
+  const rig = shown({ ...STOPPED, virtual: true });
+  await screen.findByText(/This is the virtual car/);
+  await press("Go on");
+  await waitFor(() => expect(sent(rig, "/survey/start")[0]?.body).toMatchObject({ port: expect.stringMatching(/^sim:/) }));
 });
 
 it("nothing is forgotten without a second touch", async () => {
