@@ -69,6 +69,7 @@ def test_what_a_code_follows():
     assert follows([0, 0], [21, 22], [60, 62]) == "rpm"
     assert follows([0, 0], [1, 1], [1, 1]) == "key"  # a flag
     assert follows([120, 121], [140, 141], [140, 142]) == "key"
+    assert follows([49, 49], [49, 49], [50, 50]) == "other"  # one step in minutes
     assert follows([80, 80], [81, 84], [83, 85]) == "other"  # a temperature that drifts
     assert follows([1, 9], [3, 8], [2, 7]) == "other"
 

@@ -114,16 +114,16 @@ def moves_of(samples: Mapping[str, Mapping[str, Sequence[str]]]) -> dict[str, st
 def _follows(samples: Mapping[str, Sequence[str]]) -> str:
     """Return what one code's data follow.
 
-    `rpm`: at the raised speed they lie outside all that idle gave. `key`: with the engine standing
-    they lie further from those of the running one than these from each other: a slow drift, as of a
-    temperature, is no such step.
+    `rpm`: at the raised speed they lie outside all that idle gave, by more than one step.
+    `key`: with the engine standing they lie further from those of the running one than these from
+    each other: a slow drift, as of a temperature, is no such step.
     """
     if len({raw for each in samples.values() for raw in each}) == 1:
         return "constant"
     standing = _span(samples, (CarState.STANDING.value,))
     idle, running = _span(samples, _AT_IDLE), _span(samples, _RUNNING)
     raised = _span(samples, (CarState.RAISED.value,))
-    if idle and raised and _distance(idle, raised) > 0:
+    if idle and raised and _distance(idle, raised) > 1:
         return "rpm"
     if standing and running:
         width, step = running[1] - running[0], _distance(standing, running)
