@@ -148,6 +148,9 @@ def test_what_was_stopped_goes_on_after_a_new_start_with_its_consents(tmp_path):
         )
         assert unit["passports"][0] == "МИКАС 7.1"
         assert unit["max_block"] is None
+    with rig(tmp_path, None) as it:  # a reload before it is saved
+        saved = it.post("/survey/save")
+        assert (saved["virtual"], saved["saved"]["name"]) == (True, "virtual-survey.zip")
 
 
 def test_a_pulled_cable_ends_it_and_it_goes_on(off):

@@ -184,6 +184,7 @@ class Surveys:
     def save(self) -> Path:
         """Write the ZIP, and return it. Raises `NotFound`, `Busy`, `UsageError`."""
         packed, _ = self._packed()
+        self._last_virtual = self.virtual  # its folder says so, which ends here
         folder = SurveyFolder(self._out())
         folder.finish(packed)
         return folder.out
