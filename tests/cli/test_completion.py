@@ -139,7 +139,7 @@ FREE = {
     "--rotate", "--car", "--plate", "--mileage", "--workshop", "--topic", "--user", "--client-id",
     "--every", "--qos", "--discovery-prefix", "--name", "--raw", "--from", "--to", "--block",
     "--workers", "--baud", "--seed", "--latency-ms", "--host-port", "[VALUE]", "ADDR", "[COUNT]",
-    "HEX", "SQL", "--voltmeter", "--tachometer",
+    "HEX", "SQL", "--voltmeter", "--tachometer", "--since",
 }  # fmt: skip
 
 

@@ -16,6 +16,7 @@ PUBLIC_MODULES = [
     "mikas.client",
     "mikas.client.identity",
     "mikas.commands",
+    "mikas.drives",
     "mikas.errors",
     "mikas.foreign_logs",
     "mikas.framing",

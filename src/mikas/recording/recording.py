@@ -38,6 +38,7 @@ if TYPE_CHECKING:
 
     from mikas.instruments import InstrumentDefinition
     from mikas.recording.table.dataframes import Table
+    from mikas.recording.table.instrument_columns import InstrumentSamples
     from mikas.recording.table.raw_recording import RawRecording
     from mikas.recording.table.window import Windows
 
@@ -210,6 +211,15 @@ class Recording:
             if len(rows.times):
                 self._begins.setdefault(source.recording, float(rows.times[0]))
             yield rows
+
+    @property
+    def instrument_channels(self) -> tuple[str, ...]:
+        """The channels of all instruments of the file, also those that are no columns here."""
+        return tuple(self._instruments.channels)
+
+    def instrument_samples(self, name: str, session: int) -> InstrumentSamples | None:
+        """Return what an instrument measured in a session, with its own times; None: nothing."""
+        return self._instruments.samples(session, name)
 
     @property
     def instruments_unread(self) -> tuple[Text, ...]:

@@ -136,7 +136,7 @@ def lines(folder: str, prefix: str) -> list[list[str]]:
         ["mem", "diff", "--", dump, dump], ["mem", "goto", "0x8000", *risky],
         ["raw", "01", *risky], ["decode", "--", drive],
         *(["export", "-o", at(f"e.{kind}"), "--", drive] for kind in ("csv", "mf4", "parquet")),
-        ["find", "--", drive, "FREQ>0"], ["split", "--", at("2.pcapng")],
+        ["find", "--", drive, "FREQ>0"], ["trip", "--", drive], ["split", "--", at("2.pcapng")],
         ["report", "-o", at("r.html"), "--", drive], ["causes", "--", drive],
         ["help", "read"], ["completion", "bash"],
         ["wireshark"], ["wireshark", "--install"], ["sigrok"], ["sigrok", "--install"],

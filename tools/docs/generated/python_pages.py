@@ -133,6 +133,10 @@ PAGES = (
         Text("Logs of other programs as tables.", "Логи других программ как таблицы."),
     ),
     Module(
+        "mikas.drives",
+        Text("Drives in a recording, and their sums.", "Поездки в записи и их суммы."),
+    ),
+    Module(
         "mikas.notebook.drawing",
         Text("What `Recording.plot` returns.", "То, что возвращает `Recording.plot`."),
         ("Plot",),

@@ -83,6 +83,11 @@ COMMANDS: dict[str, tuple[str, Text]] = {
         "find the moments of a recording at which a condition holds (needs no port)",
         "найти в записи моменты, когда выполняется условие (порт не нужен)",
     ),
+    "trip": home(
+        "recordings.trip",
+        "drives of a recording: fuel, distance, idling (needs no port)",
+        "поездки в записи: топливо, путь, холостой ход (порт не нужен)",
+    ),
     "export": home(
         "recordings.export",
         "export a recording for other programs (needs no port)",

@@ -74,8 +74,11 @@ def raw_instruments(path: Path) -> list[RawInstrument]:
 
 
 @dataclass(frozen=True, slots=True)
-class _Column:
-    """The values of a channel in one session; NaN where the connection began or was lost."""
+class InstrumentSamples:
+    """The values of a channel in one session, in the order of time.
+
+    `values`: NaN where the connection began or was lost. `stale`: seconds that a value holds.
+    """
 
     times: Floats
     values: Floats
@@ -109,12 +112,16 @@ class InstrumentColumns:
         self._catalog = catalog
         self.channels: dict[str, Channel] = {}
         self.unread: list[tuple[Source, UsageError]] = []
-        self._columns: dict[tuple[int, str], _Column] = {}
+        self._columns: dict[tuple[int, str], InstrumentSamples] = {}
         for raw in found:
             try:
                 self._add(raw)
             except UsageError as error:
                 self.unread.append((raw.source, error))
+
+    def samples(self, session: int, name: str) -> InstrumentSamples | None:
+        """Return the values of a channel in a session, with their own times; None without any."""
+        return self._columns.get((session, name))
 
     def values(self, session: int, times: Floats, names: Iterable[str]) -> dict[str, Floats]:
         """Return a column for each of the `names` that are channels here."""
@@ -163,11 +170,11 @@ def _channel(each: InstrumentChannel) -> Channel:
     return Channel(each.name, each.unit, each.text, False, each.decimals, each.unit_text)
 
 
-def _rising(times: Sequence[float], values: Sequence[float], stale: float) -> _Column:
+def _rising(times: Sequence[float], values: Sequence[float], stale: float) -> InstrumentSamples:
     """Return the column in the order of time, which a clock that was set may have changed."""
     at, found = np.array(times, np.float64), np.array(values, np.float64)
     order = at.argsort(kind="stable")
-    return _Column(at[order], found[order], stale)
+    return InstrumentSamples(at[order], found[order], stale)
 
 
 def given_definitions(
