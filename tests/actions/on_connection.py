@@ -88,7 +88,7 @@ CONNECTION = (
         ),
         Shot("content"),
         press("connection/survey/Content save"),
-        shows(f"{SCREEN} h2", "Saved: virtual-survey.zip"),
+        shows(f"{SCREEN} h2", "Saved: virtual-survey"),
         saves("connection/survey/Saved download"),
         go("connection"),
         SAMPLES,
