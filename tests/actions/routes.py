@@ -72,6 +72,11 @@ FOREIGN = b"Time (s),AFR\n0,14.7\n1,13.9\n"
 CAR = "sim:?scenario=warm-idle"
 DOUBLE = {"formula": "TWAT * 2", "text": {"en": "double", "ru": "вдвое"}, "new": True}
 GAUGE = {"gauge": [0, 150]}
+BOOST = {
+    "text": {"en": "Boost gauge", "ru": "Манометр наддува"},
+    "patterns": ["{BOOST}"],
+    "channels": [{"name": "BOOST", "text": {"en": "Boost", "ru": "Наддув"}, "unit": "bar"}],
+}
 NAMED = {"car": "Волга", "plate": "A 123 BC", "mileage": 120000, "workshop": ""}
 ONE = "/recordings/{recording}"
 DUMP = "/dumps/{dump}"
@@ -113,6 +118,12 @@ LIVE = (
     post("/channels/try", {"formula": "TWAT / 2"}),
     get("/causes"),
     get("/history/find", "/history/find?expression=TWAT>0"),
+    get("/instruments"),
+    put("/instruments/definitions/{name}", BOOST, "/instruments/definitions/boost"),
+    delete("/instruments/definitions/{name}", "/instruments/definitions/boost"),
+    post("/instruments", {"definition": "phone", "port": "position:"}),
+    post("/instruments/position", {"latitude": 55.7, "longitude": 37.6}),
+    delete("/instruments/{title}", "/instruments/phone"),
     get("/actions"),
     put("/actions", {"rules": [{"name": "ring", "when": "TWAT > 999", "sound": True}]}),
     post("/actions/try", {"name": "ring", "when": "TWAT > 0"}),

@@ -8,7 +8,7 @@ PARTS = {
         "test_access.py", "test_api_actions.py", "test_api_cars.py", "test_api_causes.py",
         "test_api_channels.py", "test_api_connection.py",
         "test_api_errors.py", "test_api_exports.py", "test_api_foreign.py",
-        "test_api_foreign_logs.py", "test_api_guided_tests.py",
+        "test_api_foreign_logs.py", "test_api_guided_tests.py", "test_api_instruments.py",
         "test_api_live.py", "test_api_marks.py", "test_api_messages.py",
         "test_api_recorded_faults.py",
         "test_api_recordings.py", "test_api_references.py", "test_api_report.py",

@@ -47,6 +47,7 @@ from mikas.dashboard.session.dump_jobs import DumpJobs
 from mikas.dashboard.session.freeze_frames import FreezeFrameStore
 from mikas.dashboard.session.guided_tests import GuidedTests
 from mikas.dashboard.session.history import FaultHistory, History
+from mikas.dashboard.session.instruments.beside import InstrumentsBeside
 from mikas.dashboard.session.monitor import ConnectionMonitor
 from mikas.dashboard.session.parameter_writing import ParameterWriting
 from mikas.dashboard.session.port_threads import Diagnosis, SamplingThread
@@ -144,6 +145,13 @@ class Dashboard:
             lambda: self.catalog,
             settings.language,
         )
+        self.instruments: InstrumentsBeside = InstrumentsBeside(
+            lambda: self.settings,
+            self.connection,
+            self.recorder.recorder,
+            self.monitor.set_beside,
+        )
+        self.connection.taken = self.instruments.ports
         self.surveys: Surveys = Surveys(self.connection, lambda: self.settings)
         self.diagnosis: Diagnosis | None = None
         """The diagnosis that has the port."""
@@ -155,6 +163,7 @@ class Dashboard:
         """Run as long as the application; at its end the recording and the port are closed."""
         await asyncio.to_thread(self.dump_jobs.find)
         await asyncio.to_thread(self.actions.load)
+        await asyncio.to_thread(self.instruments.load)
         self.actions.start()
         self.connection.start()
         async with AsyncExitStack() as closing:  # from the last on, each whatever another raises
@@ -234,6 +243,8 @@ class Dashboard:
             before=self.session.unit,  # another unit may answer now
             moved=bool(last := self.session.unit_port) and are_of_two_cars(last, port.url),
         )
+        thread.at_end = self.instruments.end
+        self.instruments.begin(thread)
         self.session.begin(thread.acquisition)
         self.freeze_frames.begin_connection(thread.now())
         self.monitor.begin(request.every, thread.now())
@@ -249,7 +260,11 @@ class Dashboard:
         """Pass on an event, after those that it completes; in the sampling thread."""
         if thread is not self.connection.thread:
             return
+        for change in self.instruments.follow():
+            self.monitor.log(change)
         for it in self.session.events_of(event):
+            if isinstance(it, events.Sampled):
+                it = self.instruments.with_values(it)  # noqa: PLW2901
             if isinstance(it, events.AdapterMoved):
                 self.connection.moved(it.port)
             self._measure(thread)

@@ -46,30 +46,37 @@ def chosen_instruments(texts: Iterable[str], catalog: Catalog) -> tuple[ChosenIn
     Raises `UsageError` for a text in another form, an unknown instrument, two with a channel of one
     name; `CatalogError` for a wrong file; `BadPortUrl`.
     """
-    found: list[ChosenInstrument] = []
-    owners: dict[str, str] = {}
-    for text in texts:
-        one = _chosen(text, catalog)
-        found.append(one)
+    found = tuple(_chosen(text, catalog) for text in texts)
+    check_together(found, catalog)
+    return found
+
+
+def check_together(chosen: Iterable[ChosenInstrument], catalog: Catalog) -> None:
+    """Raise `UsageError` for too many, and for two with a channel of one name."""
+    owners: dict[str, ChosenInstrument] = {}
+    count = 0
+    for one in chosen:
+        count += 1
+        text = f"{one.title}={one.url}"
         for channel in one.channels:
             if channel.name in catalog.channels:
                 raise usage_error(
                     f"{one.title}: {channel.name} is a channel of the unit; give another label",
                     f"{one.title}: {channel.name} — канал самого блока; дайте другую метку",
                 )
-            if (other := owners.setdefault(channel.name, text)) != text:
+            if (other := owners.setdefault(channel.name, one)) is not one:
+                first = f"{other.title}={other.url}"
                 raise usage_error(
-                    f"Two instruments give {channel.name}: {other} and {text}; label one of them: "
+                    f"Two instruments give {channel.name}: {first} and {text}; label one of them: "
                     f"--instrument rear:{text}",
-                    f"Канал {channel.name} дают два прибора: {other} и {text}; дайте одному метку: "
+                    f"Канал {channel.name} дают два прибора: {first} и {text}; дайте одному метку: "
                     f"--instrument rear:{text}",
                 )
-    if len(found) > _MOST:
+    if count > _MOST:
         raise usage_error(
             f"More than {_MOST} instruments; leave some out",
             f"Больше {_MOST} приборов; уберите лишние",
         )
-    return tuple(found)
 
 
 def _chosen(text: str, catalog: Catalog) -> ChosenInstrument:
@@ -83,8 +90,15 @@ def _chosen(text: str, catalog: Catalog) -> ChosenInstrument:
         )
     match = _LABEL.fullmatch(name)
     label, name = match.groups() if match else ("", name)
-    definition = definition_named(name, catalog)
+    return placed(definition_named(name, catalog), url, label, catalog)
+
+
+def placed(
+    definition: InstrumentDefinition, url: str, label: str, catalog: Catalog
+) -> ChosenInstrument:
+    """Return the instrument at `url`. Raises `UsageError`, `BadPortUrl` for a wrong one."""
     if url.lower().startswith(GPSD):
+        name = definition.name
         if definition.decoder == "nmea":  # the receiver is the same one, its language gpsd's
             definition = definition_named("gpsd", catalog)
         if definition.decoder != "gpsd":

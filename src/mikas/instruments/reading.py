@@ -20,7 +20,7 @@ from mikas.errors import MikasError
 from mikas.i18n import Text
 from mikas.instruments.choosing import ChosenInstrument
 from mikas.instruments.decoding import decoder_of
-from mikas.instruments.events import InstrumentValues
+from mikas.instruments.events import NO_FIX, InstrumentValues
 from mikas.instruments.sources import InstrumentSource
 from mikas.instruments.timing import TimedInstrumentDecoder
 from mikas.link.base import BITS_PER_BYTE
@@ -113,6 +113,10 @@ class InstrumentReader:
         self._lock = threading.Lock()
         self.state: InstrumentState | None = None
         """The state reported last; None before the first."""
+        self.damaged = 0
+        """The messages that gave no value, since the session began."""
+        self.reason: Text | None = None
+        """Why it is lost or silent; None: it is not."""
         self._retry, self._due = _FIRST_RETRY, float("-inf")
         self._valued = 0.0  # when it last gave a value, or was connected
         self._why: Text | None = None  # the reason of the last bytes without a value
@@ -159,6 +163,7 @@ class InstrumentReader:
         for event, at in self._decoder.feed(data, time):
             if not isinstance(event, InstrumentValues):
                 self._why = event.reason
+                self.damaged += event.reason != NO_FIX
                 continue
             with self._lock:
                 for name, value in event.values.items():
@@ -184,7 +189,7 @@ class InstrumentReader:
             self._change(now, InstrumentState.LOST, error.reason)
 
     def _change(self, time: float, state: InstrumentState, reason: Text | None = None) -> None:
-        self.state = state
+        self.state, self.reason = state, reason
         self._report(InstrumentChange(time, self.chosen, state, reason))
 
 

@@ -33,7 +33,8 @@ class SessionInstruments:
     """The instruments `chosen` beside the unit at `port`; `sink`: the recorder.
 
     `comments`: as of `InstrumentReader`. `open_port`: opens a port of theirs. `sources`: in place
-    of theirs, read in the session's thread, for tests.
+    of theirs, read in the session's thread, for tests. `own_source`: of an instrument that has no
+    port, or None.
     """
 
     def __init__(
@@ -45,9 +46,10 @@ class SessionInstruments:
         *,
         open_port: Callable[..., Link] = open_link,
         sources: Sequence[InstrumentSource] = (),
+        own_source: Callable[[ChosenInstrument], InstrumentSource | None] = lambda _: None,
     ) -> None:
         self.chosen: tuple[ChosenInstrument, ...] = tuple(chosen)
-        self._port, self._open_port = port, open_port
+        self._port, self._open_port, self._own_source = port, open_port, own_source
         self._changes: deque[InstrumentChange] = deque()
         self._ended = threading.Event()
         self._threads: list[threading.Thread] = []
@@ -66,9 +68,12 @@ class SessionInstruments:
                 comments=comments,
             )
             (self._in_turn if is_virtual or sources else self._alone).append(reader)
-        self._readers = [*self._in_turn, *self._alone]
+        self.readers: tuple[InstrumentReader, ...] = (*self._in_turn, *self._alone)
+        """The readers, for their states."""
 
     def _source(self, chosen: ChosenInstrument, *, is_virtual: bool) -> InstrumentSource:
+        if (own := self._own_source(chosen)) is not None:
+            return own
         if not is_virtual:
             return LinkSource(chosen, self._port.now, self._open_port)
         from mikas.instruments.virtual_source import VirtualSource  # the engine: for this only
@@ -99,14 +104,14 @@ class SessionInstruments:
     def fresh(self, time: float) -> Mapping[str, InstrumentReading]:
         """Return the values that are not too old at `time`, by channel."""
         found: dict[str, InstrumentReading] = {}
-        for reader in self._readers:
+        for reader in self.readers:
             found |= reader.fresh(time)
         return found
 
     def close(self) -> None:
         """End the threads and close the ports; a second call does nothing."""
         self._ended.set()
-        for reader in self._readers:
+        for reader in self.readers:
             reader.close()
         for thread in self._threads:
             thread.join(_END)

@@ -94,7 +94,7 @@ class Recorder:
         instruments: Sequence[pcapng.Interface] = (),
     ) -> None:
         self.instruments: Sequence[pcapng.Interface] = tuple(instruments)
-        """The ports of instruments; to be set before the first file."""
+        """The ports of instruments; to be set before the first file, else by `use_instruments`."""
         self.on_file = on_file
         self.conclude: Callable[[], object] = lambda: None
         """To be set before the first event."""
@@ -151,6 +151,15 @@ class Recorder:
         with self._lock:
             if self._running is not None:
                 self._continue_in_next_file(self._running)
+
+    def use_instruments(self, ports: Sequence[pcapng.Interface]) -> None:
+        """Describe these ports from now on: a running recording goes on in another file.
+
+        To be called as `next_file`.
+        """
+        with self._lock:
+            self.instruments = tuple(ports)
+            self.next_file()
 
     def marker(self, time: float | None = None, label: str = "") -> float | None:
         """Mark a moment, by default now. Return its time, None before any byte or event."""

@@ -7,7 +7,15 @@ from typing import Annotated, Final, Literal
 
 from pydantic import BaseModel, Field
 
-from mikas.catalog import Catalog, Confidence, Derived, Level, Parameter, shipped
+from mikas.catalog import (
+    Catalog,
+    Confidence,
+    Derived,
+    InstrumentChannel,
+    Level,
+    Parameter,
+    shipped,
+)
 from mikas.catalog.evidence import Agreement
 from mikas.catalog.grounds import parameter_grounds
 from mikas.dashboard.api.errors import OptionalTexts, TwoTexts, made_of
@@ -71,13 +79,14 @@ class ChannelMeaning(BaseModel):
 
 
 class ChannelInfo(BaseModel):
-    """A parameter, or a derived channel (`inputs`; no code and no size).
+    """A parameter, a derived channel (`inputs`; no code and no size), or one of an instrument.
 
     `own`: the keys that the user's own catalog sets; `mine`: the whole channel is defined there.
     """
 
     name: str
     derived: bool
+    instrument: bool = Field(description="an instrument beside the unit gives it")
     flag: bool
     code: int | None
     size: int | None
@@ -120,12 +129,14 @@ Entries = Mapping[tuple[str, str], Mapping[str, object]]
 
 
 _NO_PARAMETER: Final[dict[str, object]] = {
-    "derived": True, "writable": False, "code": None, "size": None, "range": None,
-    "reference": None, "reference_confidence": Confidence.UNKNOWN, "range_kind": "", "lamp": None,
-    "meaning": None, "errata": [], "otherwise": [], "evidence": None,
+    "derived": True, "instrument": False, "writable": False, "code": None, "size": None,
+    "range": None, "reference": None, "reference_confidence": Confidence.UNKNOWN,
+    "range_kind": "", "lamp": None, "meaning": None, "errata": [], "otherwise": [],
+    "evidence": None,
 }  # fmt: skip
 _NOT_DERIVED: Final[dict[str, object]] = {
-    "derived": False, "mine": False, "inputs": None, "constants": {}, "accumulates": False,
+    "derived": False, "instrument": False, "mine": False, "inputs": None, "constants": {},
+    "accumulates": False,
 }  # fmt: skip
 
 
@@ -163,4 +174,29 @@ def channel_info(known: Catalog, channel: Parameter | Derived, own: Entries) -> 
         alarm_when_true=limits.when_true if limits else Level.NONE,
         own=list(keys),
         **special,
+    )
+
+
+def instrument_channel_info(channel: InstrumentChannel) -> ChannelInfo:
+    """Return a channel of an instrument beside the unit."""
+    limits = channel.alarm_limits
+    return made_of(
+        ChannelInfo,
+        channel,
+        **_NO_PARAMETER
+        | _NOT_DERIVED
+        | {
+            "instrument": True,
+            "range": channel.range,
+            "range_kind": "plausible" if channel.range else "",
+            "formula": "",
+        },
+        flag=channel.is_flag,
+        short=channel.short if channel.short.en else channel.text,
+        names=[],
+        unit=channel.unit_text,
+        unit_key=channel.unit,
+        limits=limits if limits and limits.for_number else None,
+        alarm_when_true=Level.NONE,
+        own=[],
     )

@@ -223,14 +223,16 @@ async def value(
 ) -> ChannelValue:
     """Return a channel's value at a moment with its bytes, live or in a recording."""
     dashboard = requester.dashboard
-    channel = dashboard.catalog.channel(name)
+    beside = {it.name for it in dashboard.instruments.channels} | set(dashboard.catalog.instruments)
+    channel = None if name in beside else dashboard.catalog.channel(name)
     if recording is None and at is None and isinstance(channel, Parameter):
         return _now(dashboard, channel.name)
-    moments = await _moments(requester, [channel.name], recording, at)
-    if (found := moments.get(channel.name)) is None:
-        return ChannelValue(name=channel.name)
+    name = name if channel is None else channel.name
+    moments = await _moments(requester, [name], recording, at)
+    if (found := moments.get(name)) is None:
+        return ChannelValue(name=name)
     time, number = found
-    answer = ChannelValue(name=channel.name, value=number, time=time)
+    answer = ChannelValue(name=name, value=number, time=time)
     if isinstance(channel, Parameter):
         answer.interpretation = dashboard.library.interpretation
         raw = _raw(channel, number, answer.interpretation)

@@ -181,7 +181,8 @@ def first(dashboard: TheDashboard, client: Controller, body: PriorityRequest) ->
     """Let these channels come first where each one costs time; the others are read in every fifth
     cycle there. A stream or a list reads all in one response, and goes on unchanged.
     """
-    dashboard.plan.prefer(body.names)
+    beside = {channel.name for channel in dashboard.instruments.channels}
+    dashboard.plan.prefer([name for name in body.names if name not in beside])
     return state_of(dashboard, client)
 
 

@@ -20,6 +20,7 @@ from mikas.dashboard.session.history import ActionDone, ExchangeFailed, Recordin
 from mikas.i18n import Text
 from mikas.sampling import events
 from mikas.sampling.alarms import Side
+from mikas.sampling.instrument_changes import InstrumentChanged
 
 _MESSAGE: Final = ConfigDict(extra="forbid", allow_inf_nan=False)
 
@@ -79,6 +80,7 @@ LiveEvent = Annotated[
         _model(ExchangeFailed, text=TwoTexts),
         _model(RecordingChanged),
         _model(ActionDone, text=TwoTexts),
+        _model(InstrumentChanged, text=TwoTexts),
     ),
 ]
 """Any event of the running connection."""

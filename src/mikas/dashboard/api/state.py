@@ -11,6 +11,7 @@ from mikas.catalog.ignition_only import absent_channels
 from mikas.client.parameters.polling import Method
 from mikas.commands.unit import version_text
 from mikas.dashboard.api.errors import OptionalTexts, TwoTexts, made_of, two
+from mikas.dashboard.api.instruments.models import InstrumentNow, instruments_now
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.errors import ADVICE
 from mikas.dashboard.security.control import Client
@@ -119,6 +120,10 @@ class State(OwnState):
     fault_count: int | None = Field(description="as last read; null: not read yet")
     fault_time: float | None = Field(description="of that reading")
     unlocked_until: float | None
+    instruments: list[InstrumentNow] = Field(description="beside the unit")
+    instruments_version: int = Field(
+        description="counts the changes of the instruments and their definitions"
+    )
     demo: bool
     lan: bool
     unkept: int = Field(
@@ -161,6 +166,7 @@ def shared_state(dashboard: Dashboard) -> State:
     later = connection.later
     stored, unlocked = dashboard.fault_history.latest, dashboard.write_lock.left
     cycles = dashboard.plan.cycles(thread.acquisition.plan if thread is not None else None)
+    instruments = instruments_now(dashboard)
     recording = _recording(dashboard)  # not under the monitor's lock: the recorder logs files there
     with monitor.lock:
         checking = dashboard.diagnosis is not None
@@ -215,6 +221,8 @@ def shared_state(dashboard: Dashboard) -> State:
             fault_count=len(stored.faults) if stored else None,
             fault_time=stored.time + later if stored else None,
             unlocked_until=None if unlocked is None else now + later + unlocked,
+            instruments=instruments,
+            instruments_version=dashboard.instruments.version,
             demo=connection.is_demo,
             lan=dashboard.lan,
             unkept=len(unkept.sentences()),

@@ -84,6 +84,8 @@ class Connection:
     on_end: Callable[[SamplingThread, Text], None]
     port: PortSettings | None = None
     thread: SamplingThread | None = field(default=None, init=False)
+    taken: Callable[[], frozenset[str]] = field(default=frozenset, init=False)
+    """The ports at which other instruments are; to be set before the first request."""
 
     def __post_init__(self) -> None:
         self._changing = asyncio.Lock()
@@ -166,7 +168,8 @@ class Connection:
 
     def likely(self) -> str:
         """Return the URL of the one likely adapter. Raises as `only_likely`."""
-        return only_likely(self._settings.find())
+        others = self.taken()
+        return only_likely([port for port in self._settings.find() if port.url not in others])
 
     @property
     def changing(self) -> bool:

@@ -21,6 +21,7 @@ from mikas.client.parameters.derived import DerivedValue
 from mikas.dashboard.session.history import EventLog, ExchangeFailed, History, reason_of
 from mikas.errors import EcuRefused, LineError, MikasError, NoConnection
 from mikas.i18n import Text
+from mikas.instruments.reading import InstrumentReading
 from mikas.sampling import events
 from mikas.sampling.session import SamplingSession
 from mikas.tester import Failure
@@ -120,7 +121,8 @@ class ConnectionMonitor:
         self._log = EventLog()
         self._events: list[events.Event] = []
         self._drained = history.count  # rows
-        self._names: tuple[str, ...] = ()
+        self._wanted: tuple[str, ...] = ()
+        self._beside: tuple[str, ...] = ()
         self.begin((), 0.0)
 
     def begin(self, names: Iterable[str], time: float) -> None:
@@ -135,7 +137,7 @@ class ConnectionMonitor:
             self.dropped: list[str] = []
             self.alarms: dict[str, events.AlarmChanged] = {}
             self.alarm_count: int = 0
-            self.latest: dict[str, Reading | DerivedValue] = {}
+            self.latest: dict[str, Reading | DerivedValue | InstrumentReading] = {}
             self.injection: InjectionWatch = InjectionWatch()
             """Whether the unit of this connection controls the ignition alone."""
             self.meters: Meters = Meters()
@@ -148,7 +150,19 @@ class ConnectionMonitor:
     def set_names(self, names: Iterable[str]) -> None:
         """Take the wanted channels, in their order: the columns from here on."""
         with self.lock:
-            self._names = tuple(names)
+            self._wanted = tuple(names)
+
+    def set_beside(self, names: Iterable[str]) -> None:
+        """Take the channels of the instruments beside the unit: further columns from here on."""
+        with self.lock:
+            for name in self._beside:
+                self.latest.pop(name, None)
+            self._beside = tuple(names)
+
+    @property
+    def _names(self) -> tuple[str, ...]:
+        """The columns."""
+        return self._wanted + self._beside
 
     def await_catalog(self, version: str, changed: Iterable[str]) -> None:
         """Drop the values of the `changed` channels until the sampler uses that catalog."""
@@ -260,17 +274,22 @@ class ConnectionMonitor:
                         self._log_error(ExchangeFailed.of(time, failure))
 
     def _sampled(self, event: events.Sampled) -> None:
-        values: dict[str, Reading | DerivedValue] = {**event.fresh, **event.derived}
+        values: dict[str, Reading | DerivedValue | InstrumentReading] = {
+            **event.fresh, **event.derived, **event.instruments
+        }  # fmt: skip
         for outdated in self._awaited[1]:
             values.pop(outdated, None)
         self.meters.sample(event.time)
+        for name in self._beside:  # an instrument's value that is too old is none
+            self.latest.pop(name, None)
         self.latest.update(values)
         fresh = event.fresh
         self.injection.add_row(
             {name: float(fresh[name].value) for name in _WATCHED if name in fresh}
         )
-        row = [values[name].value if name in values else nan for name in self._names]
-        self.history.add(event.time, self._names, row)
+        names = self._names
+        row = [values[name].value if name in values else nan for name in names]
+        self.history.add(event.time, names, row)
         self._searched = False
         if self.listened:
             self.wake()

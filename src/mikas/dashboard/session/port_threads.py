@@ -99,6 +99,8 @@ class SamplingThread(threading.Thread):
         self._stoppable = StoppablePort(settings.open_port)
         self.ended: bool = False
         """Sampling has ended by itself, with `failure` if it was an error."""
+        self.at_end: Callable[[], object] = lambda: None
+        """Called when sampling has ended, perhaps twice; ends what is read beside the unit."""
         self.failure: MikasError | None = None
         self._on_event, self._on_end = on_event, on_end
         self.port: ReconnectingPort = ReconnectingPort(
@@ -139,6 +141,7 @@ class SamplingThread(threading.Thread):
         self._stoppable.close()
         if self.is_alive():
             self.join(_JOIN)
+        self.at_end()
 
     @property
     def adapter(self) -> str:
@@ -172,6 +175,7 @@ class SamplingThread(threading.Thread):
         finally:
             self._stoppable.close()
             if not self._stoppable.stopping.is_set():
+                self.at_end()
                 self.ended, self.failure = True, error
                 try:
                     self._on_end(self, error)

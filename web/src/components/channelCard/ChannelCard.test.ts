@@ -23,6 +23,7 @@ const coolant = channelOf("TWAT", {
     range_kind: "",
     reference_confidence: "confirmed",
     accumulates: false,
+    instrument: false,
     unit_key: "",
     code: 18,
     size: 1,

@@ -343,13 +343,15 @@ export interface components {
             sightings: components["schemas"]["UnitSighting"][];
         };
         /**
-         * @description A parameter, or a derived channel (`inputs`; no code and no size).
+         * @description A parameter, a derived channel (`inputs`; no code and no size), or one of an instrument.
          *
          *     `own`: the keys that the user's own catalog sets; `mine`: the whole channel is defined there.
          */
         ChannelInfo: {
             name: string;
             derived: boolean;
+            /** @description an instrument beside the unit gives it */
+            instrument: boolean;
             flag: boolean;
             code: number | null;
             size: number | null;
@@ -794,7 +796,7 @@ export interface components {
             names: string[];
             times: number[];
             values: (number | null)[][];
-            events: (components["schemas"]["StateEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["AdapterEvent"] | components["schemas"]["ClockEvent"] | components["schemas"]["UnitEvent"] | components["schemas"]["MethodEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["ReturnedEvent"] | components["schemas"]["AlarmEvent"] | components["schemas"]["MarkerEvent"] | components["schemas"]["FaultsEvent"] | components["schemas"]["ErrorEvent"] | components["schemas"]["RecordingEvent"] | components["schemas"]["ActionEvent"])[];
+            events: (components["schemas"]["StateEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["AdapterEvent"] | components["schemas"]["ClockEvent"] | components["schemas"]["UnitEvent"] | components["schemas"]["MethodEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["ReturnedEvent"] | components["schemas"]["AlarmEvent"] | components["schemas"]["MarkerEvent"] | components["schemas"]["FaultsEvent"] | components["schemas"]["ErrorEvent"] | components["schemas"]["RecordingEvent"] | components["schemas"]["ActionEvent"] | components["schemas"]["InstrumentEvent"])[];
             /** @description as in live data */
             later: number;
         };
@@ -809,6 +811,91 @@ export interface components {
         /** @description Whether the result is shown in the report on the connected car. */
         InReportRequest: {
             in_report: boolean;
+        };
+        /** @description A definition. `own`: the user's, which may be changed and deleted here. */
+        InstrumentDefinitionInfo: {
+            name: string;
+            text: components["schemas"]["TwoTexts"];
+            decoder: string;
+            baud: number;
+            stale: number;
+            patterns: string[];
+            decimal: string;
+            channels: components["schemas"]["ChannelInfo"][];
+            confidence: components["schemas"]["Confidence"];
+            own: boolean;
+            /**
+             * @description where it is read
+             * @enum {string}
+             */
+            at: "port" | "gpsd" | "position";
+        };
+        /** @description An instrument has another state. `reason`: why it is lost, or gives no values. */
+        InstrumentEvent: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "instrument";
+            time: number;
+            name: string;
+            state: components["schemas"]["InstrumentState"];
+            text: components["schemas"]["TwoTexts"];
+            reason: components["schemas"]["TwoTexts"] | null;
+        };
+        /** @description An instrument that the user has chosen. */
+        InstrumentInfo: {
+            /**
+             * @description with its label: `left:aem`
+             * @example aem
+             */
+            name: string;
+            /** @enum {string} */
+            state: "off" | "connecting" | "connected" | "values" | "stale" | "silent" | "lost";
+            /** @description the state in words */
+            text: components["schemas"]["TwoTexts"];
+            /** @description messages that gave no value, since it is read */
+            damaged: number;
+            definition: string;
+            label: string;
+            /** @description without a password */
+            port: string;
+            title: components["schemas"]["TwoTexts"];
+            channels: string[];
+        };
+        /** @description The state of an instrument. */
+        InstrumentNow: {
+            /**
+             * @description with its label: `left:aem`
+             * @example aem
+             */
+            name: string;
+            /** @enum {string} */
+            state: "off" | "connecting" | "connected" | "values" | "stale" | "silent" | "lost";
+            /** @description the state in words */
+            text: components["schemas"]["TwoTexts"];
+            /** @description messages that gave no value, since it is read */
+            damaged: number;
+        };
+        /**
+         * @description The state of an instrument's connection.
+         * @enum {string}
+         */
+        InstrumentState: "connected" | "values" | "silent" | "lost";
+        /** @description The instruments, the definitions, and all their channels. */
+        InstrumentsResponse: {
+            instruments: components["schemas"]["InstrumentInfo"][];
+            /** @description of the instruments */
+            channels: components["schemas"]["ChannelInfo"][];
+            /** @description of the catalog; a recording may have them */
+            known: components["schemas"]["ChannelInfo"][];
+            definitions: components["schemas"]["InstrumentDefinitionInfo"][];
+            /** @description kept instruments and files that can't be used */
+            problems: components["schemas"]["TwoTexts"][];
+            /** @description the car is virtual: `sim:` is an instrument in it */
+            virtual: boolean;
+            /** @description gpsd and ports of a network can be reached */
+            network: boolean;
         };
         /** @description A line of the journal. `before`, `after`: hex; `outcome`: hex read back, or the failure. */
         JournalEntry: {
@@ -906,7 +993,7 @@ export interface components {
             /** @description with data or events: by how many seconds the date was set since the program began; when it changes, all times that were sent before are to be moved by the difference */
             later?: number;
             data?: components["schemas"]["LiveRows"];
-            events?: (components["schemas"]["StateEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["AdapterEvent"] | components["schemas"]["ClockEvent"] | components["schemas"]["UnitEvent"] | components["schemas"]["MethodEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["ReturnedEvent"] | components["schemas"]["AlarmEvent"] | components["schemas"]["MarkerEvent"] | components["schemas"]["FaultsEvent"] | components["schemas"]["ErrorEvent"] | components["schemas"]["RecordingEvent"] | components["schemas"]["ActionEvent"])[];
+            events?: (components["schemas"]["StateEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["AdapterEvent"] | components["schemas"]["ClockEvent"] | components["schemas"]["UnitEvent"] | components["schemas"]["MethodEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["ReturnedEvent"] | components["schemas"]["AlarmEvent"] | components["schemas"]["MarkerEvent"] | components["schemas"]["FaultsEvent"] | components["schemas"]["ErrorEvent"] | components["schemas"]["RecordingEvent"] | components["schemas"]["ActionEvent"] | components["schemas"]["InstrumentEvent"])[];
             pong?: number | string;
         };
         /** @description Columns over time. null: no value in that row. */
@@ -974,6 +1061,15 @@ export interface components {
             /** @default false */
             control: boolean;
         };
+        /** @description An instrument to read. `port`: as of a unit, `gpsd:HOST:PORT`, `sim:` or `position:`. */
+        NewInstrument: {
+            /** @example aem */
+            definition: string;
+            /** @example /dev/ttyUSB1 */
+            port: string;
+            /** @default  */
+            label: string;
+        };
         /** @description Limits of alarms; null: no such limit, also where the shipped catalog has one. */
         NewLimits: {
             danger_low?: number | null;
@@ -997,6 +1093,11 @@ export interface components {
         };
         /** @description A text in both languages. */
         NewText: {
+            en: string;
+            ru: string;
+        };
+        /** @description A text in both languages. */
+        NewTexts: {
             en: string;
             ru: string;
         };
@@ -1028,6 +1129,40 @@ export interface components {
             name: string;
             formula: string;
             unit: components["schemas"]["TwoTexts"];
+        };
+        /** @description A channel that the catalog lacks. */
+        OwnChannel: {
+            /** @example BOOST_BAR */
+            name: string;
+            text: components["schemas"]["NewTexts"];
+            /** @default  */
+            unit: string;
+            /** @default 2 */
+            decimals: number;
+            range?: [
+                number,
+                number
+            ] | null;
+        };
+        /**
+         * @description A definition of lines of text. In a pattern `{NAME}` is a value (docs/how-to/instruments.md).
+         *
+         *     `channels`: those of the patterns that the catalog lacks.
+         */
+        OwnDefinition: {
+            text: components["schemas"]["NewTexts"];
+            /** @default 9600 */
+            baud: number;
+            patterns: string[];
+            /**
+             * @default .
+             * @enum {string}
+             */
+            decimal: "." | ",";
+            /** @default 1 */
+            stale: number;
+            /** @default [] */
+            channels: components["schemas"]["OwnChannel"][];
         };
         /** @description The identity of the unit, and its adapter. */
         PassportResponse: {
@@ -1093,6 +1228,15 @@ export interface components {
         /** @description The best guess first. */
         PortsResponse: {
             ports: components["schemas"]["PortInfo"][];
+        };
+        /** @description A position as a browser gives it; null: not known. */
+        Position: {
+            latitude: number;
+            longitude: number;
+            altitude?: number | null;
+            /** @description metres a second */
+            speed?: number | null;
+            heading?: number | null;
         };
         /** @description One page of tiles. */
         Preset: {
@@ -1406,6 +1550,10 @@ export interface components {
             /** @description of that reading */
             fault_time: number | null;
             unlocked_until: number | null;
+            /** @description beside the unit */
+            instruments: components["schemas"]["InstrumentNow"][];
+            /** @description counts the changes of the instruments and their definitions */
+            instruments_version: number;
             demo: boolean;
             lan: boolean;
             /** @description kinds of things that can't be saved: a sentence for each is in `problems` of `/api/about` */

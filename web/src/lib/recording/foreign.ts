@@ -105,6 +105,7 @@ function channelOf(name: string, unit: string, values: readonly (number | null)[
     meaning: null,
     constants: {},
     accumulates: false,
+    instrument: false,
     own: [],
     mine: false,
     writable: false,

@@ -1,0 +1,1 @@
+"""Routes of the instruments beside the unit."""
