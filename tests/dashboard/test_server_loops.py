@@ -143,7 +143,9 @@ def test_a_bug_in_the_sampling_is_shown_and_ends_in_a_new_connection(idle, caplo
 
 def test_a_bug_in_the_diagnosis_is_a_step_and_gives_the_port_back(idle, caplog, monkeypatch):
     with monkeypatch.context() as patch:
-        patch.setattr("mikas.dashboard.session.port_threads.examine", lambda *_: iter(Failing(), 0))
+        patch.setattr(
+            "mikas.dashboard.session.port_threads.examine", lambda *_, **__: iter(Failing(), 0)
+        )
         lines = idle.client.post("/api/doctor", json={}, headers=ME).text.splitlines()
     (step,) = map(json.loads, lines)
     assert (step["code"], step["ok"]) == ("InternalError", False)

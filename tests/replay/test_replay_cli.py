@@ -32,7 +32,7 @@ def served(monkeypatch):
     """What `mikas sim` would serve; nothing is."""
     found = SimpleNamespace(bus=None)
 
-    def keep(of_run, bus, clock, tcp):
+    def keep(of_run, bus, *_):
         found.bus = bus
 
     monkeypatch.setattr(sim, "_serve", keep)
