@@ -14,7 +14,9 @@ ROOT = Path(__file__).parents[2]
 CHOSEN = (
     "catalog/test_catalog_formulas.py",
     "guided/test_guided_engine.py",
+    "drives/test_trips.py",
     "recording/export/test_export_csv.py",
+    "recording/export/test_export_tracks.py",
     "recording/exchanges/test_values.py",
     "recording/test_channels.py",
     "recording/test_recorded_faults.py",

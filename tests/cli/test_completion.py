@@ -119,7 +119,7 @@ def test_values_of_options_are_completed(offered, monkeypatch):
 def test_files_are_left_to_the_shell_with_their_endings(answered):
     for line, answer in (
         ("mikas decode dr", [["file", PACKED, ""]]),
-        ("mikas export a.pcapng -o ", [["file", "csv,mf4,parquet,msl,mlg", ""]]),
+        ("mikas export a.pcapng -o ", [["file", "csv,mf4,parquet,msl,mlg,gpx,geojson", ""]]),
         ("mikas read --capture=dr", [["file", "pcapng", "--capture="]]),
         ("mikas sim --unit ", [["file", "zip,json", ""]]),
         ("mikas --port sim:?unit=", [["file", "zip,json", "sim:?unit="]]),

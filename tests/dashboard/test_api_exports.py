@@ -18,6 +18,7 @@ import mikas
 from csv_columns import columns_of
 from dashboard.recordings_rig import record
 from dashboard.rig import ME, OTHER, rig
+from drives.drive_rig import Road, Session, Unit, recorded
 from mikas.catalog.synonyms import names_of
 from mikas.dashboard.api.library import files
 from mikas.dashboard.library.lanes import Lane
@@ -75,6 +76,21 @@ def test_every_format_is_exported_with_its_values(desk, made, temporary, tmp_pat
     out.write_bytes(answer.content)
     assert _values(out, "TWAT") == pytest.approx(frame.TWAT.tolist(), nan_ok=True)
     assert is_emptied(desk, temporary)
+
+
+def test_the_way_of_a_recording_with_a_gps_is_exported_and_else_refused(desk, tmp_path) -> None:
+    road = [Road(float(at), 36.0, 56 + at / 1000, 44.0) for at in range(5)]
+    unit = [Unit(at + 0.5, 1200, 7.2) for at in range(5)]
+    recorded(tmp_path / "recordings" / "way.pcapng", Session(unit, road))
+    answer = desk.get("/recordings/way.pcapng/export", format="gpx", names="JQT")
+    assert answer.headers["content-type"] == "application/gpx+xml"
+    assert 'filename="way.gpx"' in saved_as(answer)
+    assert answer.content.count(b"<mikas:JQT>7.2</mikas:JQT>") == 5
+    answer = desk.get("/recordings/way.pcapng/export", format="geojson")
+    assert len(answer["features"]) == 5 + 1
+    error = desk.get("/recordings/drive.pcapng/export", 400, format="gpx")
+    assert error["code"] == "ExportError"
+    assert "there is no position in this recording" in error["en"]
 
 
 def _values(out: Path, name: str) -> list[float]:

@@ -190,7 +190,7 @@ def test_the_curve_meets_its_samples_and_is_unknown_in_a_pause(curve, longest):
 
 
 def test_a_slow_method_s_usual_step_is_no_pause():
-    times = np.arange(0, 100, 3.0)
+    times = np.arange(33) * 3.0
     assert sampled_curve(times, np.ones(len(times))).longest == 7.5
     assert sampled_curve(times / 10, np.ones(len(times))).longest == 2.0
 

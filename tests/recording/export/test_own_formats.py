@@ -18,7 +18,7 @@ from mikas.errors import ExportError, UsageError
 from mikas.framing import encode
 from mikas.link.base import Direction
 from mikas.recording import CaptureWriter
-from mikas.recording.export import SUFFIXES, export, formats
+from mikas.recording.export import SUFFIXES, TRACKS, export, formats
 
 HERE = __name__
 EXAMPLE = Path(__file__).parents[3] / "examples/own_export"
@@ -56,9 +56,9 @@ def with_format(folder, name="count", place=None):
 def test_a_format_of_another_distribution_is_that_of_its_suffix(tmp_path):
     with with_format(tmp_path / "site"):
         result = export(tmp_path / "a.Count", CHANNELS, FIXED, events=EVENTS)
-        assert formats() == ("csv", "mf4", "parquet", "msl", "mlg", "count")
+        assert formats() == ("csv", "mf4", "parquet", "msl", "mlg", "gpx", "geojson", "count")
     assert (tmp_path / "a.Count").read_text() == f"{len(CHANNELS)} {result.rows}"
-    assert formats() == tuple(suffix[1:] for suffix in SUFFIXES)
+    assert formats() == tuple(suffix[1:] for suffix in (*SUFFIXES, *TRACKS))
     with pytest.raises(ExportError, match="the suffix must be one of"):
         export(tmp_path / "b.count", CHANNELS, FIXED)
 
@@ -166,7 +166,7 @@ def test_the_command_has_the_format_and_its_help_names_it(drive, tmp_path):
     with brought(tmp_path / "site", "jsonlines", "mikas.exports", entries_of_the_example()):
         path = os.pathsep.join([str(tmp_path / "site"), str(EXAMPLE), *sys.path])
         shown = " ".join(run("export", "--help").stdout.split())
-        assert "csv, mf4, parquet, msl, mlg, jsonl" in shown
+        assert "csv, mf4, parquet, msl, mlg, gpx, geojson, jsonl" in shown
         done = run("export", str(drive), "-o", "a.jsonl", "--json")
         assert json.loads(done.stdout)["rows"] == 4
         assert run("export", str(drive), "-o", "b", "--format", "jsonl").returncode == 0

@@ -36,7 +36,7 @@ export function run(program: Program, owner: Owner, target: Element): void {
     feedsAdapters: accessHere() === "usb",
     choosePort: canChoose() ? choosePort : null,
     sharesNetwork: false,
-    exports: ["csv", "msl", "mlg"],
+    exports: ["csv", "msl", "mlg", "gpx", "geojson"],
     words,
     connectionNotices: ConnectionNotices,
     connectionCard: ThisBrowser,

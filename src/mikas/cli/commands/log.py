@@ -108,9 +108,9 @@ def _check_name(out: Path) -> None:
             "Для записи нужен файл: -o drive.pcapng; чтобы передать значения другой программе, "
             "есть --json",
         )
-    from mikas.recording.export import SUFFIXES
+    from mikas.recording.export import SUFFIXES, TRACKS
 
-    if out.suffix.lower() in SUFFIXES:
+    if out.suffix.lower() in (*SUFFIXES, *TRACKS):
         name = out.with_suffix(".pcapng").name
         raise usage_error(
             f"The command log records the line, not {out.suffix}: record with "

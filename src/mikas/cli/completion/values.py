@@ -22,7 +22,7 @@ RECORDING: Final = ("pcapng", "gz", "bz2", "xz", "lzma", "zip", "zst", "lz4", "7
 """Endings of recordings, also packed ones (`mikas.recording.capture.packed`)."""
 UNIT: Final = ("zip", "json")
 """Endings of the file of a unit's profile."""
-EXPORTED: Final = ("csv", "mf4", "parquet", "msl", "mlg")
+EXPORTED: Final = ("csv", "mf4", "parquet", "msl", "mlg", "gpx", "geojson")
 _AFTER_SCHEME: Final = {"socket": "socket://", "rfc2217": "rfc2217://"}
 
 

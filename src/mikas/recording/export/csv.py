@@ -51,14 +51,15 @@ def formatted(values: NDArray[np.float64], *, missing: str, decimal: str = ".") 
     different, places = np.unique(values, return_inverse=True)
     texts = np.empty(len(different), object)
     texts[:] = [
-        _shortest(value).replace(".", decimal) if isfinite(value) else missing
+        shortest(value).replace(".", decimal) if isfinite(value) else missing
         for value in different.tolist()
     ]
     column: list[str] = texts[places].tolist()
     return column
 
 
-def _shortest(value: float) -> str:
+def shortest(value: float) -> str:
+    """Return a finite value as the shortest number that reads back as the same, no exponent."""
     if value.is_integer() and abs(value) < EXACT:
         return str(int(value))
     text = repr(value)

@@ -38,8 +38,11 @@ if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
 
     from mikas.recording.export.sheet import Sheet
+    from mikas.recording.recording import Recording
     from mikas.sampling.events import Event
 
+POSITION: Final = ("GPS_LAT", "GPS_LON", "GPS_ALT", "GPS_SPEED", "GPS_COURSE")
+"""The channels of a receiver, less their labels, that a track needs or has a place for."""
 TIME = "time"  # a column of every format; no channel may have this name
 
 
@@ -59,6 +62,11 @@ class Format(NamedTuple):
     library: str = ""
     entries: tuple[EntryPoint, ...] = ()
 
+    @property
+    def is_track(self) -> bool:
+        """Whether it is the way of the car."""
+        return f".{self.module}" in TRACKS
+
 
 GROUP: Final = "mikas.exports"
 
@@ -69,13 +77,20 @@ _FORMATS = {
     ".msl": Format("MegaLogViewer", "megalogviewer"),
     ".mlg": Format("MegaLogViewer", "mlg"),
 }
+_TRACKS = {
+    ".gpx": Format("GPX", "gpx"),
+    ".geojson": Format("GeoJSON", "geojson"),
+}
 
 SUFFIXES = tuple(_FORMATS)
+"""Those of tables."""
+TRACKS = tuple(_TRACKS)
+"""Those of the way of the car: they need a recorded GPS."""
 
 
 def formats() -> tuple[str, ...]:
     """Return the names of all formats, `csv` first, those of other distributions last."""
-    own = [suffix[1:] for suffix in SUFFIXES]
+    own = [suffix[1:] for suffix in (*SUFFIXES, *TRACKS)]
     return (*own, *sorted(entries_of(GROUP).keys() - set(own)))
 
 
@@ -83,7 +98,7 @@ def format_of(out: Path, name: str | None = None) -> Format:
     """Return the format `name`, or that of the suffix. Raises `ExportError` for an unknown one."""
     wanted = (out.suffix[1:] if name is None else name.removeprefix(".")).lower()
     brought = entries_of(GROUP).get(wanted, [])
-    own = _FORMATS.get(f".{wanted}")
+    own = _FORMATS.get(f".{wanted}") or _TRACKS.get(f".{wanted}")
     if own is None and brought:
         return Format(wanted, entries=tuple(brought))
     if own is not None:
@@ -109,6 +124,14 @@ def format_of(out: Path, name: str | None = None) -> Format:
         f"формат определяется расширением: {known}",
     )
     raise ExportError(str(out), problem)
+
+
+def with_position(recording: Recording, names: Sequence[str]) -> list[str]:
+    """Return the channels of a track: `names`, and where the car was. Without names: none, all."""
+    if not names:
+        return []
+    place = [each for each in recording.instrument_channels if each.startswith(POSITION)]
+    return list(dict.fromkeys((*names, *place)))
 
 
 def require_library(wanted: Format) -> None:

@@ -117,4 +117,4 @@ export type Rows = Schemas["LiveRows"];
 export type LineEvent = History["events"][number] | RecordingDetail["events"][number];
 
 /** Values of the query parameter `format` of an export. */
-export type ExportFormat = "csv" | "mf4" | "parquet" | "msl" | "mlg";
+export type ExportFormat = "csv" | "mf4" | "parquet" | "msl" | "mlg" | "gpx" | "geojson";

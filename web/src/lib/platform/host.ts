@@ -65,7 +65,7 @@ export const served: Host = {
   feedsAdapters: false,
   opensAddresses: true,
   sharesNetwork: true,
-  exports: ["csv", "msl", "mlg", "mf4", "parquet"],
+  exports: ["csv", "msl", "mlg", "mf4", "parquet", "gpx", "geojson"],
   connectionNotices: null,
   connectionCard: null,
   words,

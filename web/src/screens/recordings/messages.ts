@@ -49,6 +49,8 @@ export const t = dictionary({
   mf4: { en: "for asammdf, CANape, MATLAB; with units, texts and exact times", ru: "для asammdf, CANape, MATLAB; с единицами, текстами и точным временем" },
   parquet: { en: "for Python, duckdb, R; small and fast, even for hours", ru: "для Python, duckdb, R; компактно и быстро даже для многих часов" },
   msl: { en: "for MegaLogViewer and TunerStudio, as text", ru: "для MegaLogViewer и TunerStudio, текстовый" },
+  gpx: { en: "the way of the car with its values, for maps and GPS programs", ru: "путь машины со значениями, для карт и программ GPS" },
+  geojson: { en: "the way of the car with its values, for QGIS and maps on the web", ru: "путь машины со значениями, для QGIS и карт в сети" },
   mlg: { en: "for MegaLogViewer, binary: smaller, opens faster", ru: "для MegaLogViewer, двоичный: меньше и открывается быстрее" },
   pcapng: { en: "the recording itself, every byte on the line: to keep, to send to a developer, for Wireshark", ru: "сама запись, каждый байт линии: для хранения, для разработчика, для Wireshark" },
   close: { en: "Close", ru: "Закрыть" },

@@ -32,15 +32,18 @@ MOST_PROBLEMS = 20
 
 @command(
     en="Exports a recording (.pcapng) as a table for other programs. OUT's suffix sets the "
-    "format: .csv, .mf4, .parquet, .msl or .mlg. With no NAME it has every recorded parameter "
-    "and every channel that can be derived from them.",
+    "format: .csv, .mf4, .parquet, .msl or .mlg; .gpx or .geojson is the way of the car, of a "
+    "recording with a GPS. With no NAME it has every recorded parameter and every channel that can "
+    "be derived from them.",
     ru="Экспортирует запись (.pcapng) в таблицу для других программ. Формат определяет "
-    "расширение файла OUT: .csv, .mf4, .parquet, .msl или .mlg. Без NAME в таблице все "
-    "записанные параметры и все каналы, которые из них рассчитываются.",
+    "расширение файла OUT: .csv, .mf4, .parquet, .msl или .mlg; .gpx и .geojson — путь машины, "
+    "если в записи есть GPS. Без NAME в таблице все записанные параметры и все каналы, которые из "
+    "них рассчитываются.",
     examples=(
         "mikas export drive.pcapng -o drive.csv",
         "mikas export drive.pcapng -o drive.parquet FREQ JAIR FUEL_FLOW",
         "mikas export drive.pcapng -o drive.csv --dialect excel --lang ru",
+        "mikas export drive.pcapng -o drive.gpx",
     ),
 )
 @argument("file", "FILE", type=existing_file, shell_complete=files(*RECORDING))
@@ -82,8 +85,9 @@ def export(
     instruments: tuple[str, ...],
     overwrite: bool,
 ) -> None:
-    from mikas.recording.export import PLAIN
+    from mikas.recording.export import PLAIN, with_position
     from mikas.recording.export import export as write
+    from mikas.recording.export.exporting import format_of
     from mikas.recording.recording import Recording
 
     _check(file, out, dialect, format_name)
@@ -94,6 +98,9 @@ def export(
         names,
         instruments=instruments,
     )
+    if names and format_of(out, format_name).is_track:
+        wanted = with_position(recording, names)
+        recording = recording.interpreted(context.options.interpretation, wanted)
     _tell_problems(context, recording)
     for unread in recording.instruments_unread:
         context.say(

@@ -49,7 +49,7 @@ from mikas.recording.splitting import cars_in, split
 
 router: Final = APIRouter(prefix="/api/recordings", tags=["recordings"])
 
-Format = Literal["csv", "mf4", "parquet", "msl", "mlg"]
+Format = Literal["csv", "mf4", "parquet", "msl", "mlg", "gpx", "geojson"]
 _CHUNK: Final = 1 << 16
 _TYPES: Final = {
     "csv": "text/csv; charset=utf-8",
@@ -57,6 +57,8 @@ _TYPES: Final = {
     "parquet": "application/vnd.apache.parquet",
     "msl": "text/plain; charset=utf-8",
     "mlg": "application/octet-stream",
+    "gpx": "application/gpx+xml",
+    "geojson": "application/geo+json",
 }
 _CAPTURE: Final = "application/x-pcapng"
 _SENT: Final = re.compile(r"(\.pcapng)( ?\(\d+\))?\.txt$", re.IGNORECASE)
@@ -145,18 +147,22 @@ async def export(
     dialect: Annotated[Literal["plain", "excel"], Query(description="of a CSV")] = "plain",
     lang: Language = "en",
 ) -> Response:
-    """Return the recording as a table for other programs."""
+    """Return the recording as a table for other programs, or as the way of the car.
+
+    The way (gpx, geojson) is one of a recording with a GPS.
+    """
     library = requester.library
     source = await asyncio.to_thread(library.folder.one, identity)
     wanted = tuple(split_names(names) or ())
     kind = "-excel" if (format, dialect) == ("csv", "excel") else ""
 
     def write(out: Path) -> None:
-        from mikas.recording.export import DIALECTS
+        from mikas.recording.export import DIALECTS, TRACKS, with_position
         from mikas.recording.export import export as write_table
 
         opened = library.opened(source, latest=True)
-        recording = opened.interpreted(library.interpretation, wanted)
+        names = with_position(opened, wanted) if f".{format}" in TRACKS else wanted
+        recording = opened.interpreted(library.interpretation, names)
         write_table(
             out,
             recording.channels,
