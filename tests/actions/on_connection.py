@@ -3,7 +3,21 @@
 from __future__ import annotations
 
 from .on_live import BAND
-from .steps import CLOSED, SHEET, Shot, fill, go, on_screen, press, row, saves, says, shows
+from .steps import (
+    CLOSED,
+    SHEET,
+    Shot,
+    choose,
+    fill,
+    go,
+    gone,
+    on_screen,
+    press,
+    row,
+    saves,
+    says,
+    shows,
+)
 
 SAMPLES = shows(f"{BAND}[data-line=sampling]")
 SCREEN = "#screen"
@@ -92,6 +106,46 @@ CONNECTION = (
         saves("connection/survey/Saved download"),
         go("connection"),
         SAMPLES,
+    ),
+    row(
+        "connection",
+        "instruments beside the unit, and a definition of one's own",
+        press("connection/instruments/InstrumentsCard add"),
+        press("connection/instruments/AddInstrument cancel"),
+        CLOSED,
+        press("connection/instruments/InstrumentsCard add"),
+        choose("Instrument", "Another one: describe its line of text…"),
+        press("connection/instruments/DefinitionForm cancel"),
+        CLOSED,
+        press("connection/instruments/InstrumentsCard add"),
+        choose("Instrument", "Another one: describe its line of text…"),
+        fill("Name", "boost", exact=True),
+        fill("What a line looks like", "P={BOOST} bar"),
+        fill("BOOST: unit", "bar"),
+        Shot("definition"),
+        press("connection/instruments/DefinitionForm save"),
+        choose("Instrument", "AEM wide-band gauge"),
+        choose("Port", "in the virtual car"),
+        press("connection/instruments/AddInstrument add_it"),
+        CLOSED,
+        shows(f"{SCREEN} [data-instrument=aem][data-state=values]"),
+        Shot("instruments"),
+        press(
+            "connection/instruments/InstrumentsCard {catalog.nameOf(name)}",
+            css=f"{SCREEN} [data-instrument=aem] .quiet >> nth=0",
+        ),
+        press("dialogs/Sheet close"),
+        CLOSED,
+        press("connection/instruments/InstrumentsCard remove"),
+        press("connection/instruments/InstrumentsCard remove", within=SHEET),
+        gone(f"{SCREEN} [data-instrument=aem]"),
+        press("connection/instruments/InstrumentsCard own_titles"),
+        press("connection/instruments/InstrumentsCard edit"),
+        press("connection/instruments/DefinitionForm cancel"),
+        CLOSED,
+        press("connection/instruments/InstrumentsCard forget"),
+        press("connection/instruments/InstrumentsCard forget", within=SHEET),
+        gone(f"{SCREEN} [data-instruments] details"),
     ),
     row(
         "connection",

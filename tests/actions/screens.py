@@ -70,6 +70,7 @@ ELSEWHERE = {
     "connection/diagnosis/ProblemReport report_form": (
         "../web/src/screens/connection/diagnosis/ProblemReport.test.ts"
     ),
+    "connection/instruments/AddInstrument choose": "static_site/test_site_instruments.py",
     "connection/survey/Asked answer": "../web/src/screens/connection/survey/Survey.test.ts",
     "connection/survey/Asked cannot": "../web/src/screens/connection/survey/Survey.test.ts",
     "connection/survey/Asked done": "../web/src/screens/connection/survey/Survey.test.ts",

@@ -40,6 +40,7 @@ import { TraceDrag } from "./screens/chart/time/traceDrag.svelte";
 import { View } from "./screens/chart/time/view.svelte";
 import { CauseStore } from "./screens/causes/store.svelte";
 import { ConnectionStore } from "./screens/connection/store.svelte";
+import { InstrumentStore } from "./screens/connection/instruments/store.svelte";
 import { SurveyStore } from "./screens/connection/survey/store.svelte";
 import { FaultStore } from "./screens/faults/store.svelte";
 import { Big } from "./screens/live/big/big.svelte";
@@ -109,6 +110,7 @@ export class Stores extends OnHost {
   readonly comparing = new Comparing(this);
   readonly connection = new ConnectionStore(this);
   readonly survey = new SurveyStore(this);
+  readonly instruments = new InstrumentStore(this);
 
   constructor(host: Host) {
     super(host);

@@ -94,6 +94,14 @@ export function createApi(host: Transport) {
     forgetSurvey: () => remove<Api.SurveyState>("/survey"),
     surveyFile: () => address("/survey/file"),
 
+    instruments: () => get<Api.Instruments>("/instruments"),
+    addInstrument: (instrument: Api.NewInstrument) => post<Api.Instruments>("/instruments", instrument),
+    removeInstrument: (name: string) => remove<Api.Instruments>(`/instruments/${part(name)}`),
+    defineInstrument: (name: string, definition: Api.OwnInstrument) =>
+      put<Api.Instruments>(`/instruments/definitions/${part(name)}`, definition),
+    forgetDefinition: (name: string) => remove<Api.Instruments>(`/instruments/definitions/${part(name)}`),
+    sendPosition: (position: Api.Position) => post<unknown>("/instruments/position", position),
+
     network: (on: boolean, control: boolean) => put<Api.About>("/network", { on, control }),
     end: () => post<Api.About>("/end"),
     networkQr: (host: string) => address("/about/qr.svg", { address: host }),

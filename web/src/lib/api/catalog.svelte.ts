@@ -8,10 +8,18 @@ import type { Stores } from "../../stores";
 
 export class CatalogStore {
   loaded = $state.raw<Catalog | null>(null);
-  readonly channels = $derived<Channel[]>(this.loaded ? [...this.loaded.parameters, ...this.loaded.derived] : []);
+  /** The channels that the program makes of the unit's responses. */
+  readonly ofUnit = $derived<Channel[]>(this.loaded ? [...this.loaded.parameters, ...this.loaded.derived] : []);
+  /** The channels of the instruments beside the unit. */
+  beside = $state.raw<readonly Channel[]>([]);
+  /** Those that instruments may have had in a recording. */
+  besideOnce = $state.raw<readonly Channel[]>([]);
+  readonly channels = $derived<Channel[]>([...this.ofUnit, ...this.beside]);
   /** The columns of another program's log while it is shown: they have names and units, and are no channels. */
   lent = $state.raw<readonly Channel[]>([]);
-  private readonly byName = $derived(new Map([...this.channels, ...this.lent].map((channel) => [channel.name, channel])));
+  private readonly byName = $derived(
+    new Map([...this.besideOnce, ...this.channels, ...this.lent].map((channel) => [channel.name, channel])),
+  );
   /** Called with the channels that a change computes otherwise, or that it has added or removed. */
   onrecomputed: (names: readonly string[]) => void = () => undefined;
 

@@ -882,6 +882,10 @@ export interface components {
          * @enum {string}
          */
         InstrumentState: "connected" | "values" | "silent" | "lost";
+        /** @description The states of all instruments. */
+        InstrumentStates: {
+            instruments: components["schemas"]["InstrumentNow"][];
+        };
         /** @description The instruments, the definitions, and all their channels. */
         InstrumentsResponse: {
             instruments: components["schemas"]["InstrumentInfo"][];

@@ -49,6 +49,13 @@ export type ForeignPreview = Schemas["ForeignPreview"];
 export type ForeignLayout = Schemas["ForeignLayout"];
 export type ForeignValues = Schemas["ForeignValues"];
 
+export type Instruments = Schemas["InstrumentsResponse"];
+export type Instrument = Schemas["InstrumentInfo"];
+export type InstrumentDefinition = Schemas["InstrumentDefinitionInfo"];
+export type NewInstrument = Schemas["NewInstrument"];
+export type OwnInstrument = Schemas["OwnDefinition"];
+export type Position = Schemas["Position"];
+
 export type SurveyState = Schemas["SurveyState"];
 export type SurveyRequest = Schemas["SurveyRequest"];
 export type SurveyAnswer = Schemas["SurveyAnswerRequest"];

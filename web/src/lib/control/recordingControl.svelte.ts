@@ -88,7 +88,7 @@ export class RecordingControl {
 
   /** Everything is recorded, unless a script has reduced the plan: say so then, and offer to record all. */
   private announceStarted(state: State, file: string): void {
-    const supported = supportedNames(this.app.catalog.channels, state);
+    const supported = supportedNames(this.app.catalog.ofUnit, state);
     const wanted = new Set(state.plan.wanted.map(({ name }) => name));
     const [sampled, all] = [supported.filter((name) => wanted.has(name)).length, supported.length];
     if (sampled === all) return this.app.toasts.success(() => t("startedAll", { file }));

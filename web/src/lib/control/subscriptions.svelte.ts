@@ -38,12 +38,15 @@ export class Subscriptions {
   }
 
   get names(): string[] {
-    return [...new Set([...this.preset, ...this.chart])].filter((name) => this.app.catalog.get(name) && !isForeign(name));
+    return [...new Set([...this.preset, ...this.chart])].filter((name) => {
+      const channel = this.app.catalog.get(name);
+      return channel && !channel.instrument && !isForeign(name);
+    });
   }
 
   /** Add every channel to the plan. Returns false when the request failed; a toast has shown why. */
   subscribeAll(): Promise<boolean> {
-    return this.add(this.app.catalog.channels.map(({ name }) => name));
+    return this.add(this.app.catalog.ofUnit.map(({ name }) => name));
   }
 
   /** Add channels to a plan without them. Returns false when the request failed; a toast has shown why. */

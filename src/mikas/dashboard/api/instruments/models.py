@@ -48,6 +48,12 @@ class InstrumentNow(BaseModel):
     damaged: int = Field(description="messages that gave no value, since it is read")
 
 
+class InstrumentStates(BaseModel):
+    """The states of all instruments."""
+
+    instruments: list[InstrumentNow]
+
+
 class InstrumentInfo(InstrumentNow):
     """An instrument that the user has chosen."""
 

@@ -17,8 +17,8 @@ from mikas.dashboard.api.dependencies import (
 )
 from mikas.dashboard.api.errors import errors
 from mikas.dashboard.api.instruments.models import (
-    InstrumentNow,
     InstrumentsResponse,
+    InstrumentStates,
     NewInstrument,
     OwnDefinition,
     Position,
@@ -62,10 +62,10 @@ async def add_instrument(
 
 
 @router.post("/position", responses=errors(404))
-def position(dashboard: TheDashboard, _: KnownClient, body: Position) -> list[InstrumentNow]:
+def position(dashboard: TheDashboard, _: KnownClient, body: Position) -> InstrumentStates:
     """Take the position of the phone that shows the page."""
     dashboard.instruments.put_position(body.report())
-    return instruments_now(dashboard)
+    return InstrumentStates(instruments=instruments_now(dashboard))
 
 
 @router.put("/definitions/{name}", responses=errors(409, 503))

@@ -1,0 +1,106 @@
+import { fireEvent, screen, within } from "@testing-library/svelte";
+import { flushSync } from "svelte";
+import { expect, it, vi } from "vitest";
+import { channelOf, eachOnItsOwnPage, page } from "../../../../test/pageRig";
+import type { Instruments } from "../../../lib/api/types";
+import { channelsOf, definitionOf, draftOf, namesIn, notNumber } from "./draft";
+import InstrumentsCard from "./InstrumentsCard.svelte";
+import { positionOf } from "./ownPosition.svelte";
+
+eachOnItsOwnPage();
+const words = (text: string) => ({ en: text, ru: text });
+const definition = (name: string, at: "port" | "gpsd" | "position", own = false) => ({
+  ...{ name, text: words(`The ${name}`), decoder: "line", baud: 9600, stale: 1, patterns: [], decimal: "." },
+  ...{ channels: [], confidence: "reported" as const, own, at },
+});
+const LAMBDA = channelOf("LAMBDA", { instrument: true, decimals: 3 });
+const NONE = {
+  ...{ instruments: [], channels: [], known: [LAMBDA], problems: [], virtual: false, network: true },
+  definitions: [definition("aem", "port"), definition("gpsd", "gpsd"), definition("phone", "position")],
+} as Instruments;
+const METER = {
+  ...{ name: "aem", state: "lost" as const, text: words("Not there"), damaged: 3, definition: "aem", label: "" },
+  ...{ port: "COM4", title: words("The meter"), channels: ["LAMBDA"] },
+};
+const ONE = { ...NONE, instruments: [METER], channels: [LAMBDA] };
+
+async function card(list: Instruments, allowed = true) {
+  const ports = [
+    { url: "COM3", chip: "FT232R", description: "", likely: true, quirks: [] },
+    { url: "COM4", chip: "CH340", description: "", likely: true, quirks: [] },
+  ];
+  const shown = page({ "/instruments": list, "/ports": { ports } });
+  shown.say({ line: "sampling", port: "COM3", instruments: [] });
+  await shown.stores.instruments.list.reload();
+  await shown.stores.connection.ports.reload();
+  shown.show(InstrumentsCard, { allowed });
+  flushSync();
+  return shown;
+}
+const sent = ({ asked }: Awaited<ReturnType<typeof card>>) =>
+  asked.filter(({ method }) => method !== "GET").map(({ method, path, body }) => [method, path, body]);
+const press = (name: string) => fireEvent.click(screen.getByRole("button", { name }));
+const pick = (label: string, value: string) => fireEvent.change(screen.getByLabelText(label), { target: { value } });
+
+it("an instrument is added at a port that neither the unit nor another one has", async () => {
+  const shown = await card(NONE);
+  await press("Add an instrument…");
+  await pick("Instrument", "aem");
+  const offered = [...screen.getByLabelText("Port").querySelectorAll("option")].map(({ value }) => value);
+  expect(offered).toEqual(["", "COM4", "other"]);
+  expect(screen.getByRole<HTMLButtonElement>("button", { name: "Add" }).disabled).toBe(true);
+  await pick("Port", "COM4");
+  await press("Add");
+  expect(sent(shown)).toEqual([["POST", "/instruments", { definition: "aem", port: "COM4", label: "" }]]);
+});
+
+it("gpsd has an address, and on a page that can't reach it the reason stands there", async () => {
+  await card({ ...NONE, network: false });
+  await press("Add an instrument…");
+  await pick("Instrument", "gpsd");
+  expect(document.body.textContent).toContain("A page can't reach gpsd");
+  expect(screen.getByRole<HTMLButtonElement>("button", { name: "Add" }).disabled).toBe(true);
+});
+
+it("the state, the damage and the port of each are shown, the state by the live messages", async () => {
+  const shown = await card(ONE);
+  const line = () => document.querySelector("[data-instrument=aem]")!;
+  expect(line().textContent).toContain("Not there · 3 messages gave no value");
+  shown.say({ instruments: [{ name: "aem", state: "values", text: words("Values come."), damaged: 0 }] });
+  flushSync();
+  expect(line().getAttribute("data-state")).toBe("values");
+  expect(line().textContent).toContain("Values come.");
+});
+
+it("one is removed after a question", async () => {
+  const shown = await card(ONE);
+  await press("Remove");
+  expect(sent(shown)).toEqual([]);
+  await fireEvent.click(within(screen.getByRole("dialog")).getByRole("button", { name: "Remove" }));
+  expect(sent(shown)).toEqual([["DELETE", "/instruments/aem", undefined]]);
+});
+
+it("without control nothing can be changed", async () => {
+  await card(ONE, false);
+  for (const name of ["Add an instrument…", "Remove"]) expect(screen.getByRole<HTMLButtonElement>("button", { name }).disabled).toBe(true);
+});
+
+it("a position is taken as the browser gives it, without a speed that is not known", () => {
+  const coords = { latitude: 55.7, longitude: 37.6, altitude: null, speed: 0, heading: NaN };
+  const position = vi.fn<() => GeolocationPosition>().mockReturnValue({ coords, timestamp: 1 } as GeolocationPosition);
+  expect(positionOf(position())).toEqual({ latitude: 55.7, longitude: 37.6, altitude: null, speed: 0, heading: null });
+});
+
+it("a definition's values are those of its patterns, and the catalog's are not described again", () => {
+  expect(namesIn("P={BOOST_BAR} bar, {} C*\n{LAMBDA} \\{NO}\n{BOOST_BAR}")).toEqual(["BOOST_BAR", "LAMBDA"]);
+  const draft = { ...draftOf(null, ({ en }) => en), name: "boost", patterns: "P={BOOST_BAR}\n\n{LAMBDA}", stale: "0,5" };
+  const known = (name: string) => name === "LAMBDA";
+  const [boost] = channelsOf(draft, known);
+  draft.channels = [{ ...boost!, unit: "bar", low: "−1", high: "4" }];
+  expect(definitionOf(draft, known)).toEqual({
+    ...{ text: words("boost"), baud: 9600, patterns: ["P={BOOST_BAR}", "{LAMBDA}"], decimal: ".", stale: 0.5 },
+    channels: [{ name: "BOOST_BAR", text: words("BOOST_BAR"), unit: "bar", decimals: 2, range: [-1, 4] }],
+  });
+  expect(notNumber(draft)).toBeUndefined();
+  expect(notNumber({ ...draft, baud: "fast" })).toBe("fast");
+});

@@ -1,0 +1,62 @@
+// The instruments beside the unit: which there are, and this device's own position, if it is one of them.
+import { Resource } from "../../../lib/api/resource.svelte";
+import type { Instruments, NewInstrument, OwnInstrument } from "../../../lib/api/types";
+import { watch } from "../../../lib/platform/watch.svelte";
+import type { Stores } from "../../../stores";
+import { OwnPosition } from "./ownPosition.svelte";
+
+/** The port of an instrument whose values a page sends. */
+export const POSITION_PORT = "position:";
+
+export class InstrumentStore {
+  readonly list = new Resource<true, Instruments>({
+    of: () => this.app.live.linked,
+    again: () => this.app.live.state?.instruments_version,
+    ask: () => this.app.api.instruments(),
+    insists: true,
+  });
+  readonly own = new OwnPosition((position) => this.app.api.sendPosition(position));
+  /** Some device's position is an instrument. */
+  readonly takesPosition = $derived.by(() => this.list.value?.instruments.some(({ port }) => port === POSITION_PORT) ?? false);
+
+  constructor(private readonly app: Pick<Stores, "api" | "catalog" | "live" | "toasts">) {}
+
+  /** For the frame while it is initialised: the channels are known on every screen, and the position is sent from each. */
+  follow(): void {
+    this.list.need();
+    watch(
+      () => this.list.value,
+      (found) => {
+        this.app.catalog.beside = found?.channels ?? [];
+        this.app.catalog.besideOnce = found ? [...found.known, ...found.definitions.flatMap(({ channels }) => channels)] : [];
+      },
+    );
+    watch(
+      () => this.takesPosition && this.own.wanted && this.app.live.link === "open",
+      (sending) => (sending ? this.own.start() : undefined),
+    );
+  }
+
+  /** Read one more. Returns whether it succeeded; a toast has said why not. */
+  async add(instrument: NewInstrument): Promise<boolean> {
+    return this.use(() => this.app.api.addInstrument(instrument));
+  }
+
+  async remove(name: string): Promise<boolean> {
+    return this.use(() => this.app.api.removeInstrument(name));
+  }
+
+  async define(name: string, definition: OwnInstrument): Promise<boolean> {
+    return this.use(() => this.app.api.defineInstrument(name, definition));
+  }
+
+  async forget(name: string): Promise<boolean> {
+    return this.use(() => this.app.api.forgetDefinition(name));
+  }
+
+  private async use(make: () => Promise<Instruments>): Promise<boolean> {
+    const found = await this.app.toasts.attempt(make);
+    if (found) this.list.value = found;
+    return found !== undefined;
+  }
+}
