@@ -52,7 +52,7 @@ def add(tab, name, port):
     form.get_by_label("Instrument").select_option(name)
     if port:
         expect(form.get_by_role("button", name="Choose the cable…")).to_be_visible()
-        form.get_by_label("Port", exact=True).select_option(port)
+        form.get_by_label("Port").select_option(port)
     form.get_by_role("button", name="Add", exact=True).click()
     expect(form).to_have_count(0)
 
