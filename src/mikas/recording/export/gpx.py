@@ -12,9 +12,9 @@ import re
 import shutil
 import tempfile
 from datetime import datetime
+from html import escape
 from pathlib import Path
 from typing import Final
-from xml.sax.saxutils import escape, quoteattr
 
 from mikas.cleaning import clean_line
 from mikas.recording.export.csv import shortest
@@ -53,7 +53,7 @@ def _head(sheet: Sheet) -> str:
     facts = "; ".join(f"{title}: {text}" for title, text in sheet.about.items())
     return (
         '<?xml version="1.0" encoding="UTF-8"?>\n'
-        f'<gpx version="1.1" creator={quoteattr(program())}'
+        f'<gpx version="1.1" creator="{escape(program())}"'
         ' xmlns="http://www.topografix.com/GPX/1/1"'
         f' xmlns:mikas="{NAMESPACE}" xmlns:gpxtpx="{_GARMIN}">\n'
         f"<metadata><name>{escape(name)}</name><desc>{escape(clean_line(facts))}</desc>"
