@@ -103,5 +103,6 @@ class Session:
 
 def recorded(path: Path, *sessions: Session) -> Recording:
     """Write the sessions, and return the recording of them."""
+    path.parent.mkdir(parents=True, exist_ok=True)
     path.write_bytes(b"".join(each.blocks() for each in sessions))
     return Recording(path, shipped())

@@ -10,6 +10,7 @@ from weakref import WeakSet
 import pytest
 
 import mikas
+from drives.drive_rig import Road, Session, Unit, recorded
 from fleet_rig import BEGAN, DAY, SETTINGS, add_here, ask, make
 from mikas.catalog import load, shipped
 from mikas.client.cars import CarDetails
@@ -40,6 +41,15 @@ def test_samples_are_those_of_an_export_bit_for_bit(tmp_path, interpretation) ->
     assert len(got) == 220  # four a second, one is the gap
     ((count,),) = ask(tmp_path / "set", "SELECT count(*) FROM samples WHERE FREQ IS NULL")
     assert count == 1
+
+
+def test_a_recording_with_instruments_beside_the_unit_is_added(tmp_path) -> None:
+    road = [Road(float(at), 36.0) for at in range(60)]
+    unit = [Unit(at + 0.5, 1200, 7.2) for at in range(60)]
+    recorded(tmp_path / "a" / "drive.pcapng", Session(unit, road))
+    add_here(tmp_path / "a", to=tmp_path / "set")
+    rows = ask(tmp_path / "set", "SELECT count(*), max(GPS_SPEED), max(FREQ) FROM samples")
+    assert rows == [(60, 36.0, 1200.0)]
 
 
 def test_utc_is_the_time_on_the_calendar(tmp_path) -> None:

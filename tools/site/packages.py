@@ -52,7 +52,7 @@ _NOT_HERE = (
     "amendments", "cli", "__main__.py", "conditions/messages.py",
     "conditions/webhooks.py", "py.typed", "dashboard/page", "dashboard/running.py",
     "foreign_logs/mdf.py",
-    "dashboard/server.py", "dissectors", "drives", "fleet", "link/failures.py", "link/network.py",
+    "dashboard/server.py", "dissectors", "fleet", "link/failures.py", "link/network.py",
     "link/serial.py", "publish", "recording/export/mdf.py", "recording/export/parquet.py",
     "recording/parquet.py", "replay/routine.py", "testing",
     "virtual/met_unit.py", "virtual/profiles", "virtual/unit_files.py",

@@ -263,7 +263,8 @@ class _Reader:
         if any(it.recording != source.recording for it in self._open):
             self._finish()
         events = self._events[source.recording]
-        names = [channel.name for channel in self._corrected.channels]
+        known = self._catalog.channels
+        names = [each.name for each in self._corrected.channels if each.name in known]
         measuring = MeasurementCollector(self._catalog, names, events)
         new = _Drive(self.count, source, measuring, StateCollector(self._catalog))
         if not self._open:  # the first port of the session

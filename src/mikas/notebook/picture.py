@@ -193,7 +193,10 @@ def _flags(events: Iterable[Event], begin: float, end: float, zero: float) -> It
 
 def _references(recording: Recording) -> dict[str, Span]:
     """Return the catalog's range at warm idle of each channel that has one in this unit."""
-    known = ((it, recording.catalog.channel(it.name)) for it in recording.channels)
+    catalog = recording.catalog
+    known = (
+        (it, catalog.channel(it.name)) for it in recording.channels if it.name in catalog.channels
+    )
     return {
         channel.name: one.reference
         for channel, one in known

@@ -49,14 +49,14 @@ def chart(
     reference = channel.reference
     plot = _Frame(max(seconds, curve.width), *_ends(curve, channel))
     parts = [
-        _svg("title", label),
+        svg("title", label),
         *(plot.bar("pause", span) for span in plot.distinct(pauses)),
         *([plot.level(reference)] if reference else []),
         *_value_axis(plot, channel, language),
         *_time_axis(plot, language),
         plot.course(curve),
         *(plot.bar("idle", span, _BOTTOM - _STRIP) for span in plot.distinct(idle)),
-        _svg("rect", cls="frame", x=_LEFT, y=_TOP, width=_RIGHT - _LEFT, height=_BOTTOM - _TOP),
+        svg("rect", cls="frame", x=_LEFT, y=_TOP, width=_RIGHT - _LEFT, height=_BOTTOM - _TOP),
     ]
     return Markup(
         '<svg class="chart" viewBox="0 0 {} {}" role="img" aria-label="{}">{}</svg>'
@@ -92,12 +92,12 @@ class _Frame:
     def bar(self, cls: str, span: Span, top: int = _TOP) -> Markup:
         x = self.x(span[0])
         width = max(0.5, self.x(span[1]) - x)
-        return _svg("rect", cls=cls, x=x, y=top, width=width, height=_BOTTOM - top)
+        return svg("rect", cls=cls, x=x, y=top, width=width, height=_BOTTOM - top)
 
     def level(self, band: Span) -> Markup:
         top, bottom = self.y(band[1]), self.y(band[0])
         height = max(1.5, bottom - top)  # a band of one value is a line
-        return _svg("rect", cls="band", x=_LEFT, y=top, width=_RIGHT - _LEFT, height=height)
+        return svg("rect", cls="band", x=_LEFT, y=top, width=_RIGHT - _LEFT, height=height)
 
     def course(self, curve: Envelope) -> Markup:
         """Draw a line from column to column, up and down within each; broken without data."""
@@ -112,7 +112,7 @@ class _Frame:
                     points.append(f"{x} {high:.1f}")
             start = f"M{points[0]}"
             pieces.append(start + ("L" + " ".join(points[1:]) if points[1:] else "h0.5"))
-        return _svg("path", cls="course", d="".join(pieces))
+        return svg("path", cls="course", d="".join(pieces))
 
 
 def _runs(there: NDArray[np.bool_]) -> Iterator[range]:
@@ -153,9 +153,9 @@ def _value_axis(plot: _Frame, channel: Channel, language: Language) -> Iterator[
     decimals, step = _step(plot.high - plot.low, channel.decimals)
     for count in range(ceil(plot.low / step), floor(plot.high / step) + 1):
         y = plot.y(count * step)
-        yield _svg("line", cls="grid", x1=_LEFT, x2=_RIGHT, y1=y, y2=y)
+        yield svg("line", cls="grid", x1=_LEFT, x2=_RIGHT, y1=y, y2=y)
         text = number(count * step, decimals, language)
-        yield _svg("text", text, cls="value", x=_LEFT - 5, y=y + 3.5)
+        yield svg("text", text, cls="value", x=_LEFT - 5, y=y + 3.5)
 
 
 def _step(span: float, decimals: int) -> tuple[int, float]:
@@ -176,12 +176,12 @@ def _time_axis(plot: _Frame, language: Language) -> Iterator[Markup]:
     step = _time_step(plot.seconds)
     for count in range(floor(plot.seconds / step) + 1):
         x = plot.x(count * step)
-        yield _svg("line", cls="grid", x1=x, x2=x, y1=_TOP, y2=_BOTTOM)
+        yield svg("line", cls="grid", x1=x, x2=x, y1=_TOP, y2=_BOTTOM)
         label = clock(count * step)
         if step >= _DAY:
             days = count * step // _DAY
             label = Text(f"{days} d", f"{days} дн.").to(language)
-        yield _svg("text", label, cls="time", x=x, y=_BOTTOM + 16)
+        yield svg("text", label, cls="time", x=x, y=_BOTTOM + 16)
 
 
 def _time_step(seconds: float) -> int:
@@ -193,7 +193,8 @@ def _time_step(seconds: float) -> int:
     return _DAY * round(days)
 
 
-def _svg(tag: str, text: str = "", *, cls: str = "", **attributes: float | str) -> Markup:
+def svg(tag: str, text: str = "", *, cls: str = "", **attributes: float | str) -> Markup:
+    """Return an element of a drawing."""
     given = {"class": cls, **attributes} if cls else dict(attributes)
     pairs = "".join(
         f' {name}="{f"{value:.1f}" if isinstance(value, float) else escape(value)}"'

@@ -12,6 +12,9 @@ from mikas.causes.knowledge import Knowledge
 from mikas.causes.recorded import rank_recordings
 from mikas.cleaning import clean_line
 from mikas.client.cars import NO_CAR, CarDetails
+from mikas.drives import trips
+from mikas.drives.finding import SPEED, instrument_curve
+from mikas.drives.ways import way_of
 from mikas.guided.recorded import results_of
 from mikas.recording.annotations.events import (
     RecordedUnit,
@@ -28,6 +31,7 @@ from mikas.report.findings import Findings, find
 from mikas.report.measurements.measurements import MeasurementCollector
 from mikas.report.subject import (
     Conditions,
+    ReportedDrive,
     ReportedUnit,
     ReportSubject,
     cleared_faults,
@@ -92,8 +96,19 @@ def find_in_recording(
         tests=results_of(mine),
         car=car.over(car_of(mine)),
         causes=rank_recordings([recording], knowledge=knowledge) if by_port else None,
+        drive=_drive(recording, last),
     )
     return find(subject, measured)
+
+
+def _drive(recording: Recording, session: int) -> ReportedDrive | None:
+    """Return the drives and the way of a session; None if no instrument measured either."""
+    way = tuple(way_of(recording, session))
+    if not way and instrument_curve(recording, session, SPEED) is None:
+        return None
+    has_speed = any(each.name == "FREQ" for each in recording.channels)
+    found = trips(recording) if has_speed else []
+    return ReportedDrive(tuple(each for each in found if each.session == session), way)
 
 
 @dataclass(slots=True)
@@ -106,7 +121,8 @@ class _Port:
 
 def _ports(recording: Recording, readings: FaultReadings) -> dict[Source, _Port]:
     """Return the ports of the last session that has rows."""
-    names = [channel.name for channel in recording.channels]
+    known = recording.catalog.channels  # without those of instruments, which have no references
+    names = [channel.name for channel in recording.channels if channel.name in known]
     ports: dict[Source, _Port] = {}
     for source, rows in recording.stretches(recording.raw.last_session):
         if source not in ports:

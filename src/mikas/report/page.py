@@ -38,6 +38,7 @@ from mikas.report.measurements.alarms import Channel
 from mikas.report.sections.alarm_texts import alarm_section
 from mikas.report.sections.causes import cause_section
 from mikas.report.sections.conditions import rows as how_rows
+from mikas.report.sections.drive import drive_section
 from mikas.report.sections.freeze_frames import frame_section
 from mikas.report.sections.guided_tests import section as guided_section
 from mikas.report.sections.limitations import unknowns
@@ -57,6 +58,7 @@ SECTIONS: Final[tuple[Callable[[Findings, Language], PageSection | None], ...]] 
     alarm_section,
     cause_section,
     guided_section,
+    drive_section,
 )
 """The sections with modules of their own, between the faults and the values, in order."""
 

@@ -15,6 +15,8 @@ from typing import Final
 from mikas.catalog import Catalog, Fault, Model
 from mikas.causes.result import Ranking
 from mikas.client.cars import NO_CAR, CarDetails
+from mikas.drives.trip import Trip
+from mikas.drives.ways import WayStretch
 from mikas.guided.result import TestResult
 from mikas.i18n import Text
 from mikas.recording.freeze_frames import AppearedFault
@@ -75,11 +77,19 @@ class ClearedFaults:
 
 
 @dataclass(frozen=True, slots=True)
+class ReportedDrive:
+    """What an instrument beside the unit adds: the session's drives, and the way of the car."""
+
+    trips: tuple[Trip, ...] = ()
+    way: tuple[WayStretch, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
 class ReportSubject:
     """All of these. `faults` None: not read; else those stored at `faults_read`; `gone`: those
     stored before; `appeared`: those that came between two readings, the latest first. `notes`: the
     user's notes, in order. `tests`: the guided tests to show. `car`: as the user names it.
-    `causes`: ranked from the values; None: not looked for.
+    `causes`: ranked from the values; None: not looked for. `drive`: None without a receiver.
     """
 
     catalog: Catalog
@@ -93,6 +103,7 @@ class ReportSubject:
     car: CarDetails = NO_CAR
     appeared: tuple[AppearedFault, ...] = ()
     causes: Ranking | None = None
+    drive: ReportedDrive | None = None
 
 
 def cleared_faults(heard: Sequence[FaultReading], catalog: Catalog) -> tuple[ClearedFaults, ...]:
