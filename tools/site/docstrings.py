@@ -9,7 +9,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator, Mapping
 
-READ = ("mikas/dashboard/", "mikas/sampling/events.py")
+READ = ("mikas/dashboard/", "mikas/sampling/events.py", "mikas/sampling/instrument_changes.py")
 """What describes the API: routes, models, events; enumerations do so wherever they are."""
 
 _EMPTY: Mapping[type[ast.AST], bytes] = {
