@@ -151,6 +151,21 @@ def test_a_session_and_a_list_are_split_into_steps():
 
 
 @pytest.mark.parametrize(
+    ("command", "ends"),
+    [
+        ("mikas log -o a.pcapng FREQ", False),
+        ("mikas --lang ru watch FREQ", False),
+        ("mikas watch FREQ --count 3", True),
+        ("mikas log -o a.pcapng --duration 5", True),
+        ("mikas read FREQ", True),
+        ("mikas dash", False),
+    ],
+)
+def test_what_does_not_end_by_itself_is_not_run(command, ends):
+    assert sessions.Step(command, (), 0, session=True).ends is ends
+
+
+@pytest.mark.parametrize(
     ("shown", "printed", "same"),
     [
         (["a", "b"], ["a", "b"], True),

@@ -35,6 +35,8 @@ from tools.docs.markdown import Code
 
 NOT_RUN = "no-run"
 _ENDLESS = frozenset({"dash", "demo", "publish", "sim"})
+_UNBOUNDED = frozenset({"log", "watch"})  # endless, too, unless one of these bounds it
+_BOUNDS = frozenset({"--count", "--duration", "--help"})
 _OTHERS = frozenset({"tshark"})  # programs that read our files, and need nothing else
 _ABSENT = "there is no file"  # only a command that is run needs its files
 _VARIABLE = re.compile(r"\w+=\S*")
@@ -81,7 +83,9 @@ class Step:
     @property
     def ends(self) -> bool:
         """Whether it ends by itself."""
-        return _ENDLESS.isdisjoint(self.words[1:4])
+        command = self.words[1:4]
+        bounded = _UNBOUNDED.isdisjoint(command) or not _BOUNDS.isdisjoint(self.words)
+        return bounded and _ENDLESS.isdisjoint(command)
 
 
 def steps(text: str) -> Iterator[Step]:
