@@ -218,7 +218,7 @@ def test_a_file_that_is_unfit_has_the_number_and_words_of_its_reason():
 # The kind: no place is left out
 
 _IN_ITSELF = {"unusable_file", "capture_error", "_not_begun"}
-_NO_ERROR_OF_OURS = {"UnfitFile", "ValueError", "OutputError"}
+_NO_ERROR_OF_OURS = {"UnfitFile", "ValueError", "OutputError", "KeyboardInterrupt"}
 _OF_SYSTEM = ("OSError", "FileNotFoundError", "FileExistsError", "PermissionError")
 
 
@@ -231,9 +231,7 @@ def raised_from(handler: ast.ExceptHandler):
 
 
 def is_of_system(exception: ast.expr) -> bool:
-    if not isinstance(exception, ast.Call):
-        return False
-    name = exception.func
+    name = exception.func if isinstance(exception, ast.Call) else exception
     if isinstance(name, ast.Attribute):
         return name.attr == "caused_by"
     return isinstance(name, ast.Name) and name.id in _IN_ITSELF | _NO_ERROR_OF_OURS

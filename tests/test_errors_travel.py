@@ -33,6 +33,7 @@ OWN = {  # with an `__init__` of their own
     "FormulaError": (Text("wrong", "ошибка"), (1, 2)),
     "CaptureError": ("a.pcapng", Text("cut", "обрезан"), 12),
     "ExportError": ("a.csv", Text("exists", "есть")),
+    "ForeignLogError": ("a.msl", Text("not one", "не тот"), 7),
     "FleetError": ("s3://drives", Text("gone", "нет")),
     "ConfirmationOutdated": (),
 }

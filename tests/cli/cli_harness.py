@@ -112,7 +112,7 @@ WORDS = {
     "highway", "baud", "byte", "clock", "cold-start", "warm-idle", "full-load", "key-off", "host",
     "real", "simulated", "nan", "inf", "empty", "scenario", "model", "faults", "seed", "sim",
     "Enter", "min", "null", "Tab", "bash", "zsh", "fish", "PowerShell",
-    "csv", "msl", "mlg", "parquet",
+    "csv", "msl", "mlg", "parquet", "gpx", "geojson",
     "DuckDB", "Dask", "Parquet", "pandas", "polars", "Spark", "SQL", "CSV", "SELECT", "DESCRIBE",
     "SUMMARIZE", "EXPLAIN", "drives", "samples", "statistics", "gaps", "alarms", "car", "day",
     "processes",

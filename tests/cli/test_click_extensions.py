@@ -104,6 +104,8 @@ def test_every_example_parses(mikas, tmp_path, example):
     for name in (
         "drive.pcapng",
         "merged.pcapng",
+        "monday.pcapng",
+        "tuesday.pcapng",
         "code.bin",
         "part.bin",
         "xram.bin",

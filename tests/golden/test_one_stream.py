@@ -64,6 +64,7 @@ class Consumers:
             model=None,
             recorder=self.recorder,
             acquisition=acquisition,
+            channels=acquisition.channels,
             later=0.0,
         )
         notices, printed = Notices(shown, self.sentences.append), io.StringIO()

@@ -67,7 +67,7 @@ def resolved(
         raise usage_error(
             f"The webhook {url}: {host} is not found ({reason.en})",
             f"Вебхук {url}: {host} не находится ({reason.ru})",
-        ) from error
+        ).caused_by(error) from error
     if not found or not all(map(is_loopback, found)):
         raise not_here(host)
     path = (parts.path or "/") + (f"?{parts.query}" if parts.query else "")
