@@ -14,6 +14,7 @@ ROOT = Path(__file__).parents[2]
 CHOSEN = (
     "catalog/test_catalog_formulas.py",
     "guided/test_guided_engine.py",
+    "drives/test_mixture.py",
     "drives/test_trips.py",
     "recording/export/test_export_csv.py",
     "recording/export/test_export_tracks.py",

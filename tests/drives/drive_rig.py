@@ -22,7 +22,7 @@ RECEIVER = definition_of_text(
 )
 _MICRO = 1_000_000
 _BYTE = 10 / 9600
-FREQ, RXX, JQT = 0x29, 0x07, 0x40
+FREQ, RXX, JQT, VALF, THR = 0x29, 0x07, 0x40, 0x39, 0x20
 
 
 @dataclass
@@ -33,6 +33,8 @@ class Unit:
     rpm: int | None = None  # steps of 40
     flow: float | None = None  # steps of 0.1 l/h
     idle: bool | None = None
+    aimed: float | None = None  # steps of 1/256
+    throttle: int | None = None  # %
 
 
 @dataclass
@@ -86,6 +88,12 @@ class Session:
         if said.idle is not None:
             asked.append(RXX)
             data += bytes([4 if said.idle else 0])
+        if said.aimed is not None:
+            asked.append(VALF)
+            data += bytes([round((said.aimed - 0.5) * 256)])
+        if said.throttle is not None:
+            asked.append(THR)
+            data += bytes([said.throttle])
         for body, begins, flags in (
             (bytes([0x61, *asked]), max(0.0, said.time - 0.01), pcapng.OUTBOUND),
             (data, said.time, pcapng.INBOUND),

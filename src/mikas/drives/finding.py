@@ -91,7 +91,7 @@ def drives_of(recording: Recording, since: Marker | None = None) -> Iterator[Run
         )
     recorded = [name for name in names if name not in corrected.absent]
     fuel = next((name for name in _FUEL if name in recorded), None)
-    for source, rows in _pieces(corrected):
+    for source, rows in session_rows(corrected):
         curves = _curves(recording, source, rows, fuel)
         earliest = -inf
         if since is not None and source.recording <= since.recording:
@@ -101,10 +101,12 @@ def drives_of(recording: Recording, since: Marker | None = None) -> Iterator[Run
                 yield Running(curves, begin, end)
 
 
-def _pieces(recording: Recording) -> Iterator[tuple[Source, Rows]]:
-    """Yield the rows of each session and port, in stretches whose times rise."""
+def session_rows(recording: Recording, session: int | None = None) -> Iterator[tuple[Source, Rows]]:
+    """Yield the rows of each session and port, or of one session, in stretches of rising times."""
     found: dict[Source, list[Rows]] = {}
     for source, rows in recording.stretches():
+        if session is not None and source.recording != session:
+            continue
         if len(rows.times):
             found.setdefault(source, []).append(rows)
     for source, stretches in found.items():

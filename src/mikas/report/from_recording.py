@@ -14,6 +14,7 @@ from mikas.cleaning import clean_line
 from mikas.client.cars import NO_CAR, CarDetails
 from mikas.drives import trips
 from mikas.drives.finding import SPEED, instrument_curve
+from mikas.drives.mixture import compared_mixture
 from mikas.drives.ways import way_of
 from mikas.guided.recorded import results_of
 from mikas.recording.annotations.events import (
@@ -97,6 +98,7 @@ def find_in_recording(
         car=car.over(car_of(mine)),
         causes=rank_recordings([recording], knowledge=knowledge) if by_port else None,
         drive=_drive(recording, last),
+        mixture=compared_mixture(recording, last),
     )
     return find(subject, measured)
 

@@ -42,6 +42,7 @@ from mikas.report.sections.drive import drive_section
 from mikas.report.sections.freeze_frames import frame_section
 from mikas.report.sections.guided_tests import section as guided_section
 from mikas.report.sections.limitations import unknowns
+from mikas.report.sections.mixture import mixture_section
 from mikas.report.sections.section import PageSection
 from mikas.report.sections.summary import MARKS, headline, summary_sentence
 from mikas.report.subject import ClearedFaults
@@ -59,6 +60,7 @@ SECTIONS: Final[tuple[Callable[[Findings, Language], PageSection | None], ...]] 
     cause_section,
     guided_section,
     drive_section,
+    mixture_section,
 )
 """The sections with modules of their own, between the faults and the values, in order."""
 

@@ -15,6 +15,7 @@ from typing import Final
 from mikas.catalog import Catalog, Fault, Model
 from mikas.causes.result import Ranking
 from mikas.client.cars import NO_CAR, CarDetails
+from mikas.drives.mixture import MixtureComparison
 from mikas.drives.trip import Trip
 from mikas.drives.ways import WayStretch
 from mikas.guided.result import TestResult
@@ -90,6 +91,7 @@ class ReportSubject:
     stored before; `appeared`: those that came between two readings, the latest first. `notes`: the
     user's notes, in order. `tests`: the guided tests to show. `car`: as the user names it.
     `causes`: ranked from the values; None: not looked for. `drive`: None without a receiver.
+    `mixture`: None without a λ meter.
     """
 
     catalog: Catalog
@@ -104,6 +106,7 @@ class ReportSubject:
     appeared: tuple[AppearedFault, ...] = ()
     causes: Ranking | None = None
     drive: ReportedDrive | None = None
+    mixture: MixtureComparison | None = None
 
 
 def cleared_faults(heard: Sequence[FaultReading], catalog: Catalog) -> tuple[ClearedFaults, ...]:
