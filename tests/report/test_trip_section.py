@@ -100,7 +100,7 @@ def test_whatever_the_way_the_drawing_holds_it(places):
             assert -1 <= float(x) <= width + 1
             assert -1 <= float(y) <= height + 1
     grid = [each for each in drawing.iter("line") if each.attrib["class"] == "grid"]
-    assert 3 <= len(grid) <= 40
+    assert 4 <= len(grid) <= 30
 
 
 def test_the_colour_is_the_speed_and_a_long_way_stays_small():

@@ -27,7 +27,7 @@ _EDGE: Final = 14.0
 _FOOT: Final = 26.0  # for the scale
 _NEAR: Final = 1.2  # of the drawing, within which two places are one
 _LEAST: Final = 50.0  # m that it shows at least
-_CELLS: Final = 6
+_CELLS: Final = 5  # from left to right, at least; at most thirteen
 
 
 def way_drawing(way: Sequence[WayStretch], language: Language, label: str) -> Markup:
@@ -69,9 +69,9 @@ class _Scale:
     @property
     def step(self) -> float:
         """The distance of two lines of the grid, a round number of metres."""
-        raw = self.metres * WIDTH / _CELLS
-        power = 10.0 ** floor(log10(raw))
-        return power * next(each for each in (1, 2, 5, 10) if each * power >= raw * 0.999)
+        most = self.metres * WIDTH / _CELLS
+        power = 10.0 ** floor(log10(most))
+        return power * next(each for each in (5, 2, 1) if each == 1 or each * power <= most)
 
 
 def _ends(ends: Sequence[tuple[float, float]]) -> tuple[float, float]:
