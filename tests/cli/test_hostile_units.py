@@ -86,8 +86,8 @@ CASES = {
     "survey": Case("survey -o unit.zip --yes", interrupted=60.0),
 }
 WITHOUT_A_UNIT = {
-    "ports", "params", "evidence", "decode", "export", "find", "split", "trip", "wireshark",
-    "sigrok", "fleet", "sim", "demo", "mem diff", "help",
+    "ports", "params", "evidence", "decode", "export", "find", "split", "trip", "pull",
+    "wireshark", "sigrok", "fleet", "sim", "demo", "mem diff", "help",
     "completion",
 }  # fmt: skip
 APART = {"dash", "publish"}  # below

@@ -88,6 +88,11 @@ COMMANDS: dict[str, tuple[str, Text]] = {
         "drives of a recording: fuel, distance, idling (needs no port)",
         "поездки в записи: топливо, путь, холостой ход (порт не нужен)",
     ),
+    "pull": home(
+        "recordings.pull",
+        "power and torque from a full-throttle pull in a recording (needs no port)",
+        "мощность и момент по разгону в записи (порт не нужен)",
+    ),
     "export": home(
         "recordings.export",
         "export a recording for other programs (needs no port)",

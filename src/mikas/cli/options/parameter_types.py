@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 else:
     _WordType = click.ParamType  # generic since click 8.4
 
+_STEEPEST: Final = 30.0  # % of a road
 _MOST_FILES: Final = 1000  # among which a misspelt name is looked for
 
 
@@ -113,6 +114,17 @@ def positive(text: str) -> float:
     raise _invalid(
         f"“{text}” is not allowed; it must be a number more than 0.",
         f"«{text}» не подходит; нужно число больше 0.",
+    )
+
+
+def slope(text: str) -> float:
+    """Return the slope of a road, in per cent; a decimal comma is allowed."""
+    value = _decimal(text)
+    if -_STEEPEST <= value <= _STEEPEST:
+        return value
+    raise _invalid(
+        f"“{text}” is not allowed; it must be per cent, from −{_STEEPEST:.0f} to {_STEEPEST:.0f}.",
+        f"«{text}» не подходит; нужны проценты, от −{_STEEPEST:.0f} до {_STEEPEST:.0f}.",
     )
 
 
