@@ -140,7 +140,7 @@ FREE = {
     "--every", "--qos", "--discovery-prefix", "--name", "--raw", "--from", "--to", "--block",
     "--workers", "--baud", "--seed", "--latency-ms", "--host-port", "[VALUE]", "ADDR", "[COUNT]",
     "HEX", "SQL", "--voltmeter", "--tachometer", "--since",
-    "--mass", "--per-1000", "--drag-area", "--slope",
+    "--mass", "--per-1000", "--drag-area", "--slope", "--target", "--within", "--measured",
 }  # fmt: skip
 
 

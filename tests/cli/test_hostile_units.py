@@ -71,6 +71,7 @@ CASES = {
     "faults": Case("faults"),
     "faults erase": changing("faults erase", 0x62),
     "write": changing("write UOZ 1", 0x62),
+    "co": changing("co --target 0.8 --measured 2", 0x62),
     "list set": changing("list set FREQ", 0x64),
     "list read": Case("list read FREQ"),
     "mem read": Case("mem read ram 0 64"),

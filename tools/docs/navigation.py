@@ -60,6 +60,7 @@ NAVIGATION: tuple[Entry | Section, ...] = (
             _page("how-to/fleet.md", "Many recordings, a fleet", "Много записей, автопарк"),
             _page("how-to/instruments.md", "λ meter and GPS", "Лямбда-прибор и GPS"),
             _page("how-to/trips.md", "Trips and fuel", "Поездки и расход"),
+            _page("how-to/co.md", "Setting the idle CO", "Регулировка СО"),
             _page("how-to/mqtt.md", "MQTT and Home Assistant", "MQTT и Home Assistant"),
         ),
     ),

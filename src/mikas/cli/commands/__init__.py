@@ -42,6 +42,11 @@ COMMANDS: dict[str, tuple[str, Text]] = {
         "unit.faults", "stored faults; `faults erase` erases them", "ошибки; сброс: `faults erase`"
     ),
     "write": home("unit.parameters", "write a parameter", "записать параметр"),
+    "co": home(
+        "unit.co",
+        "set the idle CO by a gas analyser or a λ meter, step by step",
+        "отрегулировать СО холостого хода по газоанализатору или лямбда-прибору, по шагам",
+    ),
     "list": home(
         "groups",
         "the unit's own list: set it (64), read it (63)",
