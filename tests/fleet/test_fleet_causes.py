@@ -152,4 +152,4 @@ def test_a_drive_without_a_row_can_t_be_judged() -> None:
 
 
 def test_the_version_names_the_edition_of_the_tables() -> None:
-    assert ", tables 2, " in SETTINGS.version
+    assert ", tables 3, " in SETTINGS.version

@@ -14,6 +14,7 @@ from drives.drive_rig import Road, Session, Unit, recorded
 from fleet_rig import BEGAN, DAY, SETTINGS, add_here, ask, make
 from mikas.catalog import load, shipped
 from mikas.client.cars import CarDetails
+from mikas.drives import trips
 from mikas.fleet.interpreting import InterpretingSettings, interpret
 from mikas.recording.annotations.events import car_note
 from mikas.recording.capture.writer import append_note
@@ -50,6 +51,26 @@ def test_a_recording_with_instruments_beside_the_unit_is_added(tmp_path) -> None
     add_here(tmp_path / "a", to=tmp_path / "set")
     rows = ask(tmp_path / "set", "SELECT count(*), max(GPS_SPEED), max(FREQ) FROM samples")
     assert rows == [(60, 36.0, 1200.0)]
+
+
+def test_a_drive_has_its_fuel_distance_and_idle_time(tmp_path) -> None:
+    road = [Road(float(at), 36.0) for at in range(200)]
+    unit = [Unit(at + 0.5, 1200, 7.2) for at in range(199)]
+    unit[:10] = [Unit(at + 0.5, 0, 0.0) for at in range(10)]
+    still = [Unit(at + 300.5, 800, 1.0, idle=True) for at in range(61)]
+    file = tmp_path / "a" / "drive.pcapng"
+    recording = recorded(file, Session(unit, road), Session(still), Session([Unit(500.0, 0, 0.0)]))
+    add_here(tmp_path / "a", to=tmp_path / "set")
+    columns = "engine_seconds, idle_seconds, litres, kilometres, litres_per_100_km"
+    moving, standing, stopped = ask(
+        tmp_path / "set", f"SELECT {columns} FROM drives ORDER BY seconds DESC"
+    )
+    assert moving == pytest.approx((188.0, 0.0, 0.376, 1.88, 20.0), rel=1e-3)
+    assert standing[:2] == pytest.approx((60.0, 60.0), rel=1e-3)
+    assert standing[2:] == (pytest.approx(1 / 60, rel=1e-3), None, None)
+    assert stopped == (None,) * 5
+    first, second = trips(recording)
+    assert (moving[2], standing[2]) == pytest.approx((first.litres, second.litres), rel=1e-12)
 
 
 def test_utc_is_the_time_on_the_calendar(tmp_path) -> None:

@@ -89,16 +89,33 @@ def drives_of(recording: Recording, since: Marker | None = None) -> Iterator[Run
             "FREQ: not in this recording, so nothing says when the engine ran",
             "FREQ: в этой записи нет, поэтому неизвестно, когда двигатель работал",
         )
-    recorded = [name for name in names if name not in corrected.absent]
-    fuel = next((name for name in _FUEL if name in recorded), None)
     for source, rows in session_rows(corrected):
-        curves = _curves(recording, source, rows, fuel)
-        earliest = -inf
-        if since is not None and source.recording <= since.recording:
-            earliest = inf if source.recording < since.recording else since.time
-        for began, end in _runs(curves.rpm):
-            if (begin := max(began, earliest)) < end:
-                yield Running(curves, begin, end)
+        yield from _running(recording, source.recording, rows, since)
+
+
+def trips_of_rows(recording: Recording, session: int, stretches: Sequence[Rows]) -> list[Trip]:
+    """Return the trips of rows of one port in a session, with FREQ, RXX and the fuel flow.
+
+    Missing channels are NaN. The recording gives the speed.
+    """
+    return [
+        each.curves.trip(each.begin, each.end)
+        for rows in _rising(stretches)
+        for each in _running(recording, session, rows, None)
+    ]
+
+
+def _running(
+    recording: Recording, session: int, rows: Rows, since: Marker | None
+) -> Iterator[Running]:
+    """Yield the stretches in which the engine runs."""
+    curves = _curves(recording, session, rows)
+    earliest = -inf
+    if since is not None and session <= since.recording:
+        earliest = inf if session < since.recording else since.time
+    for began, end in _runs(curves.rpm):
+        if (begin := max(began, earliest)) < end:
+            yield Running(curves, begin, end)
 
 
 def session_rows(recording: Recording, session: int | None = None) -> Iterator[tuple[Source, Rows]]:
@@ -125,16 +142,20 @@ def _rising(stretches: Iterable[Rows]) -> Iterator[Rows]:
         yield joined_rows(waiting)
 
 
-def _curves(recording: Recording, source: Source, rows: Rows, fuel: str | None) -> DriveCurves:
-    flag = rows.values.get("RXX")
-    has_flag = flag is not None and bool(np.isfinite(flag).any())
+def _curves(recording: Recording, session: int, rows: Rows) -> DriveCurves:
+    read = {
+        name: sampled_curve(rows.times, column)
+        for name, column in rows.values.items()
+        if name != "FREQ" and np.isfinite(column).any()
+    }
+    fuel = next((name for name in _FUEL if name in read), None)
     return DriveCurves(
-        source.recording,
+        session,
         sampled_curve(rows.times, rows.values["FREQ"]),
-        sampled_curve(rows.times, rows.values[fuel]) if fuel else None,
+        read[fuel] if fuel else None,
         fuel,
-        instrument_curve(recording, source.recording, SPEED),
-        sampled_curve(rows.times, flag) if flag is not None and has_flag else None,
+        instrument_curve(recording, session, SPEED),
+        read.get("RXX"),
     )
 
 

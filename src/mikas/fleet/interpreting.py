@@ -19,6 +19,7 @@ from typing import TypeAlias, TypeVar
 from mikas.catalog import Catalog
 from mikas.cleaning import clean_line
 from mikas.commands.unit import version_text
+from mikas.drives.collecting import TripCollector
 from mikas.errors import CaptureError
 from mikas.fleet.cars import CarKey, car_key, partition
 from mikas.fleet.causes import CauseCollector
@@ -91,6 +92,7 @@ class _Drive:
     measuring: MeasurementCollector
     states: StateCollector
     causes: CauseCollector = field(default_factory=CauseCollector)
+    trips: TripCollector = field(default_factory=TripCollector)
     began: float | None = None
     ended: float | None = None
     gaps: list[Gap] = field(default_factory=list)
@@ -99,6 +101,7 @@ class _Drive:
         self.measuring.add(corrected)
         self.states.add(corrected)
         self.causes.add(corrected)
+        self.trips.add(corrected)
         first, last = float(rows.times.min()), float(rows.times.max())
         self.began = first if self.began is None else min(self.began, first)
         self.ended = last if self.ended is None else max(self.ended, last)
@@ -295,7 +298,8 @@ class _Reader:
         row = self._drive_row(drive, measured, began, unit)
         stored = heard[-1].codes if heard else ()
         causes = drive.causes.columns(stored)
-        yield "drives", began, {**row, **causes, "fault_readings": len(heard)}
+        trips = drive.trips.columns(self._recording, drive.source.recording)
+        yield "drives", began, {**row, **causes, **trips, "fault_readings": len(heard)}
         states: dict[tuple[str, DriveState], ChannelStatistics] = {
             **{(name, DriveState.ALL): stats for name, stats in measured.whole.items()},
             **{(name, DriveState.WARM_IDLE): stats for name, stats in measured.at_idle.items()},

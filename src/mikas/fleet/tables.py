@@ -44,6 +44,11 @@ SMALL: Final[Mapping[str, Mapping[str, str]]] = {
         "likelihood": "VARCHAR",
         "cause_en": "VARCHAR",
         "cause_ru": "VARCHAR",
+        "engine_seconds": "DOUBLE",
+        "idle_seconds": "DOUBLE",
+        "litres": "DOUBLE",
+        "kilometres": "DOUBLE",
+        "litres_per_100_km": "DOUBLE",
     },
     "statistics": {
         "drive": "VARCHAR",
@@ -96,11 +101,24 @@ SMALL: Final[Mapping[str, Mapping[str, str]]] = {
 }
 """The tables whose rows are few."""
 
-EDITION: Final = 2
+EDITION: Final = 3
 """The edition of the columns. A recording added with another one is interpreted again."""
 
 LATER: Final[Mapping[str, frozenset[str]]] = {
-    "drives": frozenset(("verdict", "cause", "likelihood", "cause_en", "cause_ru")),
+    "drives": frozenset(
+        (
+            "verdict",
+            "cause",
+            "likelihood",
+            "cause_en",
+            "cause_ru",
+            "engine_seconds",
+            "idle_seconds",
+            "litres",
+            "kilometres",
+            "litres_per_100_km",
+        )
+    ),
 }
 """Columns that a table of an earlier edition lacks: its rows have NULL there."""
 
