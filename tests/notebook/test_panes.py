@@ -103,6 +103,11 @@ def test_a_scale_is_what_the_catalog_says():
     assert scale_of(shipped().channel("FREQ"), "rpm").never_negative
     assert scale_of(shipped().channel("FUEL_FLOW"), "l/h").never_negative
     assert scale_of(shipped().channel("RXX"), "own RXX").is_flag
+    labelled = shipped().described("GPS_SPEED_ROOF")
+    assert (labelled.name, scale_of(labelled, "km/h").least_span) == ("GPS_SPEED", 10)
+    assert shipped().described("BOOST_BAR") is None
+    own = scale_of(Channel("BOOST_BAR", "bar", Text("Boost", "Наддув"), decimals=2), "bar")
+    assert (own.least_span, own.never_negative) == (pytest.approx(0.1), False)
 
 
 def test_stacked_lines_have_lanes_from_the_top():

@@ -17,6 +17,7 @@ from matplotlib.colors import to_rgb
 from notebook_harness import NOON, of_a_car, of_values
 
 import mikas
+from drives.drive_rig import Road, Session, Unit, recorded
 from mikas.errors import MissingExtra, UnknownParameter, UsageError
 from mikas.i18n import Text
 from mikas.notebook.panes import DAY, FIRST, NIGHT
@@ -347,3 +348,16 @@ def test_a_clock_that_jumped_by_a_century_has_few_labels(tmp_path):
 def test_numbers_of_numpy_are_seconds_too(hill):
     plot = hill.plot("FREQ", start=np.int64(2), end=np.float32(3))
     assert plot.panes[0].get_xlim() == (2, 3)
+
+
+def test_instruments_beside_the_unit_are_shown_and_plotted(tmp_path):
+    road = [Road(float(at), 36.0, lambda_=0.98) for at in range(20)]
+    path = tmp_path / "drive.pcapng"
+    recorded(path, Session([Unit(at + 0.5, 1200, 7.2) for at in range(20)], road))
+    recording = mikas.open(path)
+    assert "Latitude by GPS" in recording._repr_html_()
+    plot = recording.plot("FREQ", ["lambda", "GPS_SPEED"])
+    assert set(plot.lines) == {"FREQ", "LAMBDA", "GPS_SPEED"}
+    assert set(plot.lines["GPS_SPEED"].get_ydata()) == {36.0}
+    legend = [text.get_text() for text in plot.panes[1].get_legend().get_texts()]
+    assert legend == ["λ, measured, λ", "Speed by GPS, km/h"]

@@ -124,6 +124,16 @@ class Catalog:
         name = name.strip()
         return self.channels.get(self.channel_of(name)) or self._by_code(name, self.channels)
 
+    def described(self, name: str) -> Parameter | Derived | InstrumentChannel | None:
+        """Return the channel of a column's very name; of an instrument's also with its label.
+
+        None for one that only the instrument's own definition describes.
+        """
+        if found := self.channels.get(name) or self.instruments.get(name):
+            return found
+        alike = [own for own in self.instruments if name.startswith(f"{own}_")]
+        return self.instruments[max(alike, key=len)] if alike else None
+
     def _by_code(self, name: str, known: Iterable[str]) -> Parameter:
         if match := _RAW_CODE.fullmatch(name):
             return self._raw(name, int(match[1], 16), match[2])

@@ -197,9 +197,11 @@ class _Pane:
         labels = []
         for line in lines:
             channel = line.trace.channel
-            known = catalog.channel(channel.name)
-            text = ((known.short.en and known.short) or channel.text).to(language) or channel.name
-            unit = known.unit_text.to(language) if known.unit == channel.unit else channel.unit
+            known = catalog.described(channel.name)
+            short = known.short if known is not None and known.short.en else channel.text
+            text = short.to(language) or channel.name
+            has_text = known is not None and known.unit == channel.unit
+            unit = known.unit_text.to(language) if known and has_text else channel.unit_in(language)
             # matplotlib leaves out what begins with “_”.
             labels.append((f"{text}, {unit}" if unit else text).lstrip("_") or channel.name)
         legend = self._ax.legend(

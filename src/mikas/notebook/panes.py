@@ -77,7 +77,11 @@ def chosen_panes(
     known = {channel.name: channel for channel in recording.channels}
     recorded = [it for it in recording.channels if it.name not in recording.absent]
     lists = [[each] if isinstance(each, str) else list(each) for each in panes]
-    names = [[named(recording.catalog, name) for name in names] for names in lists]
+    names = [
+        [beside if (beside := name.strip().upper()) in known else named(recording.catalog, name)
+         for name in names]
+        for names in lists
+    ]  # fmt: skip
     for name in (name for pane in names for name in pane if name not in known):
         raise usage_error(
             f"{name} is not among this recording's channels: {', '.join(known)}",

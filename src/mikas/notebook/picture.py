@@ -221,7 +221,7 @@ class _Window:
         catalog = self._recording.catalog
         lines = [
             AxisLine(
-                scale_of(catalog.channel(trace.channel.name), key),
+                scale_of(catalog.described(trace.channel.name) or trace.channel, key),
                 self._seen(*columns),
                 bands.get(trace.channel.name),
             )

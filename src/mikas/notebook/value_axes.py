@@ -13,7 +13,8 @@ from dataclasses import dataclass, replace
 from sys import float_info
 from typing import Final
 
-from mikas.catalog import Derived, Parameter
+from mikas.catalog import Derived, InstrumentChannel, Parameter
+from mikas.recording.table.channels import Channel
 
 # Room above and below the values, as a share of their extent.
 _ROOM: Final = 0.06
@@ -54,10 +55,14 @@ class Axis:
     floor: bool
 
 
-def scale_of(channel: Parameter | Derived, key: str) -> Scale:
-    """Return what the catalog says of the channel's axis."""
+def scale_of(channel: Parameter | Derived | InstrumentChannel | Channel, key: str) -> Scale:
+    """Return what the catalog says of the channel's axis. A `Channel`: it says nothing."""
+    if isinstance(channel, Channel):
+        least = 10 * 10.0**-channel.decimals
+        return Scale(channel.name, key, channel.is_flag, least, never_negative=False)
     extent = channel.range or channel.gauge
-    least = channel.least_span or 10 * 10.0**-channel.decimals
+    own = channel.span_least if isinstance(channel, InstrumentChannel) else channel.least_span
+    least = own or 10 * 10.0**-channel.decimals
     return Scale(channel.name, key, channel.is_flag, least, extent is None or extent[0] >= 0)
 
 

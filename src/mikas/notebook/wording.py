@@ -217,8 +217,9 @@ class _Words:
 
     def row(self, each: ChannelOverview) -> ChannelLine:
         channel, language = each.channel, self._language
-        known = self._catalog.channel(channel.name)
-        unit = known.unit_text.to(language) if known.unit == channel.unit else channel.unit
+        known = self._catalog.described(channel.name)
+        has_text = known is not None and known.unit == channel.unit
+        unit = known.unit_text.to(language) if known and has_text else channel.unit_in(language)
         least, most = (self._value(each, value) for value in (each.least, each.most))
         if not each.count:
             least, most = self._to(_NO_VALUES), ""
