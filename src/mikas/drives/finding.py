@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from mikas.cancellation import check_cancelled
 from mikas.catalog.ignition_only import RUNNING
 from mikas.drives.curves import Curve, sampled_curve
 from mikas.drives.measuring import DriveCurves
@@ -114,6 +115,7 @@ def _running(
     if since is not None and session <= since.recording:
         earliest = inf if session < since.recording else since.time
     for began, end in _runs(curves.rpm):
+        check_cancelled()
         if (begin := max(began, earliest)) < end:
             yield Running(curves, begin, end)
 
@@ -122,6 +124,7 @@ def session_rows(recording: Recording, session: int | None = None) -> Iterator[t
     """Yield the rows of each session and port, or of one session, in stretches of rising times."""
     found: dict[Source, list[Rows]] = {}
     for source, rows in recording.stretches():
+        check_cancelled()
         if session is not None and source.recording != session:
             continue
         if len(rows.times):

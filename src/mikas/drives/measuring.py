@@ -72,7 +72,13 @@ class DriveCurves:
 
 def _edges(times: list[Floats], begin: float, end: float) -> Floats:
     """Return `begin`, all times between, and `end`."""
-    inside = [each[(each > begin) & (each < end)] for each in times]
+    ends = np.array([begin, end])
+    inside: list[Floats] = []
+    for each in times:
+        # A recording may have thousands of drives: none looks at all rows.
+        first, last = np.searchsorted(each, ends).tolist()
+        part = each[first:last]
+        inside.append(part[part > begin])
     inner = np.unique(np.concatenate(inside))
     edges: Floats = np.concatenate((np.array([begin]), inner, np.array([end])))
     return edges

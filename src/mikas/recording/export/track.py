@@ -7,6 +7,7 @@ interrupted where a gap is, or the position is missing.
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
@@ -113,13 +114,13 @@ class PlacedMoments:
     """The markers, notes and alarms of a sheet, each at the nearest point of the track."""
 
     def __init__(self, moments: Sequence[Moment]) -> None:
-        self._waiting = list(moments)
+        self._waiting = deque(moments)
         self._before: TrackPoint | None = None
 
     def until(self, point: TrackPoint) -> Iterator[tuple[Moment, TrackPoint]]:
         """Yield those up to `point`, the next one of the track."""
         while self._waiting and self._waiting[0].time <= point.time:
-            moment = self._waiting.pop(0)
+            moment = self._waiting.popleft()
             candidates = [each for each in (self._before, point) if each is not None]
             yield from _placed(moment, candidates)
         self._before = point
