@@ -12,6 +12,7 @@ import pytest
 from cli_harness import is_one_short_paragraph, is_russian
 
 from dashboard.recordings_rig import record_fault
+from drives.drive_rig import Road, Session, Unit, recorded
 from mikas.client.cars import CarDetails
 from mikas.recording import CaptureWriter
 from mikas.recording.summary import summarise
@@ -195,3 +196,20 @@ def test_a_recording_from_which_all_packets_were_cut_says_so(mikas, tmp_path):
     sentence = "The file has no packets"
     assert sentence in ran.out + ran.err
     assert sentence in (tmp_path / "out.html").read_text("utf-8")
+
+
+def test_what_instruments_add_is_in_the_json(mikas, tmp_path):
+    unit = [Unit(at / 4, 1200, 7.2, aimed=1.0, throttle=10) for at in range(480)]
+    road = [Road(2 + at / 10, 36.0, lambda_=1.05) for at in range(1170)]
+    recorded(tmp_path / "a.pcapng", Session(unit, road))
+    found = mikas("report", "a.pcapng", "-o", "a.html", "--json").object
+    assert found["trip"]["kilometres"] == pytest.approx(1.17, rel=0.01)
+    (cell,) = found["mixture"]["cells"]
+    assert (cell["verdict"], cell["rpm"], found["mixture"]["load"]) == (
+        "leaner",
+        [1100, 1600],
+        "THR",
+    )
+    recorded(tmp_path / "b.pcapng", Session(unit))
+    found = mikas("report", "b.pcapng", "-o", "b.html", "--json").object
+    assert (found["trip"], found["mixture"]) == (None, None)

@@ -142,8 +142,28 @@ def _print_summary(context: CommandContext, out: Path, found: Findings) -> None:
             "alarms": [_alarm_as_json(alarm) for alarm in found.measured.alarms],
             "warm_idle_seconds": round(found.measured.idle.seconds, 3),
             "values": {value.channel.name: _as_json(value) for value in found.rated},
+            "trip": _trip_as_json(found),
+            "mixture": _mixture_as_json(found),
         }
     )
+
+
+def _trip_as_json(found: Findings) -> dict[str, object] | None:
+    """Return the sums of the session's drives; None without an instrument of speed or place."""
+    from mikas.drives import joined_trips
+
+    drive = found.subject.drive
+    total = None if drive is None else joined_trips(drive.trips)
+    return None if total is None else total.as_json()
+
+
+def _mixture_as_json(found: Findings) -> dict[str, object] | None:
+    mixture = found.subject.mixture
+    if mixture is None:
+        return None
+    names = ("rpm", "load", "count", "aimed", "measured", "difference", "low", "high", "verdict")
+    cells = [picked(cell, *names) for cell in mixture.cells]
+    return {**picked(mixture, "load", "unsteady", "lean"), "cells": cells}
 
 
 def _alarm_as_json(alarm: Alarm) -> dict[str, object]:
