@@ -95,6 +95,38 @@ def test_a_recording_has_them_and_goes_on_in_another_file_when_one_is_added(idle
     assert [value for value in column if value is not None]
 
 
+def test_a_recording_names_their_channels_also_labelled_ones_that_are_gone(idle):
+    idle.post("/instruments", METER | {"label": "left"})
+    idle.post("/recording/start", {"name": "drive"})
+    with_values(idle, "LAMBDA_LEFT")
+    idle.post("/recording/stop")
+    idle.delete("/instruments/left:aem")
+    beside = idle.get("/recordings/drive.pcapng")["instruments"]
+    assert [each["name"] for each in beside] == ["LAMBDA_LEFT", "AFR_LEFT"]
+    assert beside[0]["text"]["en"] == "Mixture λ, measured, left"
+    assert (beside[0]["unit"]["en"], beside[0]["decimals"]) == ("λ", 3)
+
+
+def alarms_of(message, name):
+    return [each["level"] for each in message["state"]["alarms"] if each["name"] == name]
+
+
+def test_a_limit_of_an_instruments_channel_alarms_and_the_alarm_ends_with_its_values(idle):
+    idle.post("/instruments", METER)
+    with_values(idle, "LAMBDA")
+    version = idle.get("/state")["instruments_version"]
+    idle.put("/channels/LAMBDA/keys", {"limits": {"danger_high": 0.5}})
+    found = idle.get("/instruments")
+    (channel,) = [each for each in found["channels"] if each["name"] == "LAMBDA"]
+    assert (channel["limits"]["danger_high"], channel["own"]) == (0.5, ["limits"])
+    assert idle.get("/state")["instruments_version"] > version
+    idle.until(lambda it: alarms_of(it, "LAMBDA") == ["danger"])
+    with idle.live() as live:
+        idle.delete("/channels/LAMBDA/keys")
+        live.until(lambda it: not alarms_of(it, "LAMBDA"))
+    assert idle.get("/instruments")["channels"][0]["limits"] is None
+
+
 def test_one_that_is_removed_gives_no_more_values(idle):
     idle.post("/instruments", METER)
     idle.post("/instruments", GPS)

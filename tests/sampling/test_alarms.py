@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 from hypothesis import given
@@ -198,3 +199,15 @@ def test_by_any_course_a_level_is_never_milder_than_its_value(values: list[float
             assert event.text.en
             assert event.text.ru
         level, side = state.level, state.side
+
+
+def test_of_an_instruments_channel_an_alarm_ends_with_its_values() -> None:
+    limits = AlarmLimits(danger_high=1.2)
+    alarms = Alarms([replace(shipped().instruments["LAMBDA"], alarm_limits=limits)])
+    [begun] = alarms.update({"LAMBDA": 1.3}, 1.0)
+    assert (begun.level, begun.limit) == (DANGER, 1.2)
+    [ended] = alarms.lose(["LAMBDA", "AFR"], 2.0)
+    assert (ended.level, ended.before, ended.better) == (NONE, DANGER, True)
+    assert ended.text.en == "Mixture λ, measured: no value any more"
+    assert alarms.lose(["LAMBDA"], 3.0) == []
+    assert len(alarms.update({"LAMBDA": 1.3}, 4.0)) == 1

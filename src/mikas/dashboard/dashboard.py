@@ -218,6 +218,8 @@ class Dashboard:
         self.settings = replace(self.settings, connection=options)
         self.library.use_catalog(catalog)
         self.actions.load()
+        for alarm in self.instruments.use_catalog():
+            self.monitor.add_event(alarm)
         changed = changed_channels(catalog, before)
         self.monitor.await_catalog(catalog.version, changed)
         self.plan.use_catalog(catalog)
@@ -269,6 +271,7 @@ class Dashboard:
                 self.connection.moved(it.port)
             self._measure(thread)
             self.monitor.add_event(it)
+            self._alarm_beside(it)
             if isinstance(it, events.Sampled | events.UnitFound):
                 self.guided.add_event(it)
             if isinstance(it, events.UnitFound):
@@ -283,6 +286,13 @@ class Dashboard:
                 self.connection.state_known()
             elif isinstance(it, events.ClockChanged):
                 self._follow_date()
+
+    def _alarm_beside(self, event: events.Event) -> None:
+        """Log and record the alarms of the instruments; in the sampling thread."""
+        if isinstance(event, events.Sampled):
+            for alarm in self.instruments.alarms_of(event):
+                self.monitor.add_event(alarm)
+                self.recorder.record_event(alarm)
 
     def _follow_date(self) -> None:
         """Give what this program has kept its dates: the computer's date was set."""

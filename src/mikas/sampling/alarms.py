@@ -9,13 +9,13 @@ knock is shown for an eighth of a second, too short to be seen. A missing value 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from math import inf, isfinite, nan
 from typing import Final, TypeAlias
 
-from mikas.catalog import Catalog, Derived, Level, Parameter
+from mikas.catalog import Catalog, Derived, InstrumentChannel, Level, Parameter
 from mikas.client.parameters.derived import DerivedValue, number_of
 from mikas.client.parameters.readings import Reading
 from mikas.i18n import Text, joined, unit_after
@@ -53,7 +53,7 @@ class AlarmState:
     `side` and `limit` are None without an alarm. `set_at`: when a flag was set last.
     """
 
-    channel: Parameter | Derived
+    channel: Parameter | Derived | InstrumentChannel
     level: Level = Level.NONE
     side: Side | None = None
     limit: float | None = None
@@ -62,12 +62,12 @@ class AlarmState:
 
 
 class Alarms:
-    """Compares each channel of `catalog` that has limits with these."""
+    """Compares each of `channels`, or of a catalog's, that has limits with these."""
 
-    def __init__(self, catalog: Catalog) -> None:
-        channels = catalog.channels.values()
+    def __init__(self, channels: Catalog | Iterable[InstrumentChannel]) -> None:
+        every = channels.channels.values() if isinstance(channels, Catalog) else channels
         self.states: dict[str, AlarmState] = {
-            each.name: AlarmState(each) for each in channels if each.alarm_limits
+            each.name: AlarmState(each) for each in every if each.alarm_limits
         }
         """The state of each channel that has limits, by name."""
 
@@ -84,6 +84,18 @@ class Alarms:
             if (level, side) != (state.level, state.side):
                 events.append(_event(state, after, time))
         return events
+
+    def lose(self, names: Iterable[str], time: float) -> list[AlarmChanged]:
+        """Return the ends of the alarms of these channels, which have no value any more."""
+        ended = []
+        for name in names:
+            state = self.states.get(name)
+            if state is not None and state.level is not Level.NONE:
+                en, ru = state.channel.text
+                text = Text(f"{en}: no value any more", f"{ru}: значений больше нет")
+                after = self.states[name] = AlarmState(state.channel, value=state.value)
+                ended.append(_event(state, after, time, text))
+        return ended
 
     def continue_from(self, before: Alarms, time: float) -> list[AlarmChanged]:
         """Take over the states of channels whose limits are the same; return the ends of the other

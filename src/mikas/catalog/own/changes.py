@@ -15,6 +15,7 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any, Final
 
 from mikas.catalog.formula_syntax import parse
+from mikas.catalog.instrument_channels import InstrumentChannel
 from mikas.catalog.limits import LIMITS, AlarmLimits, Level
 from mikas.catalog.loading.fields import mnemonic
 from mikas.catalog.loading.loader import shipped
@@ -24,6 +25,8 @@ from mikas.catalog.own.editing import with_keys, without
 from mikas.catalog.own.file import OwnCatalog
 from mikas.errors import FormulaError, UnknownParameter, UsageError, usage_error
 from mikas.i18n import Text
+
+AnyChannel = Parameter | Derived | InstrumentChannel
 
 KEYS: Final = ("limits", "gauge", "reference", "span_least")
 """The keys of any entry that a person changes on a screen."""
@@ -44,12 +47,13 @@ def set_keys(own: OwnCatalog, known: Catalog, name: str, keys: Mapping[str, Any]
     there None means no such limit. Raises `UnknownParameter`, and as `OwnCatalog.change`.
     """
     channel = _named(known, name)
-    shipped_one = shipped().channels.get(channel.name)
+    origin = shipped()
+    shipped_one = origin.channels.get(channel.name) or origin.instruments.get(channel.name)
     before = shipped_one.alarm_limits if shipped_one else None
     written = {key: _written(key, value, before) for key, value in keys.items()}
 
     def accept(catalog: Catalog) -> None:
-        after = catalog.channel(channel.name)
+        after = _named(catalog, channel.name)
         for key, value in keys.items():
             if value is not None and _effect(after, key) != _wanted(key, value):
                 raise UsageError(problem=_OVERRIDDEN)
@@ -135,8 +139,10 @@ def is_own(own: OwnCatalog, channel: Parameter | Derived) -> bool:
     )
 
 
-def _named(known: Catalog, name: str) -> Parameter | Derived:
+def _named(known: Catalog, name: str) -> AnyChannel:
     """Return the channel of this name; a raw code has no entry."""
+    if (beside := known.instruments.get(name.upper())) is not None:
+        return beside
     channel = known.channel(name)
     if isinstance(channel, Parameter) and channel not in known.parameters:
         raise UnknownParameter(name)
@@ -155,11 +161,13 @@ def _own_channel(own: OwnCatalog, known: Catalog, name: str) -> str:
 
 def _change(
     own: OwnCatalog,
-    channel: Parameter | Derived,
+    channel: AnyChannel,
     keys: Mapping[str, Any],
     accept: Callable[[Catalog], object] = lambda _: None,
 ) -> Catalog:
     family = "derived" if isinstance(channel, Derived) else "parameter"
+    if isinstance(channel, InstrumentChannel):
+        family = "instrument"
     return own.change(
         lambda text: with_keys(text, family, channel.name, keys, file=str(own.path)), accept
     )
@@ -194,7 +202,7 @@ def _plain(value: Any) -> Any:  # noqa: ANN401  (a value of TOML)
     return int(value) if isinstance(value, float) and value.is_integer() else value
 
 
-def _effect(channel: Parameter | Derived, key: str) -> object:
+def _effect(channel: AnyChannel, key: str) -> object:
     if key != "limits":
         return getattr(channel, key, None)
     return _wanted(key, {name: getattr(channel.alarm_limits, name, None) for name in _LIMITS})

@@ -177,8 +177,8 @@ def channel_info(known: Catalog, channel: Parameter | Derived, own: Entries) -> 
     )
 
 
-def instrument_channel_info(channel: InstrumentChannel) -> ChannelInfo:
-    """Return a channel of an instrument beside the unit."""
+def instrument_channel_info(channel: InstrumentChannel, own: Entries) -> ChannelInfo:
+    """Return a channel of an instrument beside the unit; `own`: as of `channel_info`."""
     limits = channel.alarm_limits
     return made_of(
         ChannelInfo,
@@ -198,5 +198,5 @@ def instrument_channel_info(channel: InstrumentChannel) -> ChannelInfo:
         unit_key=channel.unit,
         limits=limits if limits and limits.for_number else None,
         alarm_when_true=Level.NONE,
-        own=[],
+        own=list(own.get(("instrument", channel.name), {})),
     )

@@ -157,6 +157,7 @@ class ConnectionMonitor:
         with self.lock:
             for name in self._beside:
                 self.latest.pop(name, None)
+                self.alarms.pop(name, None)
             self._beside = tuple(names)
 
     @property

@@ -14,7 +14,12 @@ export class CatalogStore {
   beside = $state.raw<readonly Channel[]>([]);
   /** Those that instruments may have had in a recording. */
   besideOnce = $state.raw<readonly Channel[]>([]);
-  readonly channels = $derived<Channel[]>([...this.ofUnit, ...this.beside]);
+  /** Those of instruments in the recording that is shown. */
+  recorded = $state.raw<readonly Channel[]>([]);
+  readonly channels = $derived.by<Channel[]>(() => {
+    const now = [...this.ofUnit, ...this.beside];
+    return [...now, ...this.recorded.filter(({ name }) => !now.some((each) => each.name === name))];
+  });
   /** The columns of another program's log while it is shown: they have names and units, and are no channels. */
   lent = $state.raw<readonly Channel[]>([]);
   private readonly byName = $derived(

@@ -1357,6 +1357,8 @@ export interface components {
             clock: components["schemas"]["TwoTexts"][];
             problem: components["schemas"]["TwoTexts"] | null;
             channels: string[];
+            /** @description the channels of instruments beside the unit among them */
+            instruments: components["schemas"]["ChannelInfo"][];
             /** @description channels that the unit does not have, as found from the values: it controls the ignition alone; empty: it has them all, or that is not certain */
             absent: string[];
             first: number | null;

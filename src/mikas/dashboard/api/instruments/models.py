@@ -192,14 +192,15 @@ def instruments_of(dashboard: Dashboard) -> InstrumentsResponse:
     """Return everything; reads the user's files."""
     beside, catalog = dashboard.instruments, dashboard.catalog
     own, problems = beside.own.all(catalog)
+    entries = dashboard.catalogs.own.entries()
     shipped = {name: definition_named(name, catalog) for name in definition_names()}
     definitions = {PHONE: phone(catalog)} | shipped | own
     chosen = {each.title: each for each in beside.chosen}
     now = [it for it in instruments_now(dashboard) if it.name in chosen]
     return InstrumentsResponse(
         instruments=[_info(chosen[it.name], it) for it in now],
-        channels=[instrument_channel_info(channel) for channel in beside.channels],
-        known=[instrument_channel_info(channel) for channel in catalog.instruments.values()],
+        channels=[instrument_channel_info(channel, entries) for channel in beside.channels],
+        known=[instrument_channel_info(it, entries) for it in catalog.instruments.values()],
         definitions=[_definition(it, own=name in own) for name, it in definitions.items()],
         problems=[two(problem) for problem in (*beside.problems, *problems)],
         virtual=dashboard.connection.is_demo,
@@ -227,7 +228,7 @@ def _definition(definition: InstrumentDefinition, *, own: bool) -> InstrumentDef
     return made_of(
         InstrumentDefinitionInfo,
         definition,
-        channels=[instrument_channel_info(channel) for channel in definition.channels],
+        channels=[instrument_channel_info(channel, {}) for channel in definition.channels],
         own=own,
         at=at,
     )

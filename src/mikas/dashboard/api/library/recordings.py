@@ -13,6 +13,8 @@ from fastapi import APIRouter, Query
 from fastapi.responses import JSONResponse, Response
 from pydantic import BaseModel, Field
 
+from mikas.catalog import InstrumentChannel
+from mikas.dashboard.api.channel_info import ChannelInfo, instrument_channel_info
 from mikas.dashboard.api.dependencies import (
     Controller,
     KnownClient,
@@ -121,6 +123,9 @@ class RecordingDetail(RecordingInfo):
     """One recording with its channels and events. `first`, `last`: the times of its rows."""
 
     channels: list[str]
+    instruments: list[ChannelInfo] = Field(
+        description="the channels of instruments beside the unit among them"
+    )
     absent: list[str] = Field(
         description="channels that the unit does not have, as found from the values: it controls "
         "the ignition alone; empty: it has them all, or that is not certain"
@@ -326,11 +331,19 @@ def _detail(
     """
     marked = library.references.marked()
     detail: dict[str, Any] = _info(library, file, summary, marked).model_dump(mode="json")
-    detail |= {"channels": [], "absent": [], "events": [], "problems": [], "method": None}
+    detail |= {
+        "channels": [],
+        "instruments": [],
+        "absent": [],
+        "events": [],
+        "problems": [],
+        "method": None,
+    }
     if recording is None:
         return detail | {"first": None, "last": None}
     detail["first"], detail["last"] = _span(summary, recording)
     detail["channels"] = [channel.name for channel in recording.channels]
+    detail["instruments"] = [it.model_dump(mode="json") for it in _beside(recording)]
     detail["absent"] = list(absent_in(recording))
     detail["events"] = [event.as_json() for event in recording.events]
     detail["problems"] = [
@@ -340,6 +353,26 @@ def _detail(
     unit = summary.unit
     detail["method"] = methods[-1] if methods else unit.method if unit else None
     return detail
+
+
+def _beside(recording: Recording) -> list[ChannelInfo]:
+    """Return the channels of instruments among the recording's."""
+    known, names = recording.catalog.instruments, frozenset(recording.instrument_channels)
+    return [
+        instrument_channel_info(
+            known.get(each.name)
+            or InstrumentChannel(
+                each.name,
+                each.text,
+                unit=each.unit,
+                unit_text=each.unit_text,
+                decimals=each.decimals,
+            ),
+            {},
+        )
+        for each in recording.channels
+        if each.name in names
+    ]
 
 
 def _span(summary: Summary, recording: Recording) -> tuple[float | None, float | None]:

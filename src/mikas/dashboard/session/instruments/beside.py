@@ -39,7 +39,8 @@ from mikas.link import Link
 from mikas.link.urls import parse
 from mikas.recording.capture.instruments import CONNECTED, instrument_port, loss
 from mikas.recording.recorder import Recorder
-from mikas.sampling.events import Sampled
+from mikas.sampling.alarms import Alarms
+from mikas.sampling.events import AlarmChanged, Sampled
 from mikas.sampling.instrument_changes import InstrumentChanged
 from mikas.saving import KeptFile
 
@@ -88,6 +89,7 @@ class InstrumentsBeside:
         """Held while a request changes the choice or a definition."""
         self._positions: PositionSource | None = None
         self._beside: SessionInstruments | None = None
+        self._alarms = Alarms(())
         self._gate = _Gate(recorder)
         self._lock = threading.Lock()  # of `_beside` and what belongs to it
 
@@ -174,6 +176,25 @@ class InstrumentsBeside:
         check_together(chosen, self.catalog)
         await self._replace(chosen)
 
+    def use_catalog(self) -> list[AlarmChanged]:
+        """Use another catalog for texts and limits; what is read is read on.
+
+        Returns the ends of the alarms whose limits are others now.
+        """
+        chosen = []
+        for each in self.chosen:
+            try:
+                definition = self.definition(each.definition.name)
+            except MikasError:  # its file is wrong by now, which is said where it is listed
+                definition = each.definition
+            chosen.append(replace(each, definition=definition))
+        self.chosen = tuple(chosen)
+        self.version += 1
+        alarms = Alarms(self.channels)
+        ended = alarms.continue_from(self._alarms, self._connection.now())
+        self._alarms = alarms
+        return ended
+
     async def _replace(self, chosen: tuple[ChosenInstrument, ...]) -> None:
         """Keep the choice and read those from now on; a recording goes on in another file."""
         await asyncio.to_thread(self.file.save, [_entry(each) for each in chosen])
@@ -199,6 +220,7 @@ class InstrumentsBeside:
     def _use(self, chosen: tuple[ChosenInstrument, ...]) -> None:
         self.chosen = chosen
         self.version += 1
+        self._alarms = Alarms(self.channels)
         ports = [instrument_port(each.definition, each.url, each.label) for each in chosen]
         self._recorder.use_instruments(ports)
         self._changed(tuple(channel.name for channel in self.channels))
@@ -239,6 +261,15 @@ class InstrumentsBeside:
         """Return the sample with the values of the instruments that are not too old."""
         beside = self._beside
         return replace(event, instruments=beside.fresh(event.time)) if beside else event
+
+    def alarms_of(self, event: Sampled) -> list[AlarmChanged]:
+        """Return the changes of alarms by a sample; in the sampling thread.
+
+        An alarm ends with the values of its channel.
+        """
+        alarms, values = self._alarms, {it.name: it.value for it in event.instruments.values()}
+        gone = [name for name in alarms.states if name not in values]
+        return [*alarms.update(values, event.time), *alarms.lose(gone, event.time)]
 
     def fresh(self) -> dict[str, InstrumentReading]:
         """Return the values that are not too old now, by channel."""

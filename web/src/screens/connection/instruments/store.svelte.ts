@@ -16,10 +16,12 @@ export class InstrumentStore {
     insists: true,
   });
   readonly own = new OwnPosition((position) => this.app.api.sendPosition(position));
+  /** The ports at which they are: none of them is the unit's. */
+  readonly ports = $derived.by<ReadonlySet<string>>(() => new Set(this.list.value?.instruments.map(({ port }) => port)));
   /** Some device's position is an instrument. */
   readonly takesPosition = $derived.by(() => this.list.value?.instruments.some(({ port }) => port === POSITION_PORT) ?? false);
 
-  constructor(private readonly app: Pick<Stores, "api" | "catalog" | "live" | "toasts">) {}
+  constructor(private readonly app: Pick<Stores, "api" | "catalog" | "live" | "player" | "toasts">) {}
 
   /** For the frame while it is initialised: the channels are known on every screen, and the position is sent from each. */
   follow(): void {
@@ -30,6 +32,10 @@ export class InstrumentStore {
         this.app.catalog.beside = found?.channels ?? [];
         this.app.catalog.besideOnce = found ? [...found.known, ...found.definitions.flatMap(({ channels }) => channels)] : [];
       },
+    );
+    watch(
+      () => this.app.player.shown,
+      (shown) => (this.app.catalog.recorded = shown?.instruments ?? []),
     );
     watch(
       () => this.takesPosition && this.own.wanted && this.app.live.link === "open",
