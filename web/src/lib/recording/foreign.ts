@@ -62,6 +62,7 @@ export function foreignLog(
     clock: [],
     problem: null,
     channels: channels.map(({ name }) => name),
+    instruments: [],
     absent: [],
     first,
     last,

@@ -4,6 +4,7 @@ import { expect, it, vi } from "vitest";
 import { channelOf, eachOnItsOwnPage, page } from "../../../../test/pageRig";
 import type { Instruments } from "../../../lib/api/types";
 import { channelsOf, definitionOf, draftOf, namesIn, notNumber } from "./draft";
+import Ports from "../Ports.svelte";
 import InstrumentsCard from "./InstrumentsCard.svelte";
 import { positionOf } from "./ownPosition.svelte";
 
@@ -83,6 +84,27 @@ it("one is removed after a question", async () => {
 it("without control nothing can be changed", async () => {
   await card(ONE, false);
   for (const name of ["Add an instrument…", "Remove"]) expect(screen.getByRole<HTMLButtonElement>("button", { name }).disabled).toBe(true);
+});
+
+it("their channels are known on every screen, and are not asked of the unit", async () => {
+  const shown = await card(ONE);
+  const { catalog, instruments, subscriptions } = shown.stores;
+  const end = $effect.root(() => instruments.follow());
+  flushSync();
+  expect(catalog.channels.map(({ name }) => name)).toContain("LAMBDA");
+  expect(catalog.ofUnit).toEqual([]);
+  subscriptions.set("preset", ["LAMBDA"], false);
+  expect(subscriptions.names).toEqual([]);
+  end();
+});
+
+it("an instrument's port is not offered for the unit", async () => {
+  const shown = await card(ONE);
+  shown.say({ line: "off", port: null });
+  shown.show(Ports, { allowed: true });
+  flushSync();
+  expect(screen.queryByRole("button", { name: "Connect to COM4" })).toBeNull();
+  expect(screen.getByRole("button", { name: "Connect to COM3" })).toBeDefined();
 });
 
 it("a position is taken as the browser gives it, without a speed that is not known", () => {
