@@ -77,7 +77,7 @@ def test_a_meter_and_a_gps_at_cables_of_their_own_and_the_browsers_position(tab,
         expect(tab.find("[data-instrument=aem]")).to_have_attribute("data-state", "lost")
         tab.is_line("sampling")
 
-        tab.again()
+        tab.again().connect()  # the choice is kept; they are read beside the unit
         expect(tab.find("[data-instrument=nmea]")).to_have_attribute("data-state", "values")
         for name in ("aem", "nmea"):
             tab.find(f"[data-instrument={name}]").get_by_role("button", name="Remove").click()

@@ -896,8 +896,6 @@ export interface components {
             definitions: components["schemas"]["InstrumentDefinitionInfo"][];
             /** @description kept instruments and files that can't be used */
             problems: components["schemas"]["TwoTexts"][];
-            /** @description the car is virtual: `sim:` is an instrument in it */
-            virtual: boolean;
             /** @description gpsd and ports of a network can be reached */
             network: boolean;
         };

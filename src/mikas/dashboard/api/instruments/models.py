@@ -88,7 +88,6 @@ class InstrumentsResponse(BaseModel):
     known: list[ChannelInfo] = Field(description="of the catalog; a recording may have them")
     definitions: list[InstrumentDefinitionInfo]
     problems: list[TwoTexts] = Field(description="kept instruments and files that can't be used")
-    virtual: bool = Field(description="the car is virtual: `sim:` is an instrument in it")
     network: bool = Field(description="gpsd and ports of a network can be reached")
 
 
@@ -203,7 +202,6 @@ def instruments_of(dashboard: Dashboard) -> InstrumentsResponse:
         known=[instrument_channel_info(it, entries) for it in catalog.instruments.values()],
         definitions=[_definition(it, own=name in own) for name, it in definitions.items()],
         problems=[two(problem) for problem in (*beside.problems, *problems)],
-        virtual=dashboard.connection.is_demo,
         network=dashboard.settings.sockets,
     )
 

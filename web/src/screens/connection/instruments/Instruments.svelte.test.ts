@@ -16,7 +16,7 @@ const definition = (name: string, at: "port" | "gpsd" | "position", own = false)
 });
 const LAMBDA = channelOf("LAMBDA", { instrument: true, decimals: 3 });
 const NONE = {
-  ...{ instruments: [], channels: [], known: [LAMBDA], problems: [], virtual: false, network: true },
+  ...{ instruments: [], channels: [], known: [LAMBDA], problems: [], network: true },
   definitions: [definition("aem", "port"), definition("gpsd", "gpsd"), definition("phone", "position")],
 } as Instruments;
 const METER = {
@@ -53,6 +53,17 @@ it("an instrument is added at a port that neither the unit nor another one has",
   await pick("Port", "COM4");
   await press("Add");
   expect(sent(shown)).toEqual([["POST", "/instruments", { definition: "aem", port: "COM4", label: "" }]]);
+});
+
+it("a virtual car has instruments in it, but not a definition of one's own", async () => {
+  const shown = await card({ ...NONE, definitions: [...NONE.definitions, definition("boost", "port", true)] });
+  shown.say({ port: "sim:", demo: true });
+  await press("Add an instrument…");
+  const offered = () => [...screen.getByLabelText("Port").querySelectorAll("option")].map(({ value }) => value);
+  await pick("Instrument", "aem");
+  expect(offered()).toContain("sim:");
+  await pick("Instrument", "boost");
+  expect(offered()).not.toContain("sim:");
 });
 
 it("gpsd has an address, and on a page that can't reach it the reason stands there", async () => {
