@@ -158,6 +158,11 @@ def test_a_viewer_from_the_network_sees_everything_and_touches_nothing(tmp_path)
         assert it.get("/about")["lan_url"] == f"http://10.1.2.3:{it.port}/?token={LAN['token']}"
         assert it.client.get("/api/about/qr.svg").headers["content-type"] == "image/svg+xml"
         assert it.client.get("/api/about/qr.svg", headers=viewer).status_code == 404
+        own = it.dashboard.settings.in_state("instruments")
+        own.mkdir(parents=True)
+        (own / "mine.toml").write_text("decoder = 1\n")
+        assert len(it.get("/instruments")["problems"]) == 1
+        assert it.get("/instruments", headers=viewer)["problems"] == []
         assert it.get("/faults", headers=viewer)["count"] == 0  # as read when it was found
         for method, path in changing(it):
             answer = it.client.request(method, path, json=BODIES.get(path, {}), headers=viewer)
@@ -270,6 +275,13 @@ def test_from_the_network_no_file_and_no_address_can_be_named(far, url, path):
     assert url in error["ru"]
     assert far.get("/state")["line"] == "off"
     assert not far.cars.links
+
+
+@pytest.mark.parametrize("url", ["socket://10.0.0.1:22", "gpsd:10.0.0.1:22", "/dev/ttyS99"])
+def test_from_the_network_no_instrument_elsewhere_can_be_named(far, url):
+    body = {"definition": "nmea", "port": url}
+    assert far.post("/instruments", body, 403, headers=from_far(far))["code"] == "NotFromNetwork"
+    assert far.get("/instruments")["instruments"] == []
 
 
 @pytest.mark.parametrize("url", ["/dev/ttyUSB7", "sim:", "sim:?scenario=city&seed=2&faults=17",

@@ -37,6 +37,7 @@ PRESET = {"id": "a", "name": {"en": "a", "ru": "a"}, "tiles": [TILE]}
         ("searches.json", '{"a": 1}'),
         ("references.json", "[1]"),
         ("cars.json", '{"car": "Volga"}'),
+        ("instruments.json", '[{"definition": "aem"}]'),
     ],
 )
 def test_what_can_not_be_used_is_said_and_kept_aside(tmp_path, name, damaged):
@@ -55,6 +56,7 @@ def test_what_can_not_be_used_is_said_and_kept_aside(tmp_path, name, damaged):
         it.put("/searches", {"searches": [{"name": "", "expression": "FREQ > 0"}]})
         it.dashboard.library.references.mark("a.pcapng", on=True)
         it.dashboard.cars.keep(UNIT.identity, CarDetails("Volga"))
+        it.post("/instruments", {"definition": "phone", "port": "position:"})
         assert (state / f"{name}.broken-2").read_text("utf-8") == damaged
         assert it.get("/about")["problems"] == []
         assert it.get("/presets")["presets"][0]["id"] == "a"

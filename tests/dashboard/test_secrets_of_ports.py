@@ -36,6 +36,18 @@ def test_no_answer_about_the_port_has_its_password(network) -> None:
         assert "zq" not in json.dumps(live.state)
 
 
+def test_no_answer_about_an_instrument_has_the_password_of_its_port(network) -> None:
+    other = PORT.replace("car", "meter")
+    meter = {"definition": "aem", "port": other}
+    network.post("/instruments", meter)
+    refused = network.post("/instruments", meter | {"port": f"{other}1"}, status=400)
+    shown = [refused, network.get("/instruments"), network.get("/state")]
+    with network.live() as live:
+        shown.append(live.until(lambda it: it["state"]["instruments"][0]["state"] == "lost"))
+    assert "zq" not in json.dumps(shown)
+    assert network.get("/instruments")["instruments"][0]["port"] == SHOWN.replace("car", "meter")
+
+
 def test_the_port_in_use_is_named_by_what_is_shown_of_it(network) -> None:
     assert network.post("/connect", {"port": SHOWN})["port"] == SHOWN
     network.sampling()

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from mikas.catalog import Catalog, InstrumentChannel
+from mikas.cleaning import public_port
 from mikas.errors import usage_error
 from mikas.instruments.definition import InstrumentDefinition
 from mikas.instruments.loading import definition_named
@@ -57,7 +58,7 @@ def check_together(chosen: Iterable[ChosenInstrument], catalog: Catalog) -> None
     count = 0
     for one in chosen:
         count += 1
-        text = f"{one.title}={one.url}"
+        text = f"{one.title}={public_port(one.url)}"
         for channel in one.channels:
             if channel.name in catalog.channels:
                 raise usage_error(
@@ -65,7 +66,7 @@ def check_together(chosen: Iterable[ChosenInstrument], catalog: Catalog) -> None
                     f"{one.title}: {channel.name} — канал самого блока; дайте другую метку",
                 )
             if (other := owners.setdefault(channel.name, one)) is not one:
-                first = f"{other.title}={other.url}"
+                first = f"{other.title}={public_port(other.url)}"
                 raise usage_error(
                     f"Two instruments give {channel.name}: {first} and {text}; label one of them: "
                     f"--instrument rear:{text}",

@@ -246,6 +246,7 @@ def problems(dashboard: Dashboard) -> list[Text]:
         search_file(dashboard),
         dashboard.library.references.file,
         dashboard.cars.file,
+        dashboard.instruments.file,
         dashboard.guided.file,
     )
     return [problem for file in files if (problem := file.problem)]

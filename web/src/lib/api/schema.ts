@@ -894,7 +894,7 @@ export interface components {
             /** @description of the catalog; a recording may have them */
             known: components["schemas"]["ChannelInfo"][];
             definitions: components["schemas"]["InstrumentDefinitionInfo"][];
-            /** @description kept instruments and files that can't be used */
+            /** @description kept instruments and files that can't be used; empty without control rights */
             problems: components["schemas"]["TwoTexts"][];
             /** @description gpsd and ports of a network can be reached */
             network: boolean;

@@ -12,6 +12,7 @@ from mikas.dashboard.api.channel_info import ChannelInfo, instrument_channel_inf
 from mikas.dashboard.api.dependencies import Line
 from mikas.dashboard.api.errors import TwoTexts, made_of, two
 from mikas.dashboard.dashboard import Dashboard
+from mikas.dashboard.security.control import Client
 from mikas.dashboard.session.instruments.positions import PHONE, POSITIONS, phone
 from mikas.i18n import Text
 from mikas.instruments import InstrumentDefinition, definition_named, definition_names
@@ -87,7 +88,9 @@ class InstrumentsResponse(BaseModel):
     channels: list[ChannelInfo] = Field(description="of the instruments")
     known: list[ChannelInfo] = Field(description="of the catalog; a recording may have them")
     definitions: list[InstrumentDefinitionInfo]
-    problems: list[TwoTexts] = Field(description="kept instruments and files that can't be used")
+    problems: list[TwoTexts] = Field(
+        description="kept instruments and files that can't be used; empty without control rights"
+    )
     network: bool = Field(description="gpsd and ports of a network can be reached")
 
 
@@ -187,8 +190,8 @@ def _now(
     )
 
 
-def instruments_of(dashboard: Dashboard) -> InstrumentsResponse:
-    """Return everything; reads the user's files."""
+def instruments_of(dashboard: Dashboard, client: Client) -> InstrumentsResponse:
+    """Return everything, as `client` sees it; reads the user's files."""
     beside, catalog = dashboard.instruments, dashboard.catalog
     own, problems = beside.own.all(catalog)
     entries = dashboard.catalogs.own.entries()
@@ -201,7 +204,9 @@ def instruments_of(dashboard: Dashboard) -> InstrumentsResponse:
         channels=[instrument_channel_info(channel, entries) for channel in beside.channels],
         known=[instrument_channel_info(it, entries) for it in catalog.instruments.values()],
         definitions=[_definition(it, own=name in own) for name, it in definitions.items()],
-        problems=[two(problem) for problem in (*beside.problems, *problems)],
+        problems=[two(problem) for problem in (*beside.problems, *problems)]
+        if client.may_control
+        else [],
         network=dashboard.settings.sockets,
     )
 
