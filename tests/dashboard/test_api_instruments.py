@@ -105,6 +105,11 @@ def test_a_recording_names_their_channels_also_labelled_ones_that_are_gone(idle)
     assert [each["name"] for each in beside] == ["LAMBDA_LEFT", "AFR_LEFT"]
     assert beside[0]["text"]["en"] == "Mixture λ, measured, left"
     assert (beside[0]["unit"]["en"], beside[0]["decimals"]) == ("λ", 3)
+    recorded = {"recording": "drive.pcapng"}
+    value = idle.get("/channels/LAMBDA_LEFT/value", **recorded)["value"]
+    assert value == pytest.approx(1, abs=0.3)
+    unknown = idle.get("/channels/LAMBDA_RIGHT/value", status=400, **recorded)
+    assert unknown["code"] == "UnknownParameter"
 
 
 def alarms_of(message, name):

@@ -18,7 +18,7 @@ from typing import Annotated, Any, Final
 from fastapi import APIRouter, Query
 from pydantic import BaseModel, Field
 
-from mikas.catalog import Catalog, Level, Parameter
+from mikas.catalog import Catalog, Derived, Level, Parameter
 from mikas.catalog.formula_syntax import Parsed, parse
 from mikas.catalog.formulas import Calculation
 from mikas.catalog.loading.build import does_not_exist
@@ -223,8 +223,7 @@ async def value(
 ) -> ChannelValue:
     """Return a channel's value at a moment with its bytes, live or in a recording."""
     dashboard = requester.dashboard
-    beside = {it.name for it in dashboard.instruments.channels} | set(dashboard.catalog.instruments)
-    channel = None if name in beside else dashboard.catalog.channel(name)
+    channel = await _channel(requester, name, recording)
     if recording is None and at is None and isinstance(channel, Parameter):
         return _now(dashboard, channel.name)
     name = name if channel is None else channel.name
@@ -262,6 +261,28 @@ async def try_formula(requester: TheRequester, _: KnownClient, body: TrialReques
         value=number if number is not None and isfinite(number) else None,
         inputs=[TrialInput(name=name, value=inputs.get(name)) for name in parsed.inputs],
     )
+
+
+async def _channel(
+    requester: TheRequester, name: str, recording: str | None
+) -> Parameter | Derived | None:
+    """Return a channel of the unit; None: an instrument's, now or in the recording.
+
+    Raises `UnknownParameter`.
+    """
+    dashboard = requester.dashboard
+    beside = {each.name for each in dashboard.instruments.channels}
+    if name in beside or name in dashboard.catalog.instruments:
+        return None
+    try:
+        return dashboard.catalog.channel(name)
+    except UnknownParameter:
+        opened = requester.library.opened
+        if recording is None or not await requester.view(
+            recording, lambda file: name in opened(file).instrument_channels
+        ):
+            raise
+        return None
 
 
 def _parsed(known: Catalog, body: TrialRequest) -> Parsed:
