@@ -1,12 +1,11 @@
 import { fireEvent, screen, within } from "@testing-library/svelte";
 import { flushSync } from "svelte";
-import { expect, it, vi } from "vitest";
+import { expect, it } from "vitest";
 import { channelOf, eachOnItsOwnPage, page } from "../../../../test/pageRig";
 import type { Instruments } from "../../../lib/api/types";
 import { channelsOf, definitionOf, draftOf, namesIn, notNumber } from "./draft";
 import Ports from "../Ports.svelte";
 import InstrumentsCard from "./InstrumentsCard.svelte";
-import { positionOf } from "./ownPosition.svelte";
 
 eachOnItsOwnPage();
 const words = (text: string) => ({ en: text, ru: text });
@@ -116,12 +115,6 @@ it("an instrument's port is not offered for the unit", async () => {
   flushSync();
   expect(screen.queryByRole("button", { name: "Connect to COM4" })).toBeNull();
   expect(screen.getByRole("button", { name: "Connect to COM3" })).toBeDefined();
-});
-
-it("a position is taken as the browser gives it, without a speed that is not known", () => {
-  const coords = { latitude: 55.7, longitude: 37.6, altitude: null, speed: 0, heading: NaN };
-  const position = vi.fn<() => GeolocationPosition>().mockReturnValue({ coords, timestamp: 1 } as GeolocationPosition);
-  expect(positionOf(position())).toEqual({ latitude: 55.7, longitude: 37.6, altitude: null, speed: 0, heading: null });
 });
 
 it("a definition's values are those of its patterns, and the catalog's are not described again", () => {
