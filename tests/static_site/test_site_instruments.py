@@ -61,17 +61,18 @@ def test_a_meter_and_a_gps_at_cables_of_their_own_and_the_browsers_position(tab,
     with (
         wire(whole_computer, CH340) as meter,
         wire(whole_computer, CP2102) as gps,
-        sending(meter, b"1.02\r\n"),
         sending(gps, checked(SENTENCE)),
     ):
         tab.show("connection")
-        add(tab, "aem", "webserial:1a86:7523")
-        add(tab, "nmea", "webserial:10c4:ea60")
-        for name in ("aem", "nmea"):
-            expect(tab.find(f"[data-instrument={name}]")).to_have_attribute("data-state", "values")
-        expect(tab.find("[data-instrument=aem]")).to_contain_text("1.020")
-        expect(tab.find("[data-instrument=nmea]")).to_contain_text("55.75")
-        tab.is_line("sampling")
+        with sending(meter, b"1.02\r\n"):
+            add(tab, "aem", "webserial:1a86:7523")
+            add(tab, "nmea", "webserial:10c4:ea60")
+            for name in ("aem", "nmea"):
+                line = tab.find(f"[data-instrument={name}]")
+                expect(line).to_have_attribute("data-state", "values")
+            expect(tab.find("[data-instrument=aem]")).to_contain_text("1.020")
+            expect(tab.find("[data-instrument=nmea]")).to_contain_text("55.75")
+            tab.is_line("sampling")
 
         meter.vanish()
         expect(tab.find("[data-instrument=aem]")).to_have_attribute("data-state", "lost")

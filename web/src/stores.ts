@@ -22,6 +22,7 @@ import { AlarmSound } from "./lib/live/alarmSound.svelte";
 import { PageActions } from "./lib/live/pageActions.svelte";
 import { actionTeller } from "./lib/live/actionNews";
 import { faultTeller } from "./lib/live/faultNews";
+import { instrumentTeller } from "./lib/live/instrumentNews";
 import { Live } from "./lib/live/live.svelte";
 import { WhileAway } from "./lib/live/whileAway";
 import { Battery } from "./lib/platform/battery.svelte";
@@ -115,7 +116,7 @@ export class Stores extends OnHost {
   constructor(host: Host) {
     super(host);
     const { catalog, channelEditor, comparison, display, live, memory, moments, player, route, toasts, view } = this;
-    const tellers = [faultTeller(this), actionTeller(this)];
+    const tellers = [faultTeller(this), actionTeller(this), instrumentTeller(this)];
     live.onevents = (events) => tellers.forEach((tell) => tell(events));
     live.onother = () => memory.drop();
     // On the first visit without a connection, start at the Connection screen.

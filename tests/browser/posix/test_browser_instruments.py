@@ -6,6 +6,7 @@ import os
 import pty
 import threading
 import tty
+from contextlib import suppress
 
 import pytest
 from playwright.sync_api import expect
@@ -21,6 +22,7 @@ class Meter:
         self._name = folder / "ttyMeter"
         self.port = Port(str(self._name), "CH340", "CH340", likely=True)
         self._ended = threading.Event()
+        self._using = threading.Lock()  # the number of a closed file is another one's
         self._own = None
         self.plug()
         self._thread = threading.Thread(target=self._send)
@@ -35,16 +37,15 @@ class Meter:
 
     def unplug(self):
         self._name.unlink()
-        own, self._own = self._own, None
-        os.close(own)
+        with self._using:
+            os.close(self._own)
+            self._own = None
 
     def _send(self):
         while not self._ended.wait(0.2):
-            if (own := self._own) is not None:
-                try:
-                    os.write(own, b"0.98\r\n")
-                except OSError:  # nobody has the other end open
-                    continue
+            with self._using, suppress(OSError):  # while nobody has the other end open
+                if self._own is not None:
+                    os.write(self._own, b"0.98\r\n")
 
     def close(self):
         self._ended.set()

@@ -32,7 +32,7 @@ export const t = dictionary({
   choose: { en: "Choose the cable…", ru: "Выбрать кабель…" },
   ports_none: { en: "No free port was found. The unit's own adapter can't be shared.", ru: "Свободного порта не видно. Адаптер блока занят самим блоком." },
   ports_unreached: { en: "This browser reaches no cables, so no instrument with a cable either: Chrome, Edge, Opera or Yandex Browser do.", ru: "Этот браузер не работает с кабелями, значит и с прибором на кабеле: подойдут Chrome, Edge, Opera или Яндекс Браузер." },
-  ports_phone: { en: "A second cable needs a USB hub at the phone's OTG plug.", ru: "Для второго кабеля нужен USB-разветвитель на OTG-разъёме телефона." },
+  ports_phone: { en: "A second cable needs a USB hub with a supply of its own at the phone's OTG plug.", ru: "Для второго кабеля нужен USB-разветвитель с собственным питанием на OTG-разъёме телефона." },
   gpsd_port: { en: "Where gpsd runs", ru: "Где работает gpsd" },
   gpsd_none: { en: "A page can't reach gpsd. Use a GPS receiver at a cable, or this device's position.", ru: "Странице gpsd недоступен. Подключите приёмник GPS кабелем или возьмите местоположение этого устройства." },
   position_lead: { en: "The browser asks whether this page may have the position. Another phone that shows this dashboard can send its own instead.", ru: "Браузер спросит, можно ли странице знать местоположение. Вместо этого устройства своё может присылать другой телефон, на котором открыта панель." },
