@@ -23,6 +23,7 @@ from mikas.instruments.reading import (
 )
 from mikas.instruments.sources import InstrumentSource, LinkSource
 from mikas.link import Link, open_link
+from mikas.link.ports import Port, find_ports
 from mikas.link.reconnecting import ReconnectingPort
 
 _PAUSE: Final = 0.2  # s from one look at a lost one to the next
@@ -32,9 +33,9 @@ _END: Final = 2.0  # s that the end waits for a thread
 class SessionInstruments:
     """The instruments `chosen` beside the unit at `port`; `sink`: the recorder.
 
-    `comments`: as of `InstrumentReader`. `open_port`: opens a port of theirs. `sources`: in place
-    of theirs, read in the session's thread, for tests. `own_source`: of an instrument that has no
-    port, or None.
+    `comments`: as of `InstrumentReader`. `open_port`: opens a port of theirs; `find`: the ports of
+    this computer. `sources`: in place of theirs, read in the session's thread, for tests.
+    `own_source`: of an instrument that has no port, or None.
     """
 
     def __init__(
@@ -44,12 +45,14 @@ class SessionInstruments:
         sink: InstrumentSink,
         comments: tuple[str, Callable[[Text], str]],
         *,
-        open_port: Callable[..., Link] = open_link,
+        open_port: Callable[[str], Link] = open_link,
+        find: Callable[[], list[Port]] = find_ports,
         sources: Sequence[InstrumentSource] = (),
         own_source: Callable[[ChosenInstrument], InstrumentSource | None] = lambda _: None,
     ) -> None:
         self.chosen: tuple[ChosenInstrument, ...] = tuple(chosen)
-        self._port, self._open_port, self._own_source = port, open_port, own_source
+        self._port, self._own_source = port, own_source
+        self._open_port, self._find = open_port, find
         self._changes: deque[InstrumentChange] = deque()
         self._ended = threading.Event()
         self._threads: list[threading.Thread] = []
@@ -75,7 +78,7 @@ class SessionInstruments:
         if (own := self._own_source(chosen)) is not None:
             return own
         if not is_virtual:
-            return LinkSource(chosen, self._port.now, self._open_port)
+            return LinkSource(chosen, self._port.now, self._open_port, self._find)
         from mikas.instruments.virtual_source import VirtualSource  # the engine: for this only
 
         return VirtualSource(chosen, self._port)

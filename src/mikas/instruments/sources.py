@@ -9,11 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from typing import Final, Protocol
+from urllib.parse import urlencode
 
 from mikas.instruments.choosing import GPSD, ChosenInstrument, network_url
 from mikas.instruments.decoders.gpsd import WATCH
 from mikas.link import Link, open_link
 from mikas.link.base import Chunk
+from mikas.link.ports import Port, find_ports
+from mikas.link.reconnecting import ReconnectingPort
 from mikas.link.urls import parse
 
 _WITH_BAUD: Final = ("serial", "socket", "rfc2217", "webserial", "webusb")
@@ -39,28 +42,35 @@ class InstrumentSource(Protocol):
 
 
 class LinkSource:
-    """A port of its own. `clock`: the session's. `read` waits for bytes, half a second at most."""
+    """A port of its own. `clock`: the session's. `read` waits for bytes, half a second at most.
+
+    An adapter that comes back is found by what it is, as the unit's: after a pulled hub its name
+    may be that of the unit's own adapter. `find`: the ports of this computer.
+    """
 
     def __init__(
         self,
         chosen: ChosenInstrument,
         clock: Callable[[], float],
-        open_port: Callable[..., Link] = open_link,
+        open_port: Callable[[str], Link] = open_link,
+        find: Callable[[], list[Port]] = find_ports,
     ) -> None:
-        self._chosen, self._clock, self._open_port = chosen, clock, open_port
+        self._clock = clock
+        self._is_gpsd = chosen.url.lower().startswith(GPSD)
+        if self._is_gpsd:
+            url = _with_baud(network_url(chosen.url), _NETWORK_BAUD)
+        else:
+            url = _with_baud(chosen.url, chosen.definition.baud)
+        self._open: Callable[[], Link] = lambda: open_port(url)
+        if parse(url).is_adapter:
+            self._open = ReconnectingPort(url, find=find, open_port=open_port).open
         self._link: Link | None = None
         self._closed = False
 
     def open(self) -> None:
         """As `InstrumentSource.open`."""
-        url, baud = self._chosen.url, self._chosen.definition.baud
-        is_gpsd = url.lower().startswith(GPSD)
-        if is_gpsd:
-            url, baud = network_url(url), _NETWORK_BAUD
-        parsed = parse(url)
-        takes_baud = parsed.scheme in _WITH_BAUD and "baud" not in parsed.options
-        link = self._open_port(url, baud=baud) if takes_baud else self._open_port(url)
-        if is_gpsd:
+        link = self._open()
+        if self._is_gpsd:
             link.write(WATCH)
         self._link = link
         if self._closed:
@@ -88,3 +98,11 @@ class LinkSource:
         if self._link is not None:
             self._link.close()
         self._link = None
+
+
+def _with_baud(url: str, baud: int) -> str:
+    """Return the URL with that baud rate, unless it has one, or its link none."""
+    parsed = parse(url)
+    if parsed.scheme not in _WITH_BAUD or "baud" in parsed.options:
+        return url
+    return f"{url.partition('?')[0]}?{urlencode(parsed.options | {'baud': str(baud)})}"

@@ -42,7 +42,7 @@ def prepared(
     patient: bool = False,
     open_port: Callable[[str], Link] = open_link,
     instruments: Sequence[ChosenInstrument] = (),
-    open_instrument: Callable[..., Link] = open_link,
+    open_instrument: Callable[[str], Link] = open_link,
 ) -> Session:
     """Prepare a session with these parts. `in_streams`: as of `FaultWatch`.
 

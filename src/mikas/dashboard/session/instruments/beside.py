@@ -14,7 +14,6 @@ import threading
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, Final
-from urllib.parse import urlencode
 
 from mikas.catalog import Catalog, InstrumentChannel
 from mikas.client import Ecu
@@ -35,8 +34,6 @@ from mikas.instruments import InstrumentDefinition
 from mikas.instruments.choosing import ChosenInstrument, check_together, placed
 from mikas.instruments.reading import InstrumentReader, InstrumentReading
 from mikas.instruments.session_instruments import SessionInstruments
-from mikas.link import Link
-from mikas.link.urls import parse
 from mikas.recording.capture.instruments import CONNECTED, instrument_port, loss
 from mikas.recording.recorder import Recorder
 from mikas.sampling.alarms import Alarms
@@ -240,7 +237,8 @@ class InstrumentsBeside:
                 thread.port,
                 self._gate,
                 (CONNECTED, loss),
-                open_port=self._open,
+                open_port=lambda url: self._settings().open_port(url),
+                find=lambda: self._settings().find(),
                 own_source=lambda each: self._positions if each.url == POSITIONS else None,
             )
 
@@ -287,13 +285,6 @@ class InstrumentsBeside:
             raise NotFound(name=PHONE)
         if (positions := self._positions) is not None:
             positions.put(keys)
-
-    def _open(self, url: str, **options: str | float) -> Link:
-        """Open a port, as `open_link` with options."""
-        if options:
-            given = {name: str(value) for name, value in options.items()}
-            url = f"{url.partition('?')[0]}?{urlencode(parse(url).options | given)}"
-        return self._settings().open_port(url)
 
 
 def _place(url: str) -> str:

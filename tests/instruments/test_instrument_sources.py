@@ -1,0 +1,115 @@
+"""Ports of instruments: their speed, and that an adapter is found by what it is."""
+
+from __future__ import annotations
+
+import pytest
+
+from mikas.catalog import shipped
+from mikas.errors import AnotherAdapter, LinkLost, PortNotFound
+from mikas.i18n import Text
+from mikas.instruments.choosing import chosen_instruments
+from mikas.instruments.sources import LinkSource
+from mikas.link import Chunk, Link
+from mikas.link.ports import Port
+
+GONE = Text("it is gone", "его нет")
+
+
+class Meter(Link):
+    def __init__(self, url: str) -> None:
+        self.url = url
+        self.sent = b""
+        self.pulled = False
+
+    def write(self, data: bytes) -> None:
+        self.sent += data
+
+    def read(self, deadline: float) -> Chunk:
+        if self.pulled:
+            raise LinkLost(url=self.url, problem=GONE)
+        return Chunk(b"1.02\r\n", 7.0)
+
+    def gather(self, until: float) -> None:
+        pass
+
+    def now(self) -> float:
+        return 7.5
+
+    def send_break(self, seconds: float) -> None:
+        pass
+
+    def close(self) -> None:
+        pass
+
+
+class Desk:
+    def __init__(self, *ports: Port) -> None:
+        self.ports = list(ports)
+        self.links: list[Meter] = []
+
+    def open(self, url: str) -> Meter:
+        self.links.append(Meter(url))
+        return self.links[-1]
+
+    def source(self, text: str) -> LinkSource:
+        (chosen,) = chosen_instruments([text], shipped())
+        return LinkSource(chosen, lambda: 100.0, self.open, lambda: self.ports)
+
+
+def adapter(url: str, serial: str) -> Port:
+    return Port(
+        url, "FT232R", chip="FT232R", likely=True, vid=0x0403, pid=0x6001, serial_number=serial
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "opened"),
+    [
+        ("aem=/dev/ttyUSB1", "/dev/ttyUSB1?baud=9600"),
+        ("innovate=COM4", "COM4?baud=19200"),
+        ("nmea=/dev/ttyUSB1?baud=4800", "/dev/ttyUSB1?baud=4800"),
+        ("aem=socket://box:2000", "socket://box:2000?baud=9600"),
+        ("gpsd=gpsd:", "socket://localhost:2947?baud=1000000"),
+    ],
+)
+def test_a_port_has_the_speed_of_the_definition_unless_it_says_another(text, opened) -> None:
+    desk = Desk()
+    source = desk.source(text)
+    source.open()
+    assert [link.url for link in desk.links] == [opened]
+    assert (desk.links[0].sent != b"") == text.startswith("gpsd")
+
+
+def test_bytes_have_the_time_of_the_sessions_clock() -> None:
+    source = Desk().source("aem=/dev/ttyUSB1")
+    assert source.read() == []
+    source.open()
+    (chunk,) = source.read()
+    assert (chunk.data, chunk.time) == (b"1.02\r\n", 99.5)
+
+
+def test_after_a_pulled_hub_no_other_adapter_is_opened_under_its_name() -> None:
+    desk = Desk(adapter("/dev/ttyUSB0", "unit"), adapter("/dev/ttyUSB1", "meter"))
+    source = desk.source("aem=/dev/ttyUSB1")
+    source.open()
+    source.reset()
+    desk.ports = [adapter("/dev/ttyUSB1", "unit")]
+    with pytest.raises((AnotherAdapter, PortNotFound)):
+        source.open()
+    assert len(desk.links) == 1
+    desk.ports.append(adapter("/dev/ttyUSB0", "meter"))
+    source.open()
+    assert desk.links[-1].url == "/dev/ttyUSB0?baud=9600"
+
+
+def test_what_is_lost_gives_nothing_until_it_is_opened_again() -> None:
+    desk = Desk()
+    source = desk.source("aem=/dev/ttyUSB1")
+    source.open()
+    desk.links[0].pulled = True
+    with pytest.raises(LinkLost):
+        source.read()
+    source.reset()
+    assert source.read() == []
+    source.open()
+    assert source.read()
