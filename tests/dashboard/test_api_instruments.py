@@ -228,6 +228,25 @@ def test_a_definition_of_ones_own_is_a_file_and_can_be_changed(off):
     assert not file.exists()
 
 
+def test_what_else_a_definitions_file_has_stays_when_it_is_changed(off):
+    off.put("/instruments/definitions/mine", BOOST)
+    file = off.dashboard.settings.in_state("instruments") / "mine.toml"
+    file.write_text(
+        'text = { en = "Boost", ru = "Наддув" }\ndecoder = "line"\npatterns = ["{BOOST_BAR}"]\n'
+        'source = "its manual"\n[instrument.BOOST_BAR]\ntext = { en = "B", ru = "Н" }\n'
+        "range = [-1, 4]\ndecimals = 3\nlimits = { danger_high = 1.5 }\n",
+        "utf-8",
+    )
+    (channel,) = BOOST["channels"]
+    changed = BOOST | {"baud": 9600, "channels": [channel | {"range": None, "unit": "psi"}]}
+    found = off.put("/instruments/definitions/mine", changed)
+    (own,) = [each for each in found["definitions"] if each["own"]]
+    (boost,) = own["channels"]
+    assert (own["baud"], boost["unit"]["en"], boost["range"]) == (9600, "psi", None)
+    assert (boost["decimals"], boost["limits"]["danger_high"]) == (3, 1.5)
+    assert "its manual" in file.read_text("utf-8")
+
+
 @pytest.mark.parametrize(
     ("name", "change", "words"),
     [

@@ -1139,8 +1139,8 @@ export interface components {
             text: components["schemas"]["NewTexts"];
             /** @default  */
             unit: string;
-            /** @default 2 */
-            decimals: number;
+            /** @description null: as it is, or two */
+            decimals?: number | null;
             range?: [
                 number,
                 number

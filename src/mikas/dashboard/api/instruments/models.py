@@ -115,7 +115,9 @@ class OwnChannel(BaseModel):
     name: Annotated[str, Field(pattern=r"^[A-Z][A-Z0-9_]{0,19}$", examples=["BOOST_BAR"])]
     text: NewTexts
     unit: Annotated[Line, Field(max_length=40)] = ""
-    decimals: Annotated[int, Field(ge=0, le=6)] = 2
+    decimals: Annotated[int, Field(ge=0, le=6)] | None = Field(
+        None, description="null: as it is, or two"
+    )
     range: tuple[Finite, Finite] | None = None
 
 

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import tomlkit
 
+from mikas import toml
 from mikas.catalog import Catalog
 from mikas.dashboard.errors import NotFound
 from mikas.errors import MikasError, naming_file, usage_error
@@ -24,6 +26,8 @@ from mikas.saving import save
 
 _NAME: Final = re.compile(r"[a-z0-9][a-z0-9-]{0,39}")
 _MOST: Final = 100
+_GIVEN: Final = ("text", "unit", "range")
+"""The keys of a channel that are given with each definition."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,6 +59,8 @@ class OwnDefinitions:
     ) -> InstrumentDefinition:
         """Write a definition of lines of text. `channels`: those that its patterns must name.
 
+        What else its file has stays: limits, a gauge's scale, the source.
+
         Raises `CatalogError` for a wrong one, `UsageError` for a name that is taken.
         """
         if name in definition_names() or not _NAME.fullmatch(name):
@@ -63,7 +69,8 @@ class OwnDefinitions:
                 f"Имя «{name}» занято или не подходит; нужны строчные латинские буквы, цифры "
                 "и дефисы: my-meter",
             )
-        text = tomlkit.dumps({"decoder": "line", **keys})
+        path = self.folder / f"{name}.toml"
+        text = tomlkit.dumps(_merged(_tables(path), {"decoder": "line", **keys}))
         made = definition_of_text(name, text, catalog)
         given = {channel.name for channel in made.channels}
         if unused := [channel for channel in channels if channel not in given]:
@@ -71,7 +78,6 @@ class OwnDefinitions:
                 f"No pattern has {{{unused[0]}}}",
                 f"Ни в одном образце нет {{{unused[0]}}}",
             )
-        path = self.folder / f"{name}.toml"
         with naming_file(path):
             self.folder.mkdir(parents=True, exist_ok=True)
             save(path, text)
@@ -84,3 +90,23 @@ class OwnDefinitions:
             raise NotFound(name=name)
         with naming_file(path):
             path.unlink()
+
+
+def _tables(path: Path) -> dict[str, Any]:
+    """Return what a file has; nothing of a wrong one, or of none."""
+    with suppress(OSError, toml.TomlError):
+        return toml.parse(toml.text_of(toml.read_bytes(path)))
+    return {}
+
+
+def _merged(before: Mapping[str, Any], keys: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the tables `before` with these keys, and those of each channel that are given."""
+    known = before.get("instrument")
+    channels: dict[str, Any] = dict(known) if isinstance(known, dict) else {}
+    for name, given in keys.get("instrument", {}).items():
+        own = channels.get(name)
+        kept = own.items() if isinstance(own, dict) else ()
+        channels[name] = {key: each for key, each in kept if key not in _GIVEN} | given
+    merged = {**before, **keys}
+    merged.pop("instrument", None)
+    return merged | ({"instrument": channels} if channels else {})

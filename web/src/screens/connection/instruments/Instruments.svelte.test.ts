@@ -123,10 +123,25 @@ it("a definition's values are those of its patterns, and the catalog's are not d
   const known = (name: string) => name === "LAMBDA";
   const [boost] = channelsOf(draft, known);
   draft.channels = [{ ...boost!, unit: "bar", low: "−1", high: "4" }];
-  expect(definitionOf(draft, known)).toEqual({
+  expect(definitionOf(draft, known, null, ({ en }) => en)).toEqual({
     ...{ text: words("boost"), baud: 9600, patterns: ["P={BOOST_BAR}", "{LAMBDA}"], decimal: ".", stale: 0.5 },
-    channels: [{ name: "BOOST_BAR", text: words("BOOST_BAR"), unit: "bar", decimals: 2, range: [-1, 4] }],
+    channels: [{ name: "BOOST_BAR", text: words("BOOST_BAR"), unit: "bar", range: [-1, 4] }],
   });
   expect(notNumber(draft)).toBeUndefined();
   expect(notNumber({ ...draft, baud: "fast" })).toBe("fast");
+});
+
+it("what is not changed of a definition keeps its other language", () => {
+  const text = { en: "Boost", ru: "Наддув" };
+  const before = {
+    ...definition("boost", "port", true),
+    text,
+    patterns: ["{BOOST}"],
+    channels: [channelOf("BOOST", { text, unit_key: "bar" })],
+  };
+  const said = (texts: { ru: string }) => texts.ru;
+  const draft = draftOf(before, said);
+  expect(definitionOf(draft, () => false, before, said)).toMatchObject({ text, channels: [{ text, unit: "bar" }] });
+  const changed = definitionOf({ ...draft, text: "Турбо" }, () => false, before, said);
+  expect(changed).toMatchObject({ text: { en: "Турбо", ru: "Турбо" }, channels: [{ text }] });
 });

@@ -60,19 +60,25 @@ export function notNumber(draft: Draft): string | undefined {
 }
 
 /** As the API takes it. A text typed once stands for both languages. */
-export function definitionOf(draft: Draft, isKnown: (name: string) => boolean): OwnInstrument {
-  const twice = (text: string) => ({ en: text.trim(), ru: text.trim() });
+export function definitionOf(
+  draft: Draft,
+  isKnown: (name: string) => boolean,
+  before: InstrumentDefinition | null,
+  said: (text: Channel["text"]) => string,
+): OwnInstrument {
+  /** What was not changed keeps its other language. */
+  const texts = (text: string, known: Channel["text"] | undefined) =>
+    known && said(known) === text ? known : { en: text.trim(), ru: text.trim() };
   return {
-    text: twice(draft.text || draft.name),
+    text: texts(draft.text || draft.name, before?.text),
     baud: parsedNumber(draft.baud) ?? 0,
     patterns: draft.patterns.split("\n").filter((line) => line.trim() !== ""),
     decimal: draft.decimal,
     stale: parsedNumber(draft.stale) ?? 0,
     channels: channelsOf(draft, isKnown).map(({ name, text, unit, low, high }) => ({
       name,
-      text: twice(text || name),
+      text: texts(text || name, before?.channels.find((each) => each.name === name)?.text),
       unit: unit.trim(),
-      decimals: 2,
       range: low.trim() === "" || high.trim() === "" ? null : [parsedNumber(low) ?? 0, parsedNumber(high) ?? 0],
     })),
   };
