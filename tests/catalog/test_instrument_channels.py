@@ -1,0 +1,55 @@
+"""Channels of instruments in the catalog: their range, their names, keys of the own catalog."""
+
+from __future__ import annotations
+
+import pytest
+
+from mikas.catalog import Level, shipped
+from mikas.catalog.instrument_channels import InstrumentChannel
+from mikas.catalog.own.changes import reset_keys, set_keys
+from mikas.catalog.own.file import OwnCatalog
+from mikas.i18n import Text
+
+
+@pytest.mark.parametrize(
+    ("given", "value", "taken"),
+    [
+        (None, -1e9, True),
+        ((0.5, 1.5), 0.5, True),
+        ((0.5, 1.5), 1.5, True),
+        ((0.5, 1.5), 0.49, False),
+        ((0.5, 1.5), 1.51, False),
+    ],
+)
+def test_a_channel_takes_what_lies_in_its_range(given, value, taken) -> None:
+    channel = InstrumentChannel("LAMBDA", Text("Mixture", "Смесь"), range=given)
+    assert channel.takes(value) is taken
+
+
+@pytest.mark.parametrize(
+    ("name", "found"),
+    [
+        ("LAMBDA", "LAMBDA"),
+        ("LAMBDA_LEFT", "LAMBDA"),
+        ("GPS_SPEED_2", "GPS_SPEED"),
+        ("FREQ", "FREQ"),
+        ("LAMBDALEFT", None),
+        ("BOOST", None),
+    ],
+)
+def test_a_label_at_the_end_of_its_name_describes_it_all_the_same(name, found) -> None:
+    channel = shipped().described(name)
+    assert (channel.name if channel else None) == found
+
+
+def test_its_limits_are_set_in_the_own_catalog(tmp_path) -> None:
+    own = OwnCatalog(tmp_path / "catalog.toml")
+    limits = {"warning_low": 0.8, "warning_high": 1.1}
+    known = set_keys(own, shipped(), "lambda", {"limits": limits})
+    set_limits = known.instruments["LAMBDA"].alarm_limits
+    assert set_limits is not None
+    assert set_limits.lows == ((Level.WARNING, 0.8),)
+    assert list(own.entries()) == [("instrument", "LAMBDA")]
+    assert own.load().catalog.instruments["LAMBDA"].alarm_limits == set_limits
+    before = reset_keys(own, known, "LAMBDA", ["limits"]).instruments["LAMBDA"]
+    assert before == shipped().instruments["LAMBDA"]
