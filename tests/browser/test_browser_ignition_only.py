@@ -56,6 +56,7 @@ def test_a_recording_of_such_a_car_is_shown_alike(parked, visitor):
     parked.post("/control/release")
     tab = visitor(parked.url).show("recordings")
     tab.find("#screen").get_by_role("button", name="Open", exact=True).first.click()
+    expect(tab.find('nav a[data-screen="live"]')).to_have_attribute("aria-current", "page")
     tab.show("chart")
     expect(tab.find("[data-ignition-only]")).to_have_count(1)
     expect(tab.traced("INJ")).to_have_count(0)

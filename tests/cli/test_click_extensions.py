@@ -60,7 +60,7 @@ def test_help_has_examples_is_in_both_languages_and_fits_80_columns(mikas, path,
 @pytest.mark.parametrize("page", ["docs/reference/cli.md", "docs/ru/reference/cli.md"])
 @pytest.mark.parametrize(("path", "command"), ALL, ids=[" ".join(p) or "mikas" for p, _ in ALL])
 def test_each_option_stands_on_the_page_of_the_command_line(path, command, page):
-    named = set(re.findall(r"(?<![\w-])--?[a-z][a-z-]*", (ROOT / page).read_text(encoding="utf-8")))
+    named = set(re.findall(r"(?<![\w-])--?[a-z][a-z0-9-]*", (ROOT / page).read_text("utf-8")))
     options = [each for each in command.params if isinstance(each, click.Option)]
     missing = [each.opts for each in options if not named & {*each.opts, *each.secondary_opts}]
     assert not missing, f"{page} does not name these options of `{' '.join(('mikas', *path))}`"

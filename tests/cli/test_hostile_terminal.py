@@ -73,6 +73,7 @@ LINES = [
     ("report", f"a{ESC}.bin", "-o", "r.html"), ("sim", "--tcp", ESC), ("sim", "--set", ESC),
     ("causes", NAME), ("causes", ESC), ("causes", f"a{ESC}.bin"),
     ("split", NAME), ("split", ESC), ("split", f"a{ESC}.bin"),
+    ("pull", NAME, "--mass", "1400"), ("pull", ESC, "--mass", ESC), ("co", ESC), ("co", f"--{ESC}"),
     ("trip", NAME), ("trip", ESC), ("trip", NAME, "--since", ESC),
     ("find", NAME, "EVIL > 1"), ("find", NAME, ESC), ("find", f"a{ESC}.bin", "FREQ > 1"), ("test",),
     ("test", ESC), ("test", "idle", "--recording", NAME), ("test", "idle", "--recording", ESC),

@@ -30,6 +30,7 @@ PARTS = {
 
 _SOCKET = "is about a socket of the desktop's server"
 _HEADERS = "sends headers that a page can't send, or reads the status of a refused WebSocket"
+_PORTS = "is about ports that a page does not have"
 _TABLES = "compares with numpy and pandas, or reads MDF4 and Parquet"
 _NO_PAUSE = "its thread computes without a wait, and on Pyodide nothing else runs meanwhile"
 _PROGRAMS = "is about two programs on one disk"
@@ -58,6 +59,7 @@ LEFT_OUT = {
     "test_work_of_routes.py": _NO_PAUSE,
     "test_access.py::test_a_foreign_socket_gets_403": _HEADERS,
     "test_access.py::test_a_socket_without_a_name_is_refused": _HEADERS,
+    "test_access.py::test_from_the_network_no_instrument_elsewhere_can_be_named": _PORTS,
     "test_access.py::test_a_viewer_from_the_network_sees_everything_and_touches_nothing": _HEADERS,
     "test_access.py::test_from_the_network_an_adapter_or_a_virtual_car_may_be_chosen": _HEADERS,
     "test_access.py::test_from_the_network_no_file_and_no_address_can_be_named": _HEADERS,

@@ -121,7 +121,8 @@ def _of_connection(dashboard: Dashboard) -> Findings:
     later = dashboard.session.later
     rows, events = Rows(rows.times + later, rows.values), [it.moved(later) for it in events]
     rows = without_other_readings(rows, catalog, dashboard.settings.connection.interpretation)
-    measuring = MeasurementCollector(catalog, rows.values, events)
+    names = [name for name in rows.values if name in catalog.channels]  # as of a recording
+    measuring = MeasurementCollector(catalog, names, events)
     measuring.add(rows)
     stored, measured = dashboard.fault_history.latest, measuring.measured
     readings = dashboard.fault_history.readings
