@@ -266,7 +266,7 @@ class Dashboard:
             self.monitor.log(change)
         for it in self.session.events_of(event):
             if isinstance(it, events.Sampled):
-                it = self.instruments.with_values(it)  # noqa: PLW2901
+                it = self.instruments.with_values(it)  # noqa: PLW2901  (all that follows needs its values)
             if isinstance(it, events.AdapterMoved):
                 self.connection.moved(it.port)
             self._measure(thread)

@@ -354,7 +354,7 @@ class Session(Iterator[Sampled]):
             if beside is not None:
                 yield from map(InstrumentChanged.of, beside.follow())
                 if isinstance(event, Sampled):
-                    event = replace(event, instruments=beside.fresh(event.time))  # noqa: PLW2901
+                    event = replace(event, instruments=beside.fresh(event.time))  # noqa: PLW2901  (it goes on)
             yield event
 
     def _last_faults(self, events: Iterator[Event]) -> Iterator[Event]:
