@@ -15,6 +15,7 @@ from mikas.client.doctor import examine
 def unconnected(chromium, tmp_path_factory):
     with dashboard(tmp_path_factory.mktemp("off"), begin=False, baud="57600") as dash:
         dash.garage.plug("/dev/ttyUSB8", "CH340", supplied="0")
+        dash.garage.plug("/dev/ttyUSB5", "CH340", least_pause="0.1")
         dash.garage.plug("/dev/ttyUSB9", "CP2102", adapter="elm327")
         dash.garage.plug("/dev/ttyUSB6", "PL2303", scenario=dash.garage.key_off())
         yield dash
@@ -207,6 +208,30 @@ def test_leaving_amid_a_recording_asks(off, visitor):
     sheet.get_by_role("button", name="Disconnect").click()
     tab.is_line("off")
     tab.says("Recording saved")
+
+
+def test_the_pause_that_a_unit_needs_is_found_shown_and_can_be_set(off, visitor):
+    """D14. A recording goes on."""
+    tab = visitor(off.url, locale="ru-RU").show("connection")
+    tab.press("Подключить /dev/ttyUSB5")
+    pause = tab.find("[data-pause]")
+    expect(pause).to_contain_text("100 мс, найдена подбором")
+    tab.press("Запись")
+    tab.is_line("recording")
+    pause.locator("summary").click()
+    tab.press("Своя")
+    expect(pause.get_by_label("Пауза, мс")).to_have_value("100")
+    pause.locator("input").fill("2500")
+    tab.says("Целое число от 0 до 2000.")
+    expect(tab.button("Задать паузу")).to_be_disabled()
+    pause.locator("input").fill("130")
+    tab.press("Задать паузу")
+    expect(pause).to_contain_text("130 мс, задана")
+    tab.is_line("recording")
+    assert off.state()["pause"] == {"chosen": 0.13, "seconds": 0.13}
+    tab.press("Сама")
+    tab.press("Задать паузу")
+    expect(pause).to_contain_text("100 мс, найдена подбором")
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import pytest
 
@@ -162,6 +163,32 @@ def test_the_pause_before_a_request_is_found_or_set(off, pause, kept):
     off.post("/connect", {"port": "sim:?least_pause=0.1", "pause": pause})
     off.sampling()
     assert off.get("/passport")["pause"] == kept
+
+
+def test_the_state_says_which_pause_is_kept_and_whether_it_was_chosen(off):
+    """Auto finds it again, also where the program was started with one (D14)."""
+    assert off.get("/state")["pause"] is None
+    kept = []
+    off.dashboard.settings = replace(
+        off.dashboard.settings, connection=replace(off.dashboard.settings.connection, pause=0.15)
+    )
+    for pause in (None, 0.2, "auto"):
+        off.post("/connect", {"port": "sim:?least_pause=0.1", "pause": pause})
+        kept.append(off.sampling()["pause"])
+    assert kept == [
+        {"chosen": 0.15, "seconds": 0.15},
+        {"chosen": 0.2, "seconds": 0.2},
+        {"chosen": None, "seconds": 0.1},
+    ]
+
+
+def test_a_chosen_pause_is_that_of_the_check_too(off):
+    off.post("/connect", {"port": "sim:?scenario=warm-idle", "pause": 0.07})
+    off.sampling()
+    lines = off.client.post("/api/doctor", json={}, headers=ME).text.splitlines()
+    steps = {step["name"]: step for step in map(json.loads, lines)}
+    assert "70 ms" in steps["line"]["detail"]["en"]
+    assert off.sampling()["pause"]["chosen"] == 0.07
 
 
 @pytest.mark.parametrize("pause", [-1, 2.5, "soon"])

@@ -115,7 +115,7 @@ def test_the_unit_sends_no_stream_when_sampling_has_ended(tmp_path, method, stop
 
 def test_a_port_that_opens_after_the_end_of_the_doctor_is_not_used(tmp_path):
     opening, reported = Opening(tmp_path), []
-    opening.wanting = Diagnosis("sim:", opening.settings)
+    opening.wanting = Diagnosis(PortSettings("sim:"), opening.settings)
     opening.wanting.run(reported.append)
     assert (reported, opening.sent) == ([], [])
 

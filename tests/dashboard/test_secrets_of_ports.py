@@ -10,7 +10,7 @@ import pytest
 from dashboard.rig import ADAPTER, ME
 from mikas.dashboard.errors import InternalError
 from mikas.dashboard.session.port_threads import Diagnosis
-from mikas.dashboard.settings import Settings
+from mikas.dashboard.settings import PortSettings, Settings
 
 PORT = "socket://me:zq0000001%2Bzq0000002@car:2000"
 SHOWN = "socket://…@car:2000"
@@ -62,7 +62,7 @@ def test_a_bug_at_the_port_is_shown_without_its_password(tmp_path, caplog) -> No
     def fail(url):
         raise RuntimeError(f"odd: {url}, zq0000001+ZQ0000002")
 
-    diagnosis = Diagnosis(PORT, Settings(tmp_path, state=tmp_path, open_port=fail))
+    diagnosis = Diagnosis(PortSettings(PORT), Settings(tmp_path, state=tmp_path, open_port=fail))
     with pytest.raises(InternalError, match="RuntimeError: odd") as failed:
         diagnosis.run(lambda _: None)
     assert "RuntimeError: odd" in caplog.text

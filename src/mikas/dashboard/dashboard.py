@@ -19,7 +19,7 @@ from dataclasses import replace
 from mikas.catalog import Catalog
 from mikas.client import Info, Support
 from mikas.client.cars import CarBook, CarDetails
-from mikas.client.connecting import EchoSetting
+from mikas.client.connecting import EchoSetting, PauseSetting
 from mikas.client.identity import UnitIdentity
 from mikas.client.parameters.polling import Method
 from mikas.dashboard.library.folder import RecordingFolder
@@ -187,7 +187,7 @@ class Dashboard:
         url: str | None,
         *,
         echo: EchoSetting = "auto",
-        pause: float | None = None,
+        pause: PauseSetting | None = None,
         method: Method = "auto",
         rate: float | None = None,
     ) -> None:

@@ -8,13 +8,19 @@ from __future__ import annotations
 import errno
 import os
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mikas.catalog.own.file import NAME, OwnCatalog
 from mikas.cleaning import public_port
-from mikas.client.connecting import STATE_VARIABLE, ConnectionOptions, EchoSetting, state_folder
+from mikas.client.connecting import (
+    STATE_VARIABLE,
+    ConnectionOptions,
+    EchoSetting,
+    PauseSetting,
+    state_folder,
+)
 from mikas.client.parameters.polling import Method
 from mikas.dashboard.network.addresses import own_addresses
 from mikas.errors import (
@@ -160,13 +166,18 @@ class PortSettings:
 
     url: str
     echo: EchoSetting = "auto"
-    pause: float | None = None
+    pause: PauseSetting | None = None
     """None: as in the settings of the program."""
 
     @property
     def shown(self) -> str:
         """The URL for every client, without a password."""
         return public_port(self.url)
+
+    def applied(self, options: ConnectionOptions) -> ConnectionOptions:
+        """Return the options of the program with those of this port."""
+        pause = options.pause if self.pause is None else self.pause
+        return replace(options, echo=self.echo, pause=pause)
 
 
 @dataclass(frozen=True, slots=True)

@@ -76,17 +76,18 @@ class PortsResponse(BaseModel):
     ports: list[PortInfo]
 
 
+Pause = Annotated[float, Field(ge=0, le=LONGEST_PAUSE, allow_inf_nan=False)]
+
+
 class ConnectRequest(BaseModel):
     """`port` null: the one likely adapter."""
 
     port: str | None = Field(None, max_length=_MAX_URL, examples=["/dev/ttyUSB0", "sim:"])
     echo: Literal["auto", "on", "off"] = "auto"
-    pause: float | None = Field(
+    pause: Pause | Literal["auto"] | None = Field(
         None,
-        ge=0,
-        le=LONGEST_PAUSE,
-        description="least seconds from a response to the next request; null: as the program was "
-        "started, as a rule found by trying",
+        description="least seconds from a response to the next request; auto: found by trying; "
+        "null: as the program was started, as a rule auto",
     )
     method: Method = "auto"
     rate: float | None = Field(None, gt=0, le=1000)
@@ -282,7 +283,8 @@ async def doctor(
     if dashboard.diagnosis is not None or dashboard.surveys.runs:
         raise Busy(problem=CHANGING)
     steps: asyncio.Queue[DiagnosisStep | None] = asyncio.Queue()
-    diagnosis = Diagnosis(port, dashboard.settings, other_units=body.other_units)
+    reached = dashboard.connection.settings_of(port)
+    diagnosis = Diagnosis(reached, dashboard.settings, other_units=body.other_units)
     dashboard.diagnosis = diagnosis
     diagnosis.task = asyncio.create_task(_run(dashboard, diagnosis, steps))
 

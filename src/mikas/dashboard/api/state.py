@@ -15,6 +15,8 @@ from mikas.dashboard.api.instruments.models import InstrumentNow, instruments_no
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.errors import ADVICE
 from mikas.dashboard.security.control import Client
+from mikas.dashboard.session.port_threads import SamplingThread
+from mikas.dashboard.settings import PortSettings
 from mikas.i18n import Text
 from mikas.sampling.alarms import Side
 from mikas.sampling.events import AlarmChanged
@@ -68,6 +70,13 @@ class ActiveAlarm(BaseModel):
     since: float
 
 
+class PauseNow(BaseModel):
+    """The least time from a response to the next request, in seconds."""
+
+    chosen: float | None = Field(description="null: found by trying")
+    seconds: float | None = Field(description="in force; null: no unit has answered")
+
+
 class ControlHolder(BaseModel):
     """The client in control. `you`: the client that asked."""
 
@@ -96,6 +105,7 @@ class State(OwnState):
     port: str | None
     checking: bool = Field(description="a connection check has the port; line is off meanwhile")
     surveying: bool = Field(description="a survey has the port; line is off meanwhile")
+    pause: PauseNow | None = Field(description="null: not connected")
     adapter: str
     model: OptionalTexts
     version_code: str | None = Field(description="hex, as 0A")
@@ -191,6 +201,7 @@ def shared_state(dashboard: Dashboard) -> State:
             port=port.shown if port else None,
             checking=checking,
             surveying=surveying,
+            pause=_pause(dashboard, port, thread),
             adapter=thread.adapter if thread else "",
             model=unit.model if unit else None,
             version_code=version_text(unit.version_code) if unit else None,
@@ -236,6 +247,19 @@ def _recording(dashboard: Dashboard) -> RunningRecording | None:
     failure = two(ADVICE.text(status.failure)) if status.failure else None
     since = None if status.since is None else status.since + dashboard.connection.later
     return made_of(RunningRecording, status, file=status.path.name, since=since, failure=failure)
+
+
+def _pause(
+    dashboard: Dashboard, port: PortSettings | None, thread: SamplingThread | None
+) -> PauseNow | None:
+    if port is None:
+        return None
+    setting = port.applied(dashboard.settings.connection).pause
+    ecu = thread.acquisition.ecu if thread is not None else None
+    return PauseNow(
+        chosen=None if setting == "auto" else setting,
+        seconds=None if ecu is None else ecu.tester.pauses.seconds,
+    )
 
 
 def _alarm(dashboard: Dashboard, event: AlarmChanged) -> ActiveAlarm:

@@ -19,7 +19,7 @@ from typing import TypeVar
 
 from mikas.catalog import Catalog
 from mikas.client import Ecu
-from mikas.client.connecting import ConnectionOptions, EchoSetting
+from mikas.client.connecting import ConnectionOptions, EchoSetting, PauseSetting
 from mikas.dashboard.errors import ADVICE, Busy, NotConnected
 from mikas.dashboard.session.monitor import DISCONNECTED, ConnectionMonitor
 from mikas.dashboard.session.port_threads import SamplingThread
@@ -113,7 +113,7 @@ class Connection:
         url: str | None,
         *,
         echo: EchoSetting = "auto",
-        pause: float | None = None,
+        pause: PauseSetting | None = None,
         accepted: Callable[[str], None] = lambda _: None,
     ) -> None:
         """Connect to `url`, or to the one likely adapter; an existing connection ends.
@@ -132,6 +132,11 @@ class Connection:
             self.port = PortSettings(url, echo, pause)
             self._open(self.port)
             await self._wait_for_state()
+
+    def settings_of(self, url: str) -> PortSettings:
+        """Return how the unit at `url` is reached: as now, if that port is in use."""
+        port = self.port
+        return port if port is not None and port.url == url else PortSettings(url)
 
     async def disconnect(self) -> None:
         """Close the port."""

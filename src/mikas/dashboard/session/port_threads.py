@@ -113,9 +113,7 @@ class SamplingThread(threading.Thread):
             timeout=settings.connection.timeout,
         )
         options = replace(
-            settings.connection,
-            echo=port.echo,
-            pause=settings.connection.pause if port.pause is None else port.pause,
+            port.applied(settings.connection),
             confirm=confirm,
             journal=settings.journal,
             state=settings.units,
@@ -184,13 +182,16 @@ class SamplingThread(threading.Thread):
 
 
 class Diagnosis(StoppablePort):
-    """Examines the port `url` once. `other_units`: as `mikas.client.other_units`."""
+    """Examines `port` once. `other_units`: as `mikas.client.other_units`."""
 
-    def __init__(self, url: str, settings: Settings, *, other_units: bool = False) -> None:
+    def __init__(
+        self, port: PortSettings, settings: Settings, *, other_units: bool = False
+    ) -> None:
         super().__init__(settings.open_port)
-        self.url = url
+        self.url = port.url
         self._other_units = other_units
-        self._options = replace(settings.connection, journal=settings.journal, state=settings.units)
+        options = port.applied(settings.connection)
+        self._options = replace(options, journal=settings.journal, state=settings.units)
         self.task: asyncio.Task[None] | None = None
         """The task that calls `run` and gives the port back; set by its creator."""
 

@@ -18,7 +18,7 @@ from zipfile import ZipFile
 from mikas.dashboard.errors import Busy, NotFound
 from mikas.dashboard.session.connection import SURVEY, SURVEYING, Connection
 from mikas.dashboard.session.survey_run import SurveyRun
-from mikas.dashboard.settings import PortSettings, Settings, ensure_folder
+from mikas.dashboard.settings import Settings, ensure_folder
 from mikas.errors import MikasError
 from mikas.i18n import Text
 from mikas.survey import SurveyAnswer, SurveyOptions, SurveyVerdict
@@ -106,9 +106,7 @@ class Surveys:
         self._connection.check_unchanged()
         if self.runs:
             raise Busy(problem=SURVEYING)
-        settings, kept = self._settings(), self._connection.port
-        chosen = kept if kept is not None and kept.url == port else PortSettings(port)
-        pause = settings.connection.pause if chosen.pause is None else chosen.pause
+        settings, chosen = self._settings(), self._connection.settings_of(port)
         ensure_folder(settings.surveys)
         self.error = None
         self._last_virtual = port.startswith("sim:")
@@ -119,9 +117,7 @@ class Surveys:
             figures,
             open_port=settings.open_port,
             connection=replace(
-                settings.connection,
-                echo=chosen.echo,
-                pause=pause,
+                chosen.applied(settings.connection),
                 journal=settings.journal,
                 state=settings.units,
             ),

@@ -51,7 +51,8 @@ export function createApi(host: Transport) {
     virtualCars: () => get<Api.VirtualCars>("/virtual-cars"),
     /** What is wrong with a virtual car, by the `car` of its address. */
     carAnswer: (car: string) => get<Api.CarAnswer>("/virtual-cars/answer", { car }),
-    connect: (port: string | null) => post<Api.State>("/connect", { port, echo: "auto", method: "auto", rate: null }),
+    connect: (port: string | null, more: Partial<Api.Connecting> = {}) =>
+      post<Api.State>("/connect", { port, echo: "auto", method: "auto", rate: null, ...more }),
     disconnect: () => post<Api.State>("/disconnect"),
     /** `others`: where no Mikas answers, look for another kind of unit. */
     doctor: (port: string | null, onStep: (step: Api.DoctorStep) => void, others = false) =>

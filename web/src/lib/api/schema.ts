@@ -511,8 +511,8 @@ export interface components {
              * @enum {string}
              */
             echo: "auto" | "on" | "off";
-            /** @description least seconds from a response to the next request; null: as the program was started, as a rule found by trying */
-            pause?: number | null;
+            /** @description least seconds from a response to the next request; auto: found by trying; null: as the program was started, as a rule auto */
+            pause?: number | "auto" | null;
             /**
              * @default auto
              * @enum {string}
@@ -1189,6 +1189,13 @@ export interface components {
             };
             supported: components["schemas"]["UnitCommand"][] | null;
         };
+        /** @description The least time from a response to the next request, in seconds. */
+        PauseNow: {
+            /** @description null: found by trying */
+            chosen: number | null;
+            /** @description in force; null: no unit has answered */
+            seconds: number | null;
+        };
         /** @description Answered by `pong` in the next message. */
         PingMessage: {
             ping: number | string;
@@ -1523,6 +1530,8 @@ export interface components {
             checking: boolean;
             /** @description a survey has the port; line is off meanwhile */
             surveying: boolean;
+            /** @description null: not connected */
+            pause: components["schemas"]["PauseNow"] | null;
             adapter: string;
             model: components["schemas"]["TwoTexts"] | null;
             /** @description hex, as 0A */

@@ -30,6 +30,7 @@ export type Tile = Schemas["Tile"];
 export type TileKind = Tile["kind"];
 
 export type Port = Schemas["PortInfo"];
+export type Connecting = Schemas["ConnectRequest"];
 export type VirtualCars = Schemas["VirtualCarsResponse"];
 export type VirtualDefect = Schemas["VirtualDefect"];
 export type CarAnswer = Schemas["AnswerResponse"];

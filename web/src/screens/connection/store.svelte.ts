@@ -26,6 +26,7 @@ export class ConnectionStore {
   shares = $state(0);
   readonly ending = new ApiRequest<About>();
   readonly connecting = new ApiRequest<State>();
+  readonly pausing = new ApiRequest<State>();
   /** The port being connected to; "" for the most likely one. */
   wanted = $state<string | null>(null);
   /** Disconnecting or connecting elsewhere would end this recording and has to be confirmed. Without `port`: disconnect. */
@@ -140,6 +141,15 @@ export class ConnectionStore {
     this.wanted = null;
     if (state) live.use(state);
     return state !== undefined;
+  }
+
+  /** Keep this pause before each request, in seconds, or find it by trying; the port is opened again, and a recording goes on. */
+  async keepPause(pause: number | "auto"): Promise<void> {
+    const { api, live } = this.app;
+    const { port, plan } = live.state ?? {};
+    if (!port || !plan) return;
+    const state = await this.pausing.run(() => api.connect(port, { pause, method: plan.method, rate: plan.rate }));
+    if (state) live.use(state);
   }
 
   /** Check the connection; `others`: where no Mikas answers, look for another kind of unit. */
