@@ -177,3 +177,10 @@ def test_the_virtual_engine_is_found_within_the_doubt(tmp_path, monkeypatch):
             assert point.torque == pytest.approx(
                 0.93 * sum(torque) / len(torque), abs=point.torque_doubt
             )
+
+
+def test_wheels_that_spin_at_a_standstill_are_no_gear(tmp_path):
+    """For most of the rise the car stands: the median of the gears is none."""
+    road = [Road(at / 5, 0.0 if at < 40 else 30.0) for at in range(5, 56)]
+    recording = recorded(tmp_path / "a.pcapng", Session(rise(1, 2000, 5000, 10), road))
+    assert pulls(recording, PullSettings(1600)) == []

@@ -194,8 +194,10 @@ def _pull(recording: Recording, session: int, rpm: Curve, settings: PullSettings
         place = np.searchsorted(rpm.times, speed.times, "right") - 1
         gears = 3600 * speed.values / rpm.values[np.maximum(place, 0)]
         per_1000 = float(np.median(gears))
+        if per_1000 <= 0:  # the wheels or the clutch spun while the car stood
+            return None
         ends = float(np.percentile(gears, 90)) - float(np.percentile(gears, 10))
-        slip = ends / per_1000 if per_1000 > 0 else 1.0
+        slip = ends / per_1000
     else:
         speed = Curve(rpm.times, rpm.values * (per_1000 / 3600), rpm.longest)
     points = tuple(_binned(_measured(rpm, speed, source, per_1000, settings)))
