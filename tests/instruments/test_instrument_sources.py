@@ -8,9 +8,11 @@ from mikas.catalog import shipped
 from mikas.errors import AnotherAdapter, LinkLost, PortNotFound
 from mikas.i18n import Text
 from mikas.instruments.choosing import chosen_instruments
+from mikas.instruments.reading import InstrumentChange, InstrumentReader
 from mikas.instruments.sources import LinkSource
 from mikas.link import Chunk, Link
 from mikas.link.ports import Port
+from mikas.recording.capture.instruments import CONNECTED, instrument_port, loss
 
 GONE = Text("it is gone", "его нет")
 
@@ -113,3 +115,61 @@ def test_what_is_lost_gives_nothing_until_it_is_opened_again() -> None:
     assert source.read() == []
     source.open()
     assert source.read()
+
+
+class OneChunk:
+    """A source that gives all bytes at once, and a sink that keeps nothing."""
+
+    def __init__(self, data: bytes) -> None:
+        self.data = data
+
+    def open(self) -> None:
+        pass
+
+    def read(self) -> list[Chunk]:
+        return [Chunk(self.data, 100.0)]
+
+    def reset(self) -> None:
+        pass
+
+    def close(self) -> None:
+        pass
+
+    def record_instrument(self, number: int, data: bytes, time: float, comment: str = "") -> None:
+        pass
+
+
+POSITION = b'{"class":"TPV","mode":2,"lat":56.2,"lon":43.9}\r\n'
+SATELLITES = b'{"class":"SKY","satellites":[' + b" " * 900 + b"]}\r\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "data", "behind", "byte_time"),
+    [
+        ("aem=/dev/ttyUSB1", b"\r\n14.7\r\n" + b"x" * 96, 97, 10 / 9600),
+        ("aem=/dev/ttyUSB1?baud=4800", b"\r\n14.7\r\n" + b"x" * 96, 97, 10 / 4800),
+        ("aem=socket://box:2000?baud=38400", b"\r\n14.7\r\n" + b"x" * 96, 97, 10 / 38400),
+        ("aem=sim:", b"\r\n14.7\r\n" + b"x" * 96, 97, 10 / 9600),
+        ("gpsd=gpsd:localhost", POSITION + SATELLITES, 512, 10 / 1_000_000),
+    ],
+)
+def test_a_value_has_the_time_of_its_own_last_byte_at_the_ports_speed(
+    text, data, behind, byte_time
+) -> None:
+    """Its chunk brought more, at least its own line feed."""
+    (chosen,) = chosen_instruments([text], shipped())
+    source, changes = OneChunk(data), list[InstrumentChange]()
+    reader = InstrumentReader(
+        0,
+        chosen,
+        source,
+        source,
+        clock=lambda: 100.0,
+        report=changes.append,
+        comments=(CONNECTED, loss),
+    )
+    reader.poll()
+    times = [it.time for it in reader.fresh(100.0).values()]
+    assert times == pytest.approx([100.0 - behind * byte_time] * 2)
+    port = instrument_port(chosen.definition, chosen.url)
+    assert 10 / port.speed == pytest.approx(byte_time)

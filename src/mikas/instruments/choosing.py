@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Final
+from urllib.parse import parse_qsl
 
 from mikas.catalog import Catalog, InstrumentChannel
 from mikas.cleaning import public_port
@@ -18,6 +19,7 @@ GPSD: Final = "gpsd:"
 SIM: Final = "sim:"
 _LABEL: Final = re.compile(r"([A-Za-z][A-Za-z0-9_]{1,19}):(.+)")  # C:\my.toml has none
 _MOST: Final = 16
+_GPSD_BAUD: Final = 1_000_000  # more than it sends is no GPS
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,6 +113,14 @@ def placed(
     elif url.lower().partition("?")[0] != SIM:
         parse(url)
     return ChosenInstrument(definition, url, label)
+
+
+def line_baud(definition: InstrumentDefinition, url: str) -> int:
+    """Return the bits a second of an instrument's line: its URL's, else its definition's."""
+    if url.lower().startswith(GPSD):
+        return _GPSD_BAUD
+    given = dict(parse_qsl(url.partition("?")[2])).get("baud", "")
+    return int(given) if given.isdecimal() and len(given) < 8 else definition.baud
 
 
 def network_url(url: str) -> str:

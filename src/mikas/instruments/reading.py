@@ -18,7 +18,7 @@ from typing import Final, Protocol
 from mikas.catalog.instrument_channels import InstrumentChannel
 from mikas.errors import MikasError
 from mikas.i18n import Text
-from mikas.instruments.choosing import ChosenInstrument
+from mikas.instruments.choosing import ChosenInstrument, line_baud
 from mikas.instruments.decoding import decoder_of
 from mikas.instruments.events import NO_FIX, InstrumentValues
 from mikas.instruments.sources import InstrumentSource
@@ -107,7 +107,7 @@ class InstrumentReader:
         plain = (channel.name for channel in definition.channels)
         self._channels = dict(zip(plain, chosen.channels, strict=True))
         self._decoder = TimedInstrumentDecoder(
-            decoder_of(definition), BITS_PER_BYTE / definition.baud
+            decoder_of(definition), BITS_PER_BYTE / line_baud(definition, chosen.url)
         )
         self._latest: dict[str, InstrumentReading] = {}
         self._lock = threading.Lock()

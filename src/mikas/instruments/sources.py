@@ -11,7 +11,7 @@ from collections.abc import Callable
 from typing import Final, Protocol
 from urllib.parse import urlencode
 
-from mikas.instruments.choosing import GPSD, ChosenInstrument, network_url
+from mikas.instruments.choosing import GPSD, ChosenInstrument, line_baud, network_url
 from mikas.instruments.decoders.gpsd import WATCH
 from mikas.link import Link, open_link
 from mikas.link.base import Chunk
@@ -20,7 +20,6 @@ from mikas.link.reconnecting import ReconnectingPort
 from mikas.link.urls import parse
 
 _WITH_BAUD: Final = ("serial", "socket", "rfc2217", "webserial", "webusb")
-_NETWORK_BAUD: Final = 1_000_000  # more than it sends is no GPS
 _WAIT: Final = 0.5  # s of one wait for bytes
 _GATHER: Final = 0.02  # s in which the bytes of a message come together
 
@@ -57,10 +56,8 @@ class LinkSource:
     ) -> None:
         self._clock = clock
         self._is_gpsd = chosen.url.lower().startswith(GPSD)
-        if self._is_gpsd:
-            url = _with_baud(network_url(chosen.url), _NETWORK_BAUD)
-        else:
-            url = _with_baud(chosen.url, chosen.definition.baud)
+        baud = line_baud(chosen.definition, chosen.url)
+        url = _with_baud(network_url(chosen.url) if self._is_gpsd else chosen.url, baud)
         self._open: Callable[[], Link] = lambda: open_port(url)
         if parse(url).is_adapter:
             self._open = ReconnectingPort(url, find=find, open_port=open_port).open

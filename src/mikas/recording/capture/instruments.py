@@ -22,6 +22,7 @@ from mikas.cancellation import check_cancelled
 from mikas.cleaning import clean_line, public_port
 from mikas.i18n import Text
 from mikas.instruments import InstrumentDefinition
+from mikas.instruments.choosing import line_baud
 from mikas.recording.capture import blocks as pcapng
 from mikas.recording.capture.dating import corrections_in
 from mikas.recording.capture.opening import opened_capture
@@ -42,7 +43,7 @@ def instrument_port(
         link_type=pcapng.LINKTYPE_USER1,
         name=public_port(url),
         description=f"{name}, {clean_line(definition.text.en)}",
-        speed=definition.baud,
+        speed=line_baud(definition, url),
         comment=definition.toml,
     )
 
