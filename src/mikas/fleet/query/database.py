@@ -272,6 +272,8 @@ def opened(dataset: str) -> AbstractContextManager[Database]:
 
 
 _PLACE: Final = re.compile(r"\n\nLINE (\d+): (.*)\n( *)\^", re.DOTALL)
+_RESERVED: Final = re.compile(r"""(?<!["\w])lambda(?!["\w])""", re.IGNORECASE)
+"""A channel of λ meters whose name duckdb takes for the beginning of a function."""
 _KIND: Final = re.compile(r"^[A-Z][A-Za-z]+(?: [A-Za-z]+)? Error: ")
 
 
@@ -290,6 +292,12 @@ def _wrong(sql: str, error: duckdb.Error) -> UsageError:
     if where:
         en = f", line {where[0]}, column {where[1]}" if "\n" in sql else f", column {where[1]}"
         ru = f", строка {where[0]}, знак {where[1]}" if "\n" in sql else f", знак {where[1]}"
+    if "syntax error" in words and (channel := _RESERVED.search(sql)):
+        name = f'"{channel[0]}"'
+        return usage_error(
+            f"SQL{en}: {words}. {channel[0]} is a word of SQL, too: write the channel as {name}",
+            f"SQL{ru}: {words}. {channel[0]} — это и слово SQL: пишите канал как {name}",
+        )
     return usage_error(f"SQL{en}: {words}", f"SQL{ru}: {words}")
 
 
