@@ -1,9 +1,6 @@
-"""MegaLogViewer's binary log, read back by a reader written from the format's description alone."""
+"""MegaLogViewer's binary log, read back."""
 
 from __future__ import annotations
-
-import struct
-from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -28,69 +25,7 @@ from mikas.recording.export import export
 from mikas.recording.export import sheet as sheets
 from mikas.recording.table.channels import Channel
 from mikas.sampling.events import Marker
-
-
-class Log(NamedTuple):
-    timestamp: int
-    names: list[str]
-    units: list[str]
-    digits: list[int]
-    info: str
-    clocks: list[int]
-    values: list[tuple[float, ...]]
-    marks: list[tuple[int, int, str]]
-    """(how many rows stand before it, clock, words)"""
-
-
-def read(data):
-    """The whole of an .mlg, version 1; anything that does not fit is an error."""
-    assert data[:6] == b"MLVLG\0"
-    assert int.from_bytes(data[6:8]) == 1
-    timestamp, info_at, data_at, record, count = struct.unpack(">IHIHH", data[8:22])
-    names, units, digits, kinds = [], [], [], []
-    at = 22
-    for _ in range(count):
-        kind, name, unit, style, scale, transform, decimals = struct.unpack_from(
-            ">b34s10sbffb", data, at
-        )
-        assert style == 0
-        assert transform == 0
-        assert b"\0" in name
-        assert b"\0" in unit
-        names.append(name.partition(b"\0")[0].decode())
-        units.append(unit.partition(b"\0")[0].decode())
-        digits.append(decimals)
-        kinds.append(({5: "i", 7: "f"}[kind], scale))
-        at += 55
-    assert at == info_at
-    info = data[info_at:data_at]
-    assert info.index(b"\0") == len(info) - 1
-    code = ">" + "".join(kind for kind, _ in kinds)
-    assert struct.calcsize(code) == record
-    clocks, values, marks = [], [], []
-    at = data_at
-    while at < len(data):
-        block, number, clock = struct.unpack_from(">BBH", data, at)
-        assert number == (len(values) + len(marks)) % 256
-        if block == 1:
-            words = data[at + 4 : at + 54]
-            assert words[-1] == 0
-            marks.append((len(values), clock, words.rstrip(b"\0").decode()))
-            at += 54
-            continue
-        raw = data[at + 4 : at + 4 + record]
-        assert block == 0
-        assert data[at + 4 + record] == sum(raw) % 256
-        clocks.append(clock)
-        values.append(
-            tuple(
-                value * scale
-                for value, (_, scale) in zip(struct.unpack(code, raw), kinds, strict=True)
-            )
-        )
-        at += 5 + record
-    assert at == len(data)
-    return Log(timestamp, names, units, digits, info[:-1].decode(), clocks, values, marks)
+from viewer_logs import read_mlg
 
 
 def test_an_mlg_file_has_these_bytes(tmp_path):
@@ -126,7 +61,7 @@ def test_an_mlg_file_has_these_bytes(tmp_path):
 def test_the_fixed_table_is_read_back_from_mlg(tmp_path):
     out = tmp_path / "log.mlg"
     export(out, CHANNELS, FIXED, about={"unit": "Микас 7.1"})
-    log = read(out.read_bytes())
+    log = read_mlg(out.read_bytes())
     assert log.timestamp == START
     assert log.names == ["Time", "CLT", "Batt V", "IDLE"]
     assert log.units == ["s", "°C", "V", ""]
@@ -138,13 +73,13 @@ def test_the_fixed_table_is_read_back_from_mlg(tmp_path):
 def test_no_rows_are_a_header(tmp_path):
     out = tmp_path / "log.mlg"
     export(out, [TWAT], [])
-    log = read(out.read_bytes())
+    log = read_mlg(out.read_bytes())
     assert (log.timestamp, log.names, log.values) == (0, ["Time", "CLT"], [])
 
 
 @given(drawn=tables(ALL_FLOATS))
 def test_what_was_exported_is_read_back(tmp_path_factory, drawn):
-    log = read(exported(drawn, tmp_path_factory.getbasetemp() / "log.mlg").read_bytes())
+    log = read_mlg(exported(drawn, tmp_path_factory.getbasetemp() / "log.mlg").read_bytes())
     times = from_start(drawn)
     assert [row[0] for row in log.values] == pytest.approx(times, abs=0.0005, rel=1e-7)
     assert log.names[1:] == [
@@ -163,7 +98,7 @@ def test_counter_and_clock_roll_over_from_batch_to_batch(tmp_path, monkeypatch):
     monkeypatch.setattr(sheets, "BATCH", 100)
     out = tmp_path / "log.mlg"
     export(out, [TWAT], [rows([n / 8], TWAT=[n]) for n in range(700)])
-    log = read(out.read_bytes())  # which checks the counter
+    log = read_mlg(out.read_bytes())  # which checks the counter
     assert [row[1] for row in log.values] == list(range(700))
     assert log.clocks == [n * 12_500 % 65_536 for n in range(700)]
 
@@ -171,14 +106,14 @@ def test_counter_and_clock_roll_over_from_batch_to_batch(tmp_path, monkeypatch):
 def test_ten_hours_keep_their_milliseconds(tmp_path):
     out = tmp_path / "log.mlg"
     export(out, [TWAT], [rows([0, 35_999.971], TWAT=[1, 2])])
-    assert read(out.read_bytes()).values[1][0] == pytest.approx(35_999.971, abs=0.002)
+    assert read_mlg(out.read_bytes()).values[1][0] == pytest.approx(35_999.971, abs=0.002)
     assert (35_999_971).to_bytes(4) in out.read_bytes()
 
 
 def test_marks_stand_between_the_rows(tmp_path):
     out = tmp_path / "log.mlg"
     export(out, CHANNELS, FIXED, events=EVENTS)
-    log = read(out.read_bytes())
+    log = read_mlg(out.read_bytes())
     assert [round(row[0], 3) for row in log.values] == [0, 0.029, 0.75, 1.5, 9.5]
     assert log.marks == [
         (0, -50_000 % 65_536, "MARK 000 - стук"),
@@ -206,7 +141,7 @@ def test_long_marks_keep_begin_and_end_between_two_letters(tmp_path):
         [rows([START], TWAT=[85])],
         events=[Marker(START, "Ж" * 40 + end) for end in ("1", "22")],
     )
-    marks = [text for *_, text in read(out.read_bytes()).marks]
+    marks = [text for *_, text in read_mlg(out.read_bytes()).marks]
     assert marks == [f"MARK 000 - {'Ж' * 9}…{'Ж' * 8}1", f"MARK 001 - {'Ж' * 9}…{'Ж' * 7}22"]
 
 
@@ -214,7 +149,7 @@ def test_long_names_are_cut_between_characters_and_stay_different(tmp_path):
     out = tmp_path / "log.mlg"
     channels = [Channel("Ж" * 20 + str(n), "ЖЖЖЖЖЖ", Text("", "")) for n in range(3)]
     export(out, channels, [])
-    log = read(out.read_bytes())
+    log = read_mlg(out.read_bytes())
     assert log.names[1:] == ["Ж" * 16, "Ж" * 14 + "~2", "Ж" * 14 + "~3"]
     assert log.units[1:] == ["ЖЖЖЖ"] * 3
 
@@ -222,6 +157,6 @@ def test_long_names_are_cut_between_characters_and_stay_different(tmp_path):
 def test_more_channels_than_an_mlg_holds_are_refused(tmp_path):
     channels = [Channel(f"c{n}", "", Text("", "")) for n in range(1190)]
     export(tmp_path / "most.mlg", channels, [])
-    assert len(read((tmp_path / "most.mlg").read_bytes()).names) == 1191
+    assert len(read_mlg((tmp_path / "most.mlg").read_bytes()).names) == 1191
     with pytest.raises(ExportError, match=r"more\.mlg: an \.mlg holds 1190 channels"):
         export(tmp_path / "more.mlg", [*channels, TWAT], [])

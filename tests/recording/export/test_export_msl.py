@@ -1,4 +1,4 @@
-"""MegaLogViewer's text log, as a minimal reader of TunerStudio's files takes it."""
+"""MegaLogViewer's text log."""
 
 from __future__ import annotations
 
@@ -12,17 +12,7 @@ from mikas.cleaning import spreadsheet_text
 from mikas.i18n import Text
 from mikas.recording.export import export
 from mikas.recording.table.channels import Channel
-
-
-def read(path):
-    """Two lines in quotation marks, names, units, data: what such readers rely on."""
-    first, second, names, units, *data = path.read_bytes().decode().removesuffix("\n").split("\n")
-    for line in (first, second):
-        assert line[0] == line[-1] == '"'
-        assert line.count('"') == 2
-    table = [names.split("\t"), units.split("\t"), *(line.split("\t") for line in data)]
-    assert {len(row) for row in table} == {len(table[0])}
-    return first[1:-1], second[1:-1], table[0], table[1], table[2:]
+from viewer_logs import read_msl
 
 
 def test_an_msl_file_has_these_bytes(tmp_path):
@@ -50,13 +40,13 @@ def test_an_msl_file_has_these_bytes(tmp_path):
 def test_the_date_is_the_recording_s_not_today_s(tmp_path, begin, date):
     out = tmp_path / "log.msl"
     export(out, [TWAT], [rows([begin], TWAT=[1])])
-    assert read(out)[1] == f"Capture Date: {date}"
+    assert read_msl(out)[1] == f"Capture Date: {date}"
 
 
 def test_no_rows_are_a_heading(tmp_path):
     out = tmp_path / "log.msl"
     export(out, [TWAT], [])
-    _, date, names, units, data = read(out)
+    _, date, names, units, data = read_msl(out)
     assert (date, names, units, data) == (
         "Capture Date: unknown",
         ["Time", "CLT"],
@@ -68,13 +58,13 @@ def test_no_rows_are_a_heading(tmp_path):
 def test_a_tab_in_a_name_does_not_make_a_column(tmp_path):
     out = tmp_path / "log.msl"
     export(out, [Channel('a\tb"', "m\ts", Text("x\ny", ""))], [rows([0], **{'a\tb"': [NAN]})])
-    assert read(out)[2:] == (["Time", "a b"], ["s", "m s"], [["0.000", "NaN"]])
+    assert read_msl(out)[2:] == (["Time", "a b"], ["s", "m s"], [["0.000", "NaN"]])
 
 
 @given(drawn=tables(MODERATE))
 def test_what_was_exported_is_read_back(tmp_path_factory, drawn):
     out = exported(drawn, tmp_path_factory.getbasetemp() / "log.msl")
-    _, _, names, units, data = read(out)
+    _, _, names, units, data = read_msl(out)
     names_of = [" ".join(channel.name.split()) for channel in drawn.channels]
     assert names == ["Time", *map(spreadsheet_text, names_of)]
     assert units == ["s", *(spreadsheet_text(channel.unit) for channel in drawn.channels)]
@@ -91,4 +81,4 @@ def test_the_viewer_s_name_is_left_to_a_channel_that_has_it(tmp_path):
     out = tmp_path / "log.msl"
     own = [Channel(name, "", Text("", "")) for name in ("CLT", "BATT_V", "MINE")]
     export(out, [*CHANNELS, *own], [])
-    assert read(out)[2] == ["Time", "TWAT", "UACC", "IDLE", "CLT", "BATT_V", "MINE"]
+    assert read_msl(out)[2] == ["Time", "TWAT", "UACC", "IDLE", "CLT", "BATT_V", "MINE"]
