@@ -38,7 +38,7 @@ of an {_CHIP} in a USB socket of its computer: Chromium's own WebUSB, with a vir
 in this process."""
 _VALUE = """\
 from the navigation of a second visit, all files kept by the service worker, to the first value on
-the screen; a cable that the browser remembers is connected to without a touch."""
+the screen; a cable that the browser remembers is connected to without a touch;"""
 _THROTTLED = "the page's own thread at a quarter of its speed (`Emulation.setCPUThrottlingRate`)."
 _STOPPED = "all threads of the page's process, its workers too, stopped three quarters of the time."
 _PSS = """\
