@@ -6,6 +6,7 @@ import pytest
 from tester_rig import DATA, Watched, right
 
 from mikas import commands as c
+from mikas.link import LinkWrapper
 from mikas.virtual.bus import AdapterKind, Stalls
 from mikas.virtual.fault_injector import LineFault
 from mikas.virtual.quirks import StreamEnd
@@ -70,3 +71,38 @@ def test_a_cut_response_costs_a_second(seed, adapter):
         right(tester, 16)
         assert tester.statistics.failed == count
         assert unit.link.now() - began < 2.0
+
+
+class BusyComputer(LinkWrapper):
+    """Holds the program for `held` seconds between its look at the clock and the next write."""
+
+    def __init__(self, link):
+        super().__init__(link)
+        self.held = 0.0
+
+    def write(self, data):
+        self.link.gather(self.now() + self.held)
+        self.held = 0.0
+        super().write(data)
+
+
+@each_adapter
+@pytest.mark.parametrize("seconds", [0.1, 0.49, 0.51, 0.8, 1.3, 5.0])
+def test_a_write_that_a_busy_computer_holds_back_is_answered(seconds, adapter):
+    unit = Watched(adapter=adapter)
+    link = BusyComputer(unit.link)
+    tester = unit.connected(link)
+    for request in (c.ReadParameters(EVERYTHING), c.Availability(), c.ReadFaults()):
+        link.held = seconds
+        tester.request(request)
+        right(tester)
+    assert (tester.statistics.failed, tester.sync.found_again) == (0, 0)
+
+
+@each_adapter
+@pytest.mark.parametrize("seconds", [0.6, 1.2, 3.0])
+def test_the_handshake_waits_for_what_a_busy_computer_sent_late(seconds, adapter):
+    unit = Watched(adapter=adapter)
+    link = BusyComputer(unit.link)
+    link.held = seconds
+    assert unit.connected(link).statistics.failed == 0

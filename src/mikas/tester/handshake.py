@@ -126,7 +126,7 @@ def handshake(
     until = since + patience
     if again or not answered:
         until = second.ended + patience
-    lag = line.sent_until - sent_before
+    lag = line.sent_at_latest - sent_before
     quiet = max(until - line.link.now(), lag + line.idle_time)
     _expect_silence(line, second, quiet)
     if first.body != second.body:
@@ -165,7 +165,7 @@ def _send_availability(line: Line) -> tuple[bytes, bytes]:
     """Send `01`; return its frame and all bytes received."""
     timing = line.timing
     request = line.send(AVAILABILITY)
-    deadline = line.sent_until + timing.response_timeout
+    deadline = line.sent_at_latest + timing.response_timeout
     last = deadline + timing.max_busy_time
     received = bytearray()
     while (chunk := line.read(deadline)).data and chunk.time < last:
@@ -184,7 +184,7 @@ def _late_answer(line: Line, sync: LineSync) -> float | None:
     """
     sync.silence(patient=True)
     line.send(AVAILABILITY)
-    deadline, decoder = line.sent_until + _SLOWEST, line.decoder()
+    deadline, decoder = line.sent_at_latest + _SLOWEST, line.decoder()
     frames: list[tuple[Frame | Damage, float]] = []
     while len(frames) <= line.echo and (chunk := line.read(deadline)).data:
         frames += decoder.feed(chunk)

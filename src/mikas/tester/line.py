@@ -87,7 +87,10 @@ class Line:
         self.echo = True  # set by the handshake
         self.raw_checksum = raw_checksum
         self.strict = strict
-        self.sent_until: float = -inf  # when the last byte of the latest request was sent
+        # When the last byte of the latest request was sent: not before, and at the latest. A busy
+        # computer may hold the program between its look at the clock and the write (D14).
+        self.sent_until: float = -inf
+        self.sent_at_latest: float = -inf
         self.pause: float = 0.0  # s that a request keeps from the latest response (D14)
         self.heard: float = -inf  # when the latest byte that was no echo arrived
         self.gap: float = inf  # s between that byte and the latest request
@@ -135,6 +138,7 @@ class Line:
         self._log_frame(">", wire)
         with self._noting_suspension():
             self.link.write(wire)
+        self.sent_at_latest = self.link.now() + len(wire) * self.link.byte_time
         return wire
 
     def send_after(self, wire: bytes, length: int, body: bytes) -> bytes | None:
@@ -156,7 +160,7 @@ class Line:
             return False
         self._ahead = _NOTHING
         self.gap = at - self.heard
-        self.sent_until = at + len(wire) * self.link.byte_time
+        self.sent_until = self.sent_at_latest = at + len(wire) * self.link.byte_time
         self._log_frame(">", wire)
         return True
 
@@ -170,8 +174,9 @@ class Line:
             return
         if not hasty:  # the whole echo, a little late: the response is later
             self.link.gather(self.sent_until + self.link.byte_time / 2)
-        self.echo_heard = self._check_echo(wire, self.sent_until + self.timing.response_timeout)
+        self.echo_heard = self._check_echo(wire, self.sent_at_latest + self.timing.response_timeout)
         self.sent_until = max(self.sent_until, self.echo_heard)
+        self.sent_at_latest = max(self.sent_at_latest, self.echo_heard)
 
     def _check_echo(self, wire: bytes, deadline: float) -> float:
         received = bytearray()
@@ -204,7 +209,7 @@ class Line:
         sent_at = self.sent_until
         decoder = self.decoder()
         received = bytearray()
-        deadline = sent_at + self.timing.response_timeout
+        deadline = self.sent_at_latest + self.timing.response_timeout
         last = deadline + _SLOWEST * _LONGEST * self.link.byte_time + _PAUSES * self._pause()
         while True:
             chunk = self._next(deadline)
