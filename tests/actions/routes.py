@@ -117,6 +117,8 @@ LIVE = (
     get("/channels/{name}/value", "/channels/TWAT/value"),
     post("/channels/try", {"formula": "TWAT / 2"}),
     get("/causes"),
+    get("/trip"),
+    get("/trip/{form}", "/trip/gpx", status=400),  # no GPS beside this car
     get("/history/find", "/history/find?expression=TWAT>0"),
     get("/instruments"),
     put("/instruments/definitions/{name}", BOOST, "/instruments/definitions/boost"),
@@ -201,6 +203,8 @@ RECORDED = (
     get("/recordings/{identity}/faults", f"{ONE}/faults"),
     get("/recordings/{identity}/tests/{name}", f"{ONE}/tests/idle"),
     get("/recordings/{identity}/causes", f"{ONE}/causes"),
+    get("/recordings/{identity}/trip", f"{ONE}/trip"),
+    get("/recordings/{identity}/trip/{form}", f"{ONE}/trip/geojson", status=400),
     get("/recordings/{identity}/find", f"{ONE}/find?expression=TWAT>0"),
     get("/channels/{name}/value", "/channels/TWAT/value?recording={recording}"),
     post("/channels/try", lambda kept: {"formula": "TWAT / 2", "recording": kept.recording}),

@@ -15,6 +15,7 @@ CHOSEN = (
     "catalog/test_catalog_formulas.py",
     "guided/test_guided_engine.py",
     "drives/test_mixture.py",
+    "drives/test_overview.py",
     "drives/test_trips.py",
     "recording/export/test_export_csv.py",
     "recording/export/test_export_tracks.py",

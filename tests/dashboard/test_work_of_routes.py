@@ -112,6 +112,8 @@ REQUESTS = {
     "GET /api/history/find": ("/history/find", {"expression": "FREQ > 1"}),
     "GET /api/recordings/{identity}/find": ("/recordings/a.pcapng/find", {"expression": "FREQ"}),
     "GET /api/recordings/{identity}/tests/{name}": ("/recordings/a.pcapng/tests/any", {}),
+    "GET /api/trip/{form}": ("/trip/gpx", {}),
+    "GET /api/recordings/{identity}/trip/{form}": ("/recordings/a.pcapng/trip/gpx", {}),
     "GET /api/recordings/{identity}/export": ("/recordings/a.pcapng/export", {}),
 }
 BODIES = {

@@ -75,7 +75,7 @@ def test_the_way_is_in_metres_and_interrupted_where_the_receiver_was_silent(tmp_
     assert float(first.east[0]) == 0.0
     assert np.diff(first.east) == pytest.approx([111.195 * np.cos(np.radians(56))] * 9, rel=1e-6)
     assert np.abs(first.north).max() == 0.0
-    assert first.speeds.tolist() == [36.0] * 10
+    assert first.values.tolist() == [36.0] * 10
     assert way_of(recording, 1) == []
 
 

@@ -43,6 +43,7 @@ from mikas.dashboard.api.library import (
     references,
     report,
     surveys,
+    trips,
 )
 from mikas.dashboard.api.messages import FieldsMessage, LiveMessage, PingMessage, component_schemas
 from mikas.dashboard.dashboard import Dashboard
@@ -64,7 +65,7 @@ Live data: WebSocket `/api/live?client=…`, described in docs/reference/api.md.
 _PARTS = (catalog, channels, connection, live, network, unit, virtual_cars,
           guided_tests, dumps, changes, recordings, references, files, foreign_logs, cars, recorded,
           marks, report, search, causes, actions, surveys,
-          instruments)  # fmt: skip
+          instruments, trips)  # fmt: skip
 
 # The routes themselves, of all applications of the process. Those of a router that is included are
 # analysed by FastAPI once more, at the first request: a second in a browser.

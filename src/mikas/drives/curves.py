@@ -83,6 +83,22 @@ class Curve:
             np.where(inside, np.maximum(first, last), np.nan),
         )
 
+    def latest(self, times: Floats) -> Floats:
+        """Return the latest value at each time; NaN where it is too old."""
+        missing = np.full(len(times), np.nan)
+        if not len(self.times):
+            return missing
+        place = np.searchsorted(self.times, times, "right") - 1
+        before = np.maximum(place, 0)
+        is_fresh = (place >= 0) & (times - self.times[before] <= self.longest)
+        values: Floats = np.where(is_fresh, self.values[before], np.nan)
+        return values
+
+    def since(self, time: float) -> Curve:
+        """Return what it has from a time on."""
+        inside = self.times >= time
+        return Curve(self.times[inside], self.values[inside], self.longest)
+
 
 def sampled_curve(times: Floats, values: Floats) -> Curve:
     """Return the curve of a channel of the unit. A NaN: not in this response."""

@@ -106,14 +106,46 @@ def trips_of_rows(recording: Recording, session: int, stretches: Sequence[Rows])
     ]
 
 
+def trips_of_live(rows: Rows, since: float = -inf) -> list[Trip]:
+    """Return the trips of rows that have the columns of the instruments, too, from a time on.
+
+    So are those of a running connection. Raises `UsageError` without FREQ.
+    """
+    if "FREQ" not in rows.values:
+        raise usage_error(
+            "FREQ: it is not read, so nothing says when the engine ran",
+            "FREQ: не опрашивается, поэтому неизвестно, когда двигатель работал",
+        )
+    name = column_of(rows, SPEED)
+    speed = sampled_curve(rows.times, rows.values[name]) if name else None
+    names = [each for each in ("FREQ", "RXX", *_FUEL) if each in rows.values]
+    unit = Rows(rows.times, {each: rows.values[each] for each in names})
+    return [
+        each.curves.trip(each.begin, each.end)
+        for each in _running_from(_curves(0, unit, speed), since)
+    ]
+
+
+def column_of(rows: Rows, name: str) -> str | None:
+    """Return the column of an instrument's channel, the first one with values of several labels."""
+    for column, values in rows.values.items():
+        if (column == name or column.startswith(f"{name}_")) and np.isfinite(values).any():
+            return column
+    return None
+
+
 def _running(
     recording: Recording, session: int, rows: Rows, since: Marker | None
 ) -> Iterator[Running]:
     """Yield the stretches in which the engine runs."""
-    curves = _curves(recording, session, rows)
+    curves = _curves(session, rows, instrument_curve(recording, session, SPEED))
     earliest = -inf
     if since is not None and session <= since.recording:
         earliest = inf if session < since.recording else since.time
+    yield from _running_from(curves, earliest)
+
+
+def _running_from(curves: DriveCurves, earliest: float) -> Iterator[Running]:
     for began, end in _runs(curves.rpm):
         check_cancelled()
         if (begin := max(began, earliest)) < end:
@@ -145,7 +177,7 @@ def _rising(stretches: Iterable[Rows]) -> Iterator[Rows]:
         yield joined_rows(waiting)
 
 
-def _curves(recording: Recording, session: int, rows: Rows) -> DriveCurves:
+def _curves(session: int, rows: Rows, speed: Curve | None) -> DriveCurves:
     read = {
         name: sampled_curve(rows.times, column)
         for name, column in rows.values.items()
@@ -157,7 +189,7 @@ def _curves(recording: Recording, session: int, rows: Rows) -> DriveCurves:
         sampled_curve(rows.times, rows.values["FREQ"]),
         read[fuel] if fuel else None,
         fuel,
-        instrument_curve(recording, session, SPEED),
+        speed,
         read.get("RXX"),
     )
 

@@ -8,7 +8,7 @@ lean injector shows at idle, a weak pump at full load.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from enum import StrEnum
 from itertools import pairwise
@@ -17,7 +17,8 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from mikas.catalog.ignition_only import RUNNING
-from mikas.drives.finding import instrument_curve, session_rows
+from mikas.drives.curves import PAUSE, Curve
+from mikas.drives.finding import column_of, instrument_curve, session_rows
 from mikas.recording.exchanges.arrays import Floats, Mask
 from mikas.recording.table.channels import Rows
 
@@ -120,11 +121,30 @@ def compared_mixture(recording: Recording, session: int) -> MixtureComparison | 
     meter = instrument_curve(recording, session, LAMBDA)
     if meter is None or load is None or "FREQ" not in there or "VALF" not in there:
         return None
+    stretches = (rows for _, rows in session_rows(corrected, session))
+    return _compared(stretches, load, meter)
+
+
+def mixture_of_live(rows: Rows) -> MixtureComparison | None:
+    """Return the comparison of rows that have the meter's column, as of a running connection."""
+    there = [name for name, column in rows.values.items() if np.isfinite(column).any()]
+    load = next((name for name in LOADS if name in there), None)
+    meter = column_of(rows, LAMBDA)
+    if meter is None or load is None or "FREQ" not in there or "VALF" not in there:
+        return None
+    # Each row has the meter's latest value: of ten in a second each counts about once.
+    ticks = np.floor(rows.times * 10)
+    chosen = np.concatenate((np.ones(1, np.bool_), np.diff(ticks) != 0))[: len(ticks)]
+    curve = Curve(rows.times[chosen], rows.values[meter][chosen], PAUSE)
+    return _compared([rows], load, curve)
+
+
+def _compared(stretches: Iterable[Rows], load: str, meter: Curve) -> MixtureComparison:
     known_values = np.isfinite(meter.values)
     times, measured = meter.times[known_values], meter.values[known_values]
     pieces: list[_Values] = []
     unsteady = lean = 0
-    for _, rows in session_rows(corrected, session):
+    for rows in stretches:
         inside = (times >= rows.times[0]) & (times <= rows.times[-1] + _FRESH)
         values, is_running, is_steady = _beside(rows, load, times[inside], measured[inside])
         is_lean = values.measured > LEANEST

@@ -1,23 +1,32 @@
-"""The way of the car in one session: stretches without interruption, at the receiver's times."""
+"""The way of the car: stretches without interruption, at the receiver's times."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from math import cos, radians
+from math import cos, inf, radians
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from mikas.drives.curves import Curve
-from mikas.drives.finding import SPEED, instrument_curve
+from mikas.drives.curves import PAUSE, Curve, sampled_curve
+from mikas.drives.finding import SPEED, column_of, instrument_curve
 from mikas.recording.exchanges.arrays import Floats, Mask
+from mikas.recording.table.channels import Rows
 
 if TYPE_CHECKING:
     from mikas.recording.recording import Recording
+    from mikas.sampling.events import Marker
 
+LATITUDE: Final = "GPS_LAT"
+LONGITUDE: Final = "GPS_LON"
 _DEGREE: Final = 111_195.0  # m of a degree of latitude
 _PAUSE: Final = 10.0  # s between two places that no line joins
+
+_NOTHING: Final = Curve(np.zeros(0), np.zeros(0), 0.0)
+
+Place = tuple[float, float]
+"""Latitude and longitude, in degrees."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,8 +36,8 @@ class WayStretch:
     times: Floats
     east: Floats
     north: Floats
-    speeds: Floats
-    """km/h; NaN where it is not known."""
+    values: Floats
+    """Of the channel that gives the colour, as a rule the speed in km/h; NaN where unknown."""
 
 
 def way_of(recording: Recording, session: int) -> list[WayStretch]:
@@ -36,17 +45,70 @@ def way_of(recording: Recording, session: int) -> list[WayStretch]:
     found = _places(recording, session)
     if found is None:
         return []
-    latitude, longitude = found
-    there = np.isfinite(latitude.values) & np.isfinite(longitude.values)
-    if not there.any():
+    return stretches_of(*found, instrument_curve(recording, session, SPEED))
+
+
+def way_since(
+    recording: Recording, colours: Mapping[int, Curve], since: Marker | None = None
+) -> list[WayStretch]:
+    """Return the way of all sessions, from a mark on; `colours`: by session."""
+    home: Place | None = None
+    way: list[WayStretch] = []
+    for session in sorted(recording.raw.spans):
+        if since is not None and session < since.recording:
+            continue
+        found = _places(recording, session)
+        if found is None:
+            continue
+        if since is not None and session == since.recording:
+            found = found[0].since(since.time), found[1].since(since.time)
+        home = home or first_place(*found)
+        way += stretches_of(*found, colours.get(session), home)
+    return way
+
+
+def way_of_rows(rows: Rows, colour: str, since: float = -inf) -> list[WayStretch]:
+    """Return the way of rows that have the receiver's columns, as those of a running connection.
+
+    `colour`: the channel that gives the colour.
+    """
+    named = column_of(rows, LATITUDE), column_of(rows, LONGITUDE)
+    if named[0] is None or named[1] is None:
         return []
-    first = int(np.flatnonzero(there)[0])
-    home = float(latitude.values[first]), float(longitude.values[first])
+    latitude, longitude = rows.values[named[0]], rows.values[named[1]]
+    # A receiver says a place a second, and each row has the latest one.
+    begins = np.ones(1, np.bool_)
+    is_new = (np.diff(latitude) != 0) | (np.diff(longitude) != 0)
+    chosen = np.concatenate((begins, is_new))[: len(rows.times)]
+    times = rows.times[chosen]
+    shown = column_of(rows, colour)
+    found = Curve(times, latitude[chosen], PAUSE), Curve(times, longitude[chosen], PAUSE)
+    values = sampled_curve(rows.times, rows.values[shown]) if shown else None
+    return stretches_of(found[0].since(since), found[1].since(since), values)
+
+
+def first_place(latitude: Curve, longitude: Curve) -> Place | None:
+    """Return the first place that is known."""
+    there = np.flatnonzero(np.isfinite(latitude.values) & np.isfinite(longitude.values))
+    if not len(there):
+        return None
+    first = int(there[0])
+    return float(latitude.values[first]), float(longitude.values[first])
+
+
+def stretches_of(
+    latitude: Curve, longitude: Curve, colour: Curve | None, home: Place | None = None
+) -> list[WayStretch]:
+    """Return the stretches of places. `home`: where metres count from; None: the first place."""
+    home = home or first_place(latitude, longitude)
+    if home is None:
+        return []
+    there = np.isfinite(latitude.values) & np.isfinite(longitude.values)
     north = (latitude.values - home[0]) * _DEGREE
     east = (longitude.values - home[1]) * (_DEGREE * cos(radians(home[0])))
-    speeds = _at(instrument_curve(recording, session, SPEED), latitude.times)
+    values = (colour or _NOTHING).latest(latitude.times)
     return [
-        WayStretch(latitude.times[run], east[run], north[run], speeds[run])
+        WayStretch(latitude.times[run], east[run], north[run], values[run])
         for run in _runs(latitude.times, there)
     ]
 
@@ -54,9 +116,9 @@ def way_of(recording: Recording, session: int) -> list[WayStretch]:
 def _places(recording: Recording, session: int) -> tuple[Curve, Curve] | None:
     """Return both coordinates of the first receiver that gives them together."""
     for channel in recording.instrument_channels:
-        if channel != "GPS_LAT" and not channel.startswith("GPS_LAT_"):
+        if channel != LATITUDE and not channel.startswith(f"{LATITUDE}_"):
             continue
-        pair = (channel, f"GPS_LON{channel[len('GPS_LAT') :]}")
+        pair = (channel, f"{LONGITUDE}{channel[len(LATITUDE) :]}")
         both = [recording.instrument_samples(name, session) for name in pair]
         curves = [Curve(each.times, each.values, each.stale) for each in both if each is not None]
         if len(curves) == 2 and np.array_equal(curves[0].times, curves[1].times):
@@ -77,15 +139,3 @@ def _runs(times: Floats, there: Mask) -> Iterator[slice]:
             begin = place
     if begin is not None and len(at) - begin > 1:
         yield slice(begin, len(at))
-
-
-def _at(curve: Curve | None, times: Floats) -> Floats:
-    """Return the latest value at each time, if it is not too old."""
-    missing = np.full(len(times), np.nan)
-    if curve is None or not len(curve.times):
-        return missing
-    place = np.searchsorted(curve.times, times, "right") - 1
-    latest = np.maximum(place, 0)
-    is_fresh = (place >= 0) & (times - curve.times[latest] <= curve.longest)
-    values: Floats = np.where(is_fresh, curve.values[latest], np.nan)
-    return values

@@ -14,8 +14,8 @@ NO_FUEL: Final = Text(
     "Литров нет: в записи нет ни JQT, ни INJ с FREQ.",
 )
 NO_SPEED: Final = Text(
-    "No distance: no instrument beside the unit measured the speed (--instrument nmea=PORT).",
-    "Пути нет: скорость не измерял ни один прибор рядом с блоком (--instrument nmea=ПОРТ).",
+    "No distance: no instrument beside the unit measured the speed.",
+    "Пути нет: скорость не измерял ни один прибор рядом с блоком.",
 )
 SHORT: Final = Text(
     f"No litres on 100 km: less than {LEAST_DISTANCE:g} km with fuel and speed both known.",

@@ -7,12 +7,12 @@ that fall on the same place of the drawing are one.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from itertools import pairwise
-from math import floor, isfinite, log10
+from math import floor, log10
 from typing import Final
 
 from markupsafe import Markup
 
+from mikas.drives.way_lines import SPEEDS, way_lines
 from mikas.drives.ways import WayStretch
 from mikas.i18n import Language, Text
 from mikas.recording.formatting import number
@@ -21,8 +21,6 @@ from mikas.report.charts import svg
 WIDTH: Final = 640
 LEAST_HEIGHT: Final = 150.0
 MOST_HEIGHT: Final = 420.0
-SPEEDS: Final = (20.0, 40.0, 60.0, 90.0)
-"""km/h, the ends of the classes."""
 _EDGE: Final = 14.0
 _FOOT: Final = 26.0  # for the scale
 _NEAR: Final = 1.2  # of the drawing, within which two places are one
@@ -34,8 +32,10 @@ def way_drawing(way: Sequence[WayStretch], language: Language, label: str) -> Ma
     """Return the drawing. `way`: at least one stretch."""
     scale = _Scale(way)
     parts = [svg("title", label), *_grid(scale, language)]
-    for each in way:
-        parts += [svg("path", cls=f"way {name}", d=path) for name, path in _lines(each, scale)]
+    for line in way_lines(way, SPEEDS, _NEAR * scale.metres):
+        name = "unknown" if line.level is None else f"speed{line.level}"
+        places = [(scale.x(east), scale.y(north)) for east, north in line.points]
+        parts.append(svg("path", cls=f"way {name}", d=_path(places)))
     first, last = way[0], way[-1]
     parts.append(_mark(scale, float(first.east[0]), float(first.north[0]), "begin"))
     parts.append(_mark(scale, float(last.east[-1]), float(last.north[-1]), "end"))
@@ -101,41 +101,6 @@ def _metres(metres: float) -> Text:
         return Text(f"{metres:.0f} m", f"{metres:.0f} м")
     kilometres = metres / 1000
     return Text(f"{number(kilometres, 0, 'en')} km", f"{number(kilometres, 0, 'ru')} км")
-
-
-def _lines(stretch: WayStretch, scale: _Scale) -> Iterator[tuple[str, str]]:
-    """Yield the class and the path of each run of one speed."""
-    points = _thinned(stretch, scale)
-    run: list[tuple[float, float]] = []
-    was = ""
-    for (x, y, speed), (_, _, after) in pairwise([*points, points[-1]]):
-        name = _class_of(after if isfinite(after) else speed)
-        run.append((x, y))
-        if was and name != was:
-            yield was, _path(run)
-            run = [(x, y)]
-        was = name
-    if len(run) > 1:
-        yield was, _path(run)
-
-
-def _thinned(stretch: WayStretch, scale: _Scale) -> list[tuple[float, float, float]]:
-    kept: list[tuple[float, float, float]] = []
-    places = list(
-        zip(stretch.east.tolist(), stretch.north.tolist(), stretch.speeds.tolist(), strict=True)
-    )
-    for place, (east, north, speed) in enumerate(places):
-        x, y = scale.x(east), scale.y(north)
-        is_end = place == len(places) - 1
-        if not kept or is_end or max(abs(x - kept[-1][0]), abs(y - kept[-1][1])) >= _NEAR:
-            kept.append((x, y, speed))
-    return kept
-
-
-def _class_of(speed: float) -> str:
-    if not isfinite(speed):
-        return "unknown"
-    return f"speed{sum(speed >= end for end in SPEEDS)}"
 
 
 def _path(points: Sequence[tuple[float, float]]) -> str:

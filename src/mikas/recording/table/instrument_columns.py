@@ -153,7 +153,7 @@ class InstrumentColumns:
                         times[name].append(time)
                         values[name].append(value)
         for name, channel in names.items():
-            self.channels.setdefault(channel.name, _channel(channel))
+            self.channels.setdefault(channel.name, instrument_column(channel))
             column = _rising(times[name], values[name], definition.stale)
             self._columns.setdefault((raw.source.recording, channel.name), column)
 
@@ -166,7 +166,8 @@ class InstrumentColumns:
             return definition_of_text(name, source.definition, self._catalog)
 
 
-def _channel(each: InstrumentChannel) -> Channel:
+def instrument_column(each: InstrumentChannel) -> Channel:
+    """Return the column of a channel."""
     return Channel(each.name, each.unit, each.text, False, each.decimals, each.unit_text)
 
 

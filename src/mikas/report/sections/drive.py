@@ -8,12 +8,13 @@ from typing import Final
 from markupsafe import Markup
 
 from mikas.drives.trip import Trip, joined_trips
+from mikas.drives.way_lines import SPEEDS
 from mikas.drives.wording import left_out
 from mikas.i18n import Language, Text
 from mikas.recording.formatting import digits, duration, moment
 from mikas.report.findings import Findings
 from mikas.report.sections.section import PageSection, items, paragraph, table
-from mikas.report.way_drawing import SPEEDS, way_drawing
+from mikas.report.way_drawing import way_drawing
 
 _MOST: Final = 12  # drives, each with a row
 TITLE: Final = Text("Trip", "Поездка")

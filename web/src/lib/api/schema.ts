@@ -1052,6 +1052,30 @@ export interface components {
                 [key: string]: number;
             };
         };
+        /** @description A range of speed and load; `difference`: measured by aimed, per cent above 1. */
+        MixtureCellInfo: {
+            rpm: [
+                number,
+                number
+            ];
+            load: [
+                number,
+                number
+            ];
+            count: number;
+            aimed: number;
+            measured: number;
+            difference: number;
+            /** @enum {string} */
+            verdict: "agrees" | "leaner" | "richer" | "scatters" | "too-few";
+        };
+        /** @description VALF against the measured λ. `load`: its channel; `unsteady`, `lean`: values left out. */
+        MixtureInfo: {
+            load: string;
+            cells: components["schemas"]["MixtureCellInfo"][];
+            unsteady: number;
+            lean: number;
+        };
         /** @description The name of the marker with exactly that time. */
         NamedMarker: {
             time: number;
@@ -1922,6 +1946,49 @@ export interface components {
             /** @default [] */
             inputs: components["schemas"]["TrialInput"][];
         };
+        /** @description A mark from which a trip can be counted. */
+        TripMark: {
+            time: number;
+            label: string;
+        };
+        /**
+         * @description The drives, the first first; `total` null: the engine did not run, or `lacks` says why.
+         *
+         *     `lacks`: what the sums leave out, and what to do. `channels`: those that can colour the way.
+         */
+        TripResponse: {
+            trips: components["schemas"]["TripSums"][];
+            /** @description of all drives; the latest are listed */
+            count: number;
+            total: components["schemas"]["TripSums"] | null;
+            lacks: components["schemas"]["TwoTexts"][];
+            marks: components["schemas"]["TripMark"][];
+            way: components["schemas"]["WayInfo"] | null;
+            mixture: components["schemas"]["MixtureInfo"] | null;
+            channels: string[];
+        };
+        /**
+         * @description A drive, or all together. A sum is null where nothing was measured of it, and else holds for
+         *     the seconds beside it.
+         */
+        TripSums: {
+            begin: number;
+            end: number;
+            seconds: number;
+            gap_seconds: number;
+            litres: number | null;
+            litres_from: string | null;
+            fuel_seconds: number;
+            kilometres: number | null;
+            speed_seconds: number;
+            idle_seconds: number | null;
+            idle_known: number;
+            litres_per_100_km: number | null;
+            mean_speed: number | null;
+            highest_speed: number | null;
+            mean_rpm: number | null;
+            highest_rpm: number | null;
+        };
         /** @description The same sentence in both languages. */
         TwoTexts: {
             en: string;
@@ -2012,6 +2079,18 @@ export interface components {
         VirtualScenario: {
             name: string;
             text: components["schemas"]["TwoTexts"];
+        };
+        /** @description The way. `ends`: of the levels of the channel `colour`; empty: it has one value. */
+        WayInfo: {
+            colour: string;
+            ends: number[];
+            lines: components["schemas"]["WayLineInfo"][];
+        };
+        /** @description A line of the way. `level`: of its value, null: unknown; metres from the first place. */
+        WayLineInfo: {
+            level: number | null;
+            east: number[];
+            north: number[];
         };
         /**
          * @description The value of a parameter, what can be written, and the value before the first write.

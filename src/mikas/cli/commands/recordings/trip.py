@@ -128,7 +128,12 @@ def _both(mean: float | None, most: float | None) -> str:
 
 def _say_what_is_missing(context: CommandContext, total: Trip) -> None:
     """Name what the sums leave out, on stderr."""
-    from mikas.drives.wording import left_out
+    from mikas.drives.wording import NO_SPEED, left_out
 
     for sentence in left_out(total, _WORTH_SAYING):
         context.output.print_note(sentence.to(current_language()))
+        if sentence == NO_SPEED:
+            context.say(
+                "A GPS beside the unit gives it: mikas log --instrument nmea=PORT.",
+                "Её даёт GPS рядом с блоком: mikas log --instrument nmea=ПОРТ.",
+            )

@@ -15,6 +15,7 @@ import os
 import re
 import shutil
 import tempfile
+from collections.abc import Callable
 from contextlib import AsyncExitStack, suppress
 from math import inf
 from pathlib import Path
@@ -63,7 +64,8 @@ _TYPES: Final = {
 _CAPTURE: Final = "application/x-pcapng"
 _SENT: Final = re.compile(r"(\.pcapng)( ?\(\d+\))?\.txt$", re.IGNORECASE)
 """How a recording is named that a phone's browser has shared: it shares no .pcapng."""
-_FILE: Final = content("application/octet-stream", "the file")
+FILE: Final = content("application/octet-stream", "the file")
+"""The description of a response that is a file."""
 _BODY: Final = {"requestBody": {"required": True, "content": {"application/octet-stream": {}}}}
 
 
@@ -130,14 +132,14 @@ async def _delete(folder: Path) -> None:
     await asyncio.shield(asyncio.to_thread(shutil.rmtree, folder, ignore_errors=True))
 
 
-@router.get("/{identity}/file", response_class=Response, responses=errors(404) | _FILE)
+@router.get("/{identity}/file", response_class=Response, responses=errors(404) | FILE)
 def file(dashboard: TheDashboard, identity: str) -> Response:
     """Return the recording itself (.pcapng); of one in progress, the part written so far."""
     found = dashboard.library.folder.one(identity)
     return OpenFile(opened(found.path, found.id), found.id, _CAPTURE)
 
 
-@router.get("/{identity}/export", response_class=Response, responses=errors(404, 409, 504) | _FILE)
+@router.get("/{identity}/export", response_class=Response, responses=errors(404, 409, 504) | FILE)
 async def export(
     requester: TheRequester,
     identity: str,
@@ -173,15 +175,25 @@ async def export(
             dialect=DIALECTS[dialect],
         )
 
+    return await sent_export(requester, source.id, f"{source.path.stem}{kind}.{format}", write)
+
+
+async def sent_export(
+    requester: TheRequester, key: str, name: str, write: Callable[[Path], object]
+) -> Response:
+    """Return the file that `write` makes in the lane of files; it is deleted once it is sent.
+
+    `key`: whose turn it is; `name`: of the file to save, whose suffix is a format.
+    """
+    lane = requester.library.files
     async with AsyncExitStack() as resources:
-        resources.enter_context(library.files.place(requester.address))
+        resources.enter_context(lane.place(requester.address))
         folder = Path(tempfile.mkdtemp(prefix="mikas-export-"))
         resources.push_async_callback(_delete, folder)
-        out = folder / f"{source.path.stem}{kind}.{format}"
-        await requester.awaits(
-            library.files.run(lambda: write(out), key=source.id, address=requester.address)
-        )
-        return _Temporary(out, resources.pop_all(), media_type=_TYPES[format], filename=out.name)
+        out = folder / name
+        await requester.awaits(lane.run(lambda: write(out), key=key, address=requester.address))
+        kind = _TYPES[out.suffix[1:]]
+        return _Temporary(out, resources.pop_all(), media_type=kind, filename=name)
 
 
 class AddedRecording(BaseModel):
