@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
 from cli_harness import Mikas
 
 from instrument_recording import record
 from mikas.instruments import definition_of_text
+from mikas.link.ports import Port
 
 OWN = (
     'text = "Manometer"\ndecoder = "line"\npatterns = ["{PRESSURE} kPa"]\n'
@@ -39,6 +41,19 @@ def test_export_names_an_instrument_that_it_can_not_decode(mikas: Mikas, tmp_pat
     assert "gone" in done.err
     mikas.speaks("ru")
     assert "Прибор не экспортирован" in mikas("export", "a.pcapng", "-o", "b.csv").err
+
+
+def test_an_adapter_at_which_an_instrument_is_is_not_taken_for_the_units(
+    mikas: Mikas, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    names = [str(tmp_path / name) for name in ("meter", "unit")]
+    ports = [Port(name, "FT232R", chip="FT232R", likely=True) for name in names]
+    monkeypatch.setattr("mikas.link.find_ports", lambda: ports)
+    monkeypatch.delenv("MIKAS_PORT")
+    for command in (["watch"], ["log", "-o", "a.pcapng"]):
+        done = mikas(*command, "FREQ", "--count", "1", "--instrument", f"aem={names[0]}")
+        assert done.status == 3
+        assert f"There is no port {names[1]}" in done.err
 
 
 def test_log_records_instruments_and_watch_shows_them(mikas: Mikas, tmp_path: Path) -> None:

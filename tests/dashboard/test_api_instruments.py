@@ -176,7 +176,7 @@ def test_two_of_a_kind_need_a_label(idle):
         ({"definition": "aem", "port": "position:"}, "position"),
         ({"definition": "phone", "port": "sim:"}, "position"),
         ({"definition": "aem", "port": "sim:", "label": "1"}, "label"),
-        ({"definition": "aem", "port": IDLE}, "The unit itself"),
+        ({"definition": "aem", "port": IDLE}, "no options"),
     ],
 )
 def test_what_can_not_be_read_is_refused_and_why(idle, body, words):
@@ -292,3 +292,20 @@ def test_its_channels_may_be_shown_though_they_are_not_asked_of_the_unit(idle):
 def test_an_adapter_of_an_instrument_is_not_taken_for_the_units(off):
     off.post("/instruments", {"definition": "aem", "port": "/dev/ttyUSB7"})
     assert off.post("/connect", {"port": None}, status=503)["code"] == "NoPortGiven"
+
+
+def test_the_unit_is_not_looked_for_at_the_port_of_an_instrument(off, tmp_path):
+    link = tmp_path / "by-id"
+    link.symlink_to("/dev/null")
+    off.post("/instruments", {"definition": "aem", "port": "/dev/null"})
+    for port in ("/dev/null", "/dev/null?baud=9600", str(link)):
+        refused = off.post("/connect", {"port": port}, status=400)
+        assert "an instrument beside the unit" in refused["en"]
+    refused = off.post(
+        "/instruments", {"definition": "innovate", "port": str(link), "label": "rear"}, status=400
+    )
+    assert "aem is at the port" in refused["en"]
+    off.delete("/instruments/aem")
+    off.post("/connect", {"port": "/dev/null"})
+    refused = off.post("/instruments", {"definition": "aem", "port": str(link)}, status=400)
+    assert "the unit itself is at /dev/null" in refused["en"]

@@ -12,7 +12,7 @@ import pytest
 import mikas
 from mikas.catalog import shipped
 from mikas.client.connecting import ConnectionOptions
-from mikas.errors import LinkLost, UsageError
+from mikas.errors import LinkLost, NoPortGiven, UsageError
 from mikas.i18n import Text
 from mikas.instruments import InstrumentValues, decoder_of, definition_named
 from mikas.instruments.choosing import ChosenInstrument, chosen_instruments
@@ -21,6 +21,7 @@ from mikas.instruments.session_instruments import SessionInstruments
 from mikas.instruments.sources import InstrumentSource
 from mikas.instruments.virtual_source import VirtualSource
 from mikas.link.base import Chunk
+from mikas.link.ports import Port
 from mikas.live.progress import Length
 from mikas.live.session import Session
 from mikas.live.starting import prepared
@@ -225,11 +226,47 @@ def test_a_wrong_speed_is_silence_with_its_reason(tmp_path: Path) -> None:
         (["a1:aem=/dev/a", "a1:innovate=/dev/b"], "label one of them"),
         (["aem=gpsd:localhost"], "gpsd serves GPS receivers"),
         (["aem=nosuch://x"], "nosuch"),
+        (["aem=/dev/a", "left:innovate=/dev/a?baud=9600"], "left:innovate: aem is at the port"),
+        (["aem=socket://Box:1", "left:aem=socket:box:1"], "a port of its own"),
+        (["gpsd=/dev/a"], "gpsd=gpsd:localhost:2947"),
+        (["gpsd=sim:"], "no virtual “gpsd”"),
+        (["aem=sim:?scenario=city"], "no options"),
     ],
 )
 def test_what_can_not_be_is_refused(texts: list[str], problem: str) -> None:
     with pytest.raises(UsageError, match=problem):
         chosen_instruments(texts, shipped())
+
+
+def test_the_port_of_the_unit_is_no_instruments(tmp_path: Path) -> None:
+    """Its bytes would be taken for the unit's, and after a loss it would take the unit's port."""
+    link = tmp_path / "by-id"
+    link.symlink_to("/dev/null")
+    for unit, meter in (
+        ("/dev/ttyUSB0", "/dev/ttyUSB0?baud=19200"),
+        ("/dev/null", str(link)),
+        ("socket://box:4001", "socket:BOX:4001?baud=9600"),
+    ):
+        with pytest.raises(UsageError, match="the unit itself is at"):
+            mikas.session(unit, ["FREQ"], instruments=f"aem={meter}")
+    mikas.session("socket://box:4001", ["FREQ"], instruments="aem=socket://box:4002").close()
+    both = ["nmea=gpsd:", "rear:nmea=gpsd:", "aem=sim:", "left:aem=sim:"]
+    assert len(chosen_instruments(both, shipped())) == 4  # a gpsd and a car have room for all
+
+
+def test_an_adapter_at_which_an_instrument_is_is_not_taken_for_the_units(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def adapter(url: str) -> Port:
+        return Port(url, "FT232R", chip="FT232R", likely=True)
+
+    ports = [adapter("/dev/ttyUSB0"), adapter("/dev/ttyUSB1")]
+    monkeypatch.setattr("mikas.live.starting.find_ports", lambda: ports)
+    with mikas.session(channels=["FREQ"], instruments="aem=/dev/ttyUSB0?baud=9600") as session:
+        assert session.acquisition.port.url == "/dev/ttyUSB1"
+    del ports[1]
+    with pytest.raises(NoPortGiven):
+        mikas.session(channels=["FREQ"], instruments="aem=/dev/ttyUSB0")
 
 
 def test_labels_files_and_gpsd_are_understood(tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -131,12 +131,20 @@ class CommandContext:
             "Sent. No response, as expected (D9).", "Отправлено. Ответа нет, как и ожидалось (D9)."
         )
 
-    def open_ahead(self) -> PortAhead:
-        """Open the port, before the rest of the program is imported. Raises as `PortAhead`."""
-        from mikas.cli.port_ahead import PortAhead
-        from mikas.link import choose_port
+    def open_ahead(self, instruments: Sequence[str] = ()) -> PortAhead:
+        """Open the port, before the rest of the program is imported. Raises as `PortAhead`.
 
-        return PortAhead(self.port or choose_port())
+        `instruments`: those beside the unit, as NAME=URL; at their ports no unit is looked for.
+        """
+        from mikas.cli.port_ahead import PortAhead
+        from mikas.link import choose_port, find_ports
+
+        if self.port or not instruments:
+            return PortAhead(self.port or choose_port())
+        from mikas.instruments.places import likely_beside
+
+        taken = [text.partition("=")[2].strip() for text in instruments]
+        return PortAhead(likely_beside(taken, find_ports()))
 
     @contextmanager
     def ecu(self, confirm: Confirm | None = None) -> Iterator[Ecu]:

@@ -13,10 +13,9 @@ from mikas.cleaning import public_port
 from mikas.errors import usage_error
 from mikas.instruments.definition import InstrumentDefinition
 from mikas.instruments.loading import definition_named
+from mikas.instruments.places import GPSD, SIM, at_one_port
 from mikas.link.urls import parse
 
-GPSD: Final = "gpsd:"
-SIM: Final = "sim:"
 _LABEL: Final = re.compile(r"([A-Za-z][A-Za-z0-9_]{1,19}):(.+)")  # C:\my.toml has none
 _MOST: Final = 16
 _GPSD_BAUD: Final = 1_000_000  # more than it sends is no GPS
@@ -46,8 +45,8 @@ class ChosenInstrument:
 def chosen_instruments(texts: Iterable[str], catalog: Catalog) -> tuple[ChosenInstrument, ...]:
     """Return the instruments that texts `[LABEL:]NAME=URL` name. NAME: a definition, or a file.
 
-    Raises `UsageError` for a text in another form, an unknown instrument, two with a channel of one
-    name; `CatalogError` for a wrong file; `BadPortUrl`.
+    Raises `UsageError` for a text in another form, an unknown instrument, two at one port or with a
+    channel of one name; `CatalogError` for a wrong file; `BadPortUrl`.
     """
     found = tuple(_chosen(text, catalog) for text in texts)
     check_together(found, catalog)
@@ -55,11 +54,20 @@ def chosen_instruments(texts: Iterable[str], catalog: Catalog) -> tuple[ChosenIn
 
 
 def check_together(chosen: Iterable[ChosenInstrument], catalog: Catalog) -> None:
-    """Raise `UsageError` for too many, and for two with a channel of one name."""
+    """Raise `UsageError` for too many, two at one port, and two with a channel of one name."""
     owners: dict[str, ChosenInstrument] = {}
-    count = 0
+    before: list[ChosenInstrument] = []
     for one in chosen:
-        count += 1
+        for other in before:
+            if at_one_port(one.url, other.url):
+                port = public_port(one.url)
+                raise usage_error(
+                    f"{one.title}: {other.title} is at the port {port}; each instrument needs a "
+                    "port of its own",
+                    f"{one.title}: на порту {port} уже {other.title}; каждому прибору нужен свой "
+                    "порт",
+                )
+        before.append(one)
         text = f"{one.title}={public_port(one.url)}"
         for channel in one.channels:
             if channel.name in catalog.channels:
@@ -75,11 +83,22 @@ def check_together(chosen: Iterable[ChosenInstrument], catalog: Catalog) -> None
                     f"Канал {channel.name} дают два прибора: {first} и {text}; дайте одному метку: "
                     f"--instrument rear:{text}",
                 )
-    if count > _MOST:
+    if len(before) > _MOST:
         raise usage_error(
             f"More than {_MOST} instruments; leave some out",
             f"Больше {_MOST} приборов; уберите лишние",
         )
+
+
+def check_beside(unit: str, chosen: Iterable[ChosenInstrument]) -> None:
+    """Raise `UsageError` for an instrument at the port of the unit, whose line it would disturb."""
+    for one in chosen:
+        if at_one_port(one.url, unit):
+            port = public_port(unit)
+            raise usage_error(
+                f"{one.title}: the unit itself is at {port}; an instrument needs a port of its own",
+                f"{one.title}: на порту {port} сам блок; прибору нужен свой порт",
+            )
 
 
 def _chosen(text: str, catalog: Catalog) -> ChosenInstrument:
@@ -110,9 +129,29 @@ def placed(
                 f"Через gpsd работают приёмники GPS, а не «{name}»: gpsd={url}",
             )
         parse(network_url(url))
-    elif url.lower().partition("?")[0] != SIM:
+    elif url.lower().startswith(SIM):
+        _check_virtual(definition, url)
+    else:
         parse(url)
+        if definition.decoder == "gpsd":
+            raise usage_error(
+                "gpsd is reached by its own address, gpsd=gpsd:localhost:2947; a receiver at a "
+                f"port of its own is nmea={public_port(url)}",
+                "gpsd доступен по своему адресу, gpsd=gpsd:localhost:2947; приёмник на отдельном "
+                f"порту — nmea={public_port(url)}",
+            )
     return ChosenInstrument(definition, url, label)
+
+
+def _check_virtual(definition: InstrumentDefinition, url: str) -> None:
+    from mikas.virtual.instruments import check_virtual_instrument  # the engine: for this only
+
+    if url.lower() != SIM:
+        raise usage_error(
+            "As an instrument's port sim: has no options: they belong to the car, at --port",
+            "У sim: как порта прибора нет параметров: они задаются машине, в --port",
+        )
+    check_virtual_instrument(definition.name)
 
 
 def line_baud(definition: InstrumentDefinition, url: str) -> int:

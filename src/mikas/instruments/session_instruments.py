@@ -14,7 +14,8 @@ from typing import Final
 
 from mikas.catalog.instrument_channels import InstrumentChannel
 from mikas.i18n import Text
-from mikas.instruments.choosing import SIM, ChosenInstrument
+from mikas.instruments.choosing import ChosenInstrument
+from mikas.instruments.places import SIM
 from mikas.instruments.reading import (
     InstrumentChange,
     InstrumentReader,
@@ -59,7 +60,7 @@ class SessionInstruments:
         self._in_turn: list[InstrumentReader] = []  # read in the session's thread
         self._alone: list[InstrumentReader] = []
         for number, each in enumerate(self.chosen):
-            is_virtual = each.url.lower().partition("?")[0] == SIM
+            is_virtual = each.url.lower() == SIM
             source = sources[number] if sources else self._source(each, is_virtual=is_virtual)
             reader = InstrumentReader(
                 number,

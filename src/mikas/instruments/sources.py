@@ -11,8 +11,9 @@ from collections.abc import Callable
 from typing import Final, Protocol
 from urllib.parse import urlencode
 
-from mikas.instruments.choosing import GPSD, ChosenInstrument, line_baud, network_url
+from mikas.instruments.choosing import ChosenInstrument, line_baud, network_url
 from mikas.instruments.decoders.gpsd import WATCH
+from mikas.instruments.places import GPSD
 from mikas.link import Link, open_link
 from mikas.link.base import Chunk
 from mikas.link.ports import Port, find_ports

@@ -97,11 +97,12 @@ def only_likely(ports: Sequence[Port]) -> str:
 
 def named(address: str, ports: Iterable[Port]) -> Port | None:
     """Return the port with this name; `address` may be a link to it (`/dev/serial/by-id/…`)."""
-    real = _real(address)
-    return next((port for port in ports if address == port.url or real == _real(port.url)), None)
+    real = real_name(address)
+    return next((it for it in ports if address == it.url or real == real_name(it.url)), None)
 
 
-def _real(address: str) -> str:
+def real_name(address: str) -> str:
+    """Return the name of a serial port of which `address` may be a link, or another spelling."""
     with suppress(OSError):  # of a folder that was removed
         address = os.path.realpath(address)
     return os.path.normcase(address)

@@ -11,9 +11,10 @@ from mikas.catalog import load
 from mikas.client.connecting import ConnectionKeywords, ConnectionOptions, StrPath, named_port
 from mikas.client.parameters.polling import Method
 from mikas.errors import CaptureError
-from mikas.instruments.choosing import ChosenInstrument, chosen_instruments
+from mikas.instruments.choosing import ChosenInstrument, check_beside, chosen_instruments
+from mikas.instruments.places import likely_beside
 from mikas.instruments.session_instruments import SessionInstruments
-from mikas.link import Link, choose_port, open_link
+from mikas.link import Link, choose_port, find_ports, open_link
 from mikas.link.reconnecting import ReconnectingPort
 from mikas.live.progress import Length
 from mikas.live.session import Session, listed
@@ -49,6 +50,7 @@ def prepared(
     `keeps_unanswered`: a recording in which no unit has answered stays. The other
     arguments and the errors: as of `session`. `open_instrument`: opens the instruments' ports.
     """
+    check_beside(port, instruments)
     reconnecting = ReconnectingPort(
         port, open_port=open_port, sink=recorder, timeout=connection.timeout
     )
@@ -85,9 +87,16 @@ def prepared(
     return made
 
 
-def _port(open_port: Callable[[str], Link]) -> str:
-    """Return the port that the user has set, else the only one; `open_port` may need none."""
-    return named_port() or (choose_port() if open_port is open_link else _OWN)
+def _port(open_port: Callable[[str], Link], beside: Sequence[str]) -> str:
+    """Return the port that the user has set, else the only one at which no instrument is.
+
+    `open_port` may need none. `beside`: the instruments' ports.
+    """
+    if named := named_port():
+        return named
+    if open_port is not open_link:
+        return _OWN
+    return likely_beside(beside, find_ports()) if beside else choose_port()
 
 
 def session(
@@ -130,8 +139,9 @@ def session(
         )
     files = [catalogs] if isinstance(catalogs, str | PathLike) else catalogs
     connection = ConnectionOptions(catalog=load(*files), **options)
+    beside = chosen_instruments(listed(instruments), connection.catalog)
     return prepared(
-        _port(open_port) if url is None else url,
+        _port(open_port, [each.url for each in beside]) if url is None else url,
         connection,
         listed(channels),
         Length(count, duration, rate),
@@ -142,5 +152,5 @@ def session(
         wants_faults=lambda: faults,
         patient=patient,
         open_port=open_port,
-        instruments=chosen_instruments(listed(instruments), connection.catalog),
+        instruments=beside,
     )

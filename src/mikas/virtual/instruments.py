@@ -28,15 +28,20 @@ BAUDS: Final = {"aem": 9600, "14point7": 9600, "innovate": 19200, "nmea": 9600}
 """The instruments that there are, with the bits a second of their wires."""
 
 
+def check_virtual_instrument(name: str) -> None:
+    """Raise `UsageError` for an instrument that no virtual car has."""
+    if name not in _PERIODS:
+        raise usage_error(
+            f"There is no virtual “{name}”; there are: {', '.join(_PERIODS)}",
+            f"Виртуального прибора «{name}» нет; есть: {', '.join(_PERIODS)}",
+        )
+
+
 class VirtualInstrument:
     """One instrument of the kind `name` in `car`, switched on at `start` of the caller's clock."""
 
     def __init__(self, name: str, car: EngineCar, start: float) -> None:
-        if name not in _PERIODS:
-            raise usage_error(
-                f"There is no virtual “{name}”; there are: {', '.join(_PERIODS)}",
-                f"Виртуального прибора «{name}» нет; есть: {', '.join(_PERIODS)}",
-            )
+        check_virtual_instrument(name)
         self.name = name
         self._car = car
         self._period = _PERIODS[name]

@@ -90,7 +90,7 @@ def log(
         from mikas.cli.acting import load
 
         loaded, options = load(context, actions.actions, options)
-    with context.open_ahead() as ahead:  # imports take as long as the handshake listens
+    with context.open_ahead(instruments) as ahead:  # imports take as long as the handshake listens
         from mikas.cli.sampling_run import sampling_session
 
         _check_name(out)

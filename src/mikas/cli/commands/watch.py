@@ -63,7 +63,7 @@ def watch(
         from mikas.cli.acting import load
 
         loaded, options = load(context, actions.actions, options)
-    with context.open_ahead() as ahead:  # imports take as long as the handshake listens
+    with context.open_ahead(instruments) as ahead:  # imports take as long as the handshake listens
         _watch(context, options, loaded, ahead, instruments)
 
 

@@ -18,16 +18,17 @@ from math import lcm
 from typing import TypeVar
 
 from mikas.catalog import Catalog
+from mikas.cleaning import public_port
 from mikas.client import Ecu
 from mikas.client.connecting import ConnectionOptions, EchoSetting, PauseSetting
 from mikas.dashboard.errors import ADVICE, Busy, NotConnected
 from mikas.dashboard.session.monitor import DISCONNECTED, ConnectionMonitor
 from mikas.dashboard.session.port_threads import SamplingThread
 from mikas.dashboard.settings import PlanSettings, PortSettings, Settings
-from mikas.errors import UnknownParameter, UsageError
+from mikas.errors import UnknownParameter, UsageError, usage_error
 from mikas.i18n import Text
+from mikas.instruments.places import at_one_port, likely_beside
 from mikas.link.identity import KnownAdapter
-from mikas.link.ports import only_likely
 from mikas.link.reconnecting import ReconnectingPort
 from mikas.link.urls import parse, with_name
 from mikas.sampling.acquisition import Acquisition
@@ -85,7 +86,7 @@ class Connection:
     port: PortSettings | None = None
     thread: SamplingThread | None = field(default=None, init=False)
     taken: Callable[[], frozenset[str]] = field(default=frozenset, init=False)
-    """The ports at which other instruments are; to be set before the first request."""
+    """The URLs at which instruments beside the unit are; to be set before the first request."""
 
     def __post_init__(self) -> None:
         self._changing = asyncio.Lock()
@@ -125,6 +126,13 @@ class Connection:
             if url is None:
                 url = await asyncio.to_thread(self.likely)
             parse(url)
+            if any(at_one_port(url, other) for other in self.taken()):
+                raise usage_error(
+                    f"At {public_port(url)} is an instrument beside the unit; choose another port, "
+                    "or remove the instrument first",
+                    f"На порту {public_port(url)} прибор рядом с блоком; выберите другой порт или "
+                    "сначала уберите прибор",
+                )
             port = self.port
             again = port is not None and port.url == url
             await self.close(RECONNECTED if again else _OTHER_PORT)
@@ -173,8 +181,7 @@ class Connection:
 
     def likely(self) -> str:
         """Return the URL of the one likely adapter. Raises as `only_likely`."""
-        others = self.taken()
-        return only_likely([port for port in self._settings.find() if port.url not in others])
+        return likely_beside(self.taken(), self._settings.find())
 
     @property
     def changing(self) -> bool:

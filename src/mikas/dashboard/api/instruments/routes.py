@@ -31,7 +31,7 @@ from mikas.dashboard.security.access import check_from_network
 from mikas.dashboard.security.control import Client
 from mikas.dashboard.session.instruments.positions import POSITIONS
 from mikas.i18n import Text
-from mikas.instruments.choosing import GPSD
+from mikas.instruments.places import GPSD
 
 router: Final = APIRouter(prefix="/api/instruments", tags=["instruments"])
 

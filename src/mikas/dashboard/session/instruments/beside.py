@@ -31,7 +31,12 @@ from mikas.dashboard.settings import Settings
 from mikas.errors import MikasError, usage_error
 from mikas.i18n import Text
 from mikas.instruments import InstrumentDefinition
-from mikas.instruments.choosing import ChosenInstrument, check_together, placed
+from mikas.instruments.choosing import (
+    ChosenInstrument,
+    check_beside,
+    check_together,
+    placed,
+)
 from mikas.instruments.reading import InstrumentReader, InstrumentReading
 from mikas.instruments.session_instruments import SessionInstruments
 from mikas.recording.capture.instruments import CONNECTED, instrument_port, loss
@@ -102,7 +107,7 @@ class InstrumentsBeside:
 
     def ports(self) -> frozenset[str]:
         """Return the ports that are no unit's."""
-        return frozenset(_place(each.url) for each in self.chosen)
+        return frozenset(each.url for each in self.chosen)
 
     def definition(self, name: str) -> InstrumentDefinition:
         """Return a definition. Raises `UsageError`, `CatalogError`."""
@@ -118,13 +123,10 @@ class InstrumentsBeside:
             )
         if url == POSITIONS:
             return ChosenInstrument(definition, url, label)
-        port = self._connection.port
-        if port is not None and url != "sim:" and _place(url) == _place(port.url):
-            raise usage_error(
-                f"The unit itself is at {port.shown}; an instrument needs a port of its own",
-                f"На порту {port.shown} сам блок; прибору нужен свой порт",
-            )
-        return placed(definition, url, label, self.catalog)
+        found = placed(definition, url, label, self.catalog)
+        if (port := self._connection.port) is not None:
+            check_beside(port.url, [found])
+        return found
 
     # The choice
 
@@ -146,11 +148,6 @@ class InstrumentsBeside:
         """Read one more. Raises `UsageError`."""
         async with self.changing:
             chosen = (*self.chosen, one)
-            for each in self.chosen:
-                if one.url not in ("sim:", POSITIONS) and _place(each.url) == _place(one.url):
-                    raise usage_error(
-                        f"{each.title} is at this port", f"На этом порту уже {each.title}"
-                    )
             check_together(chosen, self.catalog)
             await self._replace(chosen)
 
@@ -285,10 +282,6 @@ class InstrumentsBeside:
             raise NotFound(name=PHONE)
         if (positions := self._positions) is not None:
             positions.put(keys)
-
-
-def _place(url: str) -> str:
-    return url.partition("?")[0]
 
 
 def _entry(each: ChosenInstrument) -> dict[str, str]:
