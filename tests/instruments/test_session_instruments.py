@@ -238,6 +238,15 @@ def test_what_can_not_be_is_refused(texts: list[str], problem: str) -> None:
         chosen_instruments(texts, shipped())
 
 
+def test_a_file_named_as_a_known_instrument_is_refused(tmp_path: Path) -> None:
+    """A recording has the name only, and would be read by the other definition."""
+    mine = tmp_path / "aem.toml"
+    mine.write_text('text = "Mine"\ndecoder = "line"\npatterns = ["X {AFR}"]\n', "utf-8")
+    with pytest.raises(UsageError, match="my-aem"):
+        chosen_instruments([f"left:{mine}=COM4"], shipped())
+    assert definition_named(str(mine)).patterns == ("X {AFR}",)  # to decode a recording again
+
+
 def test_the_port_of_the_unit_is_no_instruments(tmp_path: Path) -> None:
     """Its bytes would be taken for the unit's, and after a loss it would take the unit's port."""
     link = tmp_path / "by-id"

@@ -12,7 +12,7 @@ from mikas.catalog import Catalog, InstrumentChannel
 from mikas.cleaning import public_port
 from mikas.errors import usage_error
 from mikas.instruments.definition import InstrumentDefinition
-from mikas.instruments.loading import definition_named
+from mikas.instruments.loading import definition_named, definition_names
 from mikas.instruments.places import GPSD, SIM, at_one_port
 from mikas.link.urls import parse
 
@@ -112,7 +112,15 @@ def _chosen(text: str, catalog: Catalog) -> ChosenInstrument:
         )
     match = _LABEL.fullmatch(name)
     label, name = match.groups() if match else ("", name)
-    return placed(definition_named(name, catalog), url, label, catalog)
+    definition = definition_named(name, catalog)
+    if name.lower().endswith(".toml") and definition.name in definition_names():
+        raise usage_error(
+            f"{name}: there is an instrument “{definition.name}” already, by which a recording "
+            f"would be read; name the file my-{definition.name}.toml",
+            f"{name}: прибор «{definition.name}» уже есть, и запись читалась бы по нему; назовите "
+            f"файл my-{definition.name}.toml",
+        )
+    return placed(definition, url, label, catalog)
 
 
 def placed(
