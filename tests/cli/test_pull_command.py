@@ -34,7 +34,11 @@ def test_pull_says_what_it_needs(mikas, tmp_path):
     recorded(tmp_path / "a.pcapng", Session(rise(1.0)))
     for wrong, problem in (
         ((), "--mass is missing"),
-        (("--mass", "0"), "more than 0"),
+        (("--mass", "0"), "from 400 to 20000"),
+        (("--mass", "1.6"), "kg with driver"),
+        (("--mass", "1e9"), "from 400 to 20000"),
+        (("--mass", "nan"), "from 400 to 20000"),
+        (("--mass", "1600", "--per-1000", "9999"), "km/h at 1000 rpm"),
         (("--mass", "1600"), "--per-1000 KM/H"),
         (("--mass", "1600", "--per-1000", "24", "--slope", "45"), "per cent"),
     ):
@@ -52,3 +56,16 @@ def test_a_gear_that_seems_to_change_is_said(mikas, tmp_path):
     recorded(tmp_path / "a.pcapng", Session(rise(1.0), road))
     ran = mikas("pull", "a.pcapng", "--mass", "1600")
     assert "slips" in ran.err
+
+
+def test_a_throttle_that_was_not_recorded_is_said(mikas, tmp_path):
+    """Each rise is taken for a pull then, with the throttle half closed, too."""
+    recorded(tmp_path / "a.pcapng", Session([Unit(it.time, it.rpm) for it in rise(1.0)]))
+    ran = mikas("pull", "a.pcapng", "--mass", "1600", "--per-1000", "24")
+    assert ran.lines
+    assert "THR) was not recorded" in ran.err
+    ran = mikas("pull", "a.pcapng", "--mass", "1600", "--per-1000", "24", "--json")
+    assert ran.object["pulls"][0]["throttle_known"] is False
+    recorded(tmp_path / "b.pcapng", Session(rise(1.0)))
+    ran = mikas("pull", "b.pcapng", "--mass", "1600", "--per-1000", "24", "--json")
+    assert (ran.err, ran.object["pulls"][0]["throttle_known"]) == ("", True)

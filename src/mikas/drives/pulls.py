@@ -9,7 +9,7 @@ doubt: the square root of the squares of what mass, slope, drag, gear and the fi
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import hypot, pi
 from typing import TYPE_CHECKING, Final
 
@@ -83,6 +83,7 @@ class Pull:
     """One pull, with its points by the engine's speed. `per_1000`: km/h at 1000 rpm in its gear.
 
     `slip`: how far the gear seems to change in it, of `per_1000`; 0 where the gear was given.
+    `throttle_known`: THR was recorded; else any rise of the engine's speed is taken for a pull.
     """
 
     session: int
@@ -92,6 +93,7 @@ class Pull:
     per_1000: float
     slip: float
     points: tuple[PullPoint, ...]
+    throttle_known: bool = True
 
     @property
     def most_power(self) -> PullPoint:
@@ -129,11 +131,13 @@ def pulls(recording: Recording, settings: PullSettings) -> list[Pull]:
     for source, rows in session_rows(corrected):
         rpm = sampled_curve(rows.times, rows.values["FREQ"])
         throttle = sampled_curve(rows.times, rows.values["THR"]) if has_throttle else None
+        if throttle is not None and not len(throttle.times):
+            throttle = None
         for first, last in _stretches(rpm, throttle):
             stretch = Curve(rpm.times[first:last], rpm.values[first:last], rpm.longest)
             pull = _pull(recording, source.recording, stretch, settings)
             if pull is not None:
-                found.append(pull)
+                found.append(replace(pull, throttle_known=throttle is not None))
     return found
 
 
@@ -144,7 +148,7 @@ def _has_speed(recording: Recording) -> bool:
 def _stretches(rpm: Curve, throttle: Curve | None) -> Iterator[tuple[int, int]]:
     """Yield the rows of each rise of the engine's speed at full throttle."""
     is_full = rpm.values >= RUNNING
-    if throttle is not None and len(throttle.times):
+    if throttle is not None:
         place = np.searchsorted(throttle.times, rpm.times, "right") - 1
         latest = np.maximum(place, 0)
         is_fresh = (place >= 0) & (rpm.times - throttle.times[latest] <= PAUSE)

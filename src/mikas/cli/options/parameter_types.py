@@ -32,6 +32,8 @@ if TYPE_CHECKING:
 else:
     _WordType = click.ParamType  # generic since click 8.4
 
+_LIGHTEST, _HEAVIEST = 400.0, 20_000.0  # kg
+_SLOWEST_GEAR, _FASTEST_GEAR = 2.0, 80.0  # km/h at 1000 rpm
 _STEEPEST: Final = 30.0  # % of a road
 _MOST_FILES: Final = 1000  # among which a misspelt name is looked for
 
@@ -114,6 +116,32 @@ def positive(text: str) -> float:
     raise _invalid(
         f"“{text}” is not allowed; it must be a number more than 0.",
         f"«{text}» не подходит; нужно число больше 0.",
+    )
+
+
+def mass(text: str) -> float:
+    """Return the mass of a car in kg; a decimal comma is allowed."""
+    value = _decimal(text)
+    if _LIGHTEST <= value <= _HEAVIEST:
+        return value
+    raise _invalid(
+        f"“{text}” is not allowed; it must be kg with driver and load, from {_LIGHTEST:.0f} to "
+        f"{_HEAVIEST:.0f}.",
+        f"«{text}» не подходит; нужны килограммы с водителем и грузом, от {_LIGHTEST:.0f} до "
+        f"{_HEAVIEST:.0f}.",
+    )
+
+
+def gear_speed(text: str) -> float:
+    """Return a gear's speed at 1000 rpm in km/h; a decimal comma is allowed."""
+    value = _decimal(text)
+    if _SLOWEST_GEAR <= value <= _FASTEST_GEAR:
+        return value
+    raise _invalid(
+        f"“{text}” is not allowed; it must be km/h at 1000 rpm, from {_SLOWEST_GEAR:.0f} to "
+        f"{_FASTEST_GEAR:.0f}.",
+        f"«{text}» не подходит; нужны км/ч при 1000 об/мин, от {_SLOWEST_GEAR:.0f} до "
+        f"{_FASTEST_GEAR:.0f}.",
     )
 
 

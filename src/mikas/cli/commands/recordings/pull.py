@@ -10,7 +10,8 @@ from mikas.cli.click_extensions import argument, command, option
 from mikas.cli.completion.values import RECORDING, files
 from mikas.cli.context import CommandContext
 from mikas.cli.language import decimal, tr
-from mikas.cli.options.parameter_types import existing_file, positive
+from mikas.cli.options.parameter_types import existing_file, gear_speed, positive
+from mikas.cli.options.parameter_types import mass as mass_of
 from mikas.cli.options.parameter_types import slope as slope_of
 from mikas.json_values import picked
 
@@ -37,7 +38,7 @@ _HORSE: Final = 0.73549875  # kW
 @argument("file", "FILE", type=existing_file, shell_complete=files(*RECORDING))
 @option(
     "--mass",
-    type=positive,
+    type=mass_of,
     required=True,
     metavar="KG",
     en="mass of the car as it was driven; required",
@@ -45,7 +46,7 @@ _HORSE: Final = 0.73549875  # kW
 )
 @option(
     "--per-1000",
-    type=positive,
+    type=gear_speed,
     metavar="KM/H",
     en="speed at 1000 rpm in the gear of the pull, in place of a GPS",
     ru="скорость при 1000 об/мин на передаче разгона, вместо GPS",
@@ -97,7 +98,7 @@ def pull(
 
 
 def _as_json(pull: Pull) -> dict[str, object]:
-    names = ("session", "begin", "end", "speed_from", "per_1000", "slip")
+    names = ("session", "begin", "end", "speed_from", "per_1000", "slip", "throttle_known")
     columns = ("rpm", "speed", "power", "torque", "doubt", "torque_doubt")
     points = [picked(point, *columns) for point in pull.points]
     return {**picked(pull, *names), "points": points}
@@ -137,6 +138,12 @@ def _show(context: CommandContext, pull: Pull) -> None:
             "the receiver is too slow; these figures are worth little.",
             f"Передача будто меняется на {100 * pull.slip:.0f} %: буксует сцепление или колесо, "
             "или приёмник слишком медленный; этим числам верить нельзя.",
+        )
+
+    if not pull.throttle_known:
+        context.say(
+            "The throttle (THR) was not recorded: whether it was open is not known.",
+            "Дроссель (THR) не записан: был ли газ полным, неизвестно.",
         )
 
 
