@@ -10,7 +10,7 @@ PARTS = {
         "test_api_errors.py", "test_api_exports.py", "test_api_foreign.py",
         "test_api_foreign_logs.py", "test_api_guided_tests.py", "test_api_instruments.py",
         "test_api_live.py", "test_api_marks.py", "test_api_messages.py",
-        "test_api_recorded_faults.py",
+        "test_api_recorded_faults.py", "test_api_recorded_instruments.py",
         "test_api_recordings.py", "test_api_references.py", "test_api_report.py",
         "test_api_search.py", "test_api_survey.py", "test_api_trips.py", "test_api_unit.py",
         "test_api_virtual_cars.py",
@@ -73,6 +73,8 @@ LEFT_OUT = {
     "test_api_foreign.py::test_only_this_computer_fills_its_disk_and_not_all_of_it": _HEADERS,
     "test_api_live.py::test_a_slow_reader_stops_no_other_and_loses_whole_messages": _SOCKET,
     "test_api_marks.py::test_a_file_that_another_program_writes_is_not_marked": _PROGRAMS,
+    "test_api_recorded_instruments.py::"
+    "test_a_recording_with_instruments_as_a_table_of_others": _TABLES,
     "test_api_recordings.py::test_a_note_is_kept_in_the_file_itself": _TABLES,
     "test_api_recordings.py::test_all_rows_are_those_of_the_library": _TABLES,
     "test_api_recordings.py::test_nothing_else_can_be_reached": _SOCKET,
